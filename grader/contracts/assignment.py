@@ -1,0 +1,103 @@
+"""An assignment as data: what is run, in which world, and how the motion earns points."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from grader.contracts.limits import Limits
+from grader.contracts.text import EMPTY, Text
+
+Profile = Literal["nominal", "rough"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StartPose:
+    """Pose of the car at the start of an episode, in turtlesim's frame."""
+
+    x_m: float = 5.544445
+    y_m: float = 5.544445
+    heading_deg: float = 0.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class World:
+    """The simulated world of an episode.
+
+    Attributes:
+        profile: ``nominal`` obeys commands as turtlesim does; ``rough`` adds lag, slip and seeded noise.
+        walls: whether turtlesim's window edges stand as walls.
+        cmd_vel_topic: fully qualified topic that moves the car.
+        seed: of the rough profile's noise.
+    """
+
+    profile: Profile = "nominal"
+    walls: bool = True
+    start: StartPose = field(default_factory=StartPose)
+    cmd_vel_topic: str = "/turtle1/cmd_vel"
+    seed: int = 0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Case:
+    """One run of the script: what it is given. Most assignments have the single case ``default``."""
+
+    id: str = "default"
+    title: Text = EMPTY
+    stdin: str = ""
+    args: tuple[str, ...] = ()
+    options: dict[str, float | int | str | bool] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ItemSpec:
+    """One rubric item as the instructor wrote it.
+
+    Credit falls smoothly with the error e = distance of the measure from [low, high]: full at e = 0,
+    zero from e = ramp on.
+
+    Attributes:
+        measure: name of a quantity that the assignment's check computes.
+        low, high: band of full credit (None: unbounded on that side).
+        ramp: width outside the band over which credit falls to zero (0: all or nothing).
+        needs: ids of items that must not have failed; otherwise this one is ``not_checked``.
+    """
+
+    id: str
+    title: Text
+    points: float
+    measure: str
+    low: float | None = None
+    high: float | None = None
+    ramp: float = 0.0
+    needs: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Assignment:
+    """A validated assignment.
+
+    Attributes:
+        check: kind of check, a key of the table in `grader.checks`.
+        options: the check's own options, validated by it.
+        file_patterns: shell patterns of file names that tell this assignment.
+        horizon_s: virtual seconds after which the script sees Ctrl+C.
+        order: position on the checklist.
+    """
+
+    id: str
+    version: int
+    order: int
+    title: Text
+    brief: Text
+    check: str
+    items: tuple[ItemSpec, ...]
+    options: dict[str, float | int | str | bool] = field(default_factory=dict)
+    file_patterns: tuple[str, ...] = ()
+    horizon_s: float = 60.0
+    limits: Limits = field(default_factory=Limits)
+    world: World = field(default_factory=World)
+    cases: tuple[Case, ...] = field(default_factory=lambda: (Case(),))
+
+    @property
+    def max_score(self) -> float:
+        """Sum of the items' points over all cases."""
+        return sum(item.points for item in self.items)

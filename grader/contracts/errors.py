@@ -1,0 +1,56 @@
+"""Everything the grader raises on purpose.
+
+GraderError
+├── AssignmentError        the instructor's file is wrong: names file, field and fix
+├── UnknownAssignmentError no assignment of that name
+├── SubmissionError        the student's file cannot be accepted: names the reason and the fix
+├── SettingsError          the operator's configuration is wrong
+├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
+│   └── SandboxUnavailableError   a required layer is missing: the service refuses to grade
+├── ProtocolError          the jailed process sent something outside the wire format
+└── InfrastructureError    anything else on the grader's side; retried
+"""
+
+
+class GraderError(Exception):
+    """Root of the grader's own exceptions; its message is fit to be shown."""
+
+
+class AssignmentError(GraderError):
+    """An assignment's files do not say what they must."""
+
+
+class UnknownAssignmentError(GraderError):
+    """No assignment has the name asked for."""
+
+
+class SubmissionError(GraderError):
+    """A submitted file cannot be accepted.
+
+    Attributes:
+        code: stable machine-readable reason, e.g. ``not_utf8``.
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+class SettingsError(GraderError):
+    """A setting has a value the grader refuses to start with."""
+
+
+class SandboxError(GraderError):
+    """The sandbox failed before or while running a script, through no fault of the script."""
+
+
+class SandboxUnavailableError(SandboxError):
+    """A required layer of isolation is missing on this host."""
+
+
+class ProtocolError(GraderError):
+    """The jailed process sent a frame outside the wire format."""
+
+
+class InfrastructureError(GraderError):
+    """A fault of the grader or its host; the submission is graded again."""

@@ -1,0 +1,100 @@
+"""The graded report: the same bytes for the same submission, today or in a re-grade next term."""
+
+import hashlib
+import json
+from dataclasses import asdict, dataclass
+from enum import StrEnum
+
+from grader.contracts.outcome import RunOutcome
+from grader.contracts.rubric import RubricItem
+from grader.contracts.text import EMPTY, Text
+
+SCHEMA_VERSION = 1
+
+
+class GradeStatus(StrEnum):
+    """State of a grading as a whole. Only the last two are not the student's to mend."""
+
+    GRADED = "graded"
+    NEEDS_MANUAL = "needs_manual"
+    SYNTAX_ERROR = "syntax_error"
+    CRASHED = "crashed"
+    CPU_LIMIT = "cpu_limit"
+    MEMORY_LIMIT = "memory_limit"
+    OUTPUT_LIMIT = "output_limit"
+    STALLED = "stalled"
+    FORBIDDEN = "forbidden"
+    PROTOCOL = "protocol"
+    ASSIGNMENT_ERROR = "assignment_error"
+    INFRASTRUCTURE_ERROR = "infrastructure_error"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CaseRun:
+    """One run of the script under one of the assignment's cases (most assignments have one, ``default``).
+
+    Attributes:
+        trajectory_sha256: digest of the recorded trajectory, which is stored beside the report.
+    """
+
+    case: str
+    outcome: RunOutcome
+    trajectory_sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GradeReport:
+    """The graded part of a result. Instants, CPU time and isolation mode stand beside it, never in it.
+
+    Attributes:
+        score, max_score: sums over `items`; score is None while a person has still to grade.
+        summary: one sentence for the student. hint: the one next step that matters most.
+        mistakes: codes of recognised mistakes, most likely first (see docs/feedback).
+    """
+
+    submission_sha256: str
+    assignment: str
+    assignment_version: int
+    grader_version: str
+    simulator: str
+    seed: int
+    status: GradeStatus
+    score: float | None
+    max_score: float
+    items: tuple[RubricItem, ...]
+    runs: tuple[CaseRun, ...]
+    summary: Text = EMPTY
+    hint: Text = EMPTY
+    mistakes: tuple[str, ...] = ()
+    interface: str = "ros2-humble"
+    schema_version: int = SCHEMA_VERSION
+
+    def to_dict(self) -> dict[str, object]:
+        """Return plain JSON-ready data."""
+        return asdict(self)
+
+    def canonical_bytes(self) -> bytes:
+        """Return the one byte form of this report: sorted keys, no spaces, UTF-8, no NaN."""
+        return json.dumps(
+            self.to_dict(), ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False
+        ).encode()
+
+    def sha256(self) -> str:
+        """Return the hexadecimal digest of `canonical_bytes`."""
+        return hashlib.sha256(self.canonical_bytes()).hexdigest()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Measurements:
+    """What a grading cost and how it was isolated. Never part of the graded report.
+
+    Attributes:
+        missing_layers: names of isolation layers that were not active.
+    """
+
+    wall_s: float
+    jail_cpu_s: float
+    jail_peak_bytes: int
+    sim_steps: int
+    isolation: str
+    missing_layers: tuple[str, ...] = ()

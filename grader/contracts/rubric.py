@@ -1,0 +1,41 @@
+"""Rubric items: what was asked, what was measured, what it earned."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from grader.contracts.text import EMPTY, Text
+
+
+class ItemStatus(StrEnum):
+    """State of one rubric item."""
+
+    PASSED = "passed"
+    PARTIAL = "partial"
+    FAILED = "failed"
+    NOT_CHECKED = "not_checked"  # an item it depends on failed, so measuring it would mean nothing
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RubricItem:
+    """One line of the checklist, judged.
+
+    Attributes:
+        id: stable name inside the assignment, e.g. ``sides``; ``case/id`` when there are several cases.
+        points: most it can earn; earned: 0 <= earned <= points, rounded to 1e-2.
+        measured: the measured quantity, None when nothing could be measured.
+        target, tolerance: what full credit needs: |measured - target| <= tolerance, or as `message` says.
+        unit: ``m``, ``deg``, ``s``, ``%`` or empty.
+        message: what was seen. hint: one next step, empty when nothing is to be done.
+    """
+
+    id: str
+    title: Text
+    points: float
+    earned: float
+    status: ItemStatus
+    measured: float | None = None
+    target: float | None = None
+    tolerance: float | None = None
+    unit: str = ""
+    message: Text = EMPTY
+    hint: Text = EMPTY

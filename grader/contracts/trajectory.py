@@ -1,0 +1,62 @@
+"""What the car did: a time-stamped planar trajectory, recorded on the trusted side."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Contact:
+    """The car touched a wall during [start_ns, end_ns]. `wall` is left, right, top or bottom."""
+
+    start_ns: int
+    end_ns: int
+    wall: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Command:
+    """A velocity command as the car received it, at most one per physics step (the last wins)."""
+
+    t_ns: int
+    v_mps: float
+    w_radps: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Trajectory:
+    """Poses of the car over virtual time, in turtlesim's frame (origin bottom left, x right, y up).
+
+    All arrays have the same length n >= 1 (the start pose). Samples are 1/60 s apart while the car moves
+    and sparser while it rests: between two samples further apart the car stood still.
+
+    Attributes:
+        t_ns: (n,) strictly increasing virtual time.
+        x_m, y_m: (n,) position.
+        heading_rad: (n,) heading, counter-clockwise positive, unwrapped (continuous, not folded to ±π).
+        v_mps: (n,) signed speed along the heading, measured, not commanded.
+        w_radps: (n,) yaw rate, measured.
+        jumps: indices i (1 <= i < n) whose pose was reached by teleport or reset, not by driving; the
+            heading is not continuous there.
+        contacts: wall contacts in order of time.
+        commands: commands in order of time, bounded by one per physics step.
+        end_ns: virtual time at which the episode ended (>= t_ns[-1]; the car rested since).
+    """
+
+    t_ns: Ints
+    x_m: Floats
+    y_m: Floats
+    heading_rad: Floats
+    v_mps: Floats
+    w_radps: Floats
+    end_ns: int
+    jumps: tuple[int, ...] = ()
+    contacts: tuple[Contact, ...] = ()
+    commands: tuple[Command, ...] = field(default=())
+
+    def __len__(self) -> int:
+        return len(self.t_ns)
