@@ -1,0 +1,84 @@
+"""The measured figure: what the checks saw in a motion, ready to be drawn.
+
+The checks compute it (`grader.checks.sketch`), the renderers draw it; neither imports the other.
+Points are (x, y) in metres in turtlesim's frame, in the order driven.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from grader.contracts.text import Text
+
+Point = tuple[float, float]
+
+View = Literal["path", "heading", "log"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SketchSide:
+    """A detected straight run.
+
+    Attributes:
+        start_m, end_m: its end points.
+        length_m: the length the rubric judged (net along the run).
+        ok: within tolerance; None when the rubric does not judge it.
+    """
+
+    start_m: Point
+    end_m: Point
+    length_m: float
+    ok: bool | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SketchCorner:
+    """A detected turn between two runs.
+
+    Attributes:
+        at_m: where the car turned.
+        angle_deg: exterior angle, counter-clockwise positive.
+        ok: within tolerance; None when the rubric does not judge it.
+    """
+
+    at_m: Point
+    angle_deg: float
+    ok: bool | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SketchLabel:
+    """A remark at a point, e.g. the gap at the end of an open figure."""
+
+    at_m: Point
+    text: Text
+    ok: bool | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FigureSketch:
+    """What a plot shows beside the bare path.
+
+    Attributes:
+        view: ``path`` (plan view), ``heading`` (turning in place: heading over time), ``log`` (log lines
+            over time).
+        sides, corners: as detected, in the order driven; at most a few dozen of each.
+        ideal_m: vertices of the wanted figure, fitted to the motion (rotated, translated, scaled); empty
+            when there is none.
+        ideal_closed: whether the last vertex of `ideal_m` joins the first.
+        gap: from the start to the end point of a figure that should have closed, or None.
+        labels: further remarks; few and short.
+        begin_ns, end_ns: the part of the trajectory that was judged; the rest is drawn faded. None: up to
+            the trajectory's own end.
+        wanted_turn_deg: turn that earns full credit in the ``heading`` view, or None.
+    """
+
+    view: View = "path"
+    sides: tuple[SketchSide, ...] = ()
+    corners: tuple[SketchCorner, ...] = ()
+    ideal_m: tuple[Point, ...] = ()
+    ideal_closed: bool = True
+    gap: SketchSide | None = None
+    labels: tuple[SketchLabel, ...] = ()
+    begin_ns: int = 0
+    end_ns: int | None = None
+    wanted_turn_deg: float | None = None
