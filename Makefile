@@ -1,0 +1,23 @@
+# Every target sets up what it needs in .venv; see tools/bootstrap.py (the same targets without make:
+# `python3 tools/bootstrap.py demo`).
+PYTHON ?= python3
+RUN = $(PYTHON) tools/bootstrap.py
+
+.PHONY: demo test check bench setup messages interfaces clean
+
+demo:     ## grade a small class over HTTP and show the dashboard
+	@$(RUN) demo
+test:     ## the whole test suite
+	@$(RUN) test $(ARGS)
+check:    ## formatting, lint, types, layers
+	@$(RUN) check
+bench:    ## measured cost of one grading against a bare PyBullet loop
+	@$(RUN) bench $(ARGS)
+setup:    ## only create .venv
+	@$(RUN) setup
+messages: ## compile the Chinese and English message catalogs
+	@$(RUN) messages
+interfaces: ## regenerate the shim's interface data from interfaces/
+	@$(RUN) interfaces
+clean:
+	rm -rf .venv demo-output .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache dist build

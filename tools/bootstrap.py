@@ -1,0 +1,100 @@
+"""Set up .venv from the lock file and run one of the project's commands in it.
+
+Needs only Python 3.11 or later. Debian and Ubuntu split `venv` into a package of its own; when it is missing
+and we may install packages, it is installed, otherwise the message says what to type.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parent.parent
+VENV = ROOT / ".venv"
+PYTHON = VENV / "bin" / "python"
+STAMP = VENV / ".lock-digest"
+LOCKS = (ROOT / "requirements.lock", ROOT / "requirements-dev.lock")
+SHIM = ROOT / "grader" / "shim"
+
+COMMANDS: dict[str, list[list[str]]] = {
+    "setup": [],
+    "demo": [["-m", "grader", "demo"]],
+    "test": [["-m", "pytest", "-n", "auto", "--dist", "loadgroup"]],
+    "check": [
+        ["-m", "ruff", "format", "--check", "."],
+        ["-m", "ruff", "check", "."],
+        ["-m", "mypy"],
+        ["tools/lint_layers.py"],
+    ],
+    "bench": [["benchmarks/bench.py"]],
+    "messages": [["tools/compile_messages.py"]],
+    "interfaces": [["tools/generate_interfaces.py"]],
+}
+
+
+def main() -> int:
+    """Run the command named on the command line; return its exit code."""
+    if sys.version_info < (3, 11):
+        return _fail(f"Python 3.11 or later is needed; this is {sys.version.split()[0]}.")
+    name = sys.argv[1] if len(sys.argv) > 1 else ""
+    if name not in COMMANDS:
+        return _fail(f"Say one of: {', '.join(COMMANDS)}.")
+    try:
+        _set_up()
+    except subprocess.CalledProcessError as error:
+        return _fail(f"Set-up failed: {' '.join(map(str, error.cmd))} ended with {error.returncode}.")
+    for command in COMMANDS[name]:
+        code = subprocess.call([PYTHON, *command, *sys.argv[2:]], cwd=ROOT)
+        if code:
+            return code
+    return 0
+
+
+def _set_up() -> None:
+    digest = hashlib.sha256(b"".join(lock.read_bytes() for lock in LOCKS)).hexdigest() + f" {sys.version}"
+    if STAMP.exists() and STAMP.read_text() == digest:
+        return
+    if VENV.exists():
+        shutil.rmtree(VENV)
+    _say(f"Setting up {VENV.name} (once) ...")
+    _create_venv()
+    pip = [PYTHON, "-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet"]
+    subprocess.check_call([*pip, "--require-hashes", *(part for lock in LOCKS for part in ("-r", lock))])
+    subprocess.check_call([*pip, "--no-deps", "--no-build-isolation", "--editable", ROOT])
+    STAMP.write_text(digest)
+
+
+def _create_venv() -> None:
+    try:
+        import ensurepip  # noqa: F401, PLC0415  (only asks whether this Python can make a venv with pip)
+        import venv  # noqa: F401, PLC0415
+    except ImportError:
+        _install_venv_package()
+    subprocess.check_call([sys.executable, "-m", "venv", VENV])
+
+
+def _install_venv_package() -> None:
+    package = f"python{sys.version_info.major}.{sys.version_info.minor}-venv"
+    sudo = [] if os.geteuid() == 0 else ["sudo"]
+    if not shutil.which("apt-get") or (sudo and not shutil.which("sudo")):
+        raise SystemExit(f"bootstrap: this Python has no `venv`; install the package {package} and try again.")
+    _say(f"This Python has no `venv`: installing {package} ...")
+    subprocess.check_call([*sudo, "apt-get", "update", "-qq"])
+    subprocess.check_call([*sudo, "apt-get", "install", "-y", "-qq", package])
+
+
+def _say(text: str) -> None:
+    print(f"bootstrap: {text}", file=sys.stderr, flush=True)
+
+
+def _fail(text: str) -> int:
+    _say(text)
+    return 2
+
+
+if __name__ == "__main__":
+    sys.exit(main())
