@@ -1,0 +1,52 @@
+"""The command line: which commands there are, and what their failures look like.
+
+A command is a module in `grader.commands` with `configure(parser)` and `run(arguments) -> int`. Only the
+chosen one is imported, so that `grader check` does not pay for the web framework. Exit codes: 0 full marks or
+done, 1 less than that, 2 could not be done.
+"""
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from grader import __version__
+from grader.contracts.errors import GraderError
+
+COMMANDS: dict[str, str] = {
+    "check": "grade one file here, as the service would / 本地预检",
+    "run": "run a script against the simulated turtle, without grading / 只运行不评分",
+    "assignments": "list, show and validate assignments / 查看作业与评分标准",
+    "serve": "start the HTTP service with its workers / 启动服务",
+    "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
+    "demo": "grade a small class over HTTP and show the dashboard / 演示",
+}
+
+EXIT_COULD_NOT = 2
+EXIT_INTERRUPTED = 130
+
+
+def run(argv: Sequence[str]) -> int:
+    """Run one command and return the process's exit code; bad input is one readable message, not a traceback."""
+    parser = argparse.ArgumentParser(
+        prog="grader",
+        description="Auto-grader for introductory ROS 2 (rclpy) motion exercises / ROS 2 运动练习自动评分",
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="\n".join(f"  {name:<12} {text}" for name, text in COMMANDS.items()),
+    )
+    parser.add_argument("--version", action="version", version=f"grader {__version__}")
+    parser.add_argument("command", choices=list(COMMANDS), metavar="command", help="one of the commands below")
+    parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    chosen = parser.parse_args(argv)
+    module = importlib.import_module(f"grader.commands.{chosen.command}")
+    command_parser = argparse.ArgumentParser(
+        prog=f"grader {chosen.command}", description=COMMANDS[chosen.command]
+    )
+    module.configure(command_parser)
+    try:
+        return int(module.run(command_parser.parse_args(chosen.arguments)))
+    except GraderError as error:
+        sys.stderr.write(f"grader: {error}\n")
+        return EXIT_COULD_NOT
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
