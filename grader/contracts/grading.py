@@ -1,0 +1,67 @@
+"""What goes into one grading and what comes out of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.report import GradeReport, Measurements
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GradingJob:
+    """One submission to be graded.
+
+    Attributes:
+        file_name: as the student named it; shown in tracebacks, never used as a path.
+        source: the uploaded bytes, untouched.
+    """
+
+    file_name: str
+    source: bytes
+    assignment: Assignment
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class GradingResult:
+    """A finished grading.
+
+    Attributes:
+        trajectories: per case id, the bytes of `grader.contracts.trajectory_json.encode`.
+    """
+
+    report: GradeReport
+    trajectories: Mapping[str, bytes]
+    measurements: Measurements
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SyntaxProblem:
+    """Why a file is not Python: what the compiler said and where (1-based, None when unknown)."""
+
+    message: str
+    line: int | None
+    column: int | None = None
+    text: str = ""
+
+
+class Grader(Protocol):
+    """Grades one job at a time."""
+
+    def grade(self, job: GradingJob) -> GradingResult:
+        """Grade `job`.
+
+        Raises:
+            InfrastructureError: a fault of the grader or its host; the job may be tried again.
+        """
+
+
+class Preflight(Protocol):
+    """Looks at a file without running it."""
+
+    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
+        """Compile `source` in a confined process; return what is wrong with it, or None.
+
+        Raises:
+            InfrastructureError: the check itself could not be done.
+        """
