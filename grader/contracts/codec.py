@@ -79,6 +79,8 @@ def _union_reader(choices: tuple[Any, ...]) -> _Reader:
     readers = [_reader(choice) for choice in choices]
 
     def read(value: Any) -> Any:
+        if type(value) in choices:  # an int stays an int where a float would do as well
+            return value
         for reader in readers:
             try:
                 return reader(value)
