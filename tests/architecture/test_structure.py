@@ -1,0 +1,37 @@
+"""House rules that no linter knows: sizes and names of modules and functions."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+MODULES = sorted((ROOT / "grader").rglob("*.py"))
+BANNED_WORDS = {"utils", "util", "helper", "helpers", "manager", "misc", "common"}
+
+MAX_MODULE_LINES = 300
+MAX_FUNCTION_LINES = 40
+
+
+def _name(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+@pytest.mark.parametrize("path", MODULES, ids=_name)
+def test_module_fits_one_room(path: Path) -> None:
+    assert len(path.read_text().splitlines()) <= MAX_MODULE_LINES
+
+
+@pytest.mark.parametrize("path", MODULES, ids=_name)
+def test_functions_can_be_seen_whole(path: Path) -> None:
+    long = [
+        f"{node.name} (line {node.lineno})"
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        and (node.end_lineno or node.lineno) - node.lineno + 1 > MAX_FUNCTION_LINES
+    ]
+    assert not long
+
+
+def test_no_module_is_a_drawer() -> None:
+    assert not [_name(path) for path in MODULES if BANNED_WORDS & set(path.stem.split("_"))]
