@@ -1,0 +1,7 @@
+#!/bin/sh
+# Renew the lock files from pyproject.toml (needs uv). Hashes only: no index address is recorded.
+set -eu
+cd "$(dirname "$0")/.."
+options="--universal --generate-hashes --no-header --no-annotate --no-emit-index-url --no-emit-find-links --python-version 3.11"
+uv pip compile --quiet $options pyproject.toml --output-file requirements.lock
+uv pip compile --quiet $options --group pyproject.toml:dev --constraint requirements.lock --output-file requirements-dev.lock
