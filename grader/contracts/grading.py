@@ -56,6 +56,23 @@ class Grader(Protocol):
         """
 
 
+class SupervisedGrader(Grader, Protocol):
+    """A grader in a process of its own that somebody starts and ends, as `grader.slot.Slot` does."""
+
+    def start(self) -> None:
+        """Start the process unless it runs.
+
+        Raises:
+            InfrastructureError: it could not be started.
+        """
+
+    def abort(self) -> None:
+        """Kill the process, from any thread; a grading under way raises InfrastructureError."""
+
+    def close(self) -> None:
+        """End the process; idempotent; only from the thread that grades."""
+
+
 class Preflight(Protocol):
     """Looks at a file without running it."""
 
@@ -65,3 +82,33 @@ class Preflight(Protocol):
         Raises:
             InfrastructureError: the check itself could not be done.
         """
+
+
+class AssignmentSource(Protocol):
+    """Where assignments come from."""
+
+    def all(self) -> tuple[Assignment, ...]:
+        """Return every assignment in the order of the checklist."""
+
+    def get(self, assignment_id: str) -> Assignment:
+        """Return one assignment.
+
+        Raises:
+            UnknownAssignmentError: there is none of that name.
+        """
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SandboxState:
+    """Whether submissions can be confined on this host.
+
+    Attributes:
+        ready: every required layer is active; otherwise nothing is graded.
+        isolation: the mode, e.g. ``strict``. missing_layers: names of the layers that are not active.
+        detail: one sentence for the operator, empty when all is well.
+    """
+
+    ready: bool
+    isolation: str = ""
+    missing_layers: tuple[str, ...] = ()
+    detail: str = ""

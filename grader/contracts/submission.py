@@ -1,0 +1,123 @@
+"""A submission as the service keeps it: its way through the queue and where its grading stands.
+
+Three counts that must not be mixed up: a student's *attempts* are their submissions to one assignment;
+`Claim.attempt` numbers the claims of one submission and fences late workers off; `tries` counts the claims
+since the submission was last queued and bounds the retries.
+"""
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+from grader.contracts.report import GradeStatus
+
+
+class SubmissionState(StrEnum):
+    """Where a submission is on its way. The last two are ends; a re-grade starts again at ``queued``."""
+
+    QUEUED = "queued"
+    RUNNING = "running"
+    GRADED = "graded"
+    INFRASTRUCTURE_ERROR = "infrastructure_error"  # every try failed through no fault of the student
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewSubmission:
+    """An accepted upload. `source` is kept byte for byte."""
+
+    student: str
+    assignment: str
+    file_name: str
+    source: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Submission:
+    """One upload and its state. Instants are aware UTC datetimes.
+
+    Attributes:
+        sha256: hexadecimal digest of the uploaded bytes.
+        queued_at: instant of the last (re-)queueing. started_at: of the last claim.
+        attempt: claims so far. tries: claims since it was last queued afresh.
+        trouble: why the last try failed on the grader's side, empty if none did.
+        verdict, score, max_score, report_sha256: of the latest grading, None before the first.
+        graded_attempt: claim number under which that grading was made.
+    """
+
+    id: str
+    student: str
+    assignment: str
+    file_name: str
+    sha256: str
+    size_bytes: int
+    state: SubmissionState
+    received_at: datetime
+    queued_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    attempt: int
+    tries: int
+    trouble: str
+    verdict: GradeStatus | None
+    score: float | None
+    max_score: float | None
+    report_sha256: str | None
+    graded_attempt: int | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Claim:
+    """The right of one worker to grade one submission, until its lease ends.
+
+    Attributes:
+        attempt: fencing token; a result is taken only from the latest claim.
+    """
+
+    submission_id: str
+    attempt: int
+    tries: int
+    worker: str
+    assignment: str
+    file_name: str
+    source: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StoredReport:
+    """A grading as it was stored.
+
+    Attributes:
+        content: canonical bytes of the report; `sha256` is their digest.
+        cases: case id to the digest of its trajectory, in the order of the report.
+    """
+
+    submission_id: str
+    attempt: int
+    finished_at: datetime
+    content: bytes
+    sha256: str
+    cases: dict[str, str]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class QueueState:
+    """How much is waiting. `oldest_queued_at` is None when nothing waits."""
+
+    queued: int
+    running: int
+    infrastructure_errors: int
+    oldest_queued_at: datetime | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerState:
+    """What a worker process last said about itself."""
+
+    id: str
+    slots: int
+    busy: int
+    sandbox_ready: bool
+    isolation: str
+    detail: str
+    started_at: datetime
+    seen_at: datetime
