@@ -1,0 +1,141 @@
+"""The ROS 2 interfaces the simulated world speaks, as a table: type name -> its fields in order.
+
+These descriptions are the trusted side's own copy (ROS 2 Humble definitions; services and actions expanded
+as rosidl does it). The student's side is generated from `interfaces/`; a test holds the two together.
+A field is ``(name, type)``; a type is a primitive, a key of this table, or either with ``[]`` or ``[n]``.
+"""
+
+from typing import Final, TypeAlias
+
+Fields: TypeAlias = tuple[tuple[str, str], ...]
+
+_TIME = "builtin_interfaces/msg/Time"
+_HEADER = "std_msgs/msg/Header"
+_POINT = "geometry_msgs/msg/Point"
+_VECTOR3 = "geometry_msgs/msg/Vector3"
+_QUATERNION = "geometry_msgs/msg/Quaternion"
+_TWIST = "geometry_msgs/msg/Twist"
+_POSE = "geometry_msgs/msg/Pose"
+_UUID = "unique_identifier_msgs/msg/UUID"
+_GOAL_INFO = "action_msgs/msg/GoalInfo"
+_ROTATE = "turtlesim/action/RotateAbsolute"
+_SUCCESS: Fields = (("success", "bool"), ("message", "string"))
+
+FIELDS: Final[dict[str, Fields]] = {
+    "builtin_interfaces/msg/Time": (("sec", "int32"), ("nanosec", "uint32")),
+    "builtin_interfaces/msg/Duration": (("sec", "int32"), ("nanosec", "uint32")),
+    "unique_identifier_msgs/msg/UUID": (("uuid", "uint8[16]"),),
+    "rosgraph_msgs/msg/Clock": (("clock", _TIME),),
+    "rcl_interfaces/msg/Log": (
+        ("stamp", _TIME),
+        ("level", "uint8"),
+        ("name", "string"),
+        ("msg", "string"),
+        ("file", "string"),
+        ("function", "string"),
+        ("line", "uint32"),
+    ),
+    # std_msgs, std_srvs
+    "std_msgs/msg/Empty": (),
+    "std_msgs/msg/Bool": (("data", "bool"),),
+    "std_msgs/msg/Float32": (("data", "float32"),),
+    "std_msgs/msg/Float64": (("data", "float64"),),
+    "std_msgs/msg/Int32": (("data", "int32"),),
+    "std_msgs/msg/String": (("data", "string"),),
+    "std_msgs/msg/Header": (("stamp", _TIME), ("frame_id", "string")),
+    "std_srvs/srv/Empty_Request": (),
+    "std_srvs/srv/Empty_Response": (),
+    "std_srvs/srv/SetBool_Request": (("data", "bool"),),
+    "std_srvs/srv/SetBool_Response": _SUCCESS,
+    "std_srvs/srv/Trigger_Request": (),
+    "std_srvs/srv/Trigger_Response": _SUCCESS,
+    # geometry_msgs, nav_msgs, tf2_msgs
+    "geometry_msgs/msg/Vector3": (("x", "float64"), ("y", "float64"), ("z", "float64")),
+    "geometry_msgs/msg/Point": (("x", "float64"), ("y", "float64"), ("z", "float64")),
+    "geometry_msgs/msg/Quaternion": (("x", "float64"), ("y", "float64"), ("z", "float64"), ("w", "float64")),
+    "geometry_msgs/msg/Pose": (("position", _POINT), ("orientation", _QUATERNION)),
+    "geometry_msgs/msg/PoseWithCovariance": (("pose", _POSE), ("covariance", "float64[36]")),
+    "geometry_msgs/msg/Twist": (("linear", _VECTOR3), ("angular", _VECTOR3)),
+    "geometry_msgs/msg/TwistStamped": (("header", _HEADER), ("twist", _TWIST)),
+    "geometry_msgs/msg/TwistWithCovariance": (("twist", _TWIST), ("covariance", "float64[36]")),
+    "geometry_msgs/msg/Transform": (("translation", _VECTOR3), ("rotation", _QUATERNION)),
+    "geometry_msgs/msg/TransformStamped": (
+        ("header", _HEADER),
+        ("child_frame_id", "string"),
+        ("transform", "geometry_msgs/msg/Transform"),
+    ),
+    "nav_msgs/msg/Odometry": (
+        ("header", _HEADER),
+        ("child_frame_id", "string"),
+        ("pose", "geometry_msgs/msg/PoseWithCovariance"),
+        ("twist", "geometry_msgs/msg/TwistWithCovariance"),
+    ),
+    "tf2_msgs/msg/TFMessage": (("transforms", "geometry_msgs/msg/TransformStamped[]"),),
+    # action_msgs
+    "action_msgs/msg/GoalInfo": (("goal_id", _UUID), ("stamp", _TIME)),
+    "action_msgs/msg/GoalStatus": (("goal_info", _GOAL_INFO), ("status", "int8")),
+    "action_msgs/msg/GoalStatusArray": (("status_list", "action_msgs/msg/GoalStatus[]"),),
+    "action_msgs/srv/CancelGoal_Request": (("goal_info", _GOAL_INFO),),
+    "action_msgs/srv/CancelGoal_Response": (("return_code", "int8"), ("goals_canceling", _GOAL_INFO + "[]")),
+    # turtlesim
+    "turtlesim/msg/Pose": (
+        ("x", "float32"),
+        ("y", "float32"),
+        ("theta", "float32"),
+        ("linear_velocity", "float32"),
+        ("angular_velocity", "float32"),
+    ),
+    "turtlesim/msg/Color": (("r", "uint8"), ("g", "uint8"), ("b", "uint8")),
+    "turtlesim/srv/Kill_Request": (("name", "string"),),
+    "turtlesim/srv/Kill_Response": (),
+    "turtlesim/srv/SetPen_Request": (
+        ("r", "uint8"),
+        ("g", "uint8"),
+        ("b", "uint8"),
+        ("width", "uint8"),
+        ("off", "uint8"),
+    ),
+    "turtlesim/srv/SetPen_Response": (),
+    "turtlesim/srv/Spawn_Request": (
+        ("x", "float32"),
+        ("y", "float32"),
+        ("theta", "float32"),
+        ("name", "string"),
+    ),
+    "turtlesim/srv/Spawn_Response": (("name", "string"),),
+    "turtlesim/srv/TeleportAbsolute_Request": (("x", "float32"), ("y", "float32"), ("theta", "float32")),
+    "turtlesim/srv/TeleportAbsolute_Response": (),
+    "turtlesim/srv/TeleportRelative_Request": (("linear", "float32"), ("angular", "float32")),
+    "turtlesim/srv/TeleportRelative_Response": (),
+    f"{_ROTATE}_Goal": (("theta", "float32"),),
+    f"{_ROTATE}_Result": (("delta", "float32"),),
+    f"{_ROTATE}_Feedback": (("remaining", "float32"),),
+    f"{_ROTATE}_SendGoal_Request": (("goal_id", _UUID), ("goal", f"{_ROTATE}_Goal")),
+    f"{_ROTATE}_SendGoal_Response": (("accepted", "bool"), ("stamp", _TIME)),
+    f"{_ROTATE}_GetResult_Request": (("goal_id", _UUID),),
+    f"{_ROTATE}_GetResult_Response": (("status", "int8"), ("result", f"{_ROTATE}_Result")),
+    f"{_ROTATE}_FeedbackMessage": (("goal_id", _UUID), ("feedback", f"{_ROTATE}_Feedback")),
+    # rosclaw_msgs (the course's own service)
+    "rosclaw_msgs/msg/CapabilityManifest": (
+        ("robot_name", "string"),
+        ("robot_namespace", "string"),
+        ("topic_names", "string[]"),
+        ("topic_types", "string[]"),
+        ("service_names", "string[]"),
+        ("service_types", "string[]"),
+        ("action_names", "string[]"),
+        ("action_types", "string[]"),
+        ("stamp", _TIME),
+    ),
+    "rosclaw_msgs/srv/GetCapabilities_Request": (("robot_namespace", "string"),),
+    "rosclaw_msgs/srv/GetCapabilities_Response": (
+        ("capabilities", "string[]"),
+        ("manifest", "rosclaw_msgs/msg/CapabilityManifest"),
+        ("success", "bool"),
+        ("error_message", "string"),
+    ),
+}
+"""Every type the world can read or write. An empty tuple is an empty structure (one byte on the wire)."""
+
+DEFAULTS: Final[dict[str, dict[str, float]]] = {_QUATERNION: {"w": 1.0}}
+"""Field defaults other than zero, empty and False."""
