@@ -5,7 +5,7 @@ that are left before anything is allocated, text is strict UTF-8 without NUL, a 
 ends exactly where its bytes end. Floats may be NaN or infinite; what they mean is the caller's decision.
 
 Format: the four bytes ``00 01 00 00`` (little-endian XCDR1), then the fields, each primitive aligned to its
-own size relative to the first byte after the header (OMG DDSI-RTPS 2.2, section 10; the dialect is Fast CDR's,
+own size relative to the first byte after the header (OMG DDSI-RTPS, section 10; the dialect is Fast CDR's,
 which pads nothing before the elements of an empty sequence). An empty structure is one zero byte.
 """
 

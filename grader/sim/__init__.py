@@ -1,0 +1,1 @@
+"""The simulated world: the car, turtlesim's interface and the episode that drives them."""
