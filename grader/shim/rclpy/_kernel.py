@@ -1,0 +1,400 @@
+"""Virtual time: the one place where time advances and where threads take turns.
+
+Contract (compare trio's MockClock with autojump):
+
+- Time is an integer number of nanoseconds since the start of the episode. It moves only in here: to
+  the next deadline when every thread is blocked, or by a small *charge* for a question or a publish.
+  It never goes back.
+- One student thread runs at a time. It keeps the processor until it blocks, until it has used up a
+  slice of virtual time while others could run, or until it has gone round a `while` loop often enough.
+  Which thread is next depends on nothing but the program, so a run can be repeated exactly.
+- At the horizon the callbacks of `on_interrupt` run and the main thread sees Ctrl+C. A script that goes
+  on gets a second Ctrl+C after `GRACE_NS` and is ended after another.
+- When no thread can ever run again the run is *stalled*.
+
+Not promised: that a computation takes any virtual time, or that time passes as evenly as on a PC.
+
+A thread is a real one that waits for its own raw lock, the baton. Only the thread that runs touches the
+kernel's state, so nothing in here needs a lock.
+"""
+
+import _thread
+from collections.abc import Callable, Iterable
+from typing import NoReturn, Protocol
+
+FOREVER_NS = 1 << 62
+"""Deadline of a wait that only its condition can end."""
+
+CHARGE_NS = 1_000
+"""What a look at a clock, a publish or a question without blocking costs."""
+
+CHARGE_STEPS = ((1_000, 1_000), (5_000, 10_000), (20_000, 100_000))
+"""(operations without a blocking wait, charge in ns up to there); `CHARGE_MAX_NS` beyond the last."""
+
+CHARGE_MAX_NS = 1_000_000
+TIMER_SLACK_NS = 50_000
+"""Shortest real sleep: Linux' default timer slack (prctl(2), PR_SET_TIMERSLACK)."""
+
+SLICE_NS = 1_000_000
+"""Virtual time after which a thread that never blocks lets the others run."""
+
+SPINS_PER_SLICE = 1_000
+"""Turns of a loop that neither blocks nor asks before the others run."""
+
+GRACE_NS = 10_000_000_000
+"""Virtual time between the first Ctrl+C, the second one and the end."""
+
+SIGINT = 2
+SIGALRM = 14
+
+
+class World(Protocol):
+    """What the kernel needs of the link to the episode."""
+
+    coupled: bool
+
+    def advance(self, target_ns: int) -> int:
+        """Let the world run to `target_ns`, deliver what is due, return the instant reached."""
+
+
+class StalledError(RuntimeError):
+    """Every thread waits for something that can never happen. The text names the calls."""
+
+
+class Thread:
+    """A thread known to the kernel, and what it waits for while it is blocked.
+
+    Attributes:
+        name: for the sentence that explains a stall.
+        ready: whether the awaited condition holds; cheap, free of side effects.
+        deadline_ns: instant at which the wait ends anyway.
+        why: the student's call, or empty when only the stack can tell.
+        idle: waiting for ever is normal here (a spinning node), not a stall.
+    """
+
+    __slots__ = ("baton", "daemon", "deadline_ns", "done", "ident", "idle", "name", "ready", "streak", "why")
+
+    def __init__(self, name: str, daemon: bool = False) -> None:
+        self.name = name
+        self.daemon = daemon
+        self.baton = _allocate_lock()
+        self.baton.acquire()
+        self.ready: Callable[[], bool] = _always
+        self.deadline_ns = FOREVER_NS
+        self.why = ""
+        self.idle = False
+        self.streak = 0
+        self.done = False
+        self.ident = _get_ident()
+
+
+def _always() -> bool:
+    return True
+
+
+def _never() -> bool:
+    return False
+
+
+class Kernel:
+    """Clock and scheduler of the student's process; use the module's one object `kernel`.
+
+    Attributes:
+        now_ns: current virtual time; reading it is free.
+        epoch_ns: wall clock at virtual time 0, nanoseconds since 1970.
+        horizon_ns: virtual instant of Ctrl+C.
+        interrupted: whether the horizon has been reached.
+        running: the thread that runs.
+        threads: those alive, in order of creation; the first is the main thread.
+        deliver: called in the main thread with the number of a signal that arrived there.
+        end: called (in any thread) with the exit reason when the run cannot go on; does not return.
+    """
+
+    def __init__(self) -> None:
+        self.now_ns = 0
+        self.epoch_ns = 0
+        self.horizon_ns = FOREVER_NS
+        self.interrupted = False
+        self.main = Thread("main thread")
+        self.running = self.main
+        self.threads = [self.main]
+        self.deliver: Callable[[int], None] = _raise_keyboard_interrupt
+        self.end: Callable[[str], NoReturn] = _raise_stalled
+        self._world: World | None = None
+        self._limit_ns = FOREVER_NS
+        self._alarm_ns = FOREVER_NS
+        self._signals: list[int] = []
+        self._on_interrupt: list[Callable[[], None]] = []
+        self._streak = 0
+        self._spins = SPINS_PER_SLICE
+        self._quiet_until_ns = FOREVER_NS
+        self._preempt_ns = FOREVER_NS
+
+    # Interface for the rest of the shim ------------------------------------------------------------
+
+    def clock_ns(self) -> int:
+        """Return the time as a student's look at a clock: it costs a charge."""
+        self.charge()
+        return self.now_ns
+
+    def charge(self) -> None:
+        """Let the time pass that a publish or a question without blocking takes.
+
+        Raises:
+            KeyboardInterrupt: in the main thread, when the horizon is reached.
+        """
+        self._streak = streak = self._streak + 1
+        if streak <= 1_000:
+            self.now_ns += CHARGE_NS
+        else:
+            self.now_ns += _charge_of(streak)
+        if self.now_ns >= self._preempt_ns:
+            self._pause()
+
+    def sleep_ns(self, duration_ns: int) -> None:
+        """Block the calling thread for `duration_ns`; not positive: only a charge.
+
+        Raises:
+            KeyboardInterrupt: in the main thread, when the horizon is reached.
+        """
+        if duration_ns <= 0:
+            self.charge()
+            return
+        target_ns = self.now_ns + (duration_ns if duration_ns > TIMER_SLACK_NS else TIMER_SLACK_NS)
+        if target_ns < self._quiet_until_ns:
+            self.now_ns = target_ns
+            self._streak = 0
+        else:
+            self.wait(_never, target_ns, "sleep()")
+
+    def wait(
+        self, ready: Callable[[], bool], deadline_ns: int | None = None, why: str = "", *, idle: bool = False
+    ) -> bool:
+        """Block the calling thread until `ready()` holds or the deadline has passed.
+
+        Args:
+            ready: cheap, free of side effects; may be asked in any thread.
+            deadline_ns: virtual instant, None: for ever.
+            why: the student's call and what it waits for, e.g. ``rate.sleep() waits for a timer, but
+                nobody spins the node``; empty: the call is found on the stack.
+            idle: whether waiting for ever is this call's normal state (spin): then the horizon ends it
+                instead of a stall.
+
+        Returns:
+            True when `ready()` holds, False when the deadline passed first.
+
+        Raises:
+            KeyboardInterrupt: in the main thread, when the horizon is reached.
+        """
+        if ready():
+            self.charge()
+            return True
+        me = self.running
+        before = (me.ready, me.deadline_ns, me.why, me.idle)
+        me.ready = ready
+        me.deadline_ns = FOREVER_NS if deadline_ns is None else deadline_ns
+        me.why = why
+        me.idle = idle
+        if me.deadline_ns <= self.now_ns:
+            self.charge()
+        else:
+            self._streak = 0
+        try:
+            return self._block(me)
+        finally:
+            # A destructor run by the garbage collector may wait inside another wait.
+            me.ready, me.deadline_ns, me.why, me.idle = before
+
+    def on_interrupt(self, callback: Callable[[], None]) -> None:
+        """Have `callback` run when the horizon is reached, before KeyboardInterrupt."""
+        self._on_interrupt.append(callback)
+
+    # For the patches and the runner ----------------------------------------------------------------
+
+    def connect(self, world: World) -> None:
+        """Take `world` as the other end of time."""
+        self._world = world
+        self.replan()
+
+    def start_episode(self, horizon_ns: int, epoch_ns: int) -> None:
+        """Begin at virtual time 0."""
+        self.horizon_ns = self._limit_ns = horizon_ns
+        self.epoch_ns = epoch_ns
+        self.replan()
+
+    def checkpoint(self) -> None:
+        """Mark one turn of a `while` loop of the script.
+
+        Raises:
+            KeyboardInterrupt: in the main thread, when a signal is pending.
+        """
+        self._spins = spins = self._spins - 1
+        if spins < 0:
+            self._spin()
+
+    def start_thread(self, thread: Thread) -> None:
+        """Make `thread` runnable; its OS thread waits for its baton."""
+        self.threads.append(thread)
+        self.replan()
+
+    def end_thread(self, thread: Thread) -> None:
+        """Take the running `thread` out and pass the baton on; the caller must not touch the kernel again."""
+        thread.done = True
+        position = self.threads.index(thread)
+        thread.ready = _never
+        thread.deadline_ns = FOREVER_NS
+        chosen = self._choose(position)
+        self.threads.remove(thread)
+        self._hand_over(chosen)
+
+    def raise_signal(self, number: int) -> None:
+        """Let a signal arrive at the main thread."""
+        self._signals.append(number)
+        self.replan()
+        if self.running is self.main:
+            self._deliver()
+
+    def set_alarm(self, instant_ns: int | None) -> None:
+        """Let SIGALRM arrive at `instant_ns`; None: never."""
+        self._alarm_ns = FOREVER_NS if instant_ns is None else instant_ns
+        self.replan()
+
+    def forget_interrupt_callbacks(self) -> None:
+        """Run none of the callbacks registered so far: the script has replaced the handler of SIGINT."""
+        self._on_interrupt.clear()
+
+    def replan(self) -> None:
+        """Recompute up to when the running thread may go on without a look at the others."""
+        limit_ns = min(self._limit_ns, self._alarm_ns)
+        if self._signals:
+            limit_ns = 0
+        coupled = self._world is not None and self._world.coupled and not self.interrupted
+        if coupled or len(self.threads) > 1:
+            self._quiet_until_ns = 0
+            others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=limit_ns)
+            self._preempt_ns = min(limit_ns, self.now_ns + SLICE_NS, max(others_ns, self.now_ns + 1))
+        else:
+            self._quiet_until_ns = self._preempt_ns = limit_ns
+
+    # Scheduling ------------------------------------------------------------------------------------
+
+    def _block(self, me: Thread) -> bool:
+        while True:
+            chosen = self._choose(self.threads.index(me))
+            if chosen is not me:
+                self._hand_over(chosen)
+                me.baton.acquire()
+            else:
+                self.replan()
+            if self._signals and me is self.main:
+                self._deliver()
+            if me.ready():
+                return True
+            if me.deadline_ns <= self.now_ns:
+                return False
+
+    def _choose(self, position: int) -> Thread:
+        """Return the thread to run after the one at `position`, letting time pass until there is one."""
+        while True:
+            threads = self.threads
+            if self._signals:
+                return self.main
+            for thread in (*threads[position + 1 :], *threads[: position + 1]):
+                if thread.deadline_ns <= self.now_ns or thread.ready():
+                    return thread
+            self._pass_time(threads)
+
+    def _hand_over(self, chosen: Thread) -> None:
+        self.running.streak = self._streak
+        self.running = chosen
+        self._streak = chosen.streak
+        self.replan()
+        chosen.baton.release()
+
+    def _pass_time(self, threads: Iterable[Thread]) -> None:
+        """Nobody can run: move time to the next instant at which somebody may."""
+        target_ns = min(self._alarm_ns, *(thread.deadline_ns for thread in threads))
+        coupled = self._world is not None and self._world.coupled and not self.interrupted
+        if target_ns == FOREVER_NS and not coupled and not any(t.idle for t in threads):
+            self.end("stalled")
+        self._move_to(min(target_ns, self._limit_ns))
+
+    def _move_to(self, target_ns: int) -> None:
+        """Let time pass up to `target_ns` or the first event before it."""
+        if self._world is not None and self._world.coupled and not self.interrupted:
+            target_ns = self._world.advance(target_ns)
+        if target_ns > self.now_ns:
+            self.now_ns = target_ns
+        self._on_time()
+
+    def _on_time(self) -> None:
+        """Send the signals that are due."""
+        if self.now_ns >= self._alarm_ns:
+            self._alarm_ns = FOREVER_NS
+            self._signals.append(SIGALRM)
+        if self.now_ns >= self._limit_ns:
+            self._interrupt()
+
+    def _interrupt(self) -> None:
+        if self._limit_ns >= self.horizon_ns + 2 * GRACE_NS:
+            self.end("interrupted")
+        self._limit_ns += GRACE_NS
+        self.interrupted = True
+        for callback in tuple(self._on_interrupt):
+            callback()
+        self._signals.append(SIGINT)
+
+    def _pause(self) -> None:
+        """A charge went past the end of the slice: catch up with the world, let the others run."""
+        target_ns = self.now_ns
+        if self._world is not None and self._world.coupled and not self.interrupted:
+            while self._world.advance(target_ns) < target_ns:
+                pass
+        self._on_time()
+        self._yield()
+
+    def _yield(self) -> None:
+        me = self.running
+        before = (me.ready, me.deadline_ns)
+        me.ready = _always
+        try:
+            self._block(me)
+        finally:
+            me.ready, me.deadline_ns = before
+
+    def _spin(self) -> None:
+        """A loop has gone round `SPINS_PER_SLICE` times: if it may wait for others, let time pass."""
+        self._spins = SPINS_PER_SLICE
+        if self._quiet_until_ns:
+            return
+        others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=FOREVER_NS)
+        self._move_to(max(self.now_ns, min(self.now_ns + SLICE_NS, others_ns, self._limit_ns)))
+        self._yield()
+
+    def _deliver(self) -> None:
+        while self._signals:
+            number = self._signals.pop(0)
+            self.replan()
+            self.deliver(number)
+
+
+def _charge_of(streak: int) -> int:
+    for operations, charge_ns in CHARGE_STEPS:
+        if streak <= operations:
+            return charge_ns
+    return CHARGE_MAX_NS
+
+
+def _raise_keyboard_interrupt(number: int) -> None:
+    if number == SIGINT:
+        raise KeyboardInterrupt
+
+
+def _raise_stalled(reason: str) -> NoReturn:
+    raise StalledError(reason)
+
+
+_allocate_lock = _thread.allocate_lock
+_get_ident = _thread.get_ident
+
+kernel = Kernel()

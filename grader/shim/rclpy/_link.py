@@ -1,0 +1,220 @@
+"""Client end of the channel: everything that leaves the student's process passes here.
+
+Without a channel (`connected` is False: the script runs without a simulator) the world is empty, nothing is
+sent, and the other calls behave as if nobody listened.
+"""
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from rclpy import _wire
+from rclpy._kernel import Kernel, kernel
+
+FLUSH_BYTES = 16_384
+MAX_ENTITIES = 512
+COUNT_EVERY = 100
+"""A topic nobody in the world listens to: every how many messages one empty PUBLISH is sent."""
+
+_WHAT = {
+    "node": _wire.NODE,
+    "publisher": _wire.PUBLISHER,
+    "subscription": _wire.SUBSCRIPTION,
+    "service": _wire.SERVICE,
+    "client": _wire.CLIENT,
+}
+
+Deliver = Callable[[int, int, bytes], None]
+
+
+class Channel(Protocol):
+    """The two operations on a connected stream socket that the link uses."""
+
+    def sendall(self, data: bytes, /) -> None:
+        """Send all of `data`."""
+
+    def recv(self, size: int, /) -> bytes:
+        """Receive up to `size` bytes; empty at the end of the stream."""
+
+
+class Link:
+    """Client end of the channel; use the module's one object `link`.
+
+    Attributes:
+        world: START's ``world``: what the world publishes, subscribes to, offers and which nodes it has.
+        coupled: whether time may only advance by ADVANCE.
+        connected: whether there is a world at all.
+    """
+
+    def __init__(self, clock: Kernel) -> None:
+        self.world: dict[str, Any] = {"publishes": [], "subscribes": [], "services": [], "nodes": []}
+        self.coupled = False
+        self.connected = False
+        self._kernel = clock
+        self._channel: Channel | None = None
+        self._buffer = bytearray()
+        self._next_id = 1
+        self._wanted: set[int] = set()
+        self._counts: dict[int, int] = {}
+        self._deliver: dict[int, Deliver] = {}
+        self._listening: set[int] = set()
+        self._services: set[int] = set()
+        self._clients: set[int] = set()
+        self._requests: set[tuple[int, int]] = set()
+        self._names: dict[str, set[tuple[str, str]]] = {}
+
+    def connect(self, channel: Channel, world: dict[str, Any]) -> None:
+        """Use `channel` from now on; `world` is what START says of the simulator."""
+        self._channel = channel
+        self.connected = True
+        self.world = {**self.world, **world}
+        self._names = {
+            key: {(name, kind) for name, kind in self.world[key]}
+            for key in ("publishes", "subscribes", "services")
+        }
+        self._names["calls"] = {(name, kind) for name, kind in self.world.get("calls", ())}
+        self._kernel.connect(self)
+
+    def register(
+        self,
+        what: str,
+        node: str,
+        name: str = "",
+        type: str = "",
+        reliable: bool = True,
+        transient: bool = False,
+        depth: int = 10,
+    ) -> int:
+        """Announce an entity and return its id.
+
+        Args:
+            what: ``node``, ``publisher``, ``subscription``, ``service`` or ``client``.
+            node: fully qualified name of the node it belongs to (or that it is).
+            name: resolved topic or service; empty for a node.
+            type: ``geometry_msgs/msg/Twist``; empty for a node.
+            reliable: RELIABLE, otherwise BEST_EFFORT.
+            transient: TRANSIENT_LOCAL, otherwise VOLATILE.
+            depth: of the history.
+
+        Raises:
+            RuntimeError: more than 512 entities were created.
+        """
+        ident = self._next_id
+        if ident > MAX_ENTITIES:
+            raise RuntimeError(f"more than {MAX_ENTITIES} nodes, publishers, subscriptions, services and clients")
+        self._next_id += 1
+        quality = (1 if reliable else 2, 1 if transient else 2, depth)
+        self._send(_wire.entity(ident, _WHAT[what], self._kernel.now_ns, (node, name, type), quality))
+        topic = (name, type)
+        if what == "publisher" and (name == "/rosout" or topic in self._names.get("subscribes", ())):
+            self._wanted.add(ident)
+        elif what == "subscription" and topic in self._names.get("publishes", ()):
+            self._listening.add(ident)
+        elif what == "service" and topic in self._names.get("calls", ()):
+            self._services.add(ident)
+        elif what == "client" and topic in self._names.get("services", ()):
+            self._clients.add(ident)
+        self._couple()
+        return ident
+
+    def unregister(self, ident: int) -> None:
+        """Tell that the entity is gone."""
+        self._send(_wire.gone(ident, self._kernel.now_ns))
+        for members in (self._wanted, self._listening, self._services, self._clients):
+            members.discard(ident)
+        self._requests = {request for request in self._requests if request[0] != ident}
+        self._deliver.pop(ident, None)
+        self._couple()
+
+    def wants(self, ident: int) -> bool:
+        """Return whether the world listens to this publisher's topic with this type."""
+        return ident in self._wanted
+
+    def publish(self, ident: int, cdr: bytes) -> None:
+        """Send one message at the current time, or only count it when the world does not listen."""
+        if ident not in self._wanted:
+            count = self._counts.get(ident, 0)
+            self._counts[ident] = count + 1
+            if count % COUNT_EVERY:
+                return
+            cdr = b""
+        self._send(_wire.publish(ident, self._kernel.now_ns, cdr))
+
+    def request(self, ident: int, sequence: int, cdr: bytes) -> None:
+        """Send a request of client `ident` to a service of the world."""
+        self._send(_wire.service(_wire.REQUEST, ident, sequence, self._kernel.now_ns, cdr))
+        if ident in self._clients:
+            self._requests.add((ident, sequence))
+            self._couple()
+
+    def respond(self, ident: int, sequence: int, cdr: bytes) -> None:
+        """Answer a request of the world to service `ident`."""
+        self._send(_wire.service(_wire.RESPONSE, ident, sequence, self._kernel.now_ns, cdr))
+
+    def attach(self, ident: int, deliver: Deliver) -> None:
+        """Have `deliver(sequence, t_ns, cdr)` called, from the kernel, for each event for `ident`."""
+        self._deliver[ident] = deliver
+
+    def note(self, code: str, text: str = "") -> None:
+        """Tell the episode something worth telling the student."""
+        self._send(_wire.note(code, text))
+
+    def advance(self, target_ns: int) -> int:
+        """Let the world run to the first event up to `target_ns`; deliver it; return the instant reached."""
+        self._send(_wire.advance(target_ns))
+        self.flush()
+        now_ns, events = _wire.read_events(self._receive())
+        for event in events:
+            if event.what == _wire.TO_CLIENT:
+                self._requests.discard((event.id, event.sequence))
+                self._couple()
+            deliver = self._deliver.get(event.id)
+            if deliver is not None:
+                deliver(event.sequence, event.t_ns, event.cdr)
+        return now_ns
+
+    def exit(self, end: _wire.Exit) -> None:
+        """Send EXIT, the last frame of a run."""
+        self._send(end.frame())
+        self.flush()
+        self._channel = None
+
+    def flush(self) -> None:
+        """Send what is buffered."""
+        if self._channel is not None and self._buffer:
+            data = bytes(self._buffer)
+            self._buffer.clear()
+            self._channel.sendall(data)
+
+    def receive_start(self, channel: Channel) -> tuple[str, bytes]:
+        """Read START from `channel`: its JSON text and the source."""
+        self._channel = channel
+        return _wire.read_start(self._receive())
+
+    def _couple(self) -> None:
+        coupled = bool(self._listening or self._services or self._requests) and self.connected
+        if coupled != self.coupled:
+            self.coupled = coupled
+            self._kernel.replan()
+
+    def _send(self, frame: bytes) -> None:
+        if self._channel is None:
+            return
+        self._buffer += frame
+        if len(self._buffer) >= FLUSH_BYTES:
+            self.flush()
+
+    def _receive(self) -> bytes:
+        return self._receive_exactly(int.from_bytes(self._receive_exactly(4), "little"))
+
+    def _receive_exactly(self, size: int) -> bytes:
+        assert self._channel is not None
+        data = bytearray()
+        while len(data) < size:
+            piece = self._channel.recv(min(size - len(data), 1 << 20))
+            if not piece:
+                raise EOFError("the episode has closed the channel")
+            data += piece
+        return bytes(data)
+
+
+link = Link(kernel)

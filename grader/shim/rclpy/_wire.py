@@ -1,0 +1,153 @@
+"""Frames of the channel to the episode; the format is described in docs/design.md, "Wire".
+
+The world is trusted, so decoding only refuses what it cannot read. The episode's end shares no code with
+this one; `tests/golden/wire/` holds frames both agree on.
+"""
+
+import struct
+from typing import NamedTuple
+
+ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
+START, EVENTS = 0x80, 0x81
+
+NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
+"""What an entity is."""
+
+TO_SUBSCRIPTION, TO_CLIENT, TO_SERVICE = 1, 2, 3
+"""What an event is for."""
+
+FINISHED, RAISED, STALLED, BAD_SYNTAX = 0, 1, 2, 3
+"""Reasons of EXIT."""
+
+MAX_FRAME_BYTES = 65_536
+MAX_STR_BYTES = 1_024
+MAX_TEXT_BYTES = 4_096
+MAX_TRACEBACK_BYTES = 16_384
+
+_PUBLISH = struct.Struct("<IBHq")
+_SERVICE = struct.Struct("<IBHIq")
+_EVENT = struct.Struct("<BHIqI")
+
+
+class Event(NamedTuple):
+    """Something that happened in the world, addressed to one entity of the script."""
+
+    what: int
+    id: int
+    sequence: int
+    t_ns: int
+    cdr: bytes
+
+
+def bounded(text: str, most_bytes: int) -> bytes:
+    """Return `text` as UTF-8, cut at a character so that it fits; lone surrogates become ``?``."""
+    data = text.encode("utf-8", "replace")
+    if len(data) > most_bytes:
+        data = data[:most_bytes].decode("utf-8", "ignore").encode()
+    return data
+
+
+def _str(text: str, most_bytes: int = MAX_STR_BYTES) -> bytes:
+    data = bounded(text, most_bytes)
+    return struct.pack("<H", len(data)) + data
+
+
+def _frame(body: bytes) -> bytes:
+    return struct.pack("<I", len(body)) + body
+
+
+def entity(
+    ident: int,
+    what: int,
+    t_ns: int,
+    names: tuple[str, str, str],
+    quality: tuple[int, int, int],
+) -> bytes:
+    """Return ENTITY; `names` are node, name and type, `quality` reliability, durability and depth."""
+    head = struct.pack("<BHBq", ENTITY, ident, what, t_ns)
+    reliability, durability, depth = quality
+    depth = min(max(depth, 0), 0xFFFF)
+    return _frame(head + b"".join(map(_str, names)) + struct.pack("<BBH", reliability, durability, depth))
+
+
+def gone(ident: int, t_ns: int) -> bytes:
+    """Return GONE."""
+    return _frame(struct.pack("<BHq", GONE, ident, t_ns))
+
+
+def publish(ident: int, t_ns: int, cdr: bytes) -> bytes:
+    """Return PUBLISH."""
+    return _PUBLISH.pack(11 + len(cdr), PUBLISH, ident, t_ns) + cdr
+
+
+def service(kind: int, ident: int, sequence: int, t_ns: int, cdr: bytes) -> bytes:
+    """Return REQUEST or RESPONSE."""
+    return _SERVICE.pack(15 + len(cdr), kind, ident, sequence, t_ns) + cdr
+
+
+def advance(t_ns: int) -> bytes:
+    """Return ADVANCE."""
+    return _frame(struct.pack("<Bq", ADVANCE, t_ns))
+
+
+def note(code: str, text: str) -> bytes:
+    """Return NOTE."""
+    return _frame(struct.pack("<B", NOTE) + _str(code) + _str(text, MAX_TEXT_BYTES))
+
+
+class Exit(NamedTuple):
+    """How the run ended; the fields of EXIT."""
+
+    t_ns: int
+    reason: int
+    after_interrupt: bool
+    code: int
+    type: str = ""
+    message: str = ""
+    line: int = 0
+    text: str = ""
+
+    def frame(self) -> bytes:
+        """Return EXIT."""
+        text = bounded(self.text, MAX_TRACEBACK_BYTES)
+        code = max(-(1 << 31), min(self.code, (1 << 31) - 1))
+        return _frame(
+            struct.pack("<BqBBi", EXIT, self.t_ns, self.reason, self.after_interrupt, code)
+            + _str(self.type)
+            + _str(self.message, MAX_TEXT_BYTES)
+            + struct.pack("<II", min(self.line, 0xFFFF_FFFF), len(text))
+            + text
+        )
+
+
+def read_start(body: bytes) -> tuple[str, bytes]:
+    """Return START's JSON text and the source.
+
+    Raises:
+        ValueError: `body` is not START.
+    """
+    kind, length = struct.unpack_from("<BI", body)
+    if kind != START or 5 + length > len(body):
+        raise ValueError("not a START frame")
+    return body[5 : 5 + length].decode(), body[5 + length :]
+
+
+def read_events(body: bytes) -> tuple[int, list[Event]]:
+    """Return the instant reached and what is due at it.
+
+    Raises:
+        ValueError: `body` is not EVENTS.
+    """
+    kind, now_ns, count = struct.unpack_from("<BqH", body)
+    if kind != EVENTS:
+        raise ValueError("not an EVENTS frame")
+    events = []
+    offset = 11
+    for _ in range(count):
+        what, ident, sequence, t_ns, length = _EVENT.unpack_from(body, offset)
+        offset += _EVENT.size
+        if offset + length > len(body):
+            raise ValueError("EVENTS ends inside an event")
+        events.append(Event(what, ident, sequence, t_ns, body[offset : offset + length]))
+        offset += length
+    return now_ns, events
