@@ -4,7 +4,7 @@ import html
 import unicodedata
 
 _HIDDEN_CATEGORIES = frozenset({"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"})
-"""Controls, format characters (bidi marks, zero-width joiners), surrogates, private use, unassigned, separators."""
+"""Controls, format characters (bidi marks, joiners), surrogates, private use, unassigned, separators."""
 
 _BLANK_LETTERS = frozenset("\u034f\u115f\u1160\u17b4\u17b5\u3164\uffa0")
 """Unicode calls these letters or marks, terminals show nothing (Default_Ignorable_Code_Point)."""
@@ -22,7 +22,7 @@ def _escaped(character: str) -> str:
 
 
 def visible(text: str) -> str:
-    r"""Return `text` with every invisible or controlling character as its Python escape (``\x1b``, ``\u202e``).
+    r"""Return `text` with invisible and controlling characters as Python escapes (``\x1b``, ``\u202e``).
 
     Line feeds stay (``\r\n`` counts as one) and a tab becomes four spaces; everything printable is unchanged.
     Applying it twice changes nothing more.
@@ -36,7 +36,7 @@ def visible(text: str) -> str:
 
 
 def visible_line(text: str, limit: int | None = None) -> str:
-    r"""Return `visible` text on one line: line feeds as ``\n``, cut to `limit` characters with an ellipsis."""
+    r"""Return `visible` text on one line: line feeds as ``\n``, cut to `limit` characters with ``…``."""
     line = visible(text).replace("\n", "\\n")
     return line if limit is None or len(line) <= limit else line[: limit - 1] + "…"
 

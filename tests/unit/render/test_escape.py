@@ -9,6 +9,8 @@ from hypothesis import strategies as st
 from grader.render.escape import visible, visible_html, visible_line
 
 ANY_TEXT = st.text(st.characters())
+REORDERING = {"LRE", "RLE", "LRO", "RLO", "PDF", "LRI", "RLI", "FSI", "PDI"}
+BLANK_LETTERS = "\u115f\u1160\u3164\uffa0\u17b4\u17b5"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,137 @@
+"""The renderers' own words in both languages. What concerns one submission comes with its report."""
+
+from collections.abc import Mapping
+
+from grader.contracts.outcome import RunStatus
+from grader.contracts.report import GradeStatus
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.text import Language, Text
+
+
+def _t(zh: str, en: str) -> Text:
+    return Text(zh=zh, en=en)
+
+
+ITEM_STATUS: Mapping[ItemStatus, Text] = {
+    ItemStatus.PASSED: _t("通过", "passed"),
+    ItemStatus.PARTIAL: _t("部分", "partial"),
+    ItemStatus.FAILED: _t("未过", "failed"),
+    ItemStatus.NOT_CHECKED: _t("未查", "not checked"),
+}
+
+ITEM_MARK: Mapping[ItemStatus, str] = {
+    ItemStatus.PASSED: "✓",
+    ItemStatus.PARTIAL: "~",
+    ItemStatus.FAILED: "✗",
+    ItemStatus.NOT_CHECKED: "-",
+}
+"""Readable without colour."""
+
+GRADE_STATUS: Mapping[GradeStatus, Text] = {
+    GradeStatus.GRADED: _t("已评分", "graded"),
+    GradeStatus.NEEDS_MANUAL: _t("等待老师评分", "waiting for the teacher"),
+    GradeStatus.SYNTAX_ERROR: _t("语法错误,程序没有运行", "syntax error, the script did not run"),
+    GradeStatus.CRASHED: _t("程序出错退出", "the script crashed"),
+    GradeStatus.CPU_LIMIT: _t("用完了允许的 CPU 时间", "CPU time used up"),
+    GradeStatus.MEMORY_LIMIT: _t("用完了允许的内存", "memory used up"),
+    GradeStatus.OUTPUT_LIMIT: _t("输出太多", "too much output"),
+    GradeStatus.STALLED: _t("程序卡住了", "the script waits for ever"),
+    GradeStatus.FORBIDDEN: _t("做了不允许的操作", "did something not allowed"),
+    GradeStatus.PROTOCOL: _t("干扰了与仿真器的通信", "interfered with the simulator's channel"),
+    GradeStatus.ASSIGNMENT_ERROR: _t("作业配置有误,请告诉老师", "the assignment is broken: tell the teacher"),
+    GradeStatus.INFRASTRUCTURE_ERROR: _t("评分系统故障,不算你的错", "fault of the grader, not yours"),
+}
+
+RUN_STATUS: Mapping[RunStatus, Text] = {
+    RunStatus.FINISHED: _t("程序正常结束", "the script finished"),
+    RunStatus.INTERRUPTED: _t(
+        "运行到时限,由 Ctrl+C 结束(正常)", "ran to the time limit, ended by Ctrl+C (normal)"
+    ),
+    RunStatus.SYNTAX_ERROR: GRADE_STATUS[GradeStatus.SYNTAX_ERROR],
+    RunStatus.CRASHED: GRADE_STATUS[GradeStatus.CRASHED],
+    RunStatus.STALLED: GRADE_STATUS[GradeStatus.STALLED],
+    RunStatus.CPU_LIMIT: GRADE_STATUS[GradeStatus.CPU_LIMIT],
+    RunStatus.MEMORY_LIMIT: GRADE_STATUS[GradeStatus.MEMORY_LIMIT],
+    RunStatus.OUTPUT_LIMIT: GRADE_STATUS[GradeStatus.OUTPUT_LIMIT],
+    RunStatus.FORBIDDEN: GRADE_STATUS[GradeStatus.FORBIDDEN],
+    RunStatus.PROTOCOL: GRADE_STATUS[GradeStatus.PROTOCOL],
+    RunStatus.INFRASTRUCTURE: GRADE_STATUS[GradeStatus.INFRASTRUCTURE_ERROR],
+}
+
+LOG_LEVEL: Mapping[int, str] = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
+
+WALL: Mapping[str, Text] = {
+    "left": _t("左墙", "the left wall"),
+    "right": _t("右墙", "the right wall"),
+    "top": _t("上墙", "the top wall"),
+    "bottom": _t("下墙", "the bottom wall"),
+}
+
+WORDS: Mapping[str, Text] = {
+    "score": _t("得分", "Score"),
+    "full_marks": _t("满分", "full marks"),
+    "not_yet": _t("待评", "pending"),
+    "status": _t("状态", "Status"),
+    "item": _t("评分项", "Rubric item"),
+    "points": _t("得分", "Points"),
+    "measured": _t("实测", "Measured"),
+    "wanted": _t("要求", "Wanted"),
+    "next_step": _t("下一步", "Next step"),
+    "your_error": _t("你的程序在这里出错", "Your script failed here"),
+    "at_line": _t("第 {line} 行", "line {line}"),
+    "case": _t("用例", "case"),
+    "notes": _t("说明(不影响得分)", "Notes (cost nothing)"),
+    "cleanup_error": _t(
+        "Ctrl+C 之后的清理代码出错,不扣分:{error}",
+        "the clean-up after Ctrl+C failed, which costs nothing: {error}",
+    ),
+    "nonfinite": _t(
+        "{count} 条速度命令含 NaN 或无穷大,按 0 处理",
+        "{count} velocity commands held NaN or infinity and counted as zero",
+    ),
+    "logs": _t("日志", "Log"),
+    "stdout": _t("标准输出", "Standard output"),
+    "stderr": _t("标准错误", "Standard error"),
+    "left_out_lines": _t("… 省略 {count} 行 …", "… {count} lines left out …"),
+    "left_out_bytes": _t("… 另有 {count} 字节未保留 …", "… {count} more bytes were not kept …"),
+    "time": _t("时间", "Time"),
+    "event": _t("事件", "Event"),
+    "command": _t("速度命令", "command"),
+    "repeated": _t("共 {count} 条,持续 {seconds:.2f} s", "{count} messages over {seconds:.2f} s"),
+    "contact": _t("撞到{wall}", "touched {wall}"),
+    "end": _t("结束", "end"),
+    "student": _t("学生", "Student"),
+    "assignment": _t("作业", "Assignment"),
+    "pass_rate": _t("通过率", "Pass rate"),
+    "mean": _t("平均分", "Mean"),
+    "submissions": _t("提交", "Submissions"),
+    "hardest": _t("最常失分的评分项", "Most-failed rubric items"),
+    "queue": _t("队列", "Queue"),
+    "path": _t("行驶路径", "path"),
+    "path_rest": _t("未计入的路径", "path not judged"),
+    "ideal": _t("标准图形(拟合)", "ideal figure (fitted)"),
+    "side_ok": _t("合格", "within tolerance"),
+    "side_bad": _t("不合格", "out of tolerance"),
+    "start": _t("起点", "start"),
+    "stop": _t("终点", "end"),
+    "wall": _t("墙", "wall"),
+    "gap": _t("缺口 {length} m", "gap {length} m"),
+    "time_axis": _t("时间 (s)", "time (s)"),
+    "v_axis": _t("线速度 v (m/s)", "speed v (m/s)"),
+    "w_axis": _t("角速度 ω (rad/s)", "yaw rate ω (rad/s)"),
+    "turned_axis": _t("累计转角 (°)", "angle turned (°)"),
+    "commanded": _t("命令", "commanded"),
+    "driven": _t("实测", "measured"),
+    "one_turn": _t("要求转角", "wanted turn"),
+    "turned": _t("累计转角", "angle turned"),
+    "no_motion": _t("小车没有动", "the car did not move"),
+    "no_logs": _t("没有日志到达 /rosout", "no log message reached /rosout"),
+    "running": _t("节点运行中", "script running"),
+    "more_logs": _t("… 另有 {count} 条日志", "… {count} more log messages"),
+}
+
+
+def word(key: str, language: Language, **values: object) -> str:
+    """Return one of `WORDS` in `language`, its fields filled in."""
+    text = WORDS[key].get(language)
+    return text.format(**values) if values else text

@@ -1,0 +1,70 @@
+"""Numbers as a reader wants them: few digits, with their unit, never contradicting the verdict."""
+
+import math
+
+from grader.contracts.rubric import RubricItem
+
+_DECIMALS = {"m": 2, "s": 2, "deg": 1, "%": 1}
+_MOST_DECIMALS = 5
+_SUFFIX = {"deg": "°", "%": " %", "": ""}
+NOTHING = "—"
+
+
+def suffix(unit: str) -> str:
+    """Return what follows a number of that unit, with its space where one belongs."""
+    return _SUFFIX.get(unit, f" {unit}")
+
+
+def number(value: float, decimals: int) -> str:
+    """Return `value` with at most `decimals` decimals; counts stay whole, minus zero is zero."""
+    if value == round(value) and abs(value) < 1e15 and decimals <= 0:
+        return str(int(value))
+    text = f"{value:.{max(decimals, 0)}f}"
+    return text[1:] if text.startswith("-") and not text.strip("-0.") else text
+
+
+def _trimmed(value: float) -> str:
+    return f"{round(value, 4):.10g}"
+
+
+def _inside(value: float, target: float, tolerance: float) -> bool:
+    return abs(value - target) <= tolerance + 1e-12
+
+
+def _decimals(item: RubricItem) -> int:
+    """Return the fewest decimals at which the shown number lies on the real one's side of the tolerance."""
+    least = _DECIMALS.get(item.unit, 0 if _whole(item) else 2)
+    if item.measured is None or item.target is None or item.tolerance is None:
+        return least
+    real = _inside(item.measured, item.target, item.tolerance)
+    for decimals in range(least, _MOST_DECIMALS):
+        if _inside(float(number(item.measured, decimals)), item.target, item.tolerance) == real:
+            return decimals
+    return _MOST_DECIMALS
+
+
+def _whole(item: RubricItem) -> bool:
+    return item.measured is not None and float(item.measured).is_integer()
+
+
+def measured(item: RubricItem) -> str:
+    """Return the measured value with its unit, a dash when nothing (or no number) was measured."""
+    if item.measured is None or not math.isfinite(item.measured):
+        return NOTHING
+    return number(item.measured, _decimals(item)) + suffix(item.unit)
+
+
+def wanted(item: RubricItem) -> str:
+    """Return target and tolerance with their unit, a dash when the item has none."""
+    if item.target is None:
+        return NOTHING
+    if not item.tolerance:
+        return _trimmed(item.target) + suffix(item.unit)
+    if item.unit == "deg":
+        return f"{_trimmed(item.target)}° ± {_trimmed(item.tolerance)}°"
+    return f"{_trimmed(item.target)} ± {_trimmed(item.tolerance)}{suffix(item.unit)}"
+
+
+def score(value: float) -> str:
+    """Return a score with at most two decimals and no trailing zeros."""
+    return f"{round(value, 2):.10g}"

@@ -1,0 +1,203 @@
+"""The readable table of `grader check`.
+
+Text from a submission passes `grader.render.escape.visible` and enters rich only as `rich.text.Text`, whose
+content is never read as markup.
+"""
+
+from collections.abc import Iterator
+from itertools import chain
+from typing import TextIO
+
+from rich import box
+from rich.console import Console, Group, RenderableType
+from rich.padding import Padding
+from rich.rule import Rule
+from rich.table import Table
+from rich.text import Text
+
+from grader.contracts.outcome import LogRecord, RunOutcome, Stream, StudentError
+from grader.contracts.report import CaseRun, GradeReport, GradeStatus
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.text import Language
+from grader.contracts.text import Text as Sentence
+from grader.render import quantity
+from grader.render.escape import visible, visible_line
+from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, LOG_LEVEL, word
+
+_STYLE = {
+    ItemStatus.PASSED: "green",
+    ItemStatus.PARTIAL: "yellow",
+    ItemStatus.FAILED: "red",
+    ItemStatus.NOT_CHECKED: "dim",
+}
+_HEAD_LINES = 12
+_TAIL_LINES = 28
+_NANO = 1e-9
+
+
+def console(stream: TextIO | None = None, width: int | None = None) -> Console:
+    """Return a console that colours terminals only and reads no markup in what it prints."""
+    return Console(file=stream, width=width, markup=False, emoji=False, highlight=False)
+
+
+def render_report(
+    report: GradeReport, *, language: Language, file_name: str, title: Sentence, show_logs: bool = False
+) -> RenderableType:
+    """Return score, rubric table, next step, the script's error and notes as one renderable."""
+    return Group(
+        _header(report, language, file_name, title),
+        _rubric(report, language),
+        *_next_steps(report, language),
+        *chain.from_iterable(_error(run, report, language) for run in report.runs),
+        *_notes(report, language),
+        *(chain.from_iterable(_output(run, report, language) for run in report.runs) if show_logs else ()),
+    )
+
+
+def log_line(record: LogRecord) -> str:
+    """Return one log record as ``[   1.500] [INFO] [node]: message``, escaped, on one line."""
+    level = LOG_LEVEL.get(record.level, str(record.level))
+    where = visible_line(record.name, 80)
+    return f"[{record.t_ns * _NANO:8.3f}] [{level}] [{where}]: {visible_line(record.message, 2000)}"
+
+
+def _header(report: GradeReport, language: Language, file_name: str, title: Sentence) -> RenderableType:
+    line = Table.grid(expand=True, padding=(0, 1))
+    line.add_column(ratio=1, overflow="fold")
+    line.add_column(justify="right", no_wrap=True)
+    left = Text.assemble(
+        (visible_line(title.get(language)), "bold"), "  ", (visible_line(file_name, 60), "cyan")
+    )
+    line.add_row(left, _score(report, language))
+    parts: list[RenderableType] = [line]
+    if report.status is not GradeStatus.GRADED:
+        parts.append(Text(GRADE_STATUS[report.status].get(language), style="bold red"))
+    if summary := report.summary.get(language):
+        parts.append(Text(visible(summary)))
+    return Group(*parts)
+
+
+def _score(report: GradeReport, language: Language) -> Text:
+    most = quantity.score(report.max_score)
+    if report.score is None:
+        return Text(f"{word('score', language)} {word('not_yet', language)} / {most}", style="bold yellow")
+    full = report.score >= report.max_score
+    text = Text(f"{word('score', language)} {quantity.score(report.score)} / {most}")
+    if full:
+        text.append(f" {word('full_marks', language)}")
+    text.stylize("bold green" if full else "bold yellow")
+    return text
+
+
+def _rubric(report: GradeReport, language: Language) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False, show_edge=True)
+    table.add_column(word("status", language), no_wrap=True)
+    table.add_column(word("item", language), ratio=1, overflow="fold")
+    table.add_column(word("points", language), justify="right", no_wrap=True)
+    table.add_column(word("measured", language), justify="right", no_wrap=True)
+    table.add_column(word("wanted", language), no_wrap=True)
+    for item in report.items:
+        style = _STYLE[item.status]
+        mark = Text(f"{ITEM_MARK[item.status]} {ITEM_STATUS[item.status].get(language)}", style=style)
+        points = f"{quantity.score(item.earned)}/{quantity.score(item.points)}"
+        table.add_row(
+            mark, _item(item, language), points, Text(quantity.measured(item)), Text(quantity.wanted(item))
+        )
+    return table
+
+
+def _item(item: RubricItem, language: Language) -> Text:
+    text = Text(visible_line(item.title.get(language)))
+    if message := item.message.get(language):
+        text.append(f"\n{visible(message)}", style="dim")
+    return text
+
+
+def _next_steps(report: GradeReport, language: Language) -> Iterator[RenderableType]:
+    """Yield the report's hint, then the items' own, each said once."""
+    said: list[str] = []
+    for sentence in (report.hint, *(item.hint for item in report.items)):
+        hint = visible(sentence.get(language))
+        if hint and hint not in said:
+            said.append(hint)
+    if not said:
+        return
+    steps = Table.grid(padding=(0, 1))
+    steps.add_column(no_wrap=True)
+    steps.add_column(overflow="fold")
+    for hint in said:
+        steps.add_row(Text("→", style="bold cyan"), Text(hint))
+    yield Text(word("next_step", language), style="bold cyan")
+    yield Padding(steps, (0, 0, 1, 1))
+
+
+def _case_name(run: CaseRun, report: GradeReport, language: Language) -> str:
+    return f" ({word('case', language)} {visible_line(run.case)})" if len(report.runs) > 1 else ""
+
+
+def _error(run: CaseRun, report: GradeReport, language: Language) -> Iterator[RenderableType]:
+    error = run.outcome.error
+    if error is None:
+        if run.outcome.detail:
+            yield Text(f"{visible(run.outcome.detail)}{_case_name(run, report, language)}\n")
+        return
+    where = f" ({word('at_line', language, line=error.line)})" if error.line else ""
+    heading = f"{word('your_error', language)}{where}{_case_name(run, report, language)}"
+    yield Text(heading, style="bold red")
+    body = error.traceback or f"{error.type}: {error.message}"
+    yield Padding(Text(_shortened(visible(body).rstrip("\n"), language)), (0, 0, 1, 2))
+
+
+def _shortened(text: str, language: Language) -> str:
+    lines = text.split("\n")
+    left_out = len(lines) - _HEAD_LINES - _TAIL_LINES
+    if left_out <= 1:
+        return text
+    note = word("left_out_lines", language, count=left_out)
+    return "\n".join([*lines[:_HEAD_LINES], note, *lines[-_TAIL_LINES:]])
+
+
+def _notes(report: GradeReport, language: Language) -> Iterator[RenderableType]:
+    notes = list(dict.fromkeys(chain.from_iterable(_run_notes(run.outcome, language) for run in report.runs)))
+    if not notes:
+        return
+    yield Text(word("notes", language), style="bold")
+    table = Table.grid(padding=(0, 1))
+    for note in notes:
+        table.add_row(Text("·"), Text(note, style="dim", overflow="fold"))
+    yield Padding(table, (0, 0, 1, 1))
+
+
+def _run_notes(outcome: RunOutcome, language: Language) -> Iterator[str]:
+    if outcome.cleanup_error is not None:
+        yield word("cleanup_error", language, error=_in_short(outcome.cleanup_error, language))
+    if outcome.nonfinite_commands:
+        yield word("nonfinite", language, count=outcome.nonfinite_commands)
+    for note in outcome.notes:
+        yield visible(note.text or note.code)
+
+
+def _in_short(error: StudentError, language: Language) -> str:
+    where = f" ({word('at_line', language, line=error.line)})" if error.line else ""
+    return f"{visible_line(error.type, 80)}: {visible_line(error.message, 300)}{where}"
+
+
+def _output(run: CaseRun, report: GradeReport, language: Language) -> Iterator[RenderableType]:
+    name = _case_name(run, report, language)
+    logs = "\n".join(log_line(record) for record in run.outcome.logs)
+    dropped = run.outcome.logs_dropped
+    if logs:
+        yield Rule(Text(word("logs", language) + name), align="left", style="dim")
+        more = "\n" + word("more_logs", language, count=dropped) if dropped else ""
+        yield Text(_shortened(logs, language) + more)
+    for key, stream in (("stdout", run.outcome.stdout), ("stderr", run.outcome.stderr)):
+        if stream.text or stream.dropped_bytes:
+            yield Rule(Text(word(key, language) + name), align="left", style="dim")
+            yield Text(_stream(stream, language))
+
+
+def _stream(stream: Stream, language: Language) -> str:
+    text = _shortened(visible(stream.text).rstrip("\n"), language)
+    if stream.dropped_bytes:
+        text += "\n" + word("left_out_bytes", language, count=stream.dropped_bytes)
+    return text
