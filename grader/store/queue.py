@@ -1,0 +1,258 @@
+"""The queue: submissions that wait, claims under leases, and what becomes of a claim.
+
+Guarantees, whatever is killed when: an accepted submission is graded or ends as ``infrastructure_error``;
+a result is stored at most once per claim and only from the latest claim. A claim raises `attempt`, and
+`finish` writes only where the row still carries that number and is ``running``: a worker that wakes up late,
+or a submission delivered twice, changes nothing. A claim whose lease ran out goes back to the queue in
+`reconcile`.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+from typing import Any
+
+from sqlalchemy import ColumnElement, CursorResult, Select, case, func, select, update
+from sqlmodel import Session, col
+
+from grader.contracts.grading import GradingResult
+from grader.contracts.submission import Claim, QueueState, SubmissionState
+from grader.store.columns import Clock
+from grader.store.database import Database
+from grader.store.results import detail_rows, grading_row
+from grader.store.tables import SourceRow, SubmissionRow
+
+_TROUBLE_CHARACTERS = 2_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RetryPolicy:
+    """How long a claim lives and how often a submission is tried.
+
+    Attributes:
+        lease_s: a claim not renewed for so long is void.
+        max_tries: claims before a submission ends as ``infrastructure_error``.
+        backoff_s: wait after the first failed try; doubled for each further one.
+    """
+
+    lease_s: float = 15.0
+    max_tries: int = 5
+    backoff_s: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Reconciled:
+    """What `Queue.reconcile` mended: claims put back into the queue, and submissions given up."""
+
+    requeued: int
+    given_up: int
+
+
+class Queue:
+    """Hands submissions to workers and takes their results; safe to share between threads."""
+
+    def __init__(self, database: Database, clock: Clock, policy: RetryPolicy) -> None:
+        self._database = database
+        self._clock = clock
+        self._policy = policy
+
+    def claim(self, worker: str) -> Claim | None:
+        """Take the submission that is due first, or None when nothing is due."""
+        with self._database.reading() as session:  # an idle poll must not take the write lock
+            if session.execute(_due(self._clock())).first() is None:
+                return None
+        with self._database.writing() as session:
+            return self._claim(session, worker, self._clock())
+
+    def renew(self, claims: Collection[Claim]) -> set[str]:
+        """Extend the leases of `claims`; return the submissions that are still theirs."""
+        now, held = self._clock(), set()
+        with self._database.writing() as session:
+            for claim in claims:
+                values = {"lease_until": now + timedelta(seconds=self._policy.lease_s)}
+                if _change(session, claim, values):
+                    held.add(claim.submission_id)
+        return held
+
+    def finish(self, claim: Claim, result: GradingResult) -> bool:
+        """Store `result` as the grading of `claim`; False when the claim is no longer valid.
+
+        The row and everything that belongs to the grading change in one transaction.
+        """
+        now, report = self._clock(), result.report
+        grading, details = grading_row(claim, result, now), detail_rows(claim, result)
+        values = {
+            "state": SubmissionState.GRADED.value,
+            "finished_at": now,
+            "lease_until": None,
+            "trouble": "",
+            "graded_attempt": claim.attempt,
+            "verdict": report.status.value,
+            "score": report.score,
+            "max_score": report.max_score,
+            "report_sha256": grading.report_sha256,
+        }
+        with self._database.writing() as session:
+            if not _change(session, claim, values):
+                return False
+            session.add(grading)
+            session.flush()  # the rows below refer to it
+            session.add_all(details)
+        return True
+
+    def fail(self, claim: Claim, trouble: str) -> SubmissionState | None:
+        """End a try that failed on the grader's side: queued again after a pause, or given up.
+
+        Returns:
+            The new state, or None when the claim is no longer valid.
+        """
+        now = self._clock()
+        given_up = claim.tries >= self._policy.max_tries
+        state = SubmissionState.INFRASTRUCTURE_ERROR if given_up else SubmissionState.QUEUED
+        pause_s = self._policy.backoff_s * 2.0 ** (claim.tries - 1)
+        values = {
+            "state": state.value,
+            "not_before": now + timedelta(seconds=pause_s),
+            "finished_at": now if given_up else None,
+            "lease_until": None,
+            "trouble": trouble[:_TROUBLE_CHARACTERS],
+        }
+        with self._database.writing() as session:
+            return state if _change(session, claim, values) else None
+
+    def hand_back(self, claim: Claim) -> bool:
+        """Return an unfinished submission to its place in the queue; the try does not count."""
+        values = {
+            "state": SubmissionState.QUEUED.value,
+            "tries": max(claim.tries - 1, 0),
+            "not_before": self._clock(),
+            "lease_until": None,
+        }
+        with self._database.writing() as session:
+            return _change(session, claim, values)
+
+    def reconcile(self, *, all_running: bool = False) -> Reconciled:
+        """Put claims past their lease back into the queue; give up those that were tried too often.
+
+        Args:
+            all_running: treat every claim as void. Only right when no
+                worker lives (see `grader.store.workers.presence`).
+        """
+        now = self._clock()
+        void = [col(SubmissionRow.state) == SubmissionState.RUNNING.value]
+        if not all_running:
+            void.append(col(SubmissionRow.lease_until) < now)
+        spent = col(SubmissionRow.tries) >= self._policy.max_tries
+        with self._database.writing() as session:
+            given_up = _void(session, [*void, spent], now, SubmissionState.INFRASTRUCTURE_ERROR)
+            requeued = _void(session, void, now, SubmissionState.QUEUED)
+        return Reconciled(requeued=requeued, given_up=given_up)
+
+    def state(self) -> QueueState:
+        """Count what waits, runs and was given up."""
+        statement = select(
+            col(SubmissionRow.state), func.count(), func.min(col(SubmissionRow.queued_at))
+        ).group_by(col(SubmissionRow.state))
+        with self._database.reading() as session:
+            rows = {state: (count, oldest) for state, count, oldest in session.execute(statement)}
+        nothing = (0, None)
+        queued, oldest = rows.get(SubmissionState.QUEUED.value, nothing)
+        return QueueState(
+            queued=queued,
+            running=rows.get(SubmissionState.RUNNING.value, nothing)[0],
+            infrastructure_errors=rows.get(SubmissionState.INFRASTRUCTURE_ERROR.value, nothing)[0],
+            oldest_queued_at=oldest,
+        )
+
+    def position(self, submission_id: str) -> int | None:
+        """Return how many submissions are before a waiting one, or None when it does not wait."""
+        mine = select(
+            col(SubmissionRow.state), col(SubmissionRow.priority), col(SubmissionRow.queued_at)
+        ).where(col(SubmissionRow.id) == submission_id)
+        with self._database.reading() as session:
+            row = session.execute(mine).first()
+            if row is None or row[0] != SubmissionState.QUEUED.value:
+                return None
+            _, priority, queued_at = row
+            first = case(
+                (col(SubmissionRow.priority) != priority, col(SubmissionRow.priority) < priority),
+                (col(SubmissionRow.queued_at) != queued_at, col(SubmissionRow.queued_at) < queued_at),
+                else_=col(SubmissionRow.id) < submission_id,
+            )
+            waiting = col(SubmissionRow.state) == SubmissionState.QUEUED.value
+            ahead = select(func.count()).select_from(SubmissionRow).where(waiting, first)
+            return int(session.execute(ahead).scalar_one())
+
+    def _claim(self, session: Session, worker: str, now: datetime) -> Claim | None:
+        statement = (
+            update(SubmissionRow)
+            .where(col(SubmissionRow.id) == _due(now).with_for_update(skip_locked=True).scalar_subquery())
+            .values(
+                state=SubmissionState.RUNNING.value,
+                attempt=col(SubmissionRow.attempt) + 1,
+                tries=col(SubmissionRow.tries) + 1,
+                worker=worker,
+                started_at=now,
+                lease_until=now + timedelta(seconds=self._policy.lease_s),
+            )
+            .returning(SubmissionRow)
+            .execution_options(synchronize_session=False)
+        )
+        row = session.execute(statement).scalars().first()
+        if row is None:  # another worker was quicker
+            return None
+        source = select(col(SourceRow.content)).where(col(SourceRow.sha256) == row.source_sha256)
+        return Claim(
+            submission_id=row.id,
+            attempt=row.attempt,
+            tries=row.tries,
+            worker=worker,
+            assignment=row.assignment,
+            file_name=row.file_name,
+            source=session.execute(source).scalar_one(),
+        )
+
+
+def _due(now: datetime) -> Select[str]:
+    """The submission to grade next: by priority, then by the instant of queueing."""
+    return (
+        select(col(SubmissionRow.id))
+        .where(
+            col(SubmissionRow.state) == SubmissionState.QUEUED.value,
+            col(SubmissionRow.not_before) <= now,
+        )
+        .order_by(col(SubmissionRow.priority), col(SubmissionRow.queued_at), col(SubmissionRow.id))
+        .limit(1)
+    )
+
+
+def _change(session: Session, claim: Claim, values: Mapping[str, Any]) -> bool:
+    """Write `values` to the claimed row if the claim is still the latest: the fence."""
+    valid = (
+        col(SubmissionRow.id) == claim.submission_id,
+        col(SubmissionRow.attempt) == claim.attempt,
+        col(SubmissionRow.state) == SubmissionState.RUNNING.value,
+    )
+    return _update(session, valid, values) == 1
+
+
+def _void(
+    session: Session, condition: Sequence[ColumnElement[bool]], now: datetime, state: SubmissionState
+) -> int:
+    """Move running rows to `state` because nobody grades them any more; return how many."""
+    ended = state is SubmissionState.INFRASTRUCTURE_ERROR
+    values = {
+        "state": state.value,
+        "not_before": now,
+        "finished_at": now if ended else None,
+        "lease_until": None,
+        "trouble": "the worker that graded this stopped without an answer",
+    }
+    return _update(session, condition, values)
+
+
+def _update(session: Session, condition: Sequence[ColumnElement[bool]], values: Mapping[str, Any]) -> int:
+    statement = update(SubmissionRow).where(*condition).values(**values)
+    result = session.execute(statement, execution_options={"synchronize_session": False})
+    assert isinstance(result, CursorResult)
+    return result.rowcount

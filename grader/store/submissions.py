@@ -1,0 +1,152 @@
+"""Submissions and their gradings: adding uploads, and reading what became of them."""
+
+import hashlib
+import uuid
+from datetime import datetime
+
+from sqlalchemy import Select, func, select
+from sqlmodel import Session, col
+
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
+from grader.store.columns import Clock
+from grader.store.database import Database
+from grader.store.tables import GradingRow, SourceRow, SubmissionRow, TrajectoryRow
+
+_OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
+_UUID_VERSION_7 = 0x7 << 76
+_UUID_VARIANT = 0b10 << 62
+
+
+class Submissions:
+    """Uploads and what became of them; safe to share between threads."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database = database
+        self._clock = clock
+
+    def add(self, upload: NewSubmission) -> Submission:
+        """Store an accepted upload and queue it, in one transaction: once this returns, it is not lost."""
+        now = self._clock()
+        row = SubmissionRow(
+            id=new_id(now),
+            student=upload.student,
+            assignment=upload.assignment,
+            file_name=upload.file_name,
+            source_sha256=hashlib.sha256(upload.source).hexdigest(),
+            size_bytes=len(upload.source),
+            state=SubmissionState.QUEUED.value,
+            received_at=now,
+            queued_at=now,
+            not_before=now,
+        )
+        with self._database.writing() as session:
+            if session.get(SourceRow, row.source_sha256) is None:
+                session.add(SourceRow(sha256=row.source_sha256, content=upload.source))
+                session.flush()
+            session.add(row)
+            session.flush()
+            return _submission(row)
+
+    def get(self, submission_id: str) -> Submission | None:
+        """Return one submission, or None."""
+        with self._database.reading() as session:
+            row = session.get(SubmissionRow, submission_id)
+            return None if row is None else _submission(row)
+
+    def source(self, submission_id: str) -> bytes | None:
+        """Return the uploaded bytes, or None when there is no such submission."""
+        statement = (
+            select(col(SourceRow.content))
+            .join(SubmissionRow, col(SubmissionRow.source_sha256) == col(SourceRow.sha256))
+            .where(col(SubmissionRow.id) == submission_id)
+        )
+        with self._database.reading() as session:
+            return session.execute(statement).scalar_one_or_none()
+
+    def report(self, submission_id: str) -> StoredReport | None:
+        """Return the latest grading of a submission, or None when there is none yet."""
+        with self._database.reading() as session:
+            row = session.execute(_latest_grading(submission_id)).scalar_one_or_none()
+            if row is None:
+                return None
+            return StoredReport(
+                submission_id=submission_id,
+                attempt=row.attempt,
+                finished_at=row.finished_at,
+                content=row.report,
+                sha256=row.report_sha256,
+                cases=_cases(session, row),
+            )
+
+    def trajectory(self, report: StoredReport, case_id: str) -> bytes | None:
+        """Return the trajectory of one case as gzip of its JSON, or None."""
+        with self._database.reading() as session:
+            row = session.get(TrajectoryRow, (report.submission_id, report.attempt, case_id))
+            return None if row is None else row.content
+
+    def open_count(self, student: str) -> int:
+        """Count a student's submissions that are not graded yet."""
+        statement = (
+            select(func.count())
+            .select_from(SubmissionRow)
+            .where(col(SubmissionRow.state).in_(_OPEN_STATES), col(SubmissionRow.student) == student)
+        )
+        with self._database.reading() as session:
+            return int(session.execute(statement).scalar_one())
+
+
+def new_id(now: datetime) -> str:
+    """Return a UUID version 7 (RFC 9562): sorts by instant, and 74 random bits keep it unguessable."""
+    milliseconds = int(now.timestamp() * 1000) & ((1 << 48) - 1)
+    random_bits = uuid.uuid4().int
+    high, low = (random_bits >> 64) & 0xFFF, random_bits & ((1 << 62) - 1)
+    return str(uuid.UUID(int=(milliseconds << 80) | _UUID_VERSION_7 | (high << 64) | _UUID_VARIANT | low))
+
+
+def _latest_grading(submission_id: str) -> Select[GradingRow]:
+    return (
+        select(GradingRow)
+        .join(
+            SubmissionRow,
+            (col(SubmissionRow.id) == col(GradingRow.submission_id))
+            & (col(SubmissionRow.graded_attempt) == col(GradingRow.attempt)),
+        )
+        .where(col(SubmissionRow.id) == submission_id)
+    )
+
+
+def _cases(session: Session, grading: GradingRow) -> dict[str, str]:
+    statement = (
+        select(col(TrajectoryRow.case_id), col(TrajectoryRow.sha256))
+        .where(
+            col(TrajectoryRow.submission_id) == grading.submission_id,
+            col(TrajectoryRow.attempt) == grading.attempt,
+        )
+        .order_by(col(TrajectoryRow.position))
+    )
+    return {row[0]: row[1] for row in session.execute(statement)}
+
+
+def _submission(row: SubmissionRow) -> Submission:
+    return Submission(
+        id=row.id,
+        student=row.student,
+        assignment=row.assignment,
+        file_name=row.file_name,
+        sha256=row.source_sha256,
+        size_bytes=row.size_bytes,
+        state=SubmissionState(row.state),
+        received_at=row.received_at,
+        queued_at=row.queued_at,
+        started_at=row.started_at,
+        finished_at=row.finished_at,
+        attempt=row.attempt,
+        tries=row.tries,
+        trouble=row.trouble,
+        verdict=None if row.verdict is None else GradeStatus(row.verdict),
+        score=row.score,
+        max_score=row.max_score,
+        report_sha256=row.report_sha256,
+        graded_attempt=row.graded_attempt,
+    )

@@ -1,0 +1,148 @@
+"""The tables. Changing one needs a migration in `grader.store.migrations.versions` (a test compares them)."""
+
+from datetime import datetime
+from typing import ClassVar
+
+from sqlalchemy import CheckConstraint, Column, ForeignKeyConstraint, Index, LargeBinary, Text
+from sqlmodel import Field, SQLModel
+
+from grader.contracts.submission import SubmissionState
+from grader.store.columns import UtcDateTime
+
+_SHA256_LENGTH = 64
+_STATES = ", ".join(f"'{state.value}'" for state in SubmissionState)
+
+
+def _instant(*, nullable: bool = False) -> Column[datetime]:
+    return Column(UtcDateTime(), nullable=nullable)
+
+
+def _text() -> Column[str]:
+    return Column(Text(), nullable=False)
+
+
+def _bytes() -> Column[bytes]:
+    return Column(LargeBinary(), nullable=False)
+
+
+def _of_grading() -> ForeignKeyConstraint:
+    return ForeignKeyConstraint(["submission_id", "attempt"], ["grading.submission_id", "grading.attempt"])
+
+
+class SourceRow(SQLModel, table=True):
+    """Uploaded bytes, once per content, kept for as long as a submission names them."""
+
+    __tablename__: ClassVar[str] = "source"
+
+    sha256: str = Field(primary_key=True, max_length=_SHA256_LENGTH)
+    content: bytes = Field(sa_column=_bytes())
+
+
+class SubmissionRow(SQLModel, table=True):
+    """One upload. `attempt` fences, `lease_until` frees; see `grader.store.queue`."""
+
+    __tablename__: ClassVar[str] = "submission"
+    __table_args__ = (
+        CheckConstraint(f"state IN ({_STATES})", name="submission_state"),
+        CheckConstraint("state != 'running' OR lease_until IS NOT NULL", name="running_has_a_lease"),
+        Index("submission_queue", "state", "priority", "queued_at", "id"),
+        Index("submission_owner", "assignment", "student", "received_at"),
+    )
+
+    id: str = Field(primary_key=True, max_length=36)
+    student: str = Field(max_length=64)
+    assignment: str = Field(max_length=64)
+    file_name: str = Field(max_length=255)
+    source_sha256: str = Field(foreign_key="source.sha256", max_length=_SHA256_LENGTH)
+    size_bytes: int
+    state: str = Field(max_length=32)
+    priority: int = 0
+    received_at: datetime = Field(sa_column=_instant())
+    queued_at: datetime = Field(sa_column=_instant())
+    not_before: datetime = Field(sa_column=_instant())
+    started_at: datetime | None = Field(default=None, sa_column=_instant(nullable=True))
+    finished_at: datetime | None = Field(default=None, sa_column=_instant(nullable=True))
+    lease_until: datetime | None = Field(default=None, sa_column=_instant(nullable=True))
+    worker: str = Field(default="", max_length=255)
+    attempt: int = 0
+    tries: int = 0
+    trouble: str = Field(default="", sa_column=_text())
+    graded_attempt: int | None = None
+    verdict: str | None = Field(default=None, max_length=32)
+    score: float | None = None
+    max_score: float | None = None
+    report_sha256: str | None = Field(default=None, max_length=_SHA256_LENGTH)
+
+
+class GradingRow(SQLModel, table=True):
+    """One finished grading; a re-grade adds a row and leaves the older ones. `report` is canonical bytes."""
+
+    __tablename__: ClassVar[str] = "grading"
+
+    submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
+    attempt: int = Field(primary_key=True)
+    worker: str = Field(max_length=255)
+    finished_at: datetime = Field(sa_column=_instant())
+    grader_version: str = Field(max_length=64)
+    assignment_version: int
+    verdict: str = Field(max_length=32)
+    score: float | None = None
+    max_score: float
+    report_sha256: str = Field(max_length=_SHA256_LENGTH)
+    report: bytes = Field(sa_column=_bytes())
+    measurements: str = Field(sa_column=_text())
+
+
+class GradedItemRow(SQLModel, table=True):
+    """One rubric item of one grading, for counting; the report has the whole of it."""
+
+    __tablename__: ClassVar[str] = "graded_item"
+    __table_args__ = (_of_grading(),)
+
+    submission_id: str = Field(primary_key=True, max_length=36)
+    attempt: int = Field(primary_key=True)
+    item: str = Field(primary_key=True, max_length=128)
+    status: str = Field(max_length=32)
+    points: float
+    earned: float
+
+
+class GradedMistakeRow(SQLModel, table=True):
+    """One recognised mistake of one grading. `rank` 0 is the likeliest."""
+
+    __tablename__: ClassVar[str] = "graded_mistake"
+    __table_args__ = (_of_grading(),)
+
+    submission_id: str = Field(primary_key=True, max_length=36)
+    attempt: int = Field(primary_key=True)
+    code: str = Field(primary_key=True, max_length=64)
+    rank: int
+
+
+class TrajectoryRow(SQLModel, table=True):
+    """The trajectory of one case of one grading: gzip of its JSON, and the digest of the JSON."""
+
+    __tablename__: ClassVar[str] = "trajectory"
+    __table_args__ = (_of_grading(),)
+
+    submission_id: str = Field(primary_key=True, max_length=36)
+    attempt: int = Field(primary_key=True)
+    case_id: str = Field(primary_key=True, max_length=64)
+    position: int
+    sha256: str = Field(max_length=_SHA256_LENGTH)
+    content: bytes = Field(sa_column=_bytes())
+
+
+class WorkerRow(SQLModel, table=True):
+    """What a worker process last said about itself."""
+
+    __tablename__: ClassVar[str] = "worker"
+
+    id: str = Field(primary_key=True, max_length=255)
+    slots: int
+    busy: int
+    sandbox_ready: bool
+    isolation: str = Field(max_length=64)
+    detail: str = Field(sa_column=_text())
+    started_at: datetime = Field(sa_column=_instant())
+    seen_at: datetime = Field(sa_column=_instant())

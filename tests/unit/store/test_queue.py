@@ -1,0 +1,217 @@
+import threading
+from collections import Counter
+
+import pytest
+from sqlmodel import select
+
+from grader.contracts.grading import GradingJob
+from grader.contracts.submission import Claim, NewSubmission, SubmissionState
+from grader.store.database import Database
+from grader.store.queue import Queue
+from grader.store.submissions import Submissions
+from grader.store.tables import GradedItemRow, GradingRow, TrajectoryRow
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import assignment, grade
+
+GOOD = b"good good\n"
+
+
+def upload(student: str = "s1", source: bytes = GOOD) -> NewSubmission:
+    return NewSubmission(student=student, assignment="square", file_name="square.py", source=source)
+
+
+def claimed(queue: Queue, worker: str = "w") -> Claim:
+    claim = queue.claim(worker)
+    assert claim is not None
+    return claim
+
+
+def result_of(claim: Claim):
+    return grade(GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment()))
+
+
+def test_a_claim_carries_the_uploaded_bytes(queue: Queue, submissions: Submissions) -> None:
+    source = b"\xef\xbb\xbf# \xe4\xbd\xa0\r\n"
+    added = submissions.add(upload(source=source))
+    claim = claimed(queue)
+    assert (claim.submission_id, claim.source, claim.attempt, claim.tries) == (added.id, source, 1, 1)
+    assert submissions.get(added.id).state is SubmissionState.RUNNING
+
+
+def test_an_empty_queue_gives_nothing(queue: Queue) -> None:
+    assert queue.claim("w") is None
+
+
+def test_first_come_first_graded(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
+    ids = []
+    for number in range(4):
+        ids.append(submissions.add(upload(f"s{number}")).id)
+        clock.advance(0.001)
+    assert [queue.position(id_) for id_ in ids] == [0, 1, 2, 3]
+    assert [claimed(queue).submission_id for _ in ids] == ids
+    assert queue.position(ids[0]) is None
+
+
+def test_two_workers_never_hold_the_same_submission(queue: Queue, submissions: Submissions) -> None:
+    ids = {submissions.add(upload(f"s{number}")).id for number in range(40)}
+    taken: list[str] = []
+    start = threading.Barrier(4)
+
+    def work(name: str) -> None:
+        start.wait()
+        while (claim := queue.claim(name)) is not None:
+            taken.append(claim.submission_id)
+
+    threads = [threading.Thread(target=work, args=(f"w{number}",)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    # a worker may find the queue empty while the last rows are being claimed, but none is claimed twice
+    assert max(Counter(taken).values()) == 1
+    assert set(taken) == ids
+
+
+def test_a_result_is_stored_with_the_row(queue: Queue, submissions: Submissions, database: Database) -> None:
+    added = submissions.add(upload())
+    claim = claimed(queue)
+    result = result_of(claim)
+    assert queue.finish(claim, result)
+    row = submissions.get(added.id)
+    assert (row.state, row.score, row.max_score) == (SubmissionState.GRADED, 10.0, 10.0)
+    report = submissions.report(added.id)
+    assert report.content == result.report.canonical_bytes()
+    assert report.sha256 == result.report.sha256() == row.report_sha256
+    with database.reading() as session:
+        assert {item.item for item in session.exec(select(GradedItemRow))} == {"sides", "closed"}
+        assert len(session.exec(select(TrajectoryRow)).all()) == 1
+
+
+def test_a_result_is_stored_once(queue: Queue, submissions: Submissions, database: Database) -> None:
+    submissions.add(upload())
+    claim = claimed(queue)
+    assert queue.finish(claim, result_of(claim))
+    assert not queue.finish(claim, result_of(claim))
+    with database.reading() as session:
+        assert len(session.exec(select(GradingRow)).all()) == 1
+
+
+def test_a_late_worker_is_fenced_off(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
+    added = submissions.add(upload())
+    late = claimed(queue, "late")
+    clock.advance(15.5)
+    assert queue.reconcile().requeued == 1
+    second = claimed(queue, "second")
+    assert second.attempt == late.attempt + 1
+    assert not queue.finish(late, result_of(late))
+    assert queue.fail(late, "too late") is None
+    assert not queue.hand_back(late)
+    assert queue.renew([late, second]) == {added.id}
+    assert queue.renew([late]) == set()
+    assert submissions.get(added.id).state is SubmissionState.RUNNING
+    assert queue.finish(second, result_of(second))
+    assert submissions.get(added.id).graded_attempt == 2
+
+
+def test_a_renewed_lease_lives_on(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
+    submissions.add(upload())
+    claim = claimed(queue)
+    for _ in range(5):
+        clock.advance(10)
+        assert queue.renew([claim]) == {claim.submission_id}
+        assert queue.reconcile().requeued == 0
+    clock.advance(15.1)
+    assert queue.reconcile().requeued == 1
+
+
+def test_failed_tries_wait_longer_each_time_and_then_end(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    added = submissions.add(upload())
+    for pause_s in (2.0, 4.0):
+        assert queue.fail(claimed(queue), "the car fell over") is SubmissionState.QUEUED
+        clock.advance(pause_s - 0.001)
+        assert queue.claim("w") is None
+        clock.advance(0.001)
+    assert queue.fail(claimed(queue), "the car fell over") is SubmissionState.INFRASTRUCTURE_ERROR
+    row = submissions.get(added.id)
+    assert (row.state, row.score, row.trouble) == (
+        SubmissionState.INFRASTRUCTURE_ERROR,
+        None,
+        "the car fell over",
+    )
+    clock.advance(3600)
+    assert queue.claim("w") is None
+    assert submissions.source(added.id) == GOOD
+
+
+def test_a_submission_that_kills_its_workers_ends(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    added = submissions.add(upload())
+    for _ in range(2):
+        claimed(queue)
+        clock.advance(16)
+        assert queue.reconcile().requeued == 1
+    claimed(queue)
+    clock.advance(16)
+    mended = queue.reconcile()
+    assert (mended.requeued, mended.given_up) == (0, 1)
+    assert submissions.get(added.id).state is SubmissionState.INFRASTRUCTURE_ERROR
+
+
+def test_handing_back_costs_no_try(queue: Queue, submissions: Submissions) -> None:
+    submissions.add(upload())
+    for _ in range(10):
+        claim = claimed(queue)
+        assert claim.tries == 1
+        assert queue.hand_back(claim)
+    assert claim.attempt == 10
+
+
+def test_after_a_crash_of_everything_nothing_waits_for_its_lease(
+    queue: Queue, submissions: Submissions
+) -> None:
+    submissions.add(upload())
+    first = claimed(queue)
+    assert queue.reconcile().requeued == 0
+    assert queue.reconcile(all_running=True).requeued == 1
+    assert claimed(queue).attempt == first.attempt + 1
+
+
+def test_a_second_grading_keeps_the_first(queue: Queue, submissions: Submissions, database: Database) -> None:
+    added = submissions.add(upload())
+    first = claimed(queue)
+    assert queue.finish(first, result_of(first))
+    with database.writing() as session:
+        session.connection().exec_driver_sql("UPDATE submission SET state = 'queued', tries = 0")
+    second = claimed(queue)
+    assert queue.finish(second, result_of(second))
+    assert submissions.report(added.id).attempt == 2
+    with database.reading() as session:
+        assert len({row.report_sha256 for row in session.exec(select(GradingRow))}) == 1
+        assert len(session.exec(select(GradingRow)).all()) == 2
+
+
+def test_a_result_that_cannot_be_stored_leaves_the_claim(
+    queue: Queue, submissions: Submissions, database: Database
+) -> None:
+    added = submissions.add(upload())
+    claim = claimed(queue)
+    with database.writing() as session:
+        session.connection().exec_driver_sql("ALTER TABLE trajectory RENAME TO elsewhere")
+    with pytest.raises(Exception, match="trajectory"):
+        queue.finish(claim, result_of(claim))
+    assert submissions.get(added.id).state is SubmissionState.RUNNING
+    assert submissions.report(added.id) is None
+
+
+def test_queue_state_counts(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
+    submissions.add(upload())
+    clock.advance(1)
+    second = submissions.add(upload("s2"))
+    submissions.add(upload("s3"))
+    claimed(queue)
+    state = queue.state()
+    assert (state.queued, state.running, state.infrastructure_errors) == (2, 1, 0)
+    assert state.oldest_queued_at == second.queued_at
