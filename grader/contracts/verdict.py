@@ -1,0 +1,33 @@
+"""What the checks are given and what they answer."""
+
+from dataclasses import dataclass
+
+from grader.contracts.outcome import RunOutcome
+from grader.contracts.rubric import RubricItem
+from grader.contracts.text import EMPTY, Text
+from grader.contracts.trajectory import Trajectory
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Run:
+    """One run of the script, as the checks see it. `case` is the id of one of the assignment's cases."""
+
+    trajectory: Trajectory
+    outcome: RunOutcome
+    case: str = "default"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Verdict:
+    """The checks' answer for one submission.
+
+    Attributes:
+        items: in the order of the rubric, case by case.
+        summary: one sentence for the student. hint: the one next step that matters most, or empty.
+        mistakes: codes of recognised mistakes, most likely first.
+    """
+
+    items: tuple[RubricItem, ...]
+    summary: Text
+    hint: Text = EMPTY
+    mistakes: tuple[str, ...] = ()

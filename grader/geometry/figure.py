@@ -1,0 +1,175 @@
+"""Measure the polygon that runs and turns make: which part is the first figure, its sides and corners."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.geometry.path import Path
+from grader.geometry.segmentation import Run, Segments, Turn
+
+FULL_TURN_RAD = 2.0 * math.pi
+MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
+REPEAT_TOLERANCE = 0.15  # by how much a later side may differ when the figure is repeated
+MIN_CLOSING_TURN_RAD = math.radians(10.0)
+
+
+@dataclass(frozen=True, slots=True)
+class PolygonFigure:
+    """The first figure of a path, complete or not.
+
+    Attributes:
+        vertices: sample indices: start of the first side, each corner, end of the last side.
+        sides_m: length of each side, from vertex to vertex.
+        corners_rad: signed change of direction at the end of each side; the last one only if it was driven
+            to its end.
+        gap_m: distance from the end of the figure to its start.
+        end: sample index where the figure ends, its closing turn included.
+        curved_share: share of the distance travelled within corners instead of on straight sides.
+        repeated: further sides follow that continue the figure over again.
+        overrun: something else follows the complete figure.
+    """
+
+    vertices: tuple[int, ...]
+    sides_m: tuple[float, ...]
+    corners_rad: tuple[float, ...]
+    gap_m: float
+    end: int
+    curved_share: float
+    repeated: bool
+    overrun: bool
+
+    @property
+    def perimeter_m(self) -> float:
+        """Sum of the sides."""
+        return sum(self.sides_m)
+
+
+def measure_polygon(path: Path, segments: Segments, *, cut_short: bool) -> PolygonFigure | None:
+    """Measure the first figure, or return None when there is not one straight run.
+
+    Args:
+        path: the driven path.
+        segments: its runs and turns.
+        cut_short: the car was still under way when the recording ended, so that the last segment says
+            nothing about its intended size.
+    """
+    runs, turns = segments.runs, segments.turns
+    if not runs:
+        return None
+    corners = _corners(runs, turns, cut_short=cut_short)
+    lap = _lap(corners)
+    count = len(runs)
+    lengths = [_chord(path, *_span(path, segments, i)) for i in range(len(runs))]
+    if lap is not None and count > lap:
+        if _halves(lengths, lap):
+            return _figure(path, segments, corners, count, joined=True)
+        if cut_short or count % lap == 0 or count >= 2 * lap:
+            count = lap
+    figure = _figure(path, segments, corners, count, joined=False)
+    later = lengths[count:]
+    return figure if not later else _with_rest(figure, later, cut_short=cut_short)
+
+
+def _corners(runs: tuple[Run, ...], turns: tuple[Turn | None, ...], *, cut_short: bool) -> list[float]:
+    """Return the change of direction after each run; the last run has one only if a whole turn follows."""
+    corners = []
+    for before, after in zip(runs[:-1], runs[1:], strict=True):
+        corners.append(after.direction_rad - before.direction_rad)
+    closing = turns[-1]
+    if closing is not None and abs(closing.angle_rad) >= MIN_CLOSING_TURN_RAD and not cut_short:
+        corners.append(closing.angle_rad)
+    return corners
+
+
+def _lap(corners: list[float]) -> int | None:
+    """Return after how many corners the direction has come round once, or None."""
+    total = 0.0
+    for count, corner in enumerate(corners, start=1):
+        total += corner
+        if abs(total) >= FULL_TURN_RAD - 0.5 * abs(corner):
+            return count
+    return None
+
+
+def _halves(lengths: list[float], lap: int) -> bool:
+    """Whether the path begins in the middle of a side, which its last run completes."""
+    if len(lengths) != lap + 1 or lap < 3:
+        return False
+    whole = float(np.median(lengths[1:-1]))
+    first, last = lengths[0], lengths[-1]
+    fits = abs(first + last - whole) <= MERGE_TOLERANCE * whole
+    return fits and max(first, last) < (1.0 - 0.5 * MERGE_TOLERANCE) * whole
+
+
+def _vertex(path: Path, turn: Turn) -> int:
+    """Return the sample at which half of the turn is done."""
+    travel = path.travel_rad[turn.first : turn.last + 1]
+    return turn.first + int(np.argmin(np.abs(travel - (travel[0] + travel[-1]) / 2.0)))
+
+
+def _span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
+    """Return the sample indices of the two vertices of run `index`."""
+    run, before, after = segments.runs[index], segments.turns[index], segments.turns[index + 1]
+    is_first, is_last = index == 0, index == len(segments.runs) - 1
+    start = run.first if is_first or before is None else _vertex(path, before)
+    stop = run.last if is_last or after is None else _vertex(path, after)
+    return start, stop
+
+
+def _chord(path: Path, start: int, stop: int) -> float:
+    return math.hypot(
+        float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start])
+    )
+
+
+def _figure(
+    path: Path, segments: Segments, corners: list[float], count: int, *, joined: bool
+) -> PolygonFigure:
+    """Measure the first `count` runs; with `joined`, the last and the first are two parts of one side."""
+    spans = [_span(path, segments, i) for i in range(count)]
+    last = segments.runs[count - 1]
+    closing = segments.turns[count] if len(corners) >= count else None
+    end = last.last if closing is None else closing.last
+    if count < len(segments.runs) or closing is None:
+        stop = spans[-1][1]
+    else:
+        stop = last.last
+    sides = [_chord(path, *span) for span in spans]
+    vertices = [spans[0][0], *(stop_ for _, stop_ in spans[:-1]), stop]
+    gap_m = _chord(path, segments.runs[0].first, end)
+    driven_m = float(path.along_m[end] - path.along_m[segments.runs[0].first])
+    curved_m = sum(turn.length_m for turn in segments.turns[1:count] if turn is not None)
+    if closing is not None:
+        curved_m += closing.length_m
+    if joined:
+        sides = [sides[0] + sides[-1], *sides[1:-1]]
+        corners = corners[: count - 1]
+    return PolygonFigure(
+        vertices=tuple(vertices),
+        sides_m=tuple(sides),
+        corners_rad=tuple(corners[:count]),
+        gap_m=gap_m,
+        end=end,
+        curved_share=curved_m / driven_m if driven_m > 0.0 else 0.0,
+        repeated=False,
+        overrun=False,
+    )
+
+
+def _with_rest(figure: PolygonFigure, later: list[float], *, cut_short: bool) -> PolygonFigure:
+    """Judge what follows the figure: the same over again, or something else."""
+    side = float(np.median(figure.sides_m))
+    whole = later[:-1] if cut_short else later
+    same = all(abs(length - side) <= REPEAT_TOLERANCE * side for length in whole)
+    same = same and later[-1] <= (1.0 + REPEAT_TOLERANCE) * side
+    return PolygonFigure(
+        vertices=figure.vertices,
+        sides_m=figure.sides_m,
+        corners_rad=figure.corners_rad,
+        gap_m=figure.gap_m,
+        end=figure.end,
+        curved_share=figure.curved_share,
+        repeated=same,
+        overrun=not same,
+    )

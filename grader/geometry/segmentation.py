@@ -1,0 +1,155 @@
+"""Cut a driven path into runs (straight) and turns (in place or in an arc).
+
+Everything happens in the plane of distance travelled against direction of travel, where a run is a level
+line, a turn in place an upright one and an arc a slope. Time plays no part: pauses, speed and sampling
+cannot matter. The staircase is simplified by Ramer-Douglas-Peucker with a tolerance in degrees and a share
+of the path's extent, so that wobble and noise below it vanish; what is left is classified and merged.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.geometry.path import Floats, Path
+
+HEADING_TOLERANCE_RAD = math.radians(10.0)  # wobble of a steering loop that still counts as straight
+DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent
+MIN_TURN_RAD = math.radians(15.0)  # a change of direction below this is a bent run, not a corner
+MIN_RUN_SHARE = 0.06  # of the extent: shorter straight bits inside a corner belong to it
+MIN_EXTENT_M = 0.02
+MAX_VERTICES = 1000
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """A straight stretch between samples `first` and `last`.
+
+    Attributes:
+        direction_rad: mean continuous direction of travel over its middle part.
+        length_m: distance travelled.
+    """
+
+    first: int
+    last: int
+    direction_rad: float
+    length_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Turn:
+    """A change of direction between samples `first` and `last`.
+
+    Attributes:
+        angle_rad: signed change of continuous direction.
+        length_m: distance travelled meanwhile (near zero for a turn in place).
+    """
+
+    first: int
+    last: int
+    angle_rad: float
+    length_m: float
+
+
+@dataclass(frozen=True, slots=True)
+class Segments:
+    """Runs and the turns around them.
+
+    Attributes:
+        turns: one more than there are runs: ``turns[i]`` comes before ``runs[i]``, the last one after the
+            last run; None where there was none. Without any run: a single turn or None.
+    """
+
+    runs: tuple[Run, ...]
+    turns: tuple[Turn | None, ...]
+
+
+@dataclass(slots=True)
+class _Piece:
+    first: int
+    last: int
+    straight: bool
+
+
+def segment(path: Path) -> Segments:
+    """Cut `path` into alternating turns and runs."""
+    extent_m = max(path.extent_m, MIN_EXTENT_M)
+    corners = _simplify(
+        path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
+    )
+    pieces = _classify(path, corners, MIN_RUN_SHARE * extent_m)
+    return _assemble(path, _join(path, pieces))
+
+
+def _simplify(across: Floats, up: Floats) -> list[int]:
+    """Return the sorted indices kept by Ramer-Douglas-Peucker with tolerance 1."""
+    last = len(across) - 1
+    kept, stack = {0, last}, [(0, last)]
+    while stack and len(kept) < MAX_VERTICES:
+        first, last = stack.pop()
+        if last - first < 2:
+            continue
+        dx, dy = float(across[last] - across[first]), float(up[last] - up[first])
+        px, py = across[first + 1 : last] - across[first], up[first + 1 : last] - up[first]
+        length = math.hypot(dx, dy)
+        distance = np.abs(dx * py - dy * px) / length if length > 0.0 else np.hypot(px, py)
+        far = int(np.argmax(distance))
+        if distance[far] > 1.0:
+            middle = first + 1 + far
+            kept.add(middle)
+            stack += [(first, middle), (middle, last)]
+    return sorted(kept)
+
+
+def _classify(path: Path, corners: list[int], min_run_m: float) -> list[_Piece]:
+    along, travel = path.along_m[corners], path.travel_rad[corners]
+    pieces = []
+    for i in range(len(corners) - 1):
+        bent = abs(travel[i + 1] - travel[i]) > MIN_TURN_RAD
+        short = abs(along[i + 1] - along[i]) < min_run_m
+        pieces.append(_Piece(corners[i], corners[i + 1], straight=not bent and not short))
+    return pieces
+
+
+def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
+    """Merge neighbours of a kind, and runs over a turn between them that changed nothing."""
+    joined: list[_Piece] = []
+    for piece in pieces:
+        if joined and joined[-1].straight == piece.straight:
+            joined[-1].last = piece.last
+        else:
+            joined.append(_Piece(piece.first, piece.last, piece.straight))
+    i = 1
+    while i < len(joined) - 1:
+        before, turn, after = joined[i - 1 : i + 2]
+        change = _direction(path, after) - _direction(path, before)
+        if not turn.straight and abs(change) < MIN_TURN_RAD:
+            joined[i - 1 : i + 2] = [_Piece(before.first, after.last, straight=True)]
+        else:
+            i += 1
+    return joined
+
+
+def _direction(path: Path, piece: _Piece) -> float:
+    """Return the mean direction over the middle four fifths of a straight piece, weighted by distance."""
+    along = path.along_m[piece.first : piece.last + 1]
+    start, length = float(along[0]), float(along[-1] - along[0])
+    if length <= 0.0:
+        return float(path.travel_rad[piece.last])
+    steps = np.diff(np.clip(along, start + 0.1 * length, start + 0.9 * length))
+    travel = path.travel_rad[piece.first : piece.last + 1]
+    return float(np.dot(steps, (travel[1:] + travel[:-1]) / 2.0) / np.sum(steps))
+
+
+def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
+    runs: list[Run] = []
+    turns: list[Turn | None] = [None]
+    for piece in pieces:
+        length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
+        if piece.straight:
+            runs.append(Run(piece.first, piece.last, _direction(path, piece), length_m))
+            turns.append(None)
+        else:
+            angle = float(path.travel_rad[piece.last] - path.travel_rad[piece.first])
+            turns[-1] = Turn(piece.first, piece.last, angle, length_m)
+    return Segments(tuple(runs), tuple(turns))
