@@ -46,7 +46,9 @@ class InterfaceFinder:
         else:
             return None
         origin = _SITE + fullname.replace(".", "/") + ("/__init__.py" if is_package else ".py")
-        spec = ModuleSpec(fullname, InterfaceFinder(), origin=origin, is_package=is_package)
+        # A loader by its methods: the base class in importlib.abc would cost more than all of this.
+        loader: Any = InterfaceFinder
+        spec = ModuleSpec(fullname, loader, origin=origin, is_package=is_package)
         spec.has_location = True
         return spec
 

@@ -17,6 +17,9 @@ _SITE = "/opt/ros/humble/local/lib/python3.10/dist-packages/"
 STRUCTURES: dict[type, Structure] = {}
 """The definition of every message class built so far."""
 
+CLASSES: dict[str, type] = {}
+"""The message classes built so far by their full names; a class is built after those of its fields."""
+
 
 class InterfaceType(type):
     """Metaclass of all interface classes; rclpy knows a ROS 2 type by its attribute `_TYPE_SUPPORT`."""
@@ -74,6 +77,7 @@ def _define_message(interface: Interface, structure: Structure, namespace: dict[
     namespace[f"_slot_types_{name}"] = _SlotTypes(structure.fields)
     _execute(interface, class_source(structure), namespace)
     STRUCTURES[namespace[name]] = structure
+    CLASSES[structure.full_name] = namespace[name]
 
 
 def _fixed(source: str, namespace: dict[str, Any]) -> property:
