@@ -1,0 +1,106 @@
+"""Turning in place as a dial: the heading winds outwards as time passes."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from grader.contracts.trajectory import Floats
+from grader.render import palette
+from grader.render.scene import Scene
+from grader.render.typeface import drawable
+
+_INNER = 0.42
+_PER_TURN = 0.14
+_MOST_OUTER = 1.0
+_ARC_STEP_RAD = np.deg2rad(2.0)
+
+
+def draw_dial(axes: Axes, scene: Scene) -> None:
+    """Draw the angle turned as a spiral from the starting heading, one winding per turn."""
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlim(-1.32, 1.32)
+    axes.set_ylim(-1.32, 1.32)
+    axes.axis("off")
+    track = scene.trajectory
+    if track is None:
+        return
+    turned = track.heading_rad - track.heading_rad[0]
+    start = float(track.heading_rad[0])
+    _spokes(axes, start)
+    pitch = _pitch(turned)
+    wanted = scene.sketch.wanted_turn_deg if scene.sketch else None
+    if wanted is not None:
+        _wanted(axes, scene, start, np.sign(turned[np.abs(turned).argmax()]) * np.deg2rad(wanted), pitch)
+    ok = scene.sketch.corners[0].ok if scene.sketch and scene.sketch.corners else None
+    colour = palette.PASSED if ok is None else palette.verdict(ok)
+    xs, ys = _spiral(start, turned, pitch)
+    axes.plot(xs, ys, color=colour, lw=2.8, zorder=4, ls=palette.FAILED_DASHES if ok is False else "-",
+              label=scene.word("turned"))  # fmt: skip
+    _ends(axes, scene, xs, ys, start)
+    total_deg = float(np.rad2deg(turned[-1]))
+    if scene.sketch and scene.sketch.corners:
+        total_deg = scene.sketch.corners[0].angle_deg
+    mark = "✗ " if ok is False else ""
+    axes.text(0, 0.04, f"{mark}{total_deg:+.1f}°", ha="center", va="center", fontsize=19, color=colour)
+    axes.text(0, -0.16, scene.word("turned"), ha="center", va="center", fontsize=10, color=palette.MUTED)
+    for i, label in enumerate(scene.sketch.labels if scene.sketch else ()):
+        text = drawable(label.text.get(scene.language), 40)
+        axes.text(0, -1.27 - 0.1 * i, text, ha="center", fontsize=10, color=palette.verdict(label.ok))
+    axes.legend(
+        loc="upper center",
+        bbox_to_anchor=(0.5, -0.04),
+        ncols=4,
+        frameon=False,
+        fontsize=9.5,
+        handlelength=2.2,
+    )
+
+
+def _pitch(turned: Floats) -> float:
+    """Return the growth of the radius per radian, so that all windings fit."""
+    most = float(np.abs(turned).max()) or 1.0
+    return min(_PER_TURN / (2 * np.pi), (_MOST_OUTER - _INNER) / most)
+
+
+def _spiral(start: float, turned: Floats, pitch: float) -> tuple[Floats, Floats]:
+    """Return the points of the spiral in time order; turning back runs back along it."""
+    samples = [turned[:1]]
+    for i in np.flatnonzero(np.abs(np.diff(turned)) > 1e-9):
+        count = max(int(abs(turned[i + 1] - turned[i]) // _ARC_STEP_RAD), 1)
+        samples.append(turned[i] + (turned[i + 1] - turned[i]) * np.arange(1, count + 1) / count)
+    angles = np.concatenate(samples)
+    radii = _INNER + pitch * np.abs(angles)
+    return radii * np.cos(start + angles), radii * np.sin(start + angles)
+
+
+def _spokes(axes: Axes, start: float) -> None:
+    for degrees in range(0, 360, 30):
+        angle = np.deg2rad(degrees)
+        inner = 1.08 if degrees % 90 else 1.04
+        axes.plot(
+            [inner * np.cos(angle), 1.12 * np.cos(angle)], [inner * np.sin(angle), 1.12 * np.sin(angle)],
+            color=palette.FAINT, lw=1.4, solid_capstyle="butt", zorder=1,
+        )  # fmt: skip
+        if degrees % 90 == 0:
+            axes.text(
+                1.22 * np.cos(angle), 1.22 * np.sin(angle), f"{degrees}°", ha="center", va="center",
+                fontsize=9.5, color=palette.MUTED,
+            )  # fmt: skip
+    reach = np.array([0.3, 1.12])
+    axes.plot(reach * np.cos(start), reach * np.sin(start), color=palette.START, lw=1.0, ls=":", zorder=2)
+
+
+def _wanted(axes: Axes, scene: Scene, start: float, wanted: float, pitch: float) -> None:
+    xs, ys = _spiral(start, np.array([0.0, wanted]), pitch)
+    axes.plot(
+        xs, ys, color=palette.IDEAL, lw=9, solid_capstyle="butt", zorder=1.5, label=scene.word("one_turn")
+    )
+
+
+def _ends(axes: Axes, scene: Scene, xs: Floats, ys: Floats, start: float) -> None:
+    axes.plot(
+        xs[-1:], ys[-1:], "s", color=palette.INK, ms=6.5, mec="white", zorder=7, label=scene.word("stop")
+    )
+    axes.plot(
+        xs[:1], ys[:1], marker=(3, 0, np.rad2deg(start) - 90), ls="none", color=palette.START, ms=15, mec="white",
+        mew=1.2, zorder=8, label=scene.word("start"),
+    )  # fmt: skip

@@ -1,0 +1,119 @@
+"""Quantities over time: speed and yaw rate as commanded and as driven, and the angle turned."""
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from grader.contracts.trajectory import Command, Floats, Trajectory
+from grader.render import palette
+from grader.render.scene import Scene
+
+_NANO = 1e-9
+_AT_REST_S = 0.05
+"""Samples further apart than this enclose a rest (see `grader.contracts.trajectory.Trajectory`)."""
+_COMMAND_LIFE_S = 1.0
+"""turtlesim drops a command this long after the last one."""
+
+
+def draw_speed(axes: Axes, scene: Scene) -> None:
+    """Draw v over time."""
+    track = scene.trajectory
+    axes.set_ylabel(scene.word("v_axis"))
+    if track is not None:
+        commanded = [command.v_mps for command in track.commands]
+        _draw(axes, scene, track, track.v_mps, commanded, least=0.25)
+        axes.legend(
+            loc="lower right",
+            bbox_to_anchor=(1.0, 1.0),
+            ncols=2,
+            frameon=False,
+            fontsize=9.5,
+            borderaxespad=0.2,
+        )
+
+
+def draw_yaw_rate(axes: Axes, scene: Scene) -> None:
+    """Draw w over time."""
+    track = scene.trajectory
+    axes.set_ylabel(scene.word("w_axis"))
+    axes.set_xlabel(scene.word("time_axis"))
+    if track is not None:
+        commanded = [command.w_radps for command in track.commands]
+        _draw(axes, scene, track, track.w_radps, commanded, least=0.25)
+
+
+def draw_turned(axes: Axes, scene: Scene) -> None:
+    """Draw the angle turned since the start over time, with the wanted turn in either direction."""
+    track = scene.trajectory
+    axes.set_ylabel(scene.word("turned_axis"))
+    if track is None:
+        return
+    turned_deg = np.rad2deg(track.heading_rad - track.heading_rad[0])
+    seconds = np.append(track.t_ns, max(track.end_ns, int(track.t_ns[-1]))) * _NANO
+    axes.plot(
+        seconds,
+        np.append(turned_deg, turned_deg[-1]),
+        color=palette.PASSED,
+        lw=2.2,
+        label=scene.word("turned"),
+    )
+    wanted = scene.sketch.wanted_turn_deg if scene.sketch else None
+    if wanted is not None:
+        level = wanted if turned_deg[np.abs(turned_deg).argmax()] >= 0 else -wanted
+        axes.axhline(
+            level, color=palette.MUTED, lw=1.4, ls=(0, (5, 3)), label=f"{scene.word('one_turn')} {level:g}°"
+        )
+        axes.margins(y=0.12)
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9.5, borderaxespad=0.2
+    )
+    _time_axis(axes, track)
+
+
+def _draw(
+    axes: Axes, scene: Scene, track: Trajectory, values: Floats, commanded: list[float], *, least: float
+) -> None:
+    axes.axhline(0.0, color=palette.FAINT, lw=0.8, zorder=1)
+    if track.commands:
+        times, levels = _held(track.commands, commanded, track.end_ns)
+        axes.plot(
+            times, levels, color=palette.COMMAND, lw=4.5, alpha=0.55, solid_joinstyle="miter", zorder=2,
+            label=scene.word("commanded"),
+        )  # fmt: skip
+    times, driven = _with_rests(track, values)
+    axes.plot(times, driven, color=palette.PASSED, lw=1.5, zorder=3, label=scene.word("driven"))
+    low, high = min(float(np.min(driven)), *commanded, 0.0), max(float(np.max(driven)), *commanded, 0.0)
+    room = 0.12 * max(high - low, least)
+    axes.set_ylim(low - room, max(high, low + least) + room)
+    _time_axis(axes, track)
+
+
+def _time_axis(axes: Axes, track: Trajectory) -> None:
+    axes.set_xlim(0.0, max(track.end_ns, int(track.t_ns[-1]), 1) * _NANO)
+    axes.grid(axis="both", color=palette.GRID, lw=0.8)
+
+
+def _held(commands: tuple[Command, ...], values: list[float], end_ns: int) -> tuple[Floats, Floats]:
+    """Return the step line of a command that holds until the next one, or for `_COMMAND_LIFE_S`."""
+    starts = np.array([command.t_ns for command in commands]) * _NANO
+    nexts = np.append(starts[1:], max(end_ns * _NANO, starts[-1]))
+    ends = np.minimum(nexts, starts + _COMMAND_LIFE_S)
+    times: list[float] = [0.0, float(starts[0])]
+    levels: list[float] = [0.0, 0.0]
+    for start, end, until, value in zip(starts, ends, nexts, values, strict=True):
+        times += [start, end]
+        levels += [value, value]
+        if until > end:
+            times += [end, until]
+            levels += [0.0, 0.0]
+    return np.array(times), np.array(levels)
+
+
+def _with_rests(track: Trajectory, values: Floats) -> tuple[Floats, Floats]:
+    """Return time and values with zeros where the recorder left out a car at rest."""
+    seconds = np.append(track.t_ns, max(track.end_ns, int(track.t_ns[-1]))) * _NANO
+    levels = np.append(values, 0.0 if seconds[-1] > seconds[-2] else values[-1])
+    rests = np.flatnonzero(np.diff(seconds) > _AT_REST_S)
+    edge_s = 1e-4
+    places = np.repeat(rests + 1, 2)
+    times = np.column_stack((seconds[rests] + edge_s, seconds[rests + 1] - edge_s)).ravel()
+    return np.insert(seconds, places, times), np.insert(levels, places, 0.0)

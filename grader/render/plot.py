@@ -1,0 +1,142 @@
+"""The plot of one run as PNG or SVG, good enough for a lesson's page.
+
+No pyplot and no display: figures are drawn on canvases of their own, under settings that hold only while
+drawing. The same scene gives the same bytes.
+"""
+
+import io
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Literal
+
+from matplotlib import style
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.figure import FigureSketch
+from grader.contracts.report import GradeReport
+from grader.contracts.text import Language
+from grader.contracts.trajectory import Trajectory
+from grader.render import palette
+from grader.render.dial import draw_dial
+from grader.render.loglines import draw_log
+from grader.render.motion import draw_speed, draw_turned, draw_yaw_rate
+from grader.render.plan import draw_plan
+from grader.render.scene import Scene, compose
+from grader.render.typeface import clipped, drawable, rc
+
+_SIZE_IN = (12.0, 6.75)
+_DPI = 120
+_LEFT = (0.062, 0.165, 0.49, 0.685)
+_UPPER_RIGHT = (0.635, 0.54, 0.34, 0.31)
+_LOWER_RIGHT = (0.635, 0.1, 0.34, 0.36)
+_WHOLE = (0.04, 0.1, 0.92, 0.74)
+_SUMMARY_COLUMNS = 130
+
+_DRAWING = threading.Lock()
+"""Matplotlib's settings belong to the process: one drawing at a time."""
+
+_LOOK: dict[str, object] = {
+    "font.size": 10.5,
+    "axes.edgecolor": palette.FAINT,
+    "axes.labelcolor": palette.MUTED,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.color": palette.MUTED,
+    "ytick.color": palette.MUTED,
+    "xtick.labelsize": 9.5,
+    "ytick.labelsize": 9.5,
+    "text.color": palette.INK,
+    "hatch.color": palette.FAINT,
+    "hatch.linewidth": 0.8,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "grader",
+    "path.simplify_threshold": 0.2,
+}
+
+
+def plot_png(
+    assignment: Assignment,
+    report: GradeReport,
+    trajectory: Trajectory | None,
+    sketch: FigureSketch | None = None,
+    language: Language = "zh",
+) -> bytes:
+    """Return the plot of the report's first run as PNG, 1440 x 810 pixels.
+
+    Args:
+        assignment: gives title and world.
+        report: gives score, summary, logs and how the run ended.
+        trajectory: of that run; None when the car was not recorded.
+        sketch: the measured figure, from `grader.checks`; None draws the bare path.
+        language: of every label.
+
+    Raises:
+        ValueError: the report has no run.
+    """
+    return _draw(compose(assignment, report, trajectory, sketch, language), "png")
+
+
+def plot_svg(
+    assignment: Assignment,
+    report: GradeReport,
+    trajectory: Trajectory | None,
+    sketch: FigureSketch | None = None,
+    language: Language = "zh",
+) -> bytes:
+    """Return the same plot as SVG (UTF-8, text as outlines, so that it looks alike everywhere)."""
+    return _draw(compose(assignment, report, trajectory, sketch, language), "svg")
+
+
+def _draw(scene: Scene, form: Literal["png", "svg"]) -> bytes:
+    # Without these entries matplotlib writes its version and the time of day into the file.
+    metadata = {"Software": None} if form == "png" else {"Date": None, "Creator": None}
+    target = io.BytesIO()
+    with _settings():
+        _figure(scene).savefig(target, format=form, metadata=metadata)
+    return target.getvalue()
+
+
+@contextmanager
+def _settings() -> Iterator[None]:
+    with _DRAWING, style.context(["default", {**_LOOK, **rc()}]):
+        yield
+
+
+def _figure(scene: Scene) -> Figure:
+    figure = Figure(figsize=_SIZE_IN, dpi=_DPI, facecolor=palette.PAPER)
+    FigureCanvasAgg(figure)
+    _heading(figure, scene)
+    if scene.view == "log":
+        draw_log(figure.add_axes(_WHOLE), scene)
+        return figure
+    left = figure.add_axes(_LEFT)
+    if scene.view == "heading":
+        draw_dial(left, scene)
+        draw_turned(figure.add_axes(_UPPER_RIGHT), scene)
+    else:
+        draw_plan(left, scene)
+        draw_speed(figure.add_axes(_UPPER_RIGHT), scene)
+    upper = figure.axes[-1]
+    upper.tick_params(labelbottom=False)
+    lower = figure.add_axes(_LOWER_RIGHT, sharex=upper)
+    draw_yaw_rate(lower, scene)
+    _align(upper, lower)
+    return figure
+
+
+def _align(upper: Axes, lower: Axes) -> None:
+    for axes in (upper, lower):
+        axes.yaxis.set_label_coords(-0.13, 0.5)
+
+
+def _heading(figure: Figure, scene: Scene) -> None:
+    figure.text(0.03, 0.935, clipped(drawable(scene.title), 60), fontsize=19, va="center")
+    colour = palette.PASSED if scene.full else palette.FAILED
+    mark = "✓ " if scene.full else ""
+    figure.text(0.975, 0.935, f"{mark}{scene.score}", fontsize=17, va="center", ha="right", color=colour)
+    summary = clipped(drawable(scene.summary), _SUMMARY_COLUMNS)
+    figure.text(0.03, 0.888, summary, fontsize=10.5, va="center", color=palette.MUTED)

@@ -1,0 +1,84 @@
+"""What one plot shows, in the chosen language."""
+
+from dataclasses import dataclass
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.figure import FigureSketch, View
+from grader.contracts.outcome import RunOutcome
+from grader.contracts.report import GradeReport
+from grader.contracts.text import Language
+from grader.contracts.trajectory import Trajectory
+from grader.render import quantity
+from grader.render.labels import word
+
+_MOVED_M = 0.02
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Scene:
+    """One run of a submission, ready to be drawn.
+
+    Attributes:
+        score: the score line, e.g. ``得分 8 / 10``. full: whether that is full marks.
+        walls: whether turtlesim's window has walls.
+        trajectory: None when nothing was recorded.
+    """
+
+    language: Language
+    title: str
+    score: str
+    full: bool
+    summary: str
+    outcome: RunOutcome
+    trajectory: Trajectory | None
+    sketch: FigureSketch | None
+    walls: bool
+
+    @property
+    def view(self) -> View:
+        """Kind of plot: what the sketch says, else log lines for a car that never moved."""
+        if self.sketch is not None:
+            return self.sketch.view
+        return "path" if self.moved or not self.outcome.logs else "log"
+
+    @property
+    def moved(self) -> bool:
+        """Whether the car left its place or turned."""
+        track = self.trajectory
+        if track is None or len(track) < 2:
+            return False
+        reach = max(float(track.x_m.max() - track.x_m.min()), float(track.y_m.max() - track.y_m.min()))
+        return reach > _MOVED_M or float(track.heading_rad.max() - track.heading_rad.min()) > _MOVED_M
+
+    def word(self, key: str, **values: object) -> str:
+        """Return one of the renderers' words in this scene's language."""
+        return word(key, self.language, **values)
+
+
+def compose(
+    assignment: Assignment,
+    report: GradeReport,
+    trajectory: Trajectory | None,
+    sketch: FigureSketch | None,
+    language: Language,
+) -> Scene:
+    """Return the scene of the report's first run.
+
+    Raises:
+        ValueError: the report has no run.
+    """
+    if not report.runs:
+        message = "a report without runs has nothing to plot"
+        raise ValueError(message)
+    earned = word("not_yet", language) if report.score is None else quantity.score(report.score)
+    return Scene(
+        language=language,
+        title=assignment.title.get(language),
+        score=f"{word('score', language)} {earned} / {quantity.score(report.max_score)}",
+        full=report.score is not None and report.score >= report.max_score,
+        summary=report.summary.get(language),
+        outcome=report.runs[0].outcome,
+        trajectory=trajectory,
+        sketch=sketch,
+        walls=assignment.world.walls,
+    )
