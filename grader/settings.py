@@ -1,0 +1,162 @@
+"""What an operator can set: environment variables ``GRADER_...``, each with a safe default.
+
+`load` is the only way in: it turns every refusal into one readable `SettingsError`.
+"""
+
+import ipaddress
+import os
+from typing import Any, Self
+
+from pydantic import AliasChoices, Field, SecretStr, ValidationError, field_validator, model_validator
+from pydantic_settings import BaseSettings, SettingsConfigDict
+from sqlalchemy import make_url
+from sqlalchemy.exc import ArgumentError
+
+from grader.contracts.errors import SettingsError
+from grader.contracts.text import Language
+
+_PREFIX = "GRADER_"
+_SHORTEST_TOKEN = 16
+_RENEWALS_PER_LEASE = 3
+_MAX_UPLOAD_BYTES = 4 * 1024 * 1024
+_BACKENDS = ("sqlite",)
+
+
+class Settings(BaseSettings):
+    """Settings of the service and its workers. Frozen; unsafe combinations are refused."""
+
+    model_config = SettingsConfigDict(
+        env_prefix=_PREFIX, frozen=True, extra="forbid", hide_input_in_errors=True
+    )
+
+    host: str = Field(default="127.0.0.1", description="Address the service listens on.")
+    port: int = Field(default=8080, ge=0, le=65_535, description="Port it listens on; 0 takes a free one.")
+    allow_anonymous_network: bool = Field(
+        default=False,
+        description="Listen beyond this machine although submissions are not tied to identities: anybody "
+        "who reaches the port can upload under any name. Put a proxy that authenticates in front.",
+    )
+    database_url: str = Field(
+        default="sqlite:///grader.db",
+        validation_alias=AliasChoices("database_url", _PREFIX + "DATABASE_URL", "DATABASE_URL"),
+        description="Where submissions are kept; a SQLite file. Kept in memory they would not survive.",
+    )
+    instructor_token: SecretStr | None = Field(
+        default=None,
+        description="Token that opens the dashboard, at least 16 characters; without it, one is made and "
+        "printed at each start.",
+    )
+    default_language: Language = Field(
+        default="zh", description="Language of answers when a request asks for neither zh nor en."
+    )
+    max_upload_bytes: int = Field(
+        default=256 * 1024, ge=1024, le=_MAX_UPLOAD_BYTES, description="Largest file a student may upload."
+    )
+    max_open_submissions: int = Field(
+        default=50, ge=1, description="Most submissions of one student that may wait for grading at once."
+    )
+    pass_fraction: float = Field(
+        default=0.6, ge=0.0, le=1.0, description="Share of the points from which the dashboard says passed."
+    )
+    plot_cache_entries: int = Field(
+        default=256, ge=0, description="Rendered plots kept in memory, about 60 KB each."
+    )
+    slots: int = Field(
+        default_factory=lambda: os.cpu_count() or 1,
+        ge=0,
+        le=256,
+        description="Gradings at once in this process, one child process each; 0 leaves grading to others. "
+        "By default one per core.",
+    )
+    lease_s: float = Field(
+        default=15.0, gt=0.0, description="A grading whose worker is silent for so long is given to another."
+    )
+    heartbeat_s: float = Field(
+        default=3.0,
+        gt=0.0,
+        description="How often a worker says that it lives; at most a third of the lease.",
+    )
+    poll_s: float = Field(
+        default=0.5, gt=0.0, description="How often an idle worker looks for work that nobody announced."
+    )
+    max_tries: int = Field(
+        default=5, ge=1, description="Tries before a submission ends as infrastructure_error."
+    )
+    retry_backoff_s: float = Field(
+        default=1.0, ge=0.0, description="Pause after a failed try; doubled after each further one."
+    )
+    drain_s: float = Field(
+        default=30.0, ge=0.0, description="Time that running gradings get to finish when the service stops."
+    )
+
+    @field_validator("database_url")
+    @classmethod
+    def _durable(cls, value: str) -> str:
+        try:
+            url = make_url(value)
+        except ArgumentError as error:
+            raise ValueError("is not a database URL such as sqlite:////var/lib/grader/grader.db") from error
+        if url.get_backend_name() not in _BACKENDS:
+            raise ValueError(f"knows only {', '.join(_BACKENDS)} so far, not {url.get_backend_name()}")
+        if url.database in (None, "", ":memory:") or "mode" in url.query:
+            raise ValueError("must name a file: a database in memory would lose every submission")
+        return value
+
+    @field_validator("instructor_token")
+    @classmethod
+    def _hard_to_guess(cls, value: SecretStr | None) -> SecretStr | None:
+        if value is None:
+            return None
+        token = value.get_secret_value()
+        if len(token) < _SHORTEST_TOKEN or len(set(token)) < _SHORTEST_TOKEN // 2:
+            raise ValueError(f"is too easy to guess: use at least {_SHORTEST_TOKEN} random characters")
+        if not (token.isascii() and token.isprintable()) or " " in token:
+            raise ValueError("must be printable ASCII without spaces, to fit an HTTP header")
+        return value
+
+    @model_validator(mode="after")
+    def _stays_on_this_machine(self) -> Self:
+        if not (self.allow_anonymous_network or is_loopback(self.host)):
+            raise ValueError(
+                f"host {self.host} is reachable from other machines, and submissions are not tied to "
+                f"identities: use 127.0.0.1, or set {_PREFIX}ALLOW_ANONYMOUS_NETWORK=true if a proxy in "
+                "front authenticates"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _heart_beats_within_the_lease(self) -> Self:
+        if self.heartbeat_s * _RENEWALS_PER_LEASE > self.lease_s:
+            raise ValueError(
+                f"heartbeat_s {self.heartbeat_s:g} must be at most a third of lease_s {self.lease_s:g}: "
+                "one late heartbeat would give away gradings that run well"
+            )
+        return self
+
+
+def load(**overrides: Any) -> Settings:
+    """Return the settings of the environment, with `overrides` (of the command line) before them.
+
+    Raises:
+        SettingsError: a value is refused; the message names the setting and says why.
+    """
+    try:
+        return Settings(**overrides)
+    except ValidationError as error:
+        raise SettingsError("; ".join(_sentence(problem) for problem in error.errors())) from None
+
+
+def is_loopback(host: str) -> bool:
+    """Whether only this machine can reach `host`. Names other than localhost are not looked up."""
+    if host == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False
+
+
+def _sentence(problem: Any) -> str:
+    name = ".".join(str(part) for part in problem["loc"])
+    text = str(problem["msg"]).removeprefix("Value error, ")
+    return f"{name}: {text}" if name else text

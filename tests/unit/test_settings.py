@@ -1,0 +1,84 @@
+import pytest
+
+from grader.contracts.errors import SettingsError
+from grader.settings import Settings, is_loopback, load
+
+
+@pytest.fixture(autouse=True)
+def _clean_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("DATABASE_URL", *(f"GRADER_{field.upper()}" for field in Settings.model_fields)):
+        monkeypatch.delenv(name, raising=False)
+
+
+def test_the_defaults_are_safe() -> None:
+    settings = load()
+    assert is_loopback(settings.host)
+    assert settings.max_upload_bytes == 256 * 1024
+    assert settings.instructor_token is None
+    assert settings.slots >= 1
+
+
+def test_every_setting_is_described() -> None:
+    assert [name for name, field in Settings.model_fields.items() if not field.description] == []
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.1.5", "grader.example.org", "127.0.0.1.evil.org"])
+def test_leaving_this_machine_needs_consent(host: str) -> None:
+    with pytest.raises(SettingsError, match="ALLOW_ANONYMOUS_NETWORK"):
+        load(host=host)
+    assert load(host=host, allow_anonymous_network=True).host == host
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "127.8.8.8", "::1", "[::1]", "localhost"])
+def test_loopback_needs_none(host: str) -> None:
+    assert load(host=host).host == host
+
+
+@pytest.mark.parametrize(
+    ("url", "why"),
+    [
+        ("sqlite://", "memory"),
+        ("sqlite:///:memory:", "memory"),
+        ("sqlite:///file:x?mode=memory&uri=true", "memory"),
+        ("mysql://localhost/x", "mysql"),
+        ("nonsense", "not a database URL"),
+    ],
+)
+def test_a_database_that_forgets_or_is_unknown_is_refused(url: str, why: str) -> None:
+    with pytest.raises(SettingsError, match=why):
+        load(database_url=url)
+
+
+@pytest.mark.parametrize(
+    "token", ["short", "a" * 40, "abcdefgh ijklmnopq", "令牌令牌令牌一二三四五六七八九十"]
+)
+def test_a_weak_token_is_refused_and_not_repeated(token: str) -> None:
+    with pytest.raises(SettingsError, match="instructor_token") as caught:
+        load(instructor_token=token)
+    assert token not in str(caught.value)
+
+
+def test_a_token_does_not_show_in_the_settings() -> None:
+    token = "3q9fKx72LmVb0pTz"
+    assert token not in repr(load(instructor_token=token))
+
+
+def test_a_heartbeat_slower_than_the_lease_allows_is_refused() -> None:
+    with pytest.raises(SettingsError, match="a third"):
+        load(lease_s=6.0, heartbeat_s=3.0)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("max_tries", 0), ("lease_s", float("nan")), ("slots", -1), ("max_upload_bytes", 0)]
+)
+def test_values_out_of_range_are_refused_by_name(field: str, value: float) -> None:
+    with pytest.raises(SettingsError, match=field):
+        load(**{field: value})
+
+
+def test_the_environment_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GRADER_PORT", "9000")
+    monkeypatch.setenv("DATABASE_URL", "sqlite:////var/lib/grader.db")
+    settings = load()
+    assert (settings.port, settings.database_url) == (9000, "sqlite:////var/lib/grader.db")
+    assert load(port=1).port == 1

@@ -1,0 +1,295 @@
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
+from grader.contracts.grading import GradingJob, GradingResult, SandboxState
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import NewSubmission, Submission, SubmissionState
+from grader.store.database import Database
+from grader.store.doorbell import Doorbell
+from grader.store.queue import Queue, RetryPolicy
+from grader.store.schema import migrate
+from grader.store.submissions import Submissions
+from grader.store.workers import Workers
+from grader.worker import GradingSlot, Sandbox, Worker, WorkerConfig, WorkerParts
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import FakeAssignments, FakeGrader, grade
+
+READY = SandboxState(ready=True, isolation="strict")
+PATIENCE_S = 30.0  # only ever waited for in full when a test fails
+
+
+class Bench:
+    """A store, one fake grader and what a worker needs besides."""
+
+    def __init__(self, folder: Path) -> None:
+        self.clock = FakeClock()
+        self.database = Database(f"sqlite:///{folder / 'grader.db'}")
+        migrate(self.database)
+        self.queue = Queue(self.database, self.clock, RetryPolicy(lease_s=15, max_tries=3, backoff_s=0))
+        self.submissions = Submissions(self.database, self.clock)
+        self.workers = Workers(self.database, self.clock)
+        self.doorbell = Doorbell()
+        self.grader = FakeGrader()
+        self.probed = [READY]
+        self.parts = WorkerParts(
+            queue=self.queue,
+            workers=self.workers,
+            assignments=FakeAssignments(),
+            make_grader=lambda: self.grader,
+            probe=lambda: self.probed[-1],
+            doorbell=self.doorbell,
+            clock=self.clock,
+        )
+
+    def slot(self) -> GradingSlot:
+        sandbox = Sandbox(lambda: self.probed[-1])
+        sandbox.try_out()
+        return GradingSlot("w/0", self.parts, sandbox)
+
+    def upload(self, source: bytes = b"good good", assignment: str = "square") -> str:
+        new = NewSubmission(student="s1", assignment=assignment, file_name="square.py", source=source)
+        return self.submissions.add(new).id
+
+    def row(self, submission_id: str) -> Submission:
+        found = self.submissions.get(submission_id)
+        assert found is not None
+        return found
+
+    def wait_until(self, condition: Callable[[], bool]) -> None:
+        pause = threading.Event()
+        for _ in range(int(PATIENCE_S / 0.01)):
+            if condition():
+                return
+            pause.wait(0.01)
+        raise AssertionError("it never happened")
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Iterator[Bench]:
+    made = Bench(tmp_path)
+    yield made
+    made.database.close()
+
+
+def test_a_step_grades_one_submission(bench: Bench) -> None:
+    id_ = bench.upload()
+    slot = bench.slot()
+    assert slot.step()
+    assert not slot.step()
+    row = bench.row(id_)
+    assert (row.state, row.verdict, row.score) == (SubmissionState.GRADED, GradeStatus.GRADED, 10.0)
+    assert bench.submissions.report(id_).cases.keys() == {"default"}
+
+
+def test_the_same_bytes_graded_twice_give_the_same_report(bench: Bench) -> None:
+    first, second = bench.upload(), bench.upload()
+    slot = bench.slot()
+    while slot.step():
+        bench.clock.advance(1)
+    one, two = bench.submissions.report(first), bench.submissions.report(second)
+    assert one.content == two.content
+    assert one.sha256 == two.sha256
+
+
+def test_a_crashed_grading_process_is_one_retry(bench: Bench) -> None:
+    id_ = bench.upload()
+    bench.grader.faults = [InfrastructureError("the grading process ended unexpectedly")]
+    slot = bench.slot()
+    assert slot.step()
+    assert bench.row(id_).state is SubmissionState.QUEUED
+    assert "ended unexpectedly" in bench.row(id_).trouble
+    assert bench.grader.closed == 1
+    assert slot.step()
+    row = bench.row(id_)
+    assert (row.state, row.tries, row.trouble) == (SubmissionState.GRADED, 2, "")
+
+
+@pytest.mark.parametrize(
+    "fault", [InfrastructureError("died"), ValueError("nonsense"), MemoryError(), RecursionError()]
+)
+def test_a_lasting_fault_never_becomes_a_zero(bench: Bench, fault: Exception) -> None:
+    id_ = bench.upload()
+    bench.grader.faults = [fault] * 10
+    slot = bench.slot()
+    assert [slot.step() for _ in range(4)] == [True, True, True, False]
+    row = bench.row(id_)
+    assert (row.state, row.score, row.verdict) == (SubmissionState.INFRASTRUCTURE_ERROR, None, None)
+
+
+def test_a_vanished_assignment_is_no_fault_of_the_student(bench: Bench) -> None:
+    id_ = bench.upload(assignment="withdrawn")
+    slot = bench.slot()
+    while slot.step():
+        pass
+    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
+    assert "withdrawn" in bench.row(id_).trouble
+
+
+def _with_report(**changes: object) -> Callable[[GradingJob], GradingResult]:
+    def grading(job: GradingJob) -> GradingResult:
+        result = grade(job)
+        return replace(result, report=replace(result.report, **changes))
+
+    return grading
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"submission_sha256": "0" * 64},
+        {"assignment": "straight"},
+        {"status": GradeStatus.INFRASTRUCTURE_ERROR},
+    ],
+)
+def test_a_report_of_something_else_is_not_stored(bench: Bench, changes: dict[str, object]) -> None:
+    id_ = bench.upload()
+    bench.grader = FakeGrader(_with_report(**changes))
+    slot = bench.slot()
+    while slot.step():
+        pass
+    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
+    assert bench.submissions.report(id_) is None
+
+
+def test_no_work_is_taken_without_a_sandbox(bench: Bench) -> None:
+    id_ = bench.upload()
+    bench.probed = [SandboxState(ready=False, detail="no seccomp")]
+    assert not bench.slot().step()
+    assert (bench.row(id_).state, bench.row(id_).attempt) == (SubmissionState.QUEUED, 0)
+
+
+def test_a_sandbox_lost_on_the_way_costs_no_try(bench: Bench) -> None:
+    id_ = bench.upload()
+    bench.grader.faults = [SandboxUnavailableError("Landlock is gone")]
+    slot = bench.slot()
+    assert slot.step()
+    assert not slot.step()
+    assert (bench.row(id_).state, bench.row(id_).tries) == (SubmissionState.QUEUED, 0)
+
+
+def test_a_probe_that_raises_means_no_sandbox() -> None:
+    def probe() -> SandboxState:
+        raise OSError("no such file")
+
+    sandbox = Sandbox(probe)
+    assert not sandbox.try_out()
+    assert not sandbox.state.ready
+    assert "no such file" in sandbox.state.detail
+
+
+def test_a_report_is_stored_although_the_database_was_away_for_a_moment(bench: Bench) -> None:
+    id_ = bench.upload()
+
+    class Reluctant(Queue):
+        refusals = 2
+
+        def finish(self, claim, result):
+            if self.refusals:
+                self.refusals -= 1
+                raise InfrastructureError("database is locked")
+            return super().finish(claim, result)
+
+    queue = Reluctant(bench.database, bench.clock, RetryPolicy())
+    bench.parts = replace(bench.parts, queue=queue)
+    assert bench.slot().step()
+    assert bench.row(id_).state is SubmissionState.GRADED
+
+
+def test_a_slot_fenced_off_while_grading_changes_nothing(bench: Bench) -> None:
+    id_ = bench.upload()
+    slot = bench.slot()
+    bench.grader.hold()
+    thread = threading.Thread(target=slot.step)
+    thread.start()
+    assert bench.grader.busy.wait(PATIENCE_S)
+    bench.clock.advance(16)
+    bench.queue.reconcile()
+    other = bench.queue.claim("other")
+    assert other is not None
+    bench.grader.release()
+    thread.join()
+    row = bench.row(id_)
+    assert (row.state, row.attempt, row.verdict) == (SubmissionState.RUNNING, 2, None)
+
+
+def worker(bench: Bench, **config: float) -> Worker:
+    return Worker(bench.parts, WorkerConfig(slots=1, poll_s=PATIENCE_S, heartbeat_s=PATIENCE_S, **config))
+
+
+def test_a_worker_wakes_for_an_upload_and_stops_in_order(bench: Bench) -> None:
+    made = worker(bench)
+    made.start()
+    bench.wait_until(lambda: bool(bench.workers.alive(60)))
+    id_ = bench.upload()
+    bench.doorbell.ring()
+    bench.wait_until(lambda: bench.row(id_).state is SubmissionState.GRADED)
+    made.stop()
+    assert bench.workers.alive(60) == ()
+    assert bench.grader.closed == 1
+
+
+def test_stopping_lets_a_running_grading_finish(bench: Bench) -> None:
+    id_, waiting = bench.upload(), bench.upload()
+    bench.grader.hold()
+    made = worker(bench, drain_s=PATIENCE_S)
+    made.start()
+    assert bench.grader.busy.wait(PATIENCE_S)
+    stopping = threading.Thread(target=made.stop)
+    stopping.start()
+    bench.grader.release()
+    stopping.join()
+    states = {bench.row(one).state for one in (id_, waiting)}
+    assert SubmissionState.GRADED in states
+    assert SubmissionState.RUNNING not in states
+
+
+def test_stopping_returns_a_grading_that_takes_too_long(bench: Bench) -> None:
+    id_ = bench.upload()
+    bench.grader.hold()
+    made = worker(bench, drain_s=0.0)
+    made.start()
+    assert bench.grader.busy.wait(PATIENCE_S)
+    made.stop()
+    row = bench.row(id_)
+    assert (row.state, row.tries) == (SubmissionState.QUEUED, 0)
+
+
+def test_a_beat_renews_mends_and_reports(bench: Bench) -> None:
+    lost = bench.upload()
+    bench.queue.claim("dead worker")
+    bench.clock.advance(8)
+    mine = bench.upload()
+    made = worker(bench)
+    slot = made._slots[0]
+    slot.claim = bench.queue.claim("w")
+    assert slot.claim.submission_id == mine
+    bench.clock.advance(8)
+    made.beat()
+    bench.clock.advance(14)
+    made.beat()
+    assert bench.row(lost).state is SubmissionState.QUEUED
+    assert bench.row(mine).state is SubmissionState.RUNNING
+    (state,) = bench.workers.alive(60)
+    assert (state.busy, state.slots, state.sandbox_ready, state.isolation) == (1, 1, True, "strict")
+
+
+def test_a_beat_tries_the_sandbox_until_it_is_ready(bench: Bench) -> None:
+    bench.probed = [SandboxState(ready=False, detail="no seccomp")]
+    made = worker(bench)
+    made.beat()
+    assert not bench.workers.alive(60)[0].sandbox_ready
+    bench.probed.append(READY)
+    made.beat()
+    assert bench.workers.alive(60)[0].sandbox_ready
+
+
+def test_a_bell_rung_between_looking_and_waiting_is_heard() -> None:
+    bell = Doorbell()
+    mark = bell.heard()
+    bell.ring()
+    bell.wait(mark, timeout_s=1e6)
