@@ -47,7 +47,7 @@ _SOLVER_ITERATIONS: Final = 4  # the wheels' and casters' contacts are four poin
 _WHEEL_JOINTS: Final = (0, 1)
 _MOTORS_NM: Final = (0.1, 0.1)
 _MAX_JOINT_RADPS: Final = 4_000.0  # PyBullet's own bound of 100 would hold the wheels back at 5 m/s
-_TOUCH_M: Final = 1e-9  # a wall pushed by less is rounding: a car that slides along it exactly
+_TOUCH_M: Final = 1e-6  # a wall pushed by less per step is not being pushed: the car slides along it
 
 
 class Watcher(Protocol):
@@ -139,8 +139,10 @@ class BulletCar:
             InfrastructureError: PyBullet failed, or the state is no longer finite.
         """
         if not self.servo.resting and self.step < end:
-            with _faults():
+            try:
                 self._run(end)
+            except _bullet.error as error:
+                raise InfrastructureError(f"PyBullet: {error}") from error
         self.step = max(self.step, end)
 
     def pose_at(self, t_ns: int) -> PlanarPose:

@@ -1,0 +1,301 @@
+"""The episode's end of the channel: frames in, frames out, as `docs/design.md` ("Wire") has them.
+
+What comes in was written by a hostile process. A frame is read field by field with every length checked
+against the bytes that are left, text must be strict UTF-8 within its bound, numbers within their range, and
+nothing may follow the last field; anything else is a `ProtocolError` that names the field. References between
+frames (which id is a publisher, whether time goes on) are the episode's to check.
+"""
+
+import json
+import struct
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Final, NamedTuple, Protocol, TypeAlias
+
+from grader.contracts.errors import ProtocolError
+
+PROTOCOL: Final = 1
+MAX_NAME_BYTES: Final = 1_024
+MAX_MESSAGE_BYTES: Final = 4_096
+MAX_DETAIL_BYTES: Final = 16_384
+MAX_EVENTS: Final = 256  # in one answer; the rest is due in the next one
+
+ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
+START, EVENTS = 0x80, 0x81
+
+NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
+FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR = 0, 1, 2, 3
+MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT = 1, 2, 3
+
+
+class Link(Protocol):
+    """The channel to the jailed process, in whole frame bodies."""
+
+    def send(self, body: bytes) -> None:
+        """Send one frame. A process that is gone is not an error: `receive` will tell."""
+
+    def receive(self) -> bytes | None:
+        """Wait for the next frame; None when the process has ended."""
+
+
+class Entity(NamedTuple):
+    """The script created a node, publisher, subscription, service or client."""
+
+    id: int
+    what: int
+    t_ns: int
+    node: str
+    name: str
+    type: str
+    reliable: bool
+    transient_local: bool
+    depth: int
+
+
+class Gone(NamedTuple):
+    """The script destroyed an entity."""
+
+    id: int
+    t_ns: int
+
+
+class Publish(NamedTuple):
+    """A message; `payload` is CDR, or empty where the world does not listen."""
+
+    id: int
+    t_ns: int
+    payload: bytes
+
+
+class Request(NamedTuple):
+    """A request to a service of the world."""
+
+    id: int
+    sequence: int
+    t_ns: int
+    payload: bytes
+
+
+class Response(NamedTuple):
+    """An answer of one of the script's services to a request of the episode."""
+
+    id: int
+    sequence: int
+    t_ns: int
+    payload: bytes
+
+
+class Advance(NamedTuple):
+    """Nothing earlier than `t_ns` will come; what is due up to then?"""
+
+    t_ns: int
+
+
+class NoteFrame(NamedTuple):
+    """Something the shim found worth telling the student."""
+
+    code: str
+    text: str
+
+
+class Exit(NamedTuple):
+    """How the script ended. `reason` is one of FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR."""
+
+    t_ns: int
+    reason: int
+    after_interrupt: bool
+    exit_code: int
+    exception_type: str
+    message: str
+    line: int
+    detail: str
+
+
+Frame: TypeAlias = Entity | Gone | Publish | Request | Response | Advance | NoteFrame | Exit
+
+
+class Event(NamedTuple):
+    """Something due for the jail. `what` is MESSAGE_EVENT, RESPONSE_EVENT or REQUEST_EVENT."""
+
+    what: int
+    id: int
+    sequence: int
+    t_ns: int
+    payload: bytes
+
+
+_U8, _U16, _U32, _I32, _I64 = (struct.Struct("<" + code) for code in "BHIiq")
+_PUBLISH_HEAD: Final = struct.Struct("<BHq")
+_CALL_HEAD: Final = struct.Struct("<BHIq")
+_EVENTS_HEAD: Final = struct.Struct("<BqH")
+_EVENT_HEAD: Final = struct.Struct("<BHIqI")
+
+
+def decode(body: bytes) -> Frame:
+    """Read one frame of the jail.
+
+    Raises:
+        ProtocolError: the bytes are not exactly one frame of a known kind.
+    """
+    if not body:
+        raise ProtocolError("empty frame")
+    read = _READERS.get(body[0])
+    if read is None:
+        raise ProtocolError(f"unknown frame kind 0x{body[0]:02x}")
+    return read(body)
+
+
+def encode_start(fields: Mapping[str, Any], source: bytes) -> bytes:
+    """Build START: what the jailed process needs to know, and the student's source."""
+    text = json.dumps(fields, ensure_ascii=False, allow_nan=False, separators=(",", ":")).encode()
+    return _U8.pack(START) + _U32.pack(len(text)) + text + source
+
+
+def encode_events(now_ns: int, events: Iterable[Event]) -> bytes:
+    """Build EVENTS, the answer to ADVANCE."""
+    chunks = []
+    for what, identity, sequence, t_ns, payload in events:
+        chunks += (_EVENT_HEAD.pack(what, identity, sequence, t_ns, len(payload)), payload)
+    return _EVENTS_HEAD.pack(EVENTS, now_ns, len(chunks) // 2) + b"".join(chunks)
+
+
+class _Cursor:
+    """Reads the fields of one frame in order; an error names the frame and the field."""
+
+    def __init__(self, frame: str, body: bytes) -> None:
+        self._frame = frame
+        self._body = body
+        self._at = 1
+
+    def number(self, field: str, kind: struct.Struct) -> int:
+        try:
+            (value,) = kind.unpack_from(self._body, self._at)
+        except struct.error:
+            raise self._error(field, "is cut off") from None
+        self._at += kind.size
+        return int(value)
+
+    def time(self) -> int:
+        t_ns = self.number("t", _I64)
+        if t_ns < 0:
+            raise self._error("t", "is negative")
+        return t_ns
+
+    def choice(self, field: str, allowed: range) -> int:
+        value = self.number(field, _U8)
+        if value not in allowed:
+            raise self._error(field, f"is {value}")
+        return value
+
+    def text(self, field: str, most: int = MAX_NAME_BYTES, length: struct.Struct = _U16) -> str:
+        size = self.number(field, length)
+        if size > most:
+            raise self._error(field, f"has {size} bytes, {most} allowed")
+        raw = self._body[self._at : self._at + size]
+        if len(raw) != size:
+            raise self._error(field, "is cut off")
+        self._at += size
+        try:
+            return raw.decode("utf-8")
+        except UnicodeDecodeError:
+            raise self._error(field, "is not UTF-8") from None
+
+    def end(self) -> None:
+        if self._at != len(self._body):
+            raise self._error("end", f"is followed by {len(self._body) - self._at} bytes")
+
+    def _error(self, field: str, what: str) -> ProtocolError:
+        return ProtocolError(f"{self._frame}.{field} {what}")
+
+
+def _read_entity(body: bytes) -> Entity:
+    cursor = _Cursor("ENTITY", body)
+    entity = Entity(
+        id=cursor.number("id", _U16),
+        what=cursor.choice("what", range(NODE, CLIENT + 1)),
+        t_ns=cursor.time(),
+        node=cursor.text("node"),
+        name=cursor.text("name"),
+        type=cursor.text("type"),
+        reliable=cursor.choice("reliability", range(1, 3)) == 1,
+        transient_local=cursor.choice("durability", range(1, 3)) == 1,
+        depth=cursor.number("depth", _U16),
+    )
+    cursor.end()
+    return entity
+
+
+def _read_gone(body: bytes) -> Gone:
+    cursor = _Cursor("GONE", body)
+    gone = Gone(id=cursor.number("id", _U16), t_ns=cursor.time())
+    cursor.end()
+    return gone
+
+
+def _read_publish(body: bytes) -> Publish:
+    try:
+        _, identity, t_ns = _PUBLISH_HEAD.unpack_from(body)
+    except struct.error:
+        raise ProtocolError("PUBLISH.t is cut off") from None
+    if t_ns < 0:
+        raise ProtocolError("PUBLISH.t is negative")
+    return Publish(identity, t_ns, body[_PUBLISH_HEAD.size :])
+
+
+def _read_call(name: str, body: bytes) -> tuple[int, int, int, bytes]:
+    try:
+        _, identity, sequence, t_ns = _CALL_HEAD.unpack_from(body)
+    except struct.error:
+        raise ProtocolError(f"{name}.t is cut off") from None
+    if t_ns < 0:
+        raise ProtocolError(f"{name}.t is negative")
+    return identity, sequence, t_ns, body[_CALL_HEAD.size :]
+
+
+def _read_request(body: bytes) -> Request:
+    return Request(*_read_call("REQUEST", body))
+
+
+def _read_response(body: bytes) -> Response:
+    return Response(*_read_call("RESPONSE", body))
+
+
+def _read_advance(body: bytes) -> Advance:
+    cursor = _Cursor("ADVANCE", body)
+    advance = Advance(cursor.time())
+    cursor.end()
+    return advance
+
+
+def _read_note(body: bytes) -> NoteFrame:
+    cursor = _Cursor("NOTE", body)
+    note = NoteFrame(cursor.text("code"), cursor.text("text", MAX_MESSAGE_BYTES))
+    cursor.end()
+    return note
+
+
+def _read_exit(body: bytes) -> Exit:
+    cursor = _Cursor("EXIT", body)
+    ended = Exit(
+        t_ns=cursor.time(),
+        reason=cursor.choice("reason", range(FINISHED, SYNTAX_ERROR + 1)),
+        after_interrupt=cursor.choice("after_interrupt", range(2)) == 1,
+        exit_code=cursor.number("exit_code", _I32),
+        exception_type=cursor.text("exception_type"),
+        message=cursor.text("message", MAX_MESSAGE_BYTES),
+        line=cursor.number("line", _U32),
+        detail=cursor.text("text", MAX_DETAIL_BYTES, _U32),
+    )
+    cursor.end()
+    return ended
+
+
+_READERS: Final[dict[int, Callable[[bytes], Frame]]] = {
+    ENTITY: _read_entity,
+    GONE: _read_gone,
+    PUBLISH: _read_publish,
+    REQUEST: _read_request,
+    RESPONSE: _read_response,
+    ADVANCE: _read_advance,
+    NOTE: _read_note,
+    EXIT: _read_exit,
+}
