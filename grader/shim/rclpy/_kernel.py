@@ -44,6 +44,11 @@ SPINS_PER_SLICE = 1_000
 GRACE_NS = 10_000_000_000
 """Virtual time between the first Ctrl+C, the second one and the end."""
 
+FIRST_IDENT = 0x7F00_0000_1000
+"""Thread identifiers look like Linux' but are the same in each run."""
+
+IDENT_STEP = 0x1000
+MAX_THREADS = 64
 SIGINT = 2
 SIGALRM = 14
 
@@ -61,6 +66,16 @@ class StalledError(RuntimeError):
     """Every thread waits for something that can never happen. The text names the calls."""
 
 
+class Sentinel(Protocol):
+    """A lock that somebody who joins a thread waits for."""
+
+    def locked(self) -> bool:
+        """Return whether it is held."""
+
+    def release(self) -> None:
+        """Release it."""
+
+
 class Thread:
     """A thread known to the kernel, and what it waits for while it is blocked.
 
@@ -70,13 +85,30 @@ class Thread:
         deadline_ns: instant at which the wait ends anyway.
         why: the student's call, or empty when only the stack can tell.
         idle: waiting for ever is normal here (a spinning node), not a stall.
+        ident: what the script sees as `threading.get_ident()`; os_ident: the true one.
+        sentinel: released when the thread has ended.
     """
 
-    __slots__ = ("baton", "daemon", "deadline_ns", "done", "ident", "idle", "name", "ready", "streak", "why")
+    __slots__ = (
+        "baton",
+        "daemon",
+        "deadline_ns",
+        "ident",
+        "idle",
+        "name",
+        "os_ident",
+        "ready",
+        "sentinel",
+        "streak",
+        "why",
+    )
 
-    def __init__(self, name: str, daemon: bool = False) -> None:
+    def __init__(self, name: str, ident: int, daemon: bool = False) -> None:
         self.name = name
+        self.ident = ident
+        self.os_ident = _get_ident()
         self.daemon = daemon
+        self.sentinel: Sentinel | None = None
         self.baton = _allocate_lock()
         self.baton.acquire()
         self.ready: Callable[[], bool] = _always
@@ -84,8 +116,6 @@ class Thread:
         self.why = ""
         self.idle = False
         self.streak = 0
-        self.done = False
-        self.ident = _get_ident()
 
 
 def _always() -> bool:
@@ -115,7 +145,7 @@ class Kernel:
         self.epoch_ns = 0
         self.horizon_ns = FOREVER_NS
         self.interrupted = False
-        self.main = Thread("main thread")
+        self.main = Thread("main thread", FIRST_IDENT)
         self.running = self.main
         self.threads = [self.main]
         self.deliver: Callable[[int], None] = _raise_keyboard_interrupt
@@ -124,6 +154,7 @@ class Kernel:
         self._limit_ns = FOREVER_NS
         self._alarm_ns = FOREVER_NS
         self._signals: list[int] = []
+        self._started = 0
         self._on_interrupt: list[Callable[[], None]] = []
         self._streak = 0
         self._spins = SPINS_PER_SLICE
@@ -188,7 +219,8 @@ class Kernel:
         """
         if ready():
             self.charge()
-            return True
+            if ready():  # the charge may have let another thread run
+                return True
         me = self.running
         before = (me.ready, me.deadline_ns, me.why, me.idle)
         me.ready = ready
@@ -232,6 +264,17 @@ class Kernel:
         if spins < 0:
             self._spin()
 
+    def new_thread(self, name: str, daemon: bool) -> Thread:
+        """Return a record for a thread that is about to start.
+
+        Raises:
+            RuntimeError: there are `MAX_THREADS` already.
+        """
+        if len(self.threads) >= MAX_THREADS:
+            raise RuntimeError("can't start new thread")
+        self._started += 1
+        return Thread(name, FIRST_IDENT + self._started * IDENT_STEP, daemon)
+
     def start_thread(self, thread: Thread) -> None:
         """Make `thread` runnable; its OS thread waits for its baton."""
         self.threads.append(thread)
@@ -239,7 +282,8 @@ class Kernel:
 
     def end_thread(self, thread: Thread) -> None:
         """Take the running `thread` out and pass the baton on; the caller must not touch the kernel again."""
-        thread.done = True
+        if thread.sentinel is not None and thread.sentinel.locked():
+            thread.sentinel.release()
         position = self.threads.index(thread)
         thread.ready = _never
         thread.deadline_ns = FOREVER_NS

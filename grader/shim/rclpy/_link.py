@@ -62,9 +62,8 @@ class Link:
         self._requests: set[tuple[int, int]] = set()
         self._names: dict[str, set[tuple[str, str]]] = {}
 
-    def connect(self, channel: Channel, world: dict[str, Any]) -> None:
-        """Use `channel` from now on; `world` is what START says of the simulator."""
-        self._channel = channel
+    def connect_world(self, world: dict[str, Any]) -> None:
+        """Take `world`, what START says of the simulator, as the other end of the channel."""
         self.connected = True
         self.world = {**self.world, **world}
         self._names = {

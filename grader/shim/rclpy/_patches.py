@@ -1,0 +1,128 @@
+"""Puts virtual time and a repeatable host behind the standard library, before the script is compiled.
+
+`time`, `_thread` and `os` change at once, every other module when it is first imported (or now, when it is
+imported already). Names that already imported modules have copied (`from time import monotonic`) follow.
+"""
+
+import _thread
+import os
+import sys
+import time
+from collections.abc import Callable, Sequence
+from importlib import import_module
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import Any
+
+from rclpy import _patches_host, _patches_thread, _patches_time
+
+LAZY = {
+    "concurrent.futures.thread": ("_patches_threading", "patch_futures_thread"),
+    "linecache": ("_report", "prime_linecache"),
+    "datetime": ("_patches_datetime", "patch_datetime"),
+    "logging": ("_patches_threading", "patch_logging"),
+    "queue": ("_patches_threading", "patch_queue"),
+    "random": ("_patches_host", "patch_random"),
+    "select": ("_patches_select", "patch_select"),
+    "signal": ("_patches_signal", "patch_signal"),
+    "threading": ("_patches_threading", "patch_threading"),
+    "uuid": ("_patches_host", "patch_uuid"),
+}
+"""Module -> (our module, function called with it once it is there)."""
+
+_OURS = ("rclpy._kernel", "rclpy._patches", "rclpy._runner")
+
+
+def install(seed: int) -> None:
+    """Replace everything; to be called once, in the student's process."""
+    _patches_host.seed_entropy(seed)
+    _replace(
+        (
+            (time, _patches_time.REPLACED),
+            (_thread, _patches_thread.REPLACED),
+            (os, _patches_host.REPLACED),
+        )
+    )
+    sys.meta_path.insert(0, PostImport())
+    for name in LAZY:
+        module = sys.modules.get(name)
+        if module is not None:
+            apply(name, module)
+
+
+def apply(name: str, module: ModuleType) -> None:
+    """Run the patch of the module called `name`."""
+    ours, function = LAZY[name]
+    getattr(import_module(f"rclpy.{ours}"), function)(module)
+
+
+def _replace(tables: Sequence[tuple[ModuleType, dict[str, object]]]) -> None:
+    replacements: dict[int, tuple[object, object]] = {}
+    for module, table in tables:
+        for name, replacement in table.items():
+            original = getattr(module, name, None)
+            if original is not None:
+                replacements[id(original)] = (original, replacement)
+                setattr(module, name, replacement)
+    for name, other in tuple(sys.modules.items()):
+        if not name.startswith(_OURS):
+            _rebind(other, replacements)
+
+
+def _rebind(module: Any, replacements: dict[int, tuple[object, object]]) -> None:
+    names = getattr(module, "__dict__", None)
+    if not isinstance(names, dict):
+        return
+    found = [(name, id(value)) for name, value in names.items() if id(value) in replacements]
+    for name, ident in found:
+        names[name] = replacements[ident][1]
+
+
+class PostImport:
+    """Meta path finder that lets a patch run right after the module it is for."""
+
+    def __init__(self) -> None:
+        self._busy: set[str] = set()
+
+    def find_spec(
+        self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        if name not in LAZY or name in self._busy:
+            return None
+        self._busy.add(name)
+        try:
+            spec = self._find(name, path)
+        finally:
+            self._busy.discard(name)
+        if spec is not None and spec.loader is not None:
+            spec.loader = PatchingLoader(spec.loader)
+        return spec
+
+    def _find(self, name: str, path: Sequence[str] | None) -> ModuleSpec | None:
+        for finder in sys.meta_path:
+            find: Callable[..., ModuleSpec | None] | None = getattr(finder, "find_spec", None)
+            spec = find(name, path) if find is not None else None
+            if spec is not None:
+                return spec
+        return None
+
+
+class PatchingLoader:
+    """Loads as the real loader does, then runs the patch."""
+
+    def __init__(self, real: Any) -> None:
+        self._real = real
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._real, name)
+
+    def create_module(self, spec: ModuleSpec) -> ModuleType | None:
+        module: ModuleType | None = self._real.create_module(spec)
+        return module
+
+    def exec_module(self, module: ModuleType) -> None:
+        spec: Any = module.__spec__
+        spec.loader = self._real
+        module.__loader__ = self._real
+        self._real.exec_module(module)
+        apply(spec.name, module)

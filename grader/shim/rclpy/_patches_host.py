@@ -1,0 +1,88 @@
+"""What a script can learn of its host: randomness, process ids, processors. The same in each run."""
+
+import _random
+import os
+from types import ModuleType
+from typing import Any
+
+from rclpy._kernel import kernel
+
+PID = 4242
+CPUS = 4
+
+_entropy = _random.Random(0)
+_cpu_times = os.times
+
+
+def seed_entropy(seed: int) -> None:
+    """Begin the stream that stands in for the operating system's randomness."""
+    _entropy.seed(seed)
+
+
+def urandom(size: int, /) -> bytes:
+    """Return `size` bytes of the seeded stream."""
+    if size < 0:
+        raise ValueError("negative argument not allowed")
+    return _entropy.getrandbits(8 * size).to_bytes(size, "little") if size else b""
+
+
+def getrandom(size: int, flags: int = 0) -> bytes:
+    return urandom(size)
+
+
+def getpid() -> int:
+    return PID
+
+
+def getppid() -> int:
+    return PID - 1
+
+
+def cpu_count() -> int:
+    return CPUS
+
+
+def sched_getaffinity(pid: int, /) -> set[int]:
+    return set(range(CPUS))
+
+
+def times() -> os.times_result:
+    seconds = kernel.clock_ns() / 1e9
+    return os.times_result((seconds, 0.0, 0.0, 0.0, seconds))
+
+
+REPLACED: dict[str, object] = {
+    "urandom": urandom,
+    "getrandom": getrandom,
+    "getpid": getpid,
+    "getppid": getppid,
+    "cpu_count": cpu_count,
+    "process_cpu_count": cpu_count,
+    "sched_getaffinity": sched_getaffinity,
+    "times": times,
+}
+"""Names of `os` and what stands in for them."""
+
+
+def patch_random(random: ModuleType) -> None:
+    """Seed the hidden generator, and every one that is created without a seed, from the seeded stream."""
+    module: Any = random
+    seed = module.Random.seed
+
+    def seeded(self: Any, a: Any = None, version: int = 2) -> None:
+        seed(self, _entropy.getrandbits(256) if a is None else a, version)
+
+    seeded.__name__ = "seed"
+    seeded.__qualname__ = "Random.seed"
+    seeded.__doc__ = seed.__doc__
+    module.Random.seed = seeded
+    module._urandom = urandom
+    module._inst.seed()
+    module.seed = module._inst.seed
+
+
+def patch_uuid(uuid: ModuleType) -> None:
+    """Make `uuid1` depend on the virtual clock only."""
+    module: Any = uuid
+    module._generate_time_safe = module._UuidCreate = None
+    module._node = 0x0242AC110002

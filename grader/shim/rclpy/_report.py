@@ -1,0 +1,129 @@
+"""Exceptions in the student's own terms: frames of the student's file only, causes kept."""
+
+import sys
+from types import FrameType, TracebackType
+from typing import Any
+
+from rclpy._kernel import Kernel, Thread
+
+
+class Script:
+    """The script that runs: its name, and its lines for `linecache`."""
+
+    def __init__(self) -> None:
+        self.file_name = ""
+        self.source = b""
+
+    def lines(self) -> list[str]:
+        """Return the source lines, decoded as Python does; empty when they cannot be decoded."""
+        import tokenize  # noqa: PLC0415 - only when something went wrong
+        from io import BytesIO, TextIOWrapper  # noqa: PLC0415
+
+        try:
+            encoding, _ = tokenize.detect_encoding(BytesIO(self.source).readline)
+            text = TextIOWrapper(BytesIO(self.source), encoding).read()
+        except (SyntaxError, UnicodeError, LookupError):
+            return []
+        lines = text.splitlines(keepends=True)
+        if lines and not lines[-1].endswith("\n"):
+            lines[-1] += "\n"
+        return lines
+
+
+script = Script()
+
+
+def prime_linecache(linecache: Any) -> None:
+    """Let tracebacks and `inspect` find the source, which is in no file."""
+    entry = (len(script.source), None, script.lines(), script.file_name)
+    linecache.cache[script.file_name] = entry
+
+
+def line_of(error: BaseException) -> int:
+    """Return the line of the innermost frame of the student's file; 0 when there is none."""
+    if isinstance(error, SyntaxError) and error.filename == script.file_name:
+        return error.lineno or 0
+    line = 0
+    traceback: TracebackType | None = error.__traceback__
+    while traceback is not None:
+        if traceback.tb_frame.f_code.co_filename == script.file_name:
+            line = traceback.tb_lineno or 0
+        traceback = traceback.tb_next
+    return line
+
+
+def message_of(error: BaseException) -> str:
+    """Return `str(error)`, whatever the class does."""
+    try:
+        return error.msg if isinstance(error, SyntaxError) else str(error)
+    except Exception:  # noqa: BLE001 - a student's __str__ may do anything
+        return "<exception str() failed>"
+
+
+def one_line(error: BaseException) -> str:
+    """Return ``Type: message``."""
+    message = message_of(error)
+    return f"{type(error).__name__}: {message}" if message else type(error).__name__
+
+
+def format_exception(error: BaseException) -> str:
+    """Return the traceback as Python prints it, with the student's frames only."""
+    try:
+        import traceback  # noqa: PLC0415 - costs milliseconds, needed once
+
+        exception = traceback.TracebackException(type(error), error, error.__traceback__, compact=True)
+        _strip(exception, set())
+        return "".join(exception.format())
+    except Exception:  # noqa: BLE001 - never lose the error over its presentation
+        return f"{one_line(error)}\n"
+
+
+def _strip(exception: Any, seen: set[int]) -> None:
+    """Drop the frames of other files, here and in everything that `exception` is chained to."""
+    waiting = [exception]
+    while waiting:
+        one = waiting.pop()
+        if one is None or id(one) in seen:
+            continue
+        seen.add(id(one))
+        one.stack[:] = [frame for frame in one.stack if frame.filename == script.file_name]
+        if getattr(one, "filename", None) == script.file_name and not getattr(one, "text", None):
+            _add_text(one)
+        waiting += [one.__cause__, one.__context__, *(getattr(one, "exceptions", None) or ())]
+
+
+def _add_text(exception: Any) -> None:
+    """Give a SyntaxError found by the compiler its line, which Python looks up in the file."""
+    lines = script.lines()
+    number = int(exception.lineno or 0)
+    if 0 < number <= len(lines):
+        exception.text = lines[number - 1]
+
+
+def print_exception(error: BaseException) -> None:
+    """Print the traceback to stderr."""
+    try:
+        sys.stderr.write(format_exception(error))
+        sys.stderr.flush()
+    except (OSError, ValueError, AttributeError):
+        pass  # the script has closed or replaced its stderr
+
+
+def excepthook(_: type[BaseException], error: BaseException, __: TracebackType | None) -> None:
+    """`sys.excepthook`: what Python prints, without our frames."""
+    print_exception(error)
+
+
+def explain_stall(kernel: Kernel) -> str:
+    """Return one sentence per blocked thread: who waits in which line for what."""
+    frames = sys._current_frames()
+    return "; ".join(_explain(thread, frames.get(thread.os_ident)) for thread in kernel.threads)
+
+
+def _explain(thread: Thread, frame: FrameType | None) -> str:
+    call = ""
+    while frame is not None and frame.f_code.co_filename != script.file_name:
+        call = frame.f_code.co_qualname
+        frame = frame.f_back
+    place = f", line {frame.f_lineno}" if frame is not None else ""
+    return f"{thread.name}{place}: {thread.why or f'{call}() waits for ever'}"

@@ -1,0 +1,249 @@
+"""What the confined process executes: read START, run the script, send EXIT, end.
+
+`run` is called with nothing of the script in memory and does not return. Descriptors: 0 /dev/null, 1 and 2
+pipes, and the channel.
+"""
+
+import builtins
+import gc
+import os
+import sys
+from types import ModuleType
+from typing import Any, NoReturn
+
+from rclpy import _loops, _patches, _report, _wire
+from rclpy._kernel import kernel
+from rclpy._link import link
+
+PIPE_BYTES = 65_536
+"""Capacity of a Linux pipe; a longer stdin is served from memory."""
+
+_end_process = os._exit
+
+
+class Descriptor:
+    """The channel as a plain descriptor: neither `socket` nor its imports are needed."""
+
+    def __init__(self, number: int) -> None:
+        self._number = number
+        self._read = os.read
+        self._write = os.write
+
+    def sendall(self, data: bytes, /) -> None:
+        view = memoryview(data)
+        while view:
+            view = view[self._write(self._number, view) :]
+
+    def recv(self, size: int, /) -> bytes:
+        return self._read(self._number, size)
+
+
+class Ending:
+    """How the run ended, put together step by step and sent once."""
+
+    def __init__(self) -> None:
+        self.reason = _wire.FINISHED
+        self.code = 0
+        self.type = ""
+        self.message = ""
+        self.line = 0
+        self.text = ""
+
+    def set_error(self, error: BaseException, reason: int = _wire.RAISED) -> None:
+        """Take over an exception that ended the script."""
+        self.reason = reason
+        self.code = 1
+        self.type = type(error).__name__
+        self.message = _report.message_of(error)
+        self.line = _report.line_of(error)
+        self.text = _report.format_exception(error)
+
+    def send_and_exit(self) -> NoReturn:
+        """Send EXIT and end the process, whatever still runs."""
+        try:
+            link.exit(
+                _wire.Exit(
+                    min(kernel.now_ns, kernel.horizon_ns),
+                    self.reason,
+                    kernel.interrupted,
+                    self.code,
+                    self.type,
+                    self.message,
+                    self.line,
+                    self.text,
+                )
+            )
+        finally:
+            _end_process(self.code & 0xFF)
+
+
+ending = Ending()
+
+
+def run(channel: int = 3) -> NoReturn:
+    """Run the script that START brings over descriptor `channel`."""
+    text, source = link.receive_start(Descriptor(channel))
+    import json  # noqa: PLC0415 - preloaded by the zygote
+
+    start: dict[str, Any] = json.loads(text)
+    _report.script.file_name = start["file_name"]
+    _report.script.source = source
+    kernel.start_episode(start["horizon_ns"], start["epoch_ns"])
+    link.connect_world(start["world"])
+    module = _prepare(start)
+    _execute(module, source)
+    _finish()
+
+
+def _prepare(start: dict[str, Any]) -> ModuleType:
+    """Make the process look as Python makes it for ``python3 student.py``."""
+    _patches.install(start["seed"])
+    kernel.end = end_now
+    os._exit = exit_now
+    sys.dont_write_bytecode = True
+    sys.argv = [start["file_name"], *start["args"]]
+    sys.excepthook = sys.__excepthook__ = _report.excepthook
+    _open_streams(start["stdin"])
+    _add_site_builtins()
+    setattr(builtins, _loops.CHECKPOINT, kernel.checkpoint)
+    module = ModuleType("__main__")
+    names: dict[str, Any] = {"__file__": start["file_name"], "__builtins__": builtins, "__cached__": None}
+    module.__dict__.update(names)
+    sys.modules["__main__"] = module
+    from rclpy import _patches_audit  # noqa: PLC0415 - last: it watches everything after it
+
+    _patches_audit.watch()
+    return module
+
+
+def _open_streams(stdin: str) -> None:
+    """Give the script its input, and streams that are encoded as on a PC."""
+    data = stdin.encode()
+    if data and len(data) <= PIPE_BYTES:
+        reading, writing = os.pipe()
+        os.write(writing, data)
+        os.close(writing)
+        os.dup2(reading, 0)
+        os.close(reading)
+    if len(data) > PIPE_BYTES:
+        from io import StringIO  # noqa: PLC0415
+
+        sys.stdin = StringIO(stdin)
+    else:
+        sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.__stdin__ = sys.stdin  # type: ignore[misc]
+    for stream, errors, lines in ((sys.stdout, "strict", False), (sys.stderr, "backslashreplace", True)):
+        reconfigure: Any = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(encoding="utf-8", errors=errors, line_buffering=lines)
+
+
+def _add_site_builtins() -> None:
+    """Add `exit`, `quit` and `help`, which the module `site` provides on a PC."""
+    import _sitebuiltins  # noqa: PLC0415
+
+    end_of_file = "Ctrl-D (i.e. EOF)"
+    for name in ("quit", "exit"):
+        setattr(builtins, name, _sitebuiltins.Quitter(name, end_of_file))
+    setattr(builtins, "help", _sitebuiltins._Helper())  # noqa: B010 - mypy knows help as a function
+
+
+def _execute(module: ModuleType, source: bytes) -> None:
+    """Run the script up to the end of its main thread, with its other threads and exit handlers."""
+    try:
+        code = _loops.compile_script(source, _report.script.file_name)
+    except BaseException as error:  # noqa: BLE001 - whatever the compiler says is the student's to read
+        ending.set_error(error, _wire.BAD_SYNTAX)
+        _report.print_exception(error)
+        return
+    del source
+    gc.collect(0)
+    _guard(lambda: exec(code, module.__dict__), main=True)  # noqa: S102
+    _guard(_join_threads)
+    _guard(_run_exit_handlers)
+
+
+def _guard(step: Any, main: bool = False) -> None:
+    """Run one step; let whatever it raises end the script as Python would."""
+    try:
+        step()
+    except SystemExit as error:
+        _leave(error.code)
+    except KeyboardInterrupt as error:
+        if kernel.interrupted:
+            ending.code = 130
+        else:
+            _fail(error)
+    except BaseException as error:  # noqa: BLE001 - the script may raise anything
+        _fail(error)
+
+
+def _leave(code: object) -> None:
+    if code is None:
+        ending.code = 0
+    elif isinstance(code, int):
+        ending.code = code
+    else:
+        ending.code = 1
+        print(code, file=sys.stderr)  # noqa: T201
+
+
+def _fail(error: BaseException) -> None:
+    ending.set_error(error)
+    try:
+        sys.excepthook(type(error), error, error.__traceback__)
+    except BaseException as second:  # noqa: BLE001 - a student's hook may raise anything
+        print("Error in sys.excepthook:", file=sys.stderr)  # noqa: T201
+        _report.print_exception(second)
+
+
+def _join_threads() -> None:
+    """Wait for non-daemon threads as Python does; after Ctrl+C nobody waits any more."""
+    threading: Any = sys.modules.get("threading")
+    if threading is None:
+        return
+    if not kernel.interrupted:
+        for call in reversed(threading._threading_atexits):
+            call()
+        kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
+
+
+def _only_daemons() -> bool:
+    return all(thread.daemon for thread in kernel.threads[1:])
+
+
+def _run_exit_handlers() -> None:
+    import atexit  # noqa: PLC0415
+
+    atexit._run_exitfuncs()
+
+
+def _finish() -> NoReturn:
+    _flush()
+    ending.send_and_exit()
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.__stdout__, sys.stderr, sys.__stderr__):
+        try:
+            if stream is not None:
+                stream.flush()
+        except (OSError, ValueError, AttributeError):
+            pass  # closed or replaced by the script
+
+
+def end_now(reason: str) -> NoReturn:
+    """End the run from whichever thread found that it cannot go on."""
+    if reason == "stalled" and not kernel.interrupted:
+        ending.reason = _wire.STALLED
+        ending.code = 1
+        ending.text = _report.explain_stall(kernel)
+    elif reason.startswith("signal "):
+        ending.code = 128 + int(reason.split()[1])
+    _finish()
+
+
+def exit_now(code: int) -> NoReturn:
+    """`os._exit`: end at once; buffered output is lost, as on a PC."""
+    ending.code = int(code)
+    ending.send_and_exit()
