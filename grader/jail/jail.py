@@ -1,0 +1,294 @@
+"""One confined process as its episode sees it: frames in, frames out, limits kept, an account at the end."""
+
+import os
+import select
+import signal
+import socket
+import struct
+import time
+from collections.abc import Callable
+from types import TracebackType
+from typing import Final, Self
+
+from grader.contracts.errors import SandboxError
+from grader.contracts.limits import Limits
+from grader.jail import policy
+from grader.jail.process import ProcessHandle
+from grader.jail.report import JailReport, Verdict
+from grader.jail.streams import Capture
+
+_TICK_NS: Final = 5_000_000
+_RECEIVE_BYTES: Final = 65_536
+_BACKLOG_MAX_BYTES: Final = 8 * policy.FRAME_MAX_BYTES
+_HEADER: Final = struct.Struct("<I")
+_TICK_TIMEVAL: Final = struct.pack("@ll", 0, _TICK_NS // 1000)
+
+
+class Jail:
+    """A run in progress; use it as a context manager, or call `close`.
+
+    Frames are ``u32 length`` and body, little-endian. Nothing here waits for ever: a script that owes a
+    frame is ended by its CPU limit, its output limit, by sleeping where nothing can wake it, or at last by
+    the wall limit, which counts as trouble of the host.
+    """
+
+    def __init__(
+        self,
+        channel: socket.socket,
+        process: ProcessHandle,
+        captures: tuple[Capture, Capture],
+        limits: Limits,
+        reap: Callable[[], tuple[int, int, int]],
+    ) -> None:
+        self._channel = channel
+        self._process = process
+        self._stdout, self._stderr = captures
+        self._limits = limits
+        self._reap = reap
+        self._buffer = bytearray()
+        self._position = 0
+        self._channel_ended = False
+        self._verdict: Verdict | None = None
+        self._detail = ""
+        self._report: JailReport | None = None
+        self._start_ns = time.monotonic_ns()
+        self._wall_deadline_ns = self._start_ns + int(limits.wall_s * 1e9)
+        self._cpu_deadline_ns = process.cpu_ns() + int(limits.cpu_s * 1e9)
+        self._idle_since_ns: int | None = None
+        self._idle_cpu_ns = -1
+        channel.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _TICK_TIMEVAL)
+        channel.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, _TICK_TIMEVAL)
+        self._poll = select.poll()
+        for capture in captures:
+            self._poll.register(capture.descriptor, select.POLLIN)
+        if process.pidfd is not None:
+            self._poll.register(process.pidfd, select.POLLIN)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    # ------------------------------------------------------------------------------------------- frames
+
+    def send(self, body: bytes) -> None:
+        """Send one frame. When the process has ended, or ends meanwhile, the frame is dropped silently."""
+        data = memoryview(_HEADER.pack(len(body)) + body)
+        self._idle_since_ns = None
+        while data and self._verdict is None and not self._channel_ended:
+            try:
+                data = data[self._channel.send(data) :]
+            except (BlockingIOError, InterruptedError):
+                self._tend(select.POLLOUT | select.POLLIN)
+                self._take_while_sending()
+            except OSError:
+                return
+
+    def receive(self) -> bytes | None:
+        """Return the body of the next frame, or None once the process has ended or was ended by a limit.
+
+        Frames that arrived before a limit struck are still returned first.
+        """
+        while True:
+            frame = self._next_frame()
+            if frame is not None:
+                return frame
+            if self._verdict is not None:
+                return None
+            if self._channel_ended:
+                self._await_end()
+                return None
+            self._take()
+
+    def limit_cpu(self, extra_s: float) -> None:
+        """Leave the script at most `extra_s` more CPU seconds from now, and never more than it had."""
+        deadline_ns = self._process.cpu_ns() + int(extra_s * 1e9)
+        self._cpu_deadline_ns = min(self._cpu_deadline_ns, deadline_ns)
+
+    def _next_frame(self) -> bytes | None:
+        start = self._position + _HEADER.size
+        if len(self._buffer) < start:
+            return None
+        (length,) = _HEADER.unpack_from(self._buffer, self._position)
+        if not 1 <= length <= policy.FRAME_MAX_BYTES:
+            self._end(Verdict.PROTOCOL, f"a frame announced a length of {length} bytes")
+            return None
+        if len(self._buffer) < start + length:
+            return None
+        self._position = start + length
+        return bytes(self._buffer[start : self._position])
+
+    def _take(self) -> None:
+        """Receive once; look after everything else when there is nothing to receive."""
+        try:
+            data = self._channel.recv(_RECEIVE_BYTES)
+        except (BlockingIOError, InterruptedError):
+            while self._verdict is None and not self._tend(select.POLLIN):
+                pass
+            return
+        except OSError:
+            data = b""
+        if not data:
+            self._channel_ended = True
+            return
+        del self._buffer[: self._position]
+        self._position = 0
+        self._buffer += data
+        self._idle_since_ns = None
+        self._check_clocks()
+
+    def _take_while_sending(self) -> None:
+        """Make room for a process that cannot read because it waits to write."""
+        if len(self._buffer) - self._position > _BACKLOG_MAX_BYTES:
+            self._end(Verdict.PROTOCOL, "the script sends without reading what it asked for")
+            return
+        try:
+            data = self._channel.recv(_RECEIVE_BYTES, socket.MSG_DONTWAIT)
+        except OSError:
+            return
+        self._channel_ended = not data
+        self._buffer += data
+
+    # ------------------------------------------------------------------------------------------- limits
+
+    def _tend(self, channel_events: int) -> bool:
+        """Wait a tick for anything to happen, capture output, check every limit.
+
+        Returns:
+            Whether the channel has one of `channel_events` (0: leave the channel alone).
+        """
+        if channel_events:
+            self._poll.register(self._channel, channel_events)
+        ready = self._poll.poll(_TICK_NS // 1_000_000)
+        if channel_events:
+            self._poll.unregister(self._channel)
+        self._drain()
+        self._check_clocks()
+        if self._verdict is None:
+            self._check_idle()
+        return any(descriptor == self._channel.fileno() for descriptor, _ in ready)
+
+    def _await_end(self) -> None:
+        """Wait, under all limits, for a process that has closed its channel."""
+        while self._verdict is None and not self._has_ended():
+            self._tend(0)
+
+    def _has_ended(self) -> bool:
+        if self._process.pidfd is None:
+            return self._stdout.ended and self._stderr.ended
+        return bool(select.select([self._process.pidfd], [], [], 0)[0])
+
+    def _drain(self) -> None:
+        for capture in (self._stdout, self._stderr):
+            if not capture.ended:
+                capture.drain()
+                if capture.ended:
+                    self._poll.unregister(capture.descriptor)
+        if self._stdout.total_bytes + self._stderr.total_bytes > self._limits.output_bytes:
+            self._end(Verdict.OUTPUT_LIMIT, f"more than {self._limits.output_bytes} bytes were printed")
+
+    def _check_clocks(self) -> None:
+        if self._process.cpu_ns() > self._cpu_deadline_ns:
+            self._end(Verdict.CPU_LIMIT, f"more than {self._limits.cpu_s:g} s of CPU time were used")
+        elif time.monotonic_ns() > self._wall_deadline_ns:
+            self._end(Verdict.INFRASTRUCTURE, f"no end after {self._limits.wall_s:g} s")
+
+    def _check_idle(self) -> None:
+        now_ns, cpu_ns = time.monotonic_ns(), self._process.cpu_ns()
+        if self._idle_since_ns is None or cpu_ns != self._idle_cpu_ns or not self._process.sleeps():
+            self._idle_since_ns, self._idle_cpu_ns = now_ns, cpu_ns
+        elif now_ns - self._idle_since_ns > policy.IDLE_LIMIT_NS and not self._has_ended():
+            self._end(Verdict.STALLED, "the script waits in a call that nothing can end")
+
+    def _end(self, verdict: Verdict, detail: str) -> None:
+        if self._verdict is None:
+            self._verdict, self._detail = verdict, detail
+        self._process.kill()
+
+    # ---------------------------------------------------------------------------------------------- end
+
+    def close(self) -> JailReport:
+        """End the process if it still runs, reap it, and return the account. Further calls return it again.
+
+        Raises:
+            SandboxError: the zygote could not account for the process.
+        """
+        if self._report is None:
+            try:
+                self._report = self._account()
+            finally:
+                self._process.close()
+                self._channel.close()
+                self._stdout.close()
+                self._stderr.close()
+        return self._report
+
+    def _account(self) -> JailReport:
+        ended_itself = self._has_ended()
+        if not ended_itself:
+            self._process.kill()
+        cpu_before_ns = self._process.cpu_ns()
+        wait_status, cpu_ns, peak_bytes = self._reap()
+        wall_ns = time.monotonic_ns() - self._start_ns
+        self._drain_rest()
+        verdict, exit_code, signal_name, detail = self._judge(wait_status, ended_itself, cpu_before_ns)
+        return JailReport(
+            verdict=verdict,
+            exit_code=exit_code,
+            signal=signal_name,
+            detail=detail,
+            cpu_ns=cpu_ns,
+            peak_bytes=peak_bytes,
+            wall_ns=wall_ns,
+            stdout=self._stdout.stream(),
+            stderr=self._stderr.stream(),
+        )
+
+    def _drain_rest(self) -> None:
+        deadline_ns = time.monotonic_ns() + policy.DRAIN_LIMIT_NS
+        while not (self._stdout.ended and self._stderr.ended) and time.monotonic_ns() < deadline_ns:
+            self._poll.poll(1)
+            self._drain()
+
+    def _judge(  # noqa: PLR0911 - one return per way to end
+        self, wait_status: int, ended_itself: bool, cpu_ns: int
+    ) -> tuple[Verdict, int | None, str | None, str]:
+        if self._verdict is not None:
+            return self._verdict, None, None, self._detail
+        if os.WIFEXITED(wait_status):
+            if self._channel_ended and len(self._buffer) > self._position:
+                return Verdict.PROTOCOL, os.WEXITSTATUS(wait_status), None, "the last frame is incomplete"
+            return Verdict.FINISHED, os.WEXITSTATUS(wait_status), None, ""
+        number = os.WTERMSIG(wait_status)
+        name = signal.Signals(number).name
+        if number == signal.SIGSYS:
+            return Verdict.FORBIDDEN, None, name, "a system call of another architecture was made"
+        if number != signal.SIGKILL:
+            return Verdict.CRASHED, None, name, f"the process was ended by {name}"
+        if not ended_itself:
+            return Verdict.FINISHED, None, None, ""
+        if cpu_ns >= self._cpu_deadline_ns:
+            return Verdict.CPU_LIMIT, None, None, f"more than {self._limits.cpu_s:g} s of CPU time were used"
+        return Verdict.INFRASTRUCTURE, None, name, "the process was killed from outside the grader"
+
+
+def start_byte(channel: socket.socket, timeout_s: float) -> None:
+    """Wait for the confined process to say that it is confined.
+
+    Raises:
+        SandboxError: it says that a step failed, ends, or says nothing in time.
+    """
+    channel.settimeout(timeout_s)
+    try:
+        answer = channel.recv(1)
+        if answer == b"+":
+            return
+        reason = channel.recv(4096).decode(errors="replace") if answer == b"-" else "it ended early"
+    except OSError as error:
+        reason = str(error)
+    finally:
+        channel.settimeout(None)
+    raise SandboxError(f"the process could not be confined: {reason}")

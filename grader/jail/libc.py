@@ -1,0 +1,102 @@
+"""Thin, typed wrappers of the C library for calls that Python does not offer.
+
+Standard library only: imported by the zygote.
+"""
+
+import ctypes
+import os
+from typing import Final
+
+_libc = ctypes.CDLL(None, use_errno=True)
+
+MACHINE: Final = os.uname().machine
+SUPPORTED_MACHINES: Final = ("x86_64", "aarch64")
+
+# Same numbers on every architecture that uses the generic table since Linux 5.1.
+NR_MOUNT_SETATTR: Final = 442
+NR_LANDLOCK_CREATE_RULESET: Final = 444
+NR_LANDLOCK_ADD_RULE: Final = 445
+NR_LANDLOCK_RESTRICT_SELF: Final = 446
+NR_SECCOMP: Final = {"x86_64": 317, "aarch64": 277}
+NR_PIVOT_ROOT: Final = {"x86_64": 155, "aarch64": 41}
+NR_CAPSET: Final = {"x86_64": 126, "aarch64": 91}
+NR_CLOSE_RANGE: Final = 436
+
+PR_SET_PDEATHSIG: Final = 1
+PR_SET_DUMPABLE: Final = 4
+PR_SET_KEEPCAPS: Final = 8
+PR_SET_NAME: Final = 15
+PR_SET_NO_NEW_PRIVS: Final = 38
+
+CLONE_NEWNS: Final = 0x00020000
+CLONE_NEWCGROUP: Final = 0x02000000
+CLONE_NEWUTS: Final = 0x04000000
+CLONE_NEWIPC: Final = 0x08000000
+CLONE_NEWUSER: Final = 0x10000000
+CLONE_NEWPID: Final = 0x20000000
+CLONE_NEWNET: Final = 0x40000000
+
+ADDR_NO_RANDOMIZE: Final = 0x0040000
+PERSONALITY_QUERY: Final = 0xFFFFFFFF
+
+_CAPABILITY_VERSION_3: Final = 0x20080522
+CAP_DAC_READ_SEARCH: Final = 2
+
+
+def _checked(result: int, call: str) -> int:
+    if result < 0:
+        number = ctypes.get_errno()
+        raise OSError(number, f"{call}: {os.strerror(number)}")
+    return result
+
+
+def syscall(call: str, number: int, *arguments: object) -> int:
+    """Make system call `number`.
+
+    Args:
+        call: its name, for the error message.
+        number: its number on this architecture.
+        arguments: ints, bytes, None or ctypes objects; ints are passed as C longs.
+
+    Raises:
+        OSError: the kernel refused, with its error number.
+    """
+    converted = [ctypes.c_long(a) if isinstance(a, int) else a for a in arguments]
+    return _checked(int(_libc.syscall(ctypes.c_long(number), *converted)), call)
+
+
+def prctl(option: int, *arguments: int) -> int:
+    """Change a property of this process; missing arguments are zero. See prctl(2)."""
+    padded = [ctypes.c_ulong(a) for a in (*arguments, 0, 0, 0, 0)[:4]]
+    return _checked(int(_libc.prctl(ctypes.c_int(option), *padded)), "prctl")
+
+
+def unshare(flags: int) -> None:
+    """Leave the namespaces named by `flags` (CLONE_NEW*)."""
+    _checked(int(_libc.unshare(ctypes.c_int(flags))), "unshare")
+
+
+def mount(source: str, target: str, kind: str, flags: int, data: str = "") -> None:
+    """Attach a file system at `target`. See mount(2)."""
+    result = _libc.mount(
+        os.fsencode(source), os.fsencode(target), kind.encode(), ctypes.c_ulong(flags), data.encode() or None
+    )
+    _checked(int(result), f"mount {target}")
+
+
+def umount_lazily(target: str) -> None:
+    """Detach the mount at `target`; it goes away when its last user is gone."""
+    mnt_detach = 2
+    _checked(int(_libc.umount2(os.fsencode(target), ctypes.c_int(mnt_detach))), f"umount {target}")
+
+
+def personality(persona: int) -> int:
+    """Set the calling thread's execution domain (`PERSONALITY_QUERY`: only ask); return the former one."""
+    return _checked(int(_libc.personality(ctypes.c_ulong(persona))), "personality")
+
+
+def set_capabilities(mask: int) -> None:
+    """Make `mask` (bits 0-31) the permitted and effective set of this thread and empty the inheritable one."""
+    header = (ctypes.c_uint32 * 2)(_CAPABILITY_VERSION_3, 0)
+    data = (ctypes.c_uint32 * 6)(mask, mask, 0, 0, 0, 0)
+    syscall("capset", NR_CAPSET[MACHINE], ctypes.byref(header), ctypes.byref(data))

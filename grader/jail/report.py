@@ -1,0 +1,44 @@
+"""How one confined process ended, and what it used."""
+
+from dataclasses import dataclass, field
+from enum import StrEnum
+
+from grader.contracts.outcome import Stream
+
+
+class Verdict(StrEnum):
+    """How the process ended, seen from outside."""
+
+    FINISHED = "finished"  # it exited, or was closed by the episode after its last frame
+    CRASHED = "crashed"  # a fatal signal
+    CPU_LIMIT = "cpu_limit"
+    MEMORY_LIMIT = "memory_limit"
+    OUTPUT_LIMIT = "output_limit"
+    STALLED = "stalled"  # every thread slept in the kernel while the episode waited for it
+    PROTOCOL = "protocol"  # a frame of impossible length, or half a frame at the end
+    FORBIDDEN = "forbidden"  # ended by the system call filter
+    INFRASTRUCTURE = "infrastructure"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JailReport:
+    """The account of one run. Only `cpu_ns`, `wall_ns` and `peak_bytes` are measurements.
+
+    Attributes:
+        exit_code: None unless the process exited by itself.
+        signal: name of the signal that ended it by its own doing, or None.
+        detail: one plain English sentence, empty when there is nothing to say.
+        cpu_ns: user and system time of all threads.
+        wall_ns: from the start of the script to the end of the process.
+        peak_bytes: largest resident set, the warm interpreter included.
+    """
+
+    verdict: Verdict
+    exit_code: int | None = None
+    signal: str | None = None
+    detail: str = ""
+    cpu_ns: int = 0
+    peak_bytes: int = 0
+    wall_ns: int = 0
+    stdout: Stream = field(default_factory=Stream)
+    stderr: Stream = field(default_factory=Stream)

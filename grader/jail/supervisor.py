@@ -1,0 +1,168 @@
+"""The trusted side of a zygote: start it, have it fork and reap, restart it when it is gone."""
+
+import array
+import json
+import os
+import socket
+import subprocess
+import sys
+import threading
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final
+
+from grader.contracts.errors import SandboxError
+from grader.jail import libc, policy
+
+_BOOTSTRAP: Final = "import sys; sys.path.insert(0, sys.argv.pop(1)); from jail.zygote import main; main()"
+_ANSWER_LIMIT_S: Final = 20.0
+_ANSWER_MAX_BYTES: Final = 1 << 20
+FILTER_DIRECTORY: Final = Path(__file__).with_name("filters")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ZygoteConfig:
+    """What a zygote is told once; see `zygote._prepare`. Paths are absolute."""
+
+    shim: str
+    entry: str
+    preload: tuple[str, ...]
+    packages: dict[str, str]
+    readable: list[str]
+    shown: list[str]
+    masked: list[str]
+    landlock: bool
+    seccomp: bool
+    namespaces: bool
+    box_uid: int | None
+    keep_read: bool
+    filters: str = str(FILTER_DIRECTORY)
+
+
+class Zygote:
+    """One warm process. Every method raises `SandboxError` when it does not do its part in time."""
+
+    def __init__(self, config: ZygoteConfig) -> None:
+        """Start the process; it prepares itself while the caller goes on (see `wait_ready`)."""
+        self._lock = threading.Lock()
+        self._ready = False
+        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+        self._control.settimeout(_ANSWER_LIMIT_S)
+        try:
+            self._process = _start(theirs.fileno())
+        except OSError as error:
+            self._control.close()
+            raise SandboxError(f"the sandbox's process could not be started: {error}") from error
+        finally:
+            theirs.close()
+        self._request(asdict(config))
+
+    @property
+    def alive(self) -> bool:
+        """Whether the process is running."""
+        return self._process.poll() is None
+
+    def wait_ready(self) -> None:
+        """Return once the zygote has prepared itself.
+
+        Raises:
+            SandboxError: it could not; the message says which step failed.
+        """
+        with self._lock:
+            if not self._ready:
+                self._answer()
+                self._ready = True
+
+    def fork(
+        self, budget: tuple[float, int, int | None], descriptors: tuple[int, int, int]
+    ) -> tuple[int, int | None]:
+        """Have a process forked; return its number, as the zygote sees it, and its pidfd."""
+        with self._lock:
+            self._request({"do": "fork", "budget": budget}, *descriptors)
+            answer, received = self._answer()
+            return int(answer["pid"]), received[0] if received else None
+
+    def reap(self, pid: int) -> tuple[int, int, int]:
+        """Wait for the end of `pid` (as the zygote sees it); return wait status, CPU ns and peak bytes."""
+        with self._lock:
+            self._request({"do": "reap", "pid": pid})
+            answer, _ = self._answer()
+            return int(answer["status"]), int(answer["cpu_ns"]), int(answer["peak_bytes"])
+
+    def close(self) -> None:
+        """End the process and everything it started."""
+        self._control.close()
+        self._process.kill()
+        self._process.wait()
+
+    def _request(self, request: dict[str, object], *descriptors: int) -> None:
+        body = json.dumps(request).encode()
+        data = len(body).to_bytes(4, "little") + body
+        rights = (
+            [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", descriptors))] if descriptors else []
+        )
+        try:
+            sent = self._control.sendmsg([data], rights)
+            self._control.sendall(data[sent:])
+        except OSError as error:
+            raise SandboxError(f"the sandbox's process is gone: {error}") from error
+
+    def _answer(self) -> tuple[dict[str, int], list[int]]:
+        try:
+            header, descriptors, _, _ = socket.recv_fds(self._control, 4, 1)
+            header += self._exactly(4 - len(header))
+            size = int.from_bytes(header, "little")
+            if size > _ANSWER_MAX_BYTES:
+                raise SandboxError("the sandbox's process answered nonsense")
+            answer = json.loads(self._exactly(size))
+        except OSError as error:
+            raise SandboxError(f"the sandbox's process did not answer: {error}") from error
+        if "error" in answer:
+            raise SandboxError(f"the sandbox's process could not do its part: {answer['error']}")
+        return answer, descriptors
+
+    def _exactly(self, size: int) -> bytes:
+        data = b""
+        while len(data) < size:
+            part = self._control.recv(size - len(data))
+            if not part:
+                raise SandboxError("the sandbox's process ended unexpectedly")
+            data += part
+        return data
+
+
+def _start(control: int) -> subprocess.Popen[bytes]:
+    """Start the zygote with the descriptor `control`, no other and almost no environment.
+
+    ``-P -s -S`` with the fixed environment isolate as ``-I -S`` does; ``-I`` would ignore PYTHONHASHSEED.
+    """
+    command = [os.path.realpath(sys.executable), "-P", "-s", "-S", "-X", "utf8", "-c", _BOOTSTRAP]
+    launcher = str(Path(__file__).resolve().parents[1])
+    with _FixedAddresses():
+        return subprocess.Popen(  # noqa: S603 - our own interpreter
+            [*command, launcher, str(control)],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=(control,),
+            env=dict(policy.ENVIRONMENT), cwd="/", start_new_session=True,
+        )  # fmt: skip
+
+
+class _FixedAddresses:
+    """Switch address randomisation off for processes started inside, as far as the host allows.
+
+    ``<object at 0x7f...>`` in a script's output, and the order of sets of objects, are then the same in
+    every run. This gives up no boundary: the script may read its own memory anyway, and what keeps it in
+    is enforced by the kernel. Ordinary containers refuse the call; then addresses differ between zygotes.
+    """
+
+    def __enter__(self) -> None:
+        self._former: int | None = None
+        try:
+            former = libc.personality(libc.PERSONALITY_QUERY)
+            libc.personality(former | libc.ADDR_NO_RANDOMIZE)
+            self._former = former
+        except (OSError, AttributeError):
+            return
+
+    def __exit__(self, *_: object) -> None:
+        if self._former is not None:
+            libc.personality(self._former)

@@ -1,0 +1,245 @@
+"""The warm process that every student process is forked from.
+
+It is started with an almost empty environment, never sees a submission's text, a check or a secret, and
+holds nothing but the interpreter, the shim and, if asked, numpy. It obeys its supervisor over one stream
+socket (its descriptor is named in argv): length-prefixed JSON both ways, descriptors as ancillary data.
+
+| request | answer |
+|---|---|
+| the configuration, once | ``{"ready": true}`` or ``{"error": text}`` |
+| ``{"do": "fork", "budget": [...]}``, 3 descriptors | ``{"pid": n}`` and a pidfd, or ``{"error": text}`` |
+| ``{"do": "reap", "pid": n}`` | ``{"status": n, "cpu_ns": n, "peak_bytes": n}`` |
+
+A forked process confines itself, says so with one byte on its channel (``+``, or ``-`` and a sentence), and
+calls the entry point. Standard library only.
+"""
+
+import _socket
+import _thread
+import array
+import fcntl
+import gc
+import importlib
+import json
+import os
+import resource
+import signal
+import sys
+from collections.abc import Callable
+from importlib.machinery import ModuleSpec
+from importlib.util import spec_from_file_location
+from typing import Any, NoReturn, TextIO
+
+from . import landlock, namespaces, policy, seccomp
+from .confine import Budget, Layers, confine
+
+_LENGTH_BYTES = 4
+_FDS_PER_FORK = 3
+_FIRST_FREE_FD = policy.CHANNEL_FD + 1
+_NUMBER_OF_FILES = 128
+
+Entry = Callable[[int], object]
+Json = dict[str, Any]
+"""A message of the trusted supervisor, or one to it."""
+
+
+def main() -> None:
+    """Serve the supervisor until it goes away."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (min(_NUMBER_OF_FILES, hard), hard))
+    control = _socket.socket(_socket.AF_UNIX, _socket.SOCK_STREAM, 0, int(sys.argv.pop()))
+    try:
+        request, _ = _receive(control)
+        layers, entry = _prepare(request)
+    except EOFError:
+        return
+    except Exception as error:  # whatever it is, the supervisor must hear of it
+        _send(control, {"error": f"{type(error).__name__}: {error}"})
+        return
+    _send(control, {"ready": True})
+    _serve(control, layers, entry)
+
+
+def _serve(control: _socket.socket, layers: Layers, entry: Entry) -> None:
+    while True:
+        try:
+            request, descriptors = _receive(control)
+        except EOFError:
+            return
+        if request["do"] == "reap":
+            _send(control, _reap(request["pid"]))
+            continue
+        try:
+            pid = os.fork()
+        except OSError as error:
+            _send(control, {"error": str(error)})
+            pid = -1
+        if pid == 0:
+            _become_student(layers, Budget(*request["budget"]), entry, descriptors)
+        if pid > 0:
+            _announce(control, pid)
+        for descriptor in descriptors:
+            os.close(descriptor)
+
+
+def _announce(control: _socket.socket, pid: int) -> None:
+    if not hasattr(os, "pidfd_open"):
+        _send(control, {"pid": pid})
+        return
+    pidfd = os.pidfd_open(pid)
+    _send(control, {"pid": pid}, pidfd)
+    os.close(pidfd)
+
+
+def _reap(pid: int) -> Json:
+    _, status, usage = os.wait4(pid, 0)
+    peak_unit_bytes = 1 if sys.platform == "darwin" else 1024
+    return {
+        "status": status,
+        "cpu_ns": int((usage.ru_utime + usage.ru_stime) * 1e9),
+        "peak_bytes": usage.ru_maxrss * peak_unit_bytes,
+    }
+
+
+# -------------------------------------------------------------------------------------------- preparation
+
+
+def _prepare(config: Json) -> tuple[Layers, Entry]:
+    """Preload what scripts need and build what confinement needs."""
+    program = seccomp.read_filter(str(config["filters"])) if config["seccomp"] else None
+    separate = bool(config["namespaces"])
+    if separate:
+        namespaces.enter(config["shown"], config["masked"])
+    _drop_launcher()
+    sys.path.insert(0, str(config["shim"]))
+    _allow_packages(config["packages"])
+    module, _, function = str(config["entry"]).partition(":")
+    for name in config["preload"]:
+        importlib.import_module(name)
+    entry: Entry = getattr(importlib.import_module(module), function)
+    _prime_import_caches()
+    _thread.stack_size(policy.THREAD_STACK_BYTES)
+    ruleset = None
+    if config["landlock"]:
+        readable: list[str] = config["readable"]
+        ruleset = landlock.create_ruleset([*readable, *policy.READABLE_DEVICES], policy.WRITABLE_DEVICES)
+        ruleset = fcntl.fcntl(ruleset, fcntl.F_DUPFD_CLOEXEC, _FIRST_FREE_FD)  # out of the channel's place
+    gc.collect()
+    gc.freeze()
+    box_uid: int | None = config["box_uid"]
+    return Layers(ruleset, program, box_uid, bool(config["keep_read"]), separate), entry
+
+
+def _drop_launcher() -> None:
+    """Take the grader's own directory off the import path."""
+    launcher = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+    sys.path[:] = [entry for entry in sys.path if os.path.abspath(entry) != launcher]
+    sys.argv[:] = [""]
+    sys.dont_write_bytecode = True
+
+
+def _allow_packages(packages: dict[str, str]) -> None:
+    """Make `packages` (name -> directory) importable although their parent directory is on no path."""
+
+    class AllowedPackages:
+        """Finds the allowed third-party packages, and nothing else next to them."""
+
+        @staticmethod
+        def find_spec(name: str, path: object = None, target: object = None) -> ModuleSpec | None:
+            directory = packages.get(name)
+            if directory is None:
+                return None
+            return spec_from_file_location(
+                name, os.path.join(directory, "__init__.py"), submodule_search_locations=[directory]
+            )
+
+    sys.meta_path.append(AllowedPackages)
+
+
+def _prime_import_caches() -> None:
+    """Let the import system read the directories on its path while it still may.
+
+    A confined process may read the standard library's entries but not list its directory, which on many
+    installations holds site-packages too.
+    """
+    for finder in sys.meta_path:
+        finder.find_spec("_no_such_module", None)
+
+
+# ------------------------------------------------------------------------------------------- student side
+
+
+def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: list[int]) -> NoReturn:
+    """Confine this process and run the entry point; never returns."""
+    code = 70
+    try:
+        try:
+            confine(layers, budget, *descriptors)
+        except BaseException as error:  # nothing may run past a failed step
+            _refuse(descriptors[0], error)
+        os.write(policy.CHANNEL_FD, b"+")
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        # Not reconfigure(): these objects were made for the zygote's null device.
+        sys.stdout = sys.__stdout__ = _text_output(1, "strict")  # type: ignore[misc]
+        sys.stderr = sys.__stderr__ = _text_output(2, "backslashreplace")  # type: ignore[misc]
+        for name in [name for name in sys.modules if name == "jail" or name.startswith("jail.")]:
+            del sys.modules[name]
+        result = entry(policy.CHANNEL_FD)
+        code = result if isinstance(result, int) else 0
+        sys.stdout.flush()
+        sys.stderr.flush()
+    except BaseException:  # the shim reports its own; this is the last resort
+        sys.excepthook(*sys.exc_info())
+    finally:
+        os._exit(code)
+
+
+def _text_output(descriptor: int, errors: str) -> TextIO:
+    """Return a text stream that is flushed at each line, so that a killed script's last words are kept."""
+    return open(descriptor, "w", 1, "utf-8", errors, closefd=False)
+
+
+def _refuse(channel: int, error: BaseException) -> NoReturn:
+    message = f"-{type(error).__name__}: {error}".encode(errors="replace")
+    for descriptor in (channel, policy.CHANNEL_FD):
+        try:
+            os.write(descriptor, message)
+            break
+        except OSError:
+            continue
+    os._exit(71)
+
+
+# ------------------------------------------------------------------------------------------------ control
+
+
+def _receive(control: _socket.socket) -> tuple[Json, list[int]]:
+    """Return the next request and its descriptors; EOFError once the supervisor is gone."""
+    room = _socket.CMSG_SPACE(_FDS_PER_FORK * array.array("i").itemsize)
+    data, ancillary, _, _ = control.recvmsg(_LENGTH_BYTES, room)
+    descriptors = array.array("i")
+    for level, kind, payload in ancillary:
+        if level == _socket.SOL_SOCKET and kind == _socket.SCM_RIGHTS:
+            descriptors.frombytes(payload)
+    data += _receive_exactly(control, _LENGTH_BYTES - len(data))
+    body = _receive_exactly(control, int.from_bytes(data, "little"))
+    return json.loads(body), list(descriptors)
+
+
+def _receive_exactly(control: _socket.socket, size: int) -> bytes:
+    data = b""
+    while len(data) < size:
+        part = control.recv(size - len(data))
+        if not part:
+            raise EOFError
+        data += part
+    return data
+
+
+def _send(control: _socket.socket, answer: Json, *descriptors: int) -> None:
+    body = json.dumps(answer).encode()
+    rights = [(_socket.SOL_SOCKET, _socket.SCM_RIGHTS, array.array("i", descriptors))] if descriptors else []
+    data = len(body).to_bytes(_LENGTH_BYTES, "little") + body
+    sent = control.sendmsg([data], rights)
+    control.sendall(data[sent:])
