@@ -25,8 +25,8 @@ def render_dashboard(data: Mapping[str, object], *, language: Language) -> Rende
 
     Args:
         data: ``students``: list of ``{student, assignments}``, its assignments by id as ``{best_score,
-            status, attempts}``; ``assignments``: by id, or a list of objects with ``id``, as ``{title, max_score,
-            pass_rate, mean, submissions, most_failed}``; ``queue``: ``{state: count}``.
+            status, attempts}``; ``assignments``: by id, or a list of objects with ``id``, as ``{title,
+            max_score, pass_rate, mean, submissions, most_failed}``; ``queue``: ``{state: count}``.
         language: of headings and titles.
     """
     assignments = _by_id(data.get("assignments"))

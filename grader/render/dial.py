@@ -2,14 +2,15 @@
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patches import Circle
 
 from grader.contracts.trajectory import Floats
 from grader.render import palette
 from grader.render.scene import Scene
 from grader.render.typeface import drawable
 
-_INNER = 0.42
-_PER_TURN = 0.14
+_INNER = 0.62
+_PER_TURN = 0.17
 _MOST_OUTER = 1.0
 _ARC_STEP_RAD = np.deg2rad(2.0)
 
@@ -40,11 +41,11 @@ def draw_dial(axes: Axes, scene: Scene) -> None:
     if scene.sketch and scene.sketch.corners:
         total_deg = scene.sketch.corners[0].angle_deg
     mark = "✗ " if ok is False else ""
-    axes.text(0, 0.04, f"{mark}{total_deg:+.1f}°", ha="center", va="center", fontsize=19, color=colour)
-    axes.text(0, -0.16, scene.word("turned"), ha="center", va="center", fontsize=10, color=palette.MUTED)
+    axes.text(0, 0.08, f"{mark}{total_deg:+.1f}°", ha="center", va="center", fontsize=19, color=colour)
+    axes.text(0, -0.12, scene.word("turned"), ha="center", va="center", fontsize=10, color=palette.MUTED)
     for i, label in enumerate(scene.sketch.labels if scene.sketch else ()):
         text = drawable(label.text.get(scene.language), 40)
-        axes.text(0, -1.27 - 0.1 * i, text, ha="center", fontsize=10, color=palette.verdict(label.ok))
+        axes.text(0, -0.32 - 0.12 * i, text, ha="center", fontsize=10, color=palette.verdict(label.ok))
     axes.legend(
         loc="upper center",
         bbox_to_anchor=(0.5, -0.04),
@@ -73,19 +74,20 @@ def _spiral(start: float, turned: Floats, pitch: float) -> tuple[Floats, Floats]
 
 
 def _spokes(axes: Axes, start: float) -> None:
+    axes.add_patch(Circle((0, 0), 1.08, fc="#fafafa", ec=palette.FAINT, lw=1.0, zorder=0.5))
     for degrees in range(0, 360, 30):
         angle = np.deg2rad(degrees)
-        inner = 1.08 if degrees % 90 else 1.04
+        inner = 1.05 if degrees % 90 else 1.02
         axes.plot(
-            [inner * np.cos(angle), 1.12 * np.cos(angle)], [inner * np.sin(angle), 1.12 * np.sin(angle)],
+            [inner * np.cos(angle), 1.08 * np.cos(angle)], [inner * np.sin(angle), 1.08 * np.sin(angle)],
             color=palette.FAINT, lw=1.4, solid_capstyle="butt", zorder=1,
         )  # fmt: skip
         if degrees % 90 == 0:
             axes.text(
-                1.22 * np.cos(angle), 1.22 * np.sin(angle), f"{degrees}°", ha="center", va="center",
+                1.2 * np.cos(angle), 1.18 * np.sin(angle), f"{degrees}°", ha="center", va="center",
                 fontsize=9.5, color=palette.MUTED,
             )  # fmt: skip
-    reach = np.array([0.3, 1.12])
+    reach = np.array([0.45, 1.08])
     axes.plot(reach * np.cos(start), reach * np.sin(start), color=palette.START, lw=1.0, ls=":", zorder=2)
 
 
@@ -101,6 +103,6 @@ def _ends(axes: Axes, scene: Scene, xs: Floats, ys: Floats, start: float) -> Non
         xs[-1:], ys[-1:], "s", color=palette.INK, ms=6.5, mec="white", zorder=7, label=scene.word("stop")
     )
     axes.plot(
-        xs[:1], ys[:1], marker=(3, 0, np.rad2deg(start) - 90), ls="none", color=palette.START, ms=15, mec="white",
-        mew=1.2, zorder=8, label=scene.word("start"),
+        xs[:1], ys[:1], marker=(3, 0, np.rad2deg(start) - 90), ls="none", color=palette.START, ms=15,
+        mec="white", mew=1.2, zorder=8, label=scene.word("start"),
     )  # fmt: skip

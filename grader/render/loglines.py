@@ -9,11 +9,16 @@ from grader.render.scene import Scene
 from grader.render.typeface import clipped, drawable
 
 _MOST_LINES = 12
-_FEWEST_ROWS = 6
+_FEWEST_ROWS = 2
 _NANO = 1e-9
 _TEXT_COLUMNS = 78
 _MARKERS = {10: ("o", palette.MUTED), 20: ("o", palette.PASSED), 30: ("^", palette.COMMAND)}
 _SEVERE = ("X", palette.FAILED)
+
+
+def row_count(scene: Scene) -> int:
+    """Return the number of rows that `draw_log` leaves room for."""
+    return min(max(len(scene.outcome.logs), _FEWEST_ROWS), _MOST_LINES)
 
 
 def draw_log(axes: Axes, scene: Scene) -> None:
@@ -21,16 +26,16 @@ def draw_log(axes: Axes, scene: Scene) -> None:
     outcome = scene.outcome
     logs = outcome.logs[:_MOST_LINES]
     end_s = max(outcome.duration_ns * _NANO, 1e-3)
-    rows = max(len(logs), _FEWEST_ROWS)
+    rows = row_count(scene)
     axes.set_xlim(-0.02 * end_s, 1.02 * end_s)
-    axes.set_ylim(-rows - 0.8, 1.4)
+    axes.set_ylim(-rows - 0.8, 0.9)
     axes.set_yticks([])
     axes.set_xlabel(scene.word("time_axis"))
     axes.grid(axis="x", color=palette.GRID, lw=0.8)
     axes.spines["left"].set_visible(False)
     axes.barh(0.35, end_s, height=0.5, color="#dcebf5", edgecolor=palette.PASSED, lw=1.0, zorder=2)
     names = ", ".join(outcome.nodes) or scene.word("running")
-    text = f"{names} · {RUN_STATUS[outcome.status].get(scene.language)}"
+    text = f"{names}  {RUN_STATUS[outcome.status].get(scene.language)}"
     axes.text(
         end_s / 2, 0.35, clipped(drawable(text), 100), ha="center", va="center", fontsize=10.5, zorder=3
     )
@@ -60,5 +65,5 @@ def _remark(axes: Axes, scene: Scene, shown: int, rows: int) -> None:
         axes.text(0.5, 0.5, scene.word("no_logs"), transform=axes.transAxes, ha="center", fontsize=14,
                   color=palette.FAILED)  # fmt: skip
     elif left_out:
-        axes.text(0.5, -rows - 0.3, scene.word("more_logs", count=left_out), transform=axes.get_yaxis_transform(),
-                  ha="center", fontsize=10, color=palette.MUTED)  # fmt: skip
+        axes.text(0.5, -rows - 0.5, scene.word("more_logs", count=left_out), ha="center", fontsize=10,
+                  transform=axes.get_yaxis_transform(), color=palette.MUTED)  # fmt: skip

@@ -10,6 +10,7 @@ from grader.render.scene import Scene
 _NANO = 1e-9
 _AT_REST_S = 0.05
 """Samples further apart than this enclose a rest (see `grader.contracts.trajectory.Trajectory`)."""
+_LEAST_RANGE = 0.25
 _COMMAND_LIFE_S = 1.0
 """turtlesim drops a command this long after the last one."""
 
@@ -20,7 +21,7 @@ def draw_speed(axes: Axes, scene: Scene) -> None:
     axes.set_ylabel(scene.word("v_axis"))
     if track is not None:
         commanded = [command.v_mps for command in track.commands]
-        _draw(axes, scene, track, track.v_mps, commanded, least=0.25)
+        _draw(axes, scene, track, track.v_mps, commanded)
         axes.legend(
             loc="lower right",
             bbox_to_anchor=(1.0, 1.0),
@@ -38,7 +39,7 @@ def draw_yaw_rate(axes: Axes, scene: Scene) -> None:
     axes.set_xlabel(scene.word("time_axis"))
     if track is not None:
         commanded = [command.w_radps for command in track.commands]
-        _draw(axes, scene, track, track.w_radps, commanded, least=0.25)
+        _draw(axes, scene, track, track.w_radps, commanded)
 
 
 def draw_turned(axes: Axes, scene: Scene) -> None:
@@ -69,9 +70,7 @@ def draw_turned(axes: Axes, scene: Scene) -> None:
     _time_axis(axes, track)
 
 
-def _draw(
-    axes: Axes, scene: Scene, track: Trajectory, values: Floats, commanded: list[float], *, least: float
-) -> None:
+def _draw(axes: Axes, scene: Scene, track: Trajectory, values: Floats, commanded: list[float]) -> None:
     axes.axhline(0.0, color=palette.FAINT, lw=0.8, zorder=1)
     if track.commands:
         times, levels = _held(track.commands, commanded, track.end_ns)
@@ -82,8 +81,8 @@ def _draw(
     times, driven = _with_rests(track, values)
     axes.plot(times, driven, color=palette.PASSED, lw=1.5, zorder=3, label=scene.word("driven"))
     low, high = min(float(np.min(driven)), *commanded, 0.0), max(float(np.max(driven)), *commanded, 0.0)
-    room = 0.12 * max(high - low, least)
-    axes.set_ylim(low - room, max(high, low + least) + room)
+    room = 0.12 * max(high - low, _LEAST_RANGE)
+    axes.set_ylim(low - room, max(high, low + _LEAST_RANGE) + room)
     _time_axis(axes, track)
 
 

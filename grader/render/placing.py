@@ -1,6 +1,6 @@
 """Labels that do not cover each other nor the path: greedy placement around their anchors."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,8 +12,10 @@ from grader.contracts.figure import Point
 from grader.contracts.trajectory import Floats
 
 _ANGLES_DEG = (0, 25, -25, 50, -50, 80, -80, 115, -115, 150, -150, 180)
-_RADII_PT = (13, 19, 27, 38, 52)
-_PADDING_PX = 3.0
+_GAPS_PT = (6, 10, 15, 22, 32, 46)
+_PADDING_PX = 2.0
+_INK_CLEARANCE_PX = 4.0
+_FRAME_PX = 5.0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,25 +61,31 @@ class Board:
         size = text.get_window_extent(canvas.get_renderer())  # type: ignore[attr-defined]
         scale = self.axes.figure.dpi / 72
         anchor = self.axes.transData.transform(label.at_m)
-        best = min(
-            _candidates(label.away),
-            key=lambda offset: self._cost(_box(anchor, offset, scale, size), offset),
-        )
-        text.set_position((best[0], best[1]))
-        self.taken.append(_box(anchor, best, scale, size))
+        padding = _PADDING_PX + (_FRAME_PX if label.boxed else 0.0)
+        half = np.array([size.width / 2 + padding, size.height / 2 + padding])
+        places = _candidates(label.away, half, scale)
+        box, _ = min(((_box(anchor + offset, half), price) for offset, price in places), key=self._cost)
+        centre = np.array([box.x0 + box.x1, box.y0 + box.y1]) / 2
+        text.set_position(tuple((centre - anchor) / scale))
+        self.taken.append(box)
 
-    def _cost(self, box: Bbox, offset: tuple[float, float, float]) -> float:
+    def block(self, at_m: Point, half_px: float) -> None:
+        """Keep labels off a marker."""
+        centre = np.asarray(self.axes.transData.transform(at_m))
+        self.taken.append(_box(centre, np.array([half_px, half_px])))
+
+    def _cost(self, place: tuple[Bbox, float]) -> float:
+        box, price = place
         covered = sum(_overlap(box, other) for other in self.taken)
         inside = (
-            (self.ink_px[:, 0] > box.x0)
-            & (self.ink_px[:, 0] < box.x1)
-            & (self.ink_px[:, 1] > box.y0)
-            & (self.ink_px[:, 1] < box.y1)
+            (self.ink_px[:, 0] > box.x0 - _INK_CLEARANCE_PX)
+            & (self.ink_px[:, 0] < box.x1 + _INK_CLEARANCE_PX)
+            & (self.ink_px[:, 1] > box.y0 - _INK_CLEARANCE_PX)
+            & (self.ink_px[:, 1] < box.y1 + _INK_CLEARANCE_PX)
         )
-        frame = self.axes.bbox
-        area = box.width * box.height
-        outside = area - _overlap(box, frame)
-        return 20 * (covered + outside) / area + 0.6 * float(inside.sum()) + offset[2]
+        area = float(box.width * box.height)
+        outside = area - _overlap(box, self.axes.bbox)
+        return 20 * (covered + outside) / area + 0.6 * float(inside.sum()) + price
 
 
 def _annotation(axes: Axes, label: Label) -> Annotation:
@@ -98,26 +106,23 @@ def _annotation(axes: Axes, label: Label) -> Annotation:
     )
 
 
-def _candidates(away: Point) -> Sequence[tuple[float, float, float]]:
-    """Return offsets (x, y) in points, each with the price of leaving the preferred place."""
+def _candidates(away: Point, half: Floats, scale: float) -> Iterator[tuple[Floats, float]]:
+    """Yield offsets of the box's centre in pixels, each with the price of leaving the preferred place."""
     preferred = float(np.arctan2(away[1], away[0]))
-    offsets = []
-    for i, radius in enumerate(_RADII_PT):
+    for i, gap in enumerate(_GAPS_PT):
         for j, degrees in enumerate(_ANGLES_DEG):
             angle = preferred + np.deg2rad(degrees)
-            # Text is wider than high: sideways it needs more room to clear its anchor.
-            x = float(np.cos(angle)) * radius * 1.5
-            offsets.append((x, float(np.sin(angle)) * radius, 1.2 * i + 0.35 * j))
-    return offsets
+            direction = np.array([np.cos(angle), np.sin(angle)])
+            # The farther of the box's sides in that direction must clear the anchor.
+            reach = float((half / np.maximum(np.abs(direction), 1e-9)).min())
+            yield direction * (gap * scale + reach), 1.2 * i + 0.35 * j
 
 
-def _box(anchor: Floats, offset: tuple[float, float, float], scale: float, size: Bbox) -> Bbox:
-    half_width, half_height = size.width / 2 + _PADDING_PX, size.height / 2 + _PADDING_PX
-    x, y = anchor[0] + offset[0] * scale, anchor[1] + offset[1] * scale
-    return Bbox.from_extents(x - half_width, y - half_height, x + half_width, y + half_height)
+def _box(centre: Floats, half: Floats) -> Bbox:
+    return Bbox([centre - half, centre + half])
 
 
 def _overlap(one: Bbox, other: Bbox) -> float:
     width = min(one.x1, other.x1) - max(one.x0, other.x0)
     height = min(one.y1, other.y1) - max(one.y0, other.y0)
-    return max(width, 0.0) * max(height, 0.0)
+    return float(max(width, 0.0) * max(height, 0.0))

@@ -20,7 +20,7 @@ _NANO = 1e-9
 _LEAST_EXTENT_M = 1.2
 _MARGIN = 0.16
 _TIME_STEPS_S = (1, 2, 5, 10, 15, 30, 60, 120)
-_MOST_TIME_MARKS = 12
+_MOST_TIME_MARKS = 7
 _MARK_DISTANCE_PX = 22.0
 _INK_STEP_PX = 5.0
 _ARROWS_WITHOUT_SIDES = 5
@@ -76,6 +76,8 @@ def _frame(axes: Axes, path: Floats, sketch: FigureSketch) -> None:
     axes.set_aspect("equal", adjustable="box")
     axes.set_xlim(middle[0] - half[0], middle[0] + half[0])
     axes.set_ylim(middle[1] - half[1], middle[1] + half[1])
+    axes.grid(color=palette.GRID, lw=0.8, zorder=0)
+    axes.set_axisbelow(True)
     axes.set_xlabel("x (m)")
     axes.set_ylabel("y (m)")
 
@@ -150,7 +152,7 @@ def _draw_side(axes: Axes, side: SketchSide) -> None:
 
 
 def _legend_of_verdicts(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
-    verdicts = {mark.ok for mark in (*sketch.sides, *sketch.corners)}
+    verdicts = {side.ok for side in sketch.sides} | {corner.ok for corner in sketch.corners}
     if True in verdicts:
         axes.plot(
             [], [], color=palette.PASSED, lw=2.8, marker="o", mfc="white", ms=6, label=scene.word("side_ok")
@@ -239,6 +241,10 @@ def _ends(axes: Axes, track: Trajectory, scene: Scene) -> None:
 def _label_all(axes: Axes, track: Trajectory, path: Floats, sketch: FigureSketch, scene: Scene) -> None:
     pixels = axes.transData.transform(path[np.isfinite(path).all(axis=1)])
     board = Board(axes, _dense(pixels))
+    board.block((float(track.x_m[0]), float(track.y_m[0])), 15)
+    board.block((float(track.x_m[-1]), float(track.y_m[-1])), 10)
+    for corner in sketch.corners:
+        board.block(corner.at_m, 8)
     centre = _centre(path, sketch)
     board.put(_corner_label(sketch, i, centre) for i in range(len(sketch.corners)))
     board.put(_side_label(side, centre) for side in sketch.sides)
@@ -257,7 +263,7 @@ def _label_all(axes: Axes, track: Trajectory, path: Floats, sketch: FigureSketch
         )
         for label in sketch.labels
     )
-    board.put(_time_marks(axes, track, centre))
+    board.put(_time_marks(axes, track, sketch, centre))
 
 
 def _dense(pixels: Floats) -> Floats:
@@ -298,18 +304,19 @@ def _corner_label(sketch: FigureSketch, i: int, centre: Point) -> Label:
     x, y = _away(corner.at_m, centre)
     mark = "✗ " if corner.ok is False else ""
     return Label(
-        at_m=corner.at_m, text=f"{mark}{corner.angle_deg:.1f}°", away=(-x, -y), colour=palette.verdict(corner.ok),
-        size_pt=10.0, boxed=corner.ok is False,
+        at_m=corner.at_m, text=f"{mark}{corner.angle_deg:.1f}°", away=(-x, -y),
+        colour=palette.verdict(corner.ok), size_pt=10.0, boxed=corner.ok is False,
     )  # fmt: skip
 
 
-def _time_marks(axes: Axes, track: Trajectory, centre: Point) -> list[Label]:
+def _time_marks(axes: Axes, track: Trajectory, sketch: FigureSketch, centre: Point) -> list[Label]:
     """Draw a dot every few seconds where the car was driving; return the dots' labels."""
     seconds = track.t_ns * _NANO
     duration = float(seconds[-1] - seconds[0])
     step = next((s for s in _TIME_STEPS_S if duration / s <= _MOST_TIME_MARKS), 300)
     labels: list[Label] = []
-    used = [axes.transData.transform((track.x_m[i], track.y_m[i])) for i in (0, -1)]
+    ends = [(float(track.x_m[i]), float(track.y_m[i])) for i in (0, -1)]
+    used = [axes.transData.transform(at) for at in (*ends, *(corner.at_m for corner in sketch.corners))]
     for time in np.arange(step, duration + 1e-9, step):
         at = tuple(float(np.interp(time, seconds, values)) for values in (track.x_m, track.y_m))
         pixel = axes.transData.transform(at)
@@ -326,12 +333,15 @@ def _time_marks(axes: Axes, track: Trajectory, centre: Point) -> list[Label]:
 
 def _say_no_motion(axes: Axes, scene: Scene) -> None:
     axes.text(
-        0.5, 0.72, scene.word("no_motion"), transform=axes.transAxes, ha="center", color=palette.FAILED, fontsize=14
+        0.5, 0.72, scene.word("no_motion"), transform=axes.transAxes, ha="center", color=palette.FAILED,
+        fontsize=14,
     )  # fmt: skip
 
 
 def _legend(axes: Axes) -> None:
+    handles, names = axes.get_legend_handles_labels()
     axes.legend(
-        loc="upper center", bbox_to_anchor=(0.5, -0.09), ncols=4, frameon=False, fontsize=9.5, handlelength=2.2,
-        columnspacing=1.6, handletextpad=0.6,
+        handles, names, loc="upper center", bbox_to_anchor=(0.5, -0.09), frameon=False, fontsize=9.5,
+        ncols=len(names) if len(names) <= 4 else (len(names) + 1) // 2, handlelength=2.2, columnspacing=1.8,
+        handletextpad=0.7,
     )  # fmt: skip

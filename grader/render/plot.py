@@ -22,18 +22,18 @@ from grader.contracts.text import Language
 from grader.contracts.trajectory import Trajectory
 from grader.render import palette
 from grader.render.dial import draw_dial
-from grader.render.loglines import draw_log
+from grader.render.loglines import draw_log, row_count
 from grader.render.motion import draw_speed, draw_turned, draw_yaw_rate
 from grader.render.plan import draw_plan
 from grader.render.scene import Scene, compose
 from grader.render.typeface import clipped, drawable, rc
 
-_SIZE_IN = (12.0, 6.75)
+_WIDTH_IN, _HEIGHT_IN = 12.0, 6.75
+_LOG_ROW_IN = 0.34
 _DPI = 120
 _LEFT = (0.062, 0.165, 0.49, 0.685)
 _UPPER_RIGHT = (0.635, 0.54, 0.34, 0.31)
 _LOWER_RIGHT = (0.635, 0.1, 0.34, 0.36)
-_WHOLE = (0.04, 0.1, 0.92, 0.74)
 _SUMMARY_COLUMNS = 130
 
 _DRAWING = threading.Lock()
@@ -65,7 +65,7 @@ def plot_png(
     sketch: FigureSketch | None = None,
     language: Language = "zh",
 ) -> bytes:
-    """Return the plot of the report's first run as PNG, 1440 x 810 pixels.
+    """Return the plot of the report's first run as PNG, 1440 x 810 pixels (log lines: as high as they need).
 
     Args:
         assignment: gives title and world.
@@ -107,12 +107,9 @@ def _settings() -> Iterator[None]:
 
 
 def _figure(scene: Scene) -> Figure:
-    figure = Figure(figsize=_SIZE_IN, dpi=_DPI, facecolor=palette.PAPER)
-    FigureCanvasAgg(figure)
-    _heading(figure, scene)
     if scene.view == "log":
-        draw_log(figure.add_axes(_WHOLE), scene)
-        return figure
+        return _log_figure(scene)
+    figure = _sheet(scene, _HEIGHT_IN)
     left = figure.add_axes(_LEFT)
     if scene.view == "heading":
         draw_dial(left, scene)
@@ -128,15 +125,31 @@ def _figure(scene: Scene) -> Figure:
     return figure
 
 
+def _log_figure(scene: Scene) -> Figure:
+    above_in, below_in, log_in = 1.1, 0.7, (row_count(scene) + 1.7) * _LOG_ROW_IN
+    height_in = above_in + log_in + below_in
+    figure = _sheet(scene, height_in)
+    draw_log(figure.add_axes((0.035, below_in / height_in, 0.93, log_in / height_in)), scene)
+    return figure
+
+
+def _sheet(scene: Scene, height_in: float) -> Figure:
+    figure = Figure(figsize=(_WIDTH_IN, height_in), dpi=_DPI, facecolor=palette.PAPER)
+    FigureCanvasAgg(figure)
+    _heading(figure, scene, height_in)
+    return figure
+
+
 def _align(upper: Axes, lower: Axes) -> None:
     for axes in (upper, lower):
         axes.yaxis.set_label_coords(-0.13, 0.5)
 
 
-def _heading(figure: Figure, scene: Scene) -> None:
-    figure.text(0.03, 0.935, clipped(drawable(scene.title), 60), fontsize=19, va="center")
+def _heading(figure: Figure, scene: Scene, height_in: float) -> None:
+    upper, lower = 1 - 0.44 / height_in, 1 - 0.76 / height_in
+    figure.text(0.03, upper, clipped(drawable(scene.title), 60), fontsize=19, va="center")
     colour = palette.PASSED if scene.full else palette.FAILED
     mark = "✓ " if scene.full else ""
-    figure.text(0.975, 0.935, f"{mark}{scene.score}", fontsize=17, va="center", ha="right", color=colour)
+    figure.text(0.975, upper, f"{mark}{scene.score}", fontsize=17, va="center", ha="right", color=colour)
     summary = clipped(drawable(scene.summary), _SUMMARY_COLUMNS)
-    figure.text(0.03, 0.888, summary, fontsize=10.5, va="center", color=palette.MUTED)
+    figure.text(0.03, lower, summary, fontsize=10.5, va="center", color=palette.MUTED)
