@@ -66,7 +66,7 @@ def syscall(call: str, number: int, *arguments: object) -> int:
 
 
 def prctl(option: int, *arguments: int) -> int:
-    """Change a property of this process; missing arguments are zero. See prctl(2)."""
+    """Change a property of this process; missing arguments are zero."""
     padded = [ctypes.c_ulong(a) for a in (*arguments, 0, 0, 0, 0)[:4]]
     return _checked(int(_libc.prctl(ctypes.c_int(option), *padded)), "prctl")
 
@@ -77,7 +77,7 @@ def unshare(flags: int) -> None:
 
 
 def mount(source: str, target: str, kind: str, flags: int, data: str = "") -> None:
-    """Attach a file system at `target`. See mount(2)."""
+    """Attach a file system at `target`."""
     result = _libc.mount(
         os.fsencode(source), os.fsencode(target), kind.encode(), ctypes.c_ulong(flags), data.encode() or None
     )
@@ -96,7 +96,7 @@ def personality(persona: int) -> int:
 
 
 def set_capabilities(mask: int) -> None:
-    """Make `mask` (bits 0-31) the permitted and effective set of this thread and empty the inheritable one."""
+    """Make `mask` (bits 0-31) this thread's permitted and effective set and empty the inheritable one."""
     header = (ctypes.c_uint32 * 2)(_CAPABILITY_VERSION_3, 0)
     data = (ctypes.c_uint32 * 6)(mask, mask, 0, 0, 0, 0)
     syscall("capset", NR_CAPSET[MACHINE], ctypes.byref(header), ctypes.byref(data))

@@ -28,7 +28,8 @@ import sys
 from collections.abc import Callable
 from importlib.machinery import ModuleSpec
 from importlib.util import spec_from_file_location
-from typing import Any, NoReturn, TextIO
+from io import TextIOWrapper
+from typing import Any, NoReturn
 
 from . import landlock, namespaces, policy, seccomp
 from .confine import Budget, Layers, confine
@@ -195,7 +196,7 @@ def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: l
         os._exit(code)
 
 
-def _text_output(descriptor: int, errors: str) -> TextIO:
+def _text_output(descriptor: int, errors: str) -> TextIOWrapper:
     """Return a text stream that is flushed at each line, so that a killed script's last words are kept."""
     return open(descriptor, "w", 1, "utf-8", errors, closefd=False)
 
