@@ -176,7 +176,7 @@ def _take(data: bytes, start: int, length: int) -> bytes:
 
 def _read_text(data: bytes, pos: int, length: int, bound: int | None) -> tuple[str, int]:
     raw = _take(data, pos, length)
-    if raw.find(0) != length - 1:
+    if length == 0 or raw.find(0) != length - 1:
         raise CdrError("string with a NUL in the middle or none at the end")
     text = raw[:-1].decode()
     if bound is not None and len(text) > bound:
