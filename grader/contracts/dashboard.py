@@ -1,0 +1,64 @@
+"""What an instructor is told about a class, counted by the store."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import SubmissionState
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """One student at one assignment.
+
+    Attributes:
+        attempts: submissions that count; those that failed through the grader's fault do not.
+        best_score: highest score so far, None while nothing was scored.
+        best_submission: the earliest that reached it.
+        state, verdict: of the latest submission.
+        last_activity_at: instant of the latest upload.
+    """
+
+    student: str
+    assignment: str
+    attempts: int
+    best_score: float | None
+    max_score: float | None
+    best_submission: str | None
+    latest_submission: str
+    state: SubmissionState
+    verdict: GradeStatus | None
+    last_activity_at: datetime
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ItemFailures:
+    """How many students fail one rubric item.
+
+    Attributes:
+        item: id of the item, ``case/id`` when there are several cases.
+        ever: students who failed it in at least one graded submission. still: in their best one.
+    """
+
+    assignment: str
+    item: str
+    ever: int
+    still: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MistakeCount:
+    """How many students made one recognised mistake at least once."""
+
+    assignment: str
+    code: str
+    students: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ClassState:
+    """Everything the store knows about a class, from one snapshot."""
+
+    progress: tuple[Progress, ...]
+    failures: tuple[ItemFailures, ...]
+    mistakes: tuple[MistakeCount, ...]

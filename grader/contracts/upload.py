@@ -1,0 +1,35 @@
+"""What a file must be to be accepted at all, the same on the command line and over HTTP."""
+
+from grader.contracts.errors import SubmissionError
+
+MAX_SOURCE_BYTES = 256 * 1024
+
+
+def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
+    """Accept a file of UTF-8 text (a byte order mark is fine) within `max_bytes`.
+
+    Raises:
+        SubmissionError: ``too_large``, ``empty``, ``not_utf8`` or ``contains_nul``; the message says where.
+    """
+    if len(source) > max_bytes:
+        raise SubmissionError(
+            "too_large", f"the file has {len(source)} bytes; at most {max_bytes} are accepted"
+        )
+    if not source.removeprefix(b"\xef\xbb\xbf").strip():
+        raise SubmissionError("empty", "the file is empty: was it saved before it was handed in?")
+    if (place := source.find(b"\0")) >= 0:
+        raise SubmissionError(
+            "contains_nul", f"line {_line(source, place)} contains a NUL byte: this is not a text file"
+        )
+    try:
+        source.decode("utf-8")
+    except UnicodeDecodeError as error:
+        raise SubmissionError(
+            "not_utf8",
+            f"line {_line(source, error.start)} contains a byte that is not UTF-8 "
+            f"(0x{source[error.start]:02x}): save the file as UTF-8",
+        ) from None
+
+
+def _line(source: bytes, place: int) -> int:
+    return source.count(b"\n", 0, place) + 1

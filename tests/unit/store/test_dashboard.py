@@ -1,0 +1,96 @@
+import pytest
+
+from grader.contracts.grading import GradingJob
+from grader.contracts.submission import NewSubmission, SubmissionState
+from grader.store.dashboard import Dashboard
+from grader.store.database import Database
+from grader.store.queue import Queue
+from grader.store.submissions import Submissions
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import assignment, grade
+
+
+class Class:
+    def __init__(self, database: Database, queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
+        self.dashboard = Dashboard(database)
+        self.queue = queue
+        self.submissions = submissions
+        self.clock = clock
+
+    def submits(self, student: str, source: bytes, assignment_id: str = "square") -> str:
+        self.clock.advance(1)
+        new = NewSubmission(student=student, assignment=assignment_id, file_name="f.py", source=source)
+        return self.submissions.add(new).id
+
+    def graded(self, student: str, source: bytes, assignment_id: str = "square") -> str:
+        id_ = self.submits(student, source, assignment_id)
+        claim = self.queue.claim("w")
+        assert claim is not None
+        assert claim.submission_id == id_
+        job = GradingJob(file_name="f.py", source=source, assignment=assignment(assignment_id))
+        assert self.queue.finish(claim, grade(job))
+        return id_
+
+
+@pytest.fixture
+def school(database: Database, queue: Queue, submissions: Submissions, clock: FakeClock) -> Class:
+    return Class(database, queue, submissions, clock)
+
+
+def test_an_empty_class_is_empty(school: Class) -> None:
+    state = school.dashboard.state()
+    assert (state.progress, state.failures, state.mistakes) == ((), (), ())
+
+
+def test_the_best_submission_counts_and_the_latest_shows(school: Class) -> None:
+    school.graded("ann", b"x")
+    best = school.graded("ann", b"good good")
+    school.graded("ann", b"good good # again")
+    latest = school.graded("ann", b"raise good")
+    (ann,) = school.dashboard.state().progress
+    assert (ann.attempts, ann.best_score, ann.max_score) == (4, 10.0, 10.0)
+    assert (ann.best_submission, ann.latest_submission) == (best, latest)
+    assert ann.verdict == "crashed"
+    assert ann.last_activity_at == school.clock()
+
+
+def test_a_waiting_submission_has_no_score_yet(school: Class) -> None:
+    school.submits("bob", b"x")
+    (bob,) = school.dashboard.state().progress
+    assert (bob.best_score, bob.best_submission, bob.state) == (None, None, SubmissionState.QUEUED)
+
+
+def test_infrastructure_faults_cost_no_attempt(school: Class) -> None:
+    school.graded("cyd", b"good")
+    school.submits("cyd", b"good good")
+    for _ in range(3):
+        claim = school.queue.claim("w")
+        school.queue.fail(claim, "no")
+        school.clock.advance(60)
+    (cyd,) = school.dashboard.state().progress
+    assert (cyd.attempts, cyd.best_score) == (1, 5.0)
+    assert cyd.state is SubmissionState.INFRASTRUCTURE_ERROR
+
+
+def test_failures_count_students_not_submissions(school: Class) -> None:
+    for _ in range(3):
+        school.graded("ann", b"x")
+    school.graded("ann", b"good good")
+    school.graded("bob", b"good")
+    school.graded("cyd", b"good good", "straight")
+    failures = {(f.assignment, f.item): (f.ever, f.still) for f in school.dashboard.state().failures}
+    assert failures == {("square", "closed"): (2, 1), ("square", "sides"): (1, 0)}
+
+
+def test_most_failed_comes_first(school: Class) -> None:
+    school.graded("ann", b"good")
+    school.graded("bob", b"x")
+    assert [failure.item for failure in school.dashboard.state().failures] == ["closed", "sides"]
+
+
+def test_mistakes_count_students(school: Class) -> None:
+    school.graded("ann", b"x")
+    school.graded("ann", b"xx")
+    school.graded("bob", b"good good")
+    mistakes = [(m.code, m.students) for m in school.dashboard.state().mistakes]
+    assert mistakes == [("never_stops", 1), ("turns_too_short", 1)]
