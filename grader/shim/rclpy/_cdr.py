@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 from rclpy._cdr_source import DecoderSource, EncoderSource
-from rclpy._message_source import alias
+from rclpy._field_types import alias
 from rclpy._messages import STRUCTURES, interface_name
 
 HEADER = b"\x00\x01\x00\x00"

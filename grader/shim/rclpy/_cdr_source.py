@@ -11,7 +11,7 @@ from struct import Struct
 from typing import Any
 
 from rclpy._definitions import Field, Structure
-from rclpy._message_source import ARRAY_CODES, alias, is_numeric, is_packed, packed_size
+from rclpy._field_types import ARRAY_CODES, alias, is_numeric, is_packed, packed_size
 from rclpy._messages import CLASSES, STRUCTURES
 
 _CODES = {**ARRAY_CODES, "boolean": "?", "octet": "c"}

@@ -10,6 +10,9 @@ import os
 
 _DATA_FILE = os.path.join(os.path.dirname(os.path.dirname(__file__)), "rosidl_data", "humble.txt")
 
+SITE_PACKAGES = "/opt/ros/humble/local/lib/python3.10/dist-packages/"
+"""Where Humble's Debian packages put the interfaces: shown in ImportError texts and in tracebacks."""
+
 
 class Field:
     """One field of a structure.

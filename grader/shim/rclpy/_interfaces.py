@@ -14,14 +14,11 @@ from importlib.machinery import ModuleSpec
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from rclpy._definitions import INTERFACES, Interface
+from rclpy._definitions import INTERFACES, SITE_PACKAGES, Interface
 from rclpy._messages import define
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-# Where Humble's Debian packages put them: shown in ImportError texts and in tracebacks.
-_SITE = "/opt/ros/humble/local/lib/python3.10/dist-packages/"
 
 _PACKAGES = {interface.package for interface in INTERFACES.values()}
 _MODULES = {interface.module: interface for interface in INTERFACES.values()}
@@ -45,7 +42,7 @@ class InterfaceFinder:
             is_package = True
         else:
             return None
-        origin = _SITE + fullname.replace(".", "/") + ("/__init__.py" if is_package else ".py")
+        origin = SITE_PACKAGES + fullname.replace(".", "/") + ("/__init__.py" if is_package else ".py")
         # A loader by its methods: the base class in importlib.abc would cost more than all of this.
         loader: Any = InterfaceFinder
         spec = ModuleSpec(fullname, loader, origin=origin, is_package=is_package)
@@ -92,3 +89,10 @@ def install() -> None:
 
 
 install()
+
+
+class LogType:
+    """Stands for rcl_interfaces/msg/Log where only its name is needed: every node has a log publisher."""
+
+    __module__ = "rcl_interfaces.msg"
+    __qualname__ = __name__ = "Log"

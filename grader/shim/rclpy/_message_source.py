@@ -9,25 +9,9 @@ until somebody looks at it, so that a script that never does does not pay for im
 from __future__ import annotations
 
 from rclpy._definitions import Field, Structure
+from rclpy._field_types import ARRAY_CODES, alias, is_numeric, is_packed, numpy_type, packed_size, type_text
+from rclpy._setter_source import setter
 
-FLOAT_BOUND = 3.402823466e38
-DOUBLE_BOUND = 1.7976931348623157e308
-
-ARRAY_CODES = {
-    "float": "f",
-    "double": "d",
-    "int8": "b",
-    "uint8": "B",
-    "int16": "h",
-    "uint16": "H",
-    "int32": "i",
-    "uint32": "I",
-    "int64": "q",
-    "uint64": "Q",
-}
-"""IDL name of each kind of number -> its type code in `array` and `struct`."""
-
-_PYTHON_TYPES = {"boolean": "bool", "octet": "bytes", "string": "str", "wstring": "str"}
 _ZEROS = {
     "boolean": "False",
     "octet": "b'\\x00'",
@@ -36,39 +20,6 @@ _ZEROS = {
     "float": "0.0",
     "double": "0.0",
 }
-_WIDTHS = {"b": 1, "h": 2, "i": 4, "q": 8, "f": 4, "d": 8}
-
-
-def alias(full_name: str) -> str:
-    """Return the name under which the source refers to another message class."""
-    return "_" + full_name.replace("/", "_")
-
-
-def python_type(field: Field) -> str:
-    """Return the name of the Python type of a field's values or elements, as messages show it."""
-    if field.is_message:
-        return field.base.rpartition("/")[2]
-    return _PYTHON_TYPES.get(field.base) or ("float" if field.base in ("float", "double") else "int")
-
-
-def numpy_type(field: Field) -> str:
-    """Return the name of the numpy dtype of a field of numbers."""
-    return {"float": "float32", "double": "float64"}.get(field.base, field.base)
-
-
-def is_numeric(field: Field) -> bool:
-    """Whether the values or elements of the field are numbers."""
-    return field.base in ARRAY_CODES
-
-
-def is_packed(field: Field) -> bool:
-    """Whether the field is a fixed-size array of numbers: numpy's, once looked at."""
-    return field.size is not None and is_numeric(field)
-
-
-def packed_size(field: Field) -> int:
-    """Return the number of bytes of a fixed-size array of numbers."""
-    return (field.size or 0) * _WIDTHS[ARRAY_CODES[field.base].lower()]
 
 
 def class_source(structure: Structure) -> str:
@@ -86,21 +37,6 @@ def class_source(structure: Structure) -> str:
     for field in fields:
         lines += _property(field)
     return "\n".join(lines) + "\n"
-
-
-def type_text(field: Field) -> str:
-    """Return a field's type as ``get_fields_and_field_types`` tells it, e.g. ``sequence<double, 3>``."""
-    base = field.base
-    if field.is_message:
-        package, _, name = base.split("/")
-        base = f"{package}/{name}"
-    elif field.bound is not None:
-        base = f"{base}<{field.bound}>"
-    if field.size is not None:
-        return f"{base}[{field.size}]"
-    if not field.is_sequence:
-        return base
-    return f"sequence<{base}>" if field.maximum is None else f"sequence<{base}, {field.maximum}>"
 
 
 def default_source(field: Field) -> str:
@@ -194,111 +130,6 @@ def _property(field: Field) -> list[str]:
         getter = f"_array_getter('_{name}', {ARRAY_CODES[field.base]!r}, {numpy_type(field)!r})"
     return [
         f"    def {name}(self, value):",
-        *(f"        {line}" for line in _setter(field)),
+        *(f"        {line}" for line in setter(field)),
         f"    {name} = _property({getter}, {name}, None, \"Message field '{name}'.\")",
     ]
-
-
-def _setter(field: Field) -> list[str]:
-    slot = f"self._{field.name}"
-    if not field.is_nested:
-        return [*_scalar_checks(field), f"{slot} = value"]
-    condition, text = _elements_check(field)
-    check = f"assert {condition}, {text!r}"
-    if is_packed(field):
-        fallback = f"_to_numpy(value, {numpy_type(field)!r})"
-        return [
-            *_ndarray_branch(field),
-            check,
-            f"packed = _pack(value, {ARRAY_CODES[field.base]!r}, {field.size})",
-            f"{slot} = {fallback} if packed is None else packed",
-        ]
-    if is_numeric(field):
-        return [*_array_branch(field), check, f"{slot} = _array({ARRAY_CODES[field.base]!r}, value)"]
-    return [check, f"{slot} = value"]
-
-
-def _ndarray_branch(field: Field) -> list[str]:
-    dtype = numpy_type(field)
-    array = f"The {field.name!r} numpy.ndarray() must have"
-    return [
-        "if _is_ndarray(value):",
-        f"    assert value.dtype == {dtype!r}, \"{array} the dtype of 'numpy.{dtype}'\"",
-        f'    assert value.size == {field.size}, "{array} a size of {field.size}"',
-        f"    self._{field.name} = value",
-        "    return",
-    ]
-
-
-def _array_branch(field: Field) -> list[str]:
-    code = ARRAY_CODES[field.base]
-    array = f"The {field.name!r} array.array() must have"
-    lines = [
-        "if isinstance(value, _array):",
-        f"    assert value.typecode == {code!r}, \"{array} the type code of '{code}'\"",
-    ]
-    if field.maximum is not None:
-        lines.append(f'    assert len(value) <= {field.maximum}, "{array} a size <= {field.maximum}"')
-    return [*lines, f"    self._{field.name} = value", "    return"]
-
-
-def _elements_check(field: Field) -> tuple[str, str]:
-    """Return condition and text of the assertion on an array or sequence."""
-    conditions, texts = ["_is_list(value)"], ["a set or sequence"]
-    if field.bound is not None:
-        conditions.append(f"all(len(val) <= {field.bound} for val in value)")
-    if field.maximum is not None:
-        conditions.append(f"len(value) <= {field.maximum}")
-        texts.append(f"with length <= {field.maximum}")
-    elif field.size is not None:
-        conditions.append(f"len(value) == {field.size}")
-        texts.append(f"with length {field.size}")
-    if field.bound is not None:
-        texts.append(f"and each string value not longer than {field.bound}")
-    element = alias(field.base) if field.is_message else python_type(field)
-    conditions.append(f"all(isinstance(v, {element}) for v in value)")
-    texts.append(f"and each value of type '{python_type(field)}'")
-    if field.base == "float":
-        conditions.append(f"all({_float_range('val')} for val in value)")
-    if field.base in ("float", "double"):
-        bound = FLOAT_BOUND if field.base == "float" else DOUBLE_BOUND
-        texts.append(f"and each {field.base} in [{-bound:f}, {bound:f}]")
-    elif is_numeric(field):
-        low, high, kind = _integer_range(field)
-        conditions.append(f"all(val >= {low} and val <= {high} for val in value)")
-        texts.append(f"and each {kind} in [{low}, {high}]")
-    return " and ".join(conditions), f"The {field.name!r} field must be {' '.join(texts)}"
-
-
-def _scalar_checks(field: Field) -> list[str]:
-    must = f"The {field.name!r} field must be"
-    if field.is_message:
-        text = f"{must} a sub message of type '{python_type(field)}'"
-        return [f"assert isinstance(value, {alias(field.base)}), {text!r}"]
-    if field.bound is not None:
-        text = f"{must} string value not longer than {field.bound}"
-        return [f"assert _is_text(value) and len(value) <= {field.bound}, {text!r}"]
-    if field.base == "octet":
-        text = f"{must} of type 'bytes' or 'ByteString' with length 1"
-        return [f"assert isinstance(value, (bytes, bytearray)) and len(value) == 1, {text!r}"]
-    kind = python_type(field)
-    lines = [f'assert isinstance(value, {kind}), "{must} of type {kind!r}"']
-    if field.base == "float":
-        text = f"{must} a float in [{-FLOAT_BOUND}, {FLOAT_BOUND}]"
-        lines.append(f'assert {_float_range("value")}, "{text}"')
-    elif kind == "int":
-        low, high, name = _integer_range(field)
-        lines.append(f'assert value >= {low} and value <= {high}, "{must} an {name} in [{low}, {high}]"')
-    return lines
-
-
-def _float_range(variable: str) -> str:
-    # A double needs no such check: nothing finite is outside its range.
-    return f"not ({variable} < -{FLOAT_BOUND} or {variable} > {FLOAT_BOUND}) or _isinf({variable})"
-
-
-def _integer_range(field: Field) -> tuple[int, int, str]:
-    if field.base.startswith("u"):
-        return 0, 2 ** int(field.base[4:]) - 1, "unsigned integer"
-    half = 2 ** (int(field.base[3:]) - 1)
-    return -half, half - 1, "integer"

@@ -9,10 +9,9 @@ from math import isinf
 from operator import attrgetter
 from typing import Any
 
-from rclpy._definitions import INTERFACES, Field, Interface, Structure
-from rclpy._message_source import alias, class_source, default_source
-
-_SITE = "/opt/ros/humble/local/lib/python3.10/dist-packages/"
+from rclpy._definitions import INTERFACES, SITE_PACKAGES, Field, Interface, Structure
+from rclpy._field_types import alias
+from rclpy._message_source import class_source, default_source
 
 STRUCTURES: dict[type, Structure] = {}
 """The definition of every message class built so far."""
@@ -126,7 +125,7 @@ def _define_action(interface: Interface, namespace: dict[str, Any]) -> None:
 
 
 def _execute(interface: Interface, source: str, namespace: dict[str, Any]) -> None:
-    file_name = _SITE + interface.module.replace(".", "/") + ".py"
+    file_name = SITE_PACKAGES + interface.module.replace(".", "/") + ".py"
     exec(compile(source, file_name, "exec"), namespace)  # noqa: S102 - source of our own making
 
 

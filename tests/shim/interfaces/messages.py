@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from hypothesis import strategies as st
 from rclpy._definitions import INTERFACES, Field
-from rclpy._message_source import ARRAY_CODES, numpy_type
+from rclpy._field_types import ARRAY_CODES, numpy_type
 from rclpy._messages import CLASSES, STRUCTURES
 
 for _interface in INTERFACES.values():
