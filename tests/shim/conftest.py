@@ -198,6 +198,7 @@ def run_script_text(
     services: Services | None = None,
     bare: bool = False,
     python: str = sys.executable,
+    preload: Sequence[str] = (),
     cpu_s: float = 30.0,
 ) -> Run:
     """Run `source` in a subprocess on the shim and return what it did.
@@ -207,6 +208,7 @@ def run_script_text(
         feed: messages (t_ns, topic, cdr) that the world publishes, for ADVANCE to deliver.
         services: answers (request cdr -> response cdr) of the world's services, 1 ms after the request.
         bare: run without `rclpy/__init__.py`, for tests of the kernel alone.
+        preload: modules imported before the shim takes over, as the zygote does.
         cpu_s: backstop against a script that never ends; the process is then killed by SIGXCPU.
     """
     data = source.encode() if isinstance(source, str) else source
@@ -224,6 +226,7 @@ def run_script_text(
     body = struct.pack("<BI", 0x80, len(text)) + text + data
     ours, theirs = socket.socketpair()
     code = (_BARE if bare else _FULL).format(shim=str(SHIM), fd=theirs.fileno())
+    code = "".join(f"import {name}; " for name in preload) + code
     limited = f"import resource; resource.setrlimit(resource.RLIMIT_CPU, ({cpu_s:.0f}, {cpu_s:.0f})); {code}"
     episode = Episode(ours, feed, services or {})
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:

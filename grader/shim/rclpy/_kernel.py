@@ -28,7 +28,7 @@ FOREVER_NS = 1 << 62
 CHARGE_NS = 1_000
 """What a look at a clock, a publish or a question without blocking costs."""
 
-CHARGE_STEPS = ((1_000, 1_000), (5_000, 10_000), (20_000, 100_000))
+CHARGE_STEPS = ((1_000, CHARGE_NS), (5_000, 10_000), (20_000, 100_000))
 """(operations without a blocking wait, charge in ns up to there); `CHARGE_MAX_NS` beyond the last."""
 
 CHARGE_MAX_NS = 1_000_000
@@ -175,6 +175,7 @@ class Kernel:
             KeyboardInterrupt: in the main thread, when the horizon is reached.
         """
         self._streak = streak = self._streak + 1
+        self._spins = SPINS_PER_SLICE
         if streak <= 1_000:
             self.now_ns += CHARGE_NS
         else:
@@ -231,6 +232,7 @@ class Kernel:
             self.charge()
         else:
             self._streak = 0
+            self._spins = SPINS_PER_SLICE
         try:
             return self._block(me)
         finally:
@@ -312,8 +314,7 @@ class Kernel:
         limit_ns = min(self._limit_ns, self._alarm_ns)
         if self._signals:
             limit_ns = 0
-        coupled = self._world is not None and self._world.coupled and not self.interrupted
-        if coupled or len(self.threads) > 1:
+        if self._coupled() is not None or len(self.threads) > 1:
             self._quiet_until_ns = 0
             others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=limit_ns)
             self._preempt_ns = min(limit_ns, self.now_ns + SLICE_NS, max(others_ns, self.now_ns + 1))
@@ -328,8 +329,7 @@ class Kernel:
             if chosen is not me:
                 self._hand_over(chosen)
                 me.baton.acquire()
-            else:
-                self.replan()
+            self.replan()
             if self._signals and me is self.main:
                 self._deliver()
             if me.ready():
@@ -349,24 +349,30 @@ class Kernel:
             self._pass_time(threads)
 
     def _hand_over(self, chosen: Thread) -> None:
+        # Nothing in here can fail half-way, not even with RecursionError; `chosen` makes the new plan.
+        self._quiet_until_ns = self._preempt_ns = 0
         self.running.streak = self._streak
         self.running = chosen
         self._streak = chosen.streak
-        self.replan()
         chosen.baton.release()
 
     def _pass_time(self, threads: Iterable[Thread]) -> None:
         """Nobody can run: move time to the next instant at which somebody may."""
         target_ns = min(self._alarm_ns, *(thread.deadline_ns for thread in threads))
-        coupled = self._world is not None and self._world.coupled and not self.interrupted
-        if target_ns == FOREVER_NS and not coupled and not any(t.idle for t in threads):
+        if target_ns == FOREVER_NS and self._coupled() is None and not any(t.idle for t in threads):
             self.end("stalled")
         self._move_to(min(target_ns, self._limit_ns))
 
+    def _coupled(self) -> World | None:
+        """Return the world if time may only move with its consent."""
+        world = self._world
+        return world if world is not None and world.coupled and not self.interrupted else None
+
     def _move_to(self, target_ns: int) -> None:
         """Let time pass up to `target_ns` or the first event before it."""
-        if self._world is not None and self._world.coupled and not self.interrupted:
-            target_ns = self._world.advance(target_ns)
+        world = self._coupled()
+        if world is not None:
+            target_ns = world.advance(max(target_ns, self.now_ns))
         if target_ns > self.now_ns:
             self.now_ns = target_ns
         self._on_time()
@@ -384,15 +390,17 @@ class Kernel:
             self.end("interrupted")
         self._limit_ns += GRACE_NS
         self.interrupted = True
-        for callback in tuple(self._on_interrupt):
+        callbacks, self._on_interrupt = self._on_interrupt, []
+        for callback in callbacks:
             callback()
         self._signals.append(SIGINT)
 
     def _pause(self) -> None:
         """A charge went past the end of the slice: catch up with the world, let the others run."""
-        target_ns = self.now_ns
-        if self._world is not None and self._world.coupled and not self.interrupted:
-            while self._world.advance(target_ns) < target_ns:
+        world = self._coupled()
+        if world is not None:
+            target_ns = min(self.now_ns, self.horizon_ns)
+            while world.advance(target_ns) < target_ns:
                 pass
         self._on_time()
         self._yield()
@@ -412,7 +420,9 @@ class Kernel:
         if self._quiet_until_ns:
             return
         others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=FOREVER_NS)
-        self._move_to(max(self.now_ns, min(self.now_ns + SLICE_NS, others_ns, self._limit_ns)))
+        self._streak += 1
+        slice_ns = _charge_of(self._streak) * SPINS_PER_SLICE
+        self._move_to(max(self.now_ns, min(self.now_ns + slice_ns, others_ns, self._limit_ns)))
         self._yield()
 
     def _deliver(self) -> None:

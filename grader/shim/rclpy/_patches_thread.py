@@ -8,7 +8,6 @@ that runs only while it holds the kernel's baton.
 import _thread
 import sys
 from collections.abc import Callable
-from types import ModuleType
 from typing import Any
 
 from rclpy._kernel import Thread, kernel
@@ -188,8 +187,6 @@ class ThreadHandle:
         thread.sentinel = self
 
     def join(self, timeout: float | None = None) -> None:
-        if self._thread is None and not self._done:
-            raise RuntimeError("thread not started")
         if self._thread is kernel.running:
             raise RuntimeError("Cannot join current thread")
         kernel.wait(self.is_done, deadline_after(timeout))
@@ -248,6 +245,7 @@ def _start(
 def _run(thread: Thread, work: list[tuple[Callable[..., object], tuple[Any, ...], dict[str, Any]]]) -> None:
     thread.os_ident = _os_ident()
     thread.baton.acquire()
+    kernel.replan()
     try:
         _call(work)
     finally:
@@ -275,6 +273,13 @@ def set_sentinel() -> Lock:
     return lock
 
 
+def make_thread_handle(ident: int) -> ThreadHandle:
+    """`_thread._make_thread_handle` of Python 3.13."""
+    handle = ThreadHandle()
+    handle.ident = ident
+    return handle
+
+
 def interrupt_main(number: int = 2, /) -> None:
     """Let a signal arrive at the main thread."""
     kernel.raise_signal(number)
@@ -293,7 +298,7 @@ REPLACED: dict[str, object] = {
     "start_joinable_thread": start_joinable_thread,
     "_set_sentinel": set_sentinel,
     "_ThreadHandle": ThreadHandle,
-    "_make_thread_handle": ThreadHandle,
+    "_make_thread_handle": make_thread_handle,
     "interrupt_main": interrupt_main,
 }
 """Names of `_thread` (of Python 3.11 to 3.13) and what stands in for them."""

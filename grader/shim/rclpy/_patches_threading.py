@@ -24,12 +24,28 @@ def patch_threading(threading: ModuleType) -> None:
     main._ident = kernel.main.ident
     main._native_id = _patches_thread.get_native_id()
     active[main._ident] = main
-    for event in (main._started,):
-        event._cond = module.Condition(_patches_thread.Lock())
+    main._started._cond = module.Condition(_patches_thread.Lock())
+    if hasattr(main, "_tstate_lock"):
+        main._tstate_lock = _patches_thread.Lock()
+        main._tstate_lock.acquire()
+    else:
+        main._handle = _patches_thread.make_thread_handle(main._ident)
     module.Event.is_set = _charged(module.Event.is_set)
     module.Event.isSet = module.Event.is_set
     module.Thread.is_alive = _charged(module.Thread.is_alive)
     module.excepthook = module.__excepthook__ = excepthook
+
+
+def end_main_thread(threading: ModuleType) -> None:
+    """Let those who join the main thread go on: the script's last line has run."""
+    module: Any = threading
+    main = module.main_thread()
+    if hasattr(main, "_tstate_lock"):
+        if main._tstate_lock is not None:
+            main._tstate_lock.release()
+            main._stop()
+    else:
+        main._handle._set_done()
 
 
 def _charged(question: Callable[[Any], bool]) -> Callable[[Any], bool]:

@@ -41,7 +41,7 @@ def time_ns() -> int:
 
 
 def time_s() -> float:
-    return (kernel.epoch_ns + kernel.clock_ns()) / 1e9
+    return (kernel.epoch_ns + kernel.clock_ns()) / 1_000_000_000
 
 
 def monotonic_ns() -> int:
@@ -49,7 +49,7 @@ def monotonic_ns() -> int:
 
 
 def monotonic() -> float:
-    return (UPTIME_NS + kernel.clock_ns()) / 1e9
+    return (UPTIME_NS + kernel.clock_ns()) / 1_000_000_000
 
 
 def process_time_ns() -> int:
@@ -58,7 +58,7 @@ def process_time_ns() -> int:
 
 
 def process_time() -> float:
-    return kernel.clock_ns() / 1e9
+    return kernel.clock_ns() / 1_000_000_000
 
 
 def clock_gettime_ns(clock: int, /) -> int:
@@ -72,7 +72,7 @@ def clock_gettime_ns(clock: int, /) -> int:
 
 
 def clock_gettime(clock: int, /) -> float:
-    return clock_gettime_ns(clock) / 1e9
+    return clock_gettime_ns(clock) / 1_000_000_000
 
 
 def localtime(seconds: float | None = None, /) -> time.struct_time:

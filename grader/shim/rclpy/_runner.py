@@ -22,7 +22,10 @@ _end_process = os._exit
 
 
 class Descriptor:
-    """The channel as a plain descriptor: neither `socket` nor its imports are needed."""
+    """The channel as a plain descriptor: neither `socket` nor its imports are needed.
+
+    When the episode has closed its end, nobody wants to know more: the process ends.
+    """
 
     def __init__(self, number: int) -> None:
         self._number = number
@@ -31,11 +34,17 @@ class Descriptor:
 
     def sendall(self, data: bytes, /) -> None:
         view = memoryview(data)
-        while view:
-            view = view[self._write(self._number, view) :]
+        try:
+            while view:
+                view = view[self._write(self._number, view) :]
+        except OSError:
+            _end_process(0)
 
     def recv(self, size: int, /) -> bytes:
-        return self._read(self._number, size)
+        data = self._read(self._number, size)
+        if not data:
+            _end_process(0)
+        return data
 
 
 class Ending:
@@ -132,10 +141,11 @@ def _open_streams(stdin: str) -> None:
     else:
         sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
     sys.__stdin__ = sys.stdin  # type: ignore[misc]
-    for stream, errors, lines in ((sys.stdout, "strict", False), (sys.stderr, "backslashreplace", True)):
+    # Line by line, as on a terminal: what was printed survives a kill at the CPU limit.
+    for stream, errors in ((sys.stdout, "strict"), (sys.stderr, "backslashreplace")):
         reconfigure: Any = getattr(stream, "reconfigure", None)
         if reconfigure is not None:
-            reconfigure(encoding="utf-8", errors=errors, line_buffering=lines)
+            reconfigure(encoding="utf-8", errors=errors, line_buffering=True)
 
 
 def _add_site_builtins() -> None:
@@ -202,6 +212,9 @@ def _join_threads() -> None:
     threading: Any = sys.modules.get("threading")
     if threading is None:
         return
+    from rclpy import _patches_threading  # noqa: PLC0415 - there is no threading without it
+
+    _patches_threading.end_main_thread(threading)
     if not kernel.interrupted:
         for call in reversed(threading._threading_atexits):
             call()
@@ -240,6 +253,8 @@ def end_now(reason: str) -> NoReturn:
         ending.text = _report.explain_stall(kernel)
     elif reason.startswith("signal "):
         ending.code = 128 + int(reason.split()[1])
+    else:
+        ending.code = 130
     _finish()
 
 
