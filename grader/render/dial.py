@@ -5,8 +5,9 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
 from grader.contracts.trajectory import Floats
-from grader.render import palette
+from grader.render import palette, quantity
 from grader.render.scene import Scene
+from grader.render.symbols import draw_end, draw_start
 from grader.render.typeface import drawable
 
 _INNER = 0.62
@@ -36,12 +37,21 @@ def draw_dial(axes: Axes, scene: Scene) -> None:
     xs, ys = _spiral(start, turned, pitch)
     axes.plot(xs, ys, color=colour, lw=2.8, zorder=4, ls=palette.FAILED_DASHES if ok is False else "-",
               label=scene.word("turned"))  # fmt: skip
-    _ends(axes, scene, xs, ys, start)
+    draw_end(axes, (float(xs[-1]), float(ys[-1])), scene)
+    draw_start(axes, (float(xs[0]), float(ys[0])), start, scene)
     total_deg = float(np.rad2deg(turned[-1]))
     if scene.sketch and scene.sketch.corners:
         total_deg = scene.sketch.corners[0].angle_deg
     mark = "✗ " if ok is False else ""
-    axes.text(0, 0.08, f"{mark}{total_deg:+.1f}°", ha="center", va="center", fontsize=19, color=colour)
+    axes.text(
+        0,
+        0.08,
+        f"{mark}{quantity.signed(total_deg, 1)}°",
+        ha="center",
+        va="center",
+        fontsize=19,
+        color=colour,
+    )
     axes.text(0, -0.12, scene.word("turned"), ha="center", va="center", fontsize=10, color=palette.MUTED)
     for i, label in enumerate(scene.sketch.labels if scene.sketch else ()):
         text = drawable(label.text.get(scene.language), 40)
@@ -96,13 +106,3 @@ def _wanted(axes: Axes, scene: Scene, start: float, wanted: float, pitch: float)
     axes.plot(
         xs, ys, color=palette.IDEAL, lw=9, solid_capstyle="butt", zorder=1.5, label=scene.word("one_turn")
     )
-
-
-def _ends(axes: Axes, scene: Scene, xs: Floats, ys: Floats, start: float) -> None:
-    axes.plot(
-        xs[-1:], ys[-1:], "s", color=palette.INK, ms=6.5, mec="white", zorder=7, label=scene.word("stop")
-    )
-    axes.plot(
-        xs[:1], ys[:1], marker=(3, 0, np.rad2deg(start) - 90), ls="none", color=palette.START, ms=15,
-        mec="white", mew=1.2, zorder=8, label=scene.word("start"),
-    )  # fmt: skip

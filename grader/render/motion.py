@@ -4,13 +4,14 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from grader.contracts.trajectory import Command, Floats, Trajectory
-from grader.render import palette
+from grader.render import palette, quantity
 from grader.render.scene import Scene
 
 _NANO = 1e-9
+_SECOND_NS = 1_000_000_000
 _AT_REST_S = 0.05
 """Samples further apart than this enclose a rest (see `grader.contracts.trajectory.Trajectory`)."""
-_LEAST_RANGE = 0.25
+_LEAST_RANGE = 0.5
 _COMMAND_LIFE_S = 1.0
 """turtlesim drops a command this long after the last one."""
 
@@ -19,6 +20,7 @@ def draw_speed(axes: Axes, scene: Scene) -> None:
     """Draw v over time."""
     track = scene.trajectory
     axes.set_ylabel(scene.word("v_axis"))
+    _time_axis(axes, scene)
     if track is not None:
         commanded = [command.v_mps for command in track.commands]
         _draw(axes, scene, track, track.v_mps, commanded)
@@ -37,6 +39,7 @@ def draw_yaw_rate(axes: Axes, scene: Scene) -> None:
     track = scene.trajectory
     axes.set_ylabel(scene.word("w_axis"))
     axes.set_xlabel(scene.word("time_axis"))
+    _time_axis(axes, scene)
     if track is not None:
         commanded = [command.w_radps for command in track.commands]
         _draw(axes, scene, track, track.w_radps, commanded)
@@ -46,6 +49,7 @@ def draw_turned(axes: Axes, scene: Scene) -> None:
     """Draw the angle turned since the start over time, with the wanted turn in either direction."""
     track = scene.trajectory
     axes.set_ylabel(scene.word("turned_axis"))
+    _time_axis(axes, scene)
     if track is None:
         return
     turned_deg = np.rad2deg(track.heading_rad - track.heading_rad[0])
@@ -61,13 +65,21 @@ def draw_turned(axes: Axes, scene: Scene) -> None:
     if wanted is not None:
         level = wanted if turned_deg[np.abs(turned_deg).argmax()] >= 0 else -wanted
         axes.axhline(
-            level, color=palette.MUTED, lw=1.4, ls=(0, (5, 3)), label=f"{scene.word('one_turn')} {level:g}°"
+            level,
+            color=palette.MUTED,
+            lw=1.4,
+            ls=(0, (5, 3)),
+            label=f"{scene.word('one_turn')} {quantity.signed(level, 0)}°",
         )
         axes.margins(y=0.12)
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=9.5, borderaxespad=0.2
     )
-    _time_axis(axes, track)
+
+
+def _colour_of_turn(scene: Scene) -> str:
+    corners = scene.sketch.corners if scene.sketch else ()
+    return palette.FAILED if corners and corners[0].ok is False else palette.PASSED
 
 
 def _draw(axes: Axes, scene: Scene, track: Trajectory, values: Floats, commanded: list[float]) -> None:
@@ -81,13 +93,13 @@ def _draw(axes: Axes, scene: Scene, track: Trajectory, values: Floats, commanded
     times, driven = _with_rests(track, values)
     axes.plot(times, driven, color=palette.PASSED, lw=1.5, zorder=3, label=scene.word("driven"))
     low, high = min(float(np.min(driven)), *commanded, 0.0), max(float(np.max(driven)), *commanded, 0.0)
-    room = 0.12 * max(high - low, _LEAST_RANGE)
-    axes.set_ylim(low - room, max(high, low + _LEAST_RANGE) + room)
-    _time_axis(axes, track)
+    half = 0.56 * max(high - low, _LEAST_RANGE)
+    axes.set_ylim((low + high) / 2 - half, (low + high) / 2 + half)
 
 
-def _time_axis(axes: Axes, track: Trajectory) -> None:
-    axes.set_xlim(0.0, max(track.end_ns, int(track.t_ns[-1]), 1) * _NANO)
+def _time_axis(axes: Axes, scene: Scene) -> None:
+    recorded_ns = scene.trajectory.end_ns if scene.trajectory is not None else 0
+    axes.set_xlim(0.0, (recorded_ns or scene.outcome.duration_ns or _SECOND_NS) * _NANO)
     axes.grid(axis="both", color=palette.GRID, lw=0.8)
 
 

@@ -1,29 +1,18 @@
 """Plan view: the path over the ideal figure, with the measured sides and corners."""
 
-from itertools import pairwise
-
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
-from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
+from grader.contracts.figure import FigureSketch, SketchSide
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.render import palette
-from grader.render.placing import Board, Label
-from grader.render.scene import Scene
-from grader.render.typeface import drawable
+from grader.render.annotations import annotate, position
+from grader.render.scene import WINDOW_M, Scene
+from grader.render.symbols import draw_end, draw_start
 
-WINDOW_M = 499 / 45
-"""Side of turtlesim's window: 500 pixels at 45 pixels per metre (turtlesim's turtle_frame.cpp)."""
-
-_NANO = 1e-9
 _LEAST_EXTENT_M = 1.2
 _MARGIN = 0.16
-_TIME_STEPS_S = (1, 2, 5, 10, 15, 30, 60, 120)
-_MOST_TIME_MARKS = 7
-_MARK_DISTANCE_PX = 22.0
-_INK_STEP_PX = 5.0
-_ARROWS_WITHOUT_SIDES = 5
 _NO_SKETCH = FigureSketch()
 
 
@@ -31,6 +20,7 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
     """Draw the plan view; `axes` must already have its final place in the figure."""
     track = scene.trajectory
     if track is None:
+        axes.axis("off")
         _say_no_motion(axes, scene)
         return
     sketch = scene.sketch or _NO_SKETCH
@@ -42,11 +32,10 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
     for side in sketch.sides:
         _draw_side(axes, side)
     _legend_of_verdicts(axes, sketch, scene)
-    _arrows(axes, path, sketch)
     _gap(axes, sketch)
     _corners(axes, sketch)
     _ends(axes, track, scene)
-    _label_all(axes, track, path, sketch, scene)
+    annotate(axes, track, sketch, scene)
     if not scene.moved:
         _say_no_motion(axes, scene)
     _legend(axes)
@@ -164,40 +153,6 @@ def _legend_of_verdicts(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
         )  # fmt: skip
 
 
-def _arrows(axes: Axes, path: Floats, sketch: FigureSketch) -> None:
-    for start, end, colour in _arrow_places(path, sketch):
-        axes.annotate(
-            "", xy=end, xytext=start, zorder=5,
-            arrowprops={"arrowstyle": "-|>,head_length=0.55,head_width=0.28", "color": colour, "lw": 1.2,
-                        "shrinkA": 0, "shrinkB": 0},
-        )  # fmt: skip
-
-
-def _arrow_places(path: Floats, sketch: FigureSketch) -> list[tuple[Point, Point, str]]:
-    if sketch.sides:
-        return [
-            (_between(s.start_m, s.end_m, 0.52), _between(s.start_m, s.end_m, 0.6), palette.verdict(s.ok))
-            for s in sketch.sides
-            if s.length_m > 0.15
-        ]
-    points = path[np.isfinite(path).all(axis=1)]
-    travelled = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
-    if travelled[-1] < 0.15:
-        return []
-    places = []
-    for share in (np.arange(_ARROWS_WITHOUT_SIDES) + 0.5) / _ARROWS_WITHOUT_SIDES:
-        near = np.interp(
-            [share * travelled[-1], (share + 0.01) * travelled[-1]], travelled, np.arange(len(points))
-        )
-        x, y = (np.interp(near, np.arange(len(points)), points[:, axis]) for axis in (0, 1))
-        places.append(((float(x[0]), float(y[0])), (float(x[1]), float(y[1])), palette.INK))
-    return places
-
-
-def _between(start: Point, end: Point, share: float) -> Point:
-    return start[0] + (end[0] - start[0]) * share, start[1] + (end[1] - start[1]) * share
-
-
 def _gap(axes: Axes, sketch: FigureSketch) -> None:
     if sketch.gap is None:
         return
@@ -215,120 +170,12 @@ def _corners(axes: Axes, sketch: FigureSketch) -> None:
 
 
 def _ends(axes: Axes, track: Trajectory, scene: Scene) -> None:
-    """Mark the start with the car's heading, and where it came to rest."""
-    heading_deg = float(np.rad2deg(track.heading_rad[0]))
-    axes.plot(
-        track.x_m[-1:], track.y_m[-1:], "s", color=palette.INK, ms=6.5, mec="white", zorder=7,
-        label=scene.word("stop"),
-    )  # fmt: skip
-    axes.plot(
-        track.x_m[:1], track.y_m[:1], marker=(3, 0, heading_deg - 90), ls="none", color=palette.START, ms=15,
-        mec="white", mew=1.2, zorder=8, label=scene.word("start"),
-    )  # fmt: skip
+    """Mark contacts with walls, the last place and the start with the car's heading."""
     for contact in track.contacts:
-        i = min(int(np.searchsorted(track.t_ns, contact.start_ns)), len(track) - 1)
-        axes.plot(
-            track.x_m[i : i + 1],
-            track.y_m[i : i + 1],
-            "*",
-            color=palette.FAILED,
-            ms=13,
-            mec="white",
-            zorder=7,
-        )
-
-
-def _label_all(axes: Axes, track: Trajectory, path: Floats, sketch: FigureSketch, scene: Scene) -> None:
-    pixels = axes.transData.transform(path[np.isfinite(path).all(axis=1)])
-    board = Board(axes, _dense(pixels))
-    board.block((float(track.x_m[0]), float(track.y_m[0])), 15)
-    board.block((float(track.x_m[-1]), float(track.y_m[-1])), 10)
-    for corner in sketch.corners:
-        board.block(corner.at_m, 8)
-    centre = _centre(path, sketch)
-    board.put(_corner_label(sketch, i, centre) for i in range(len(sketch.corners)))
-    board.put(_side_label(side, centre) for side in sketch.sides)
-    if sketch.gap is not None:
-        length = f"{sketch.gap.length_m:.2f}"
-        middle = _between(sketch.gap.start_m, sketch.gap.end_m, 0.5)
-        colour = palette.verdict(sketch.gap.ok)
-        text = scene.word("gap", length=length)
-        board.put([Label(at_m=middle, text=text, away=_away(middle, centre), colour=colour, boxed=True)])
-    board.put(
-        Label(
-            at_m=label.at_m,
-            text=drawable(label.text.get(scene.language), 40),
-            away=_away(label.at_m, centre),
-            colour=palette.verdict(label.ok),
-        )
-        for label in sketch.labels
-    )
-    board.put(_time_marks(axes, track, sketch, centre))
-
-
-def _dense(pixels: Floats) -> Floats:
-    """Return points along the polyline at most `_INK_STEP_PX` apart, without those that coincide."""
-    parts = [pixels[:1]]
-    for start, end in pairwise(pixels[np.r_[True, np.hypot(*np.diff(pixels, axis=0).T) > 0.5]]):
-        count = max(int(np.hypot(*(end - start)) // _INK_STEP_PX), 1)
-        parts.append(start + (end - start) * (np.arange(1, count + 1)[:, None] / count))
-    return np.vstack(parts)
-
-
-def _centre(path: Floats, sketch: FigureSketch) -> Point:
-    points = np.array(sketch.ideal_m) if len(sketch.ideal_m) > 2 else path[np.isfinite(path).all(axis=1)]
-    x, y = (points.min(axis=0) + points.max(axis=0)) / 2
-    return float(x), float(y)
-
-
-def _away(point: Point, centre: Point) -> Point:
-    x, y = point[0] - centre[0], point[1] - centre[1]
-    return (x, y) if abs(x) + abs(y) > 1e-6 else (0.0, 1.0)
-
-
-def _side_label(side: SketchSide, centre: Point) -> Label:
-    middle = _between(side.start_m, side.end_m, 0.5)
-    along = np.array(side.end_m) - np.array(side.start_m)
-    normal = np.array([-along[1], along[0]])
-    outward = normal if float(normal @ np.array(_away(middle, centre))) >= 0 else -normal
-    mark = "✗ " if side.ok is False else ""
-    away = (float(outward[0]), float(outward[1])) if float(np.hypot(*outward)) > 1e-6 else (0.0, 1.0)
-    return Label(
-        at_m=middle, text=f"{mark}{side.length_m:.2f} m", away=away, colour=palette.verdict(side.ok),
-        size_pt=10.5, boxed=side.ok is False,
-    )  # fmt: skip
-
-
-def _corner_label(sketch: FigureSketch, i: int, centre: Point) -> Label:
-    corner: SketchCorner = sketch.corners[i]
-    x, y = _away(corner.at_m, centre)
-    mark = "✗ " if corner.ok is False else ""
-    return Label(
-        at_m=corner.at_m, text=f"{mark}{corner.angle_deg:.1f}°", away=(-x, -y),
-        colour=palette.verdict(corner.ok), size_pt=10.0, boxed=corner.ok is False,
-    )  # fmt: skip
-
-
-def _time_marks(axes: Axes, track: Trajectory, sketch: FigureSketch, centre: Point) -> list[Label]:
-    """Draw a dot every few seconds where the car was driving; return the dots' labels."""
-    seconds = track.t_ns * _NANO
-    duration = float(seconds[-1] - seconds[0])
-    step = next((s for s in _TIME_STEPS_S if duration / s <= _MOST_TIME_MARKS), 300)
-    labels: list[Label] = []
-    ends = [(float(track.x_m[i]), float(track.y_m[i])) for i in (0, -1)]
-    used = [axes.transData.transform(at) for at in (*ends, *(corner.at_m for corner in sketch.corners))]
-    for time in np.arange(step, duration + 1e-9, step):
-        at = tuple(float(np.interp(time, seconds, values)) for values in (track.x_m, track.y_m))
-        pixel = axes.transData.transform(at)
-        if min(float(np.hypot(*(pixel - other))) for other in used) < _MARK_DISTANCE_PX:
-            continue
-        used.append(pixel)
-        axes.plot([at[0]], [at[1]], "o", color=palette.MUTED, ms=4.2, mec="white", mew=0.8, zorder=5.5)
-        x, y = _away((at[0], at[1]), centre)
-        labels.append(
-            Label(at_m=(at[0], at[1]), text=f"{time:g} s", away=(-x, -y), colour=palette.MUTED, size_pt=8.5)
-        )
-    return labels
+        x, y = position(track, contact.start_ns)
+        axes.plot([x], [y], "*", color=palette.FAILED, ms=14, mec="white", zorder=7.5)
+    draw_end(axes, (float(track.x_m[-1]), float(track.y_m[-1])), scene)
+    draw_start(axes, (float(track.x_m[0]), float(track.y_m[0])), float(track.heading_rad[0]), scene)
 
 
 def _say_no_motion(axes: Axes, scene: Scene) -> None:

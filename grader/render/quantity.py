@@ -23,6 +23,14 @@ def number(value: float, decimals: int) -> str:
     return text[1:] if text.startswith("-") and not text.strip("-0.") else text
 
 
+def signed(value: float, decimals: int) -> str:
+    """Return `value` with ``+`` or a typographic minus, zero without either."""
+    text = number(abs(value), decimals)
+    if not text.strip("0."):
+        return text
+    return f"+{text}" if value > 0 else f"−{text}"
+
+
 def _trimmed(value: float) -> str:
     return f"{round(value, 4):.10g}"
 
