@@ -25,6 +25,7 @@ class RubricItem:
         measured: the measured quantity, None when nothing could be measured.
         target, tolerance: what full credit needs: |measured - target| <= tolerance, or as `message` says.
         unit: ``m``, ``deg``, ``s``, ``%`` or empty.
+        wanted: what earns full credit, in words and numbers: ``90° ± 3°``, ``at least 0.5 m``, ``yes``.
         message: what was seen. hint: one next step, empty when nothing is to be done.
     """
 
@@ -39,3 +40,39 @@ class RubricItem:
     unit: str = ""
     message: Text = EMPTY
     hint: Text = EMPTY
+    wanted: Text = EMPTY
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedItem:
+    """One line of the rubric as it is published before anything is submitted.
+
+    Attributes:
+        measure: what is measured. wanted: what earns full credit. partial: where credit ends.
+        needs: which items must not have failed, or empty.
+    """
+
+    id: str
+    title: Text
+    points: float
+    measure: Text
+    wanted: Text
+    partial: Text
+    needs: Text = EMPTY
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedRubric:
+    """What a student reads before submitting, generated from the data the scores come from.
+
+    Attributes:
+        remarks: how this kind of check looks at a motion.
+    """
+
+    assignment: str
+    title: Text
+    brief: Text
+    horizon_s: float
+    max_score: float
+    items: tuple[PublishedItem, ...]
+    remarks: Text = EMPTY

@@ -1,0 +1,85 @@
+"""What the checks on motion have in common: the driven path, the judged part of it, and how it ended."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.contracts.outcome import RunStatus
+from grader.contracts.trajectory import Command, Ints, Trajectory
+from grader.contracts.verdict import Run
+from grader.geometry.path import Path, driven_path
+
+MOVING_MPS = 0.02
+MOVING_RADPS = 0.02
+COMMAND_TIMEOUT_NS = 1_000_000_000  # turtlesim drops a command 1.0 s after the last message
+MAX_PAUSE_NS = 1_500_000_000  # a longer rest before the horizon is the end, not a pause
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Drive:
+    """The judged motion of one run.
+
+    Attributes:
+        path: the driven path. t_ns: (n,) the time of its samples.
+        moving_at_end: the car was moving when the recording ended.
+        commanded_at_end: the last command was not a stop, so only the end of the run or turtlesim's
+            timeout of one second can have stopped the car.
+        cut_short: moving at the end, or in a pause between motions when the horizon came.
+    """
+
+    path: Path
+    t_ns: Ints
+    moving_at_end: bool
+    commanded_at_end: bool
+    cut_short: bool
+
+
+def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
+    """Return the motion of `run`, or None when the trajectory is empty or not finite.
+
+    Args:
+        run: the run to look at.
+        until_contact: judge only what came before the car first touched a wall.
+    """
+    trajectory = run.trajectory
+    count = _judged(trajectory, until_contact=until_contact)
+    poses = [array[:count] for array in (trajectory.x_m, trajectory.y_m, trajectory.heading_rad)]
+    if count < 1 or not all(bool(np.isfinite(array).all()) for array in poses):
+        return None
+    path = driven_path(*poses, jumps=[i for i in trajectory.jumps if 0 < i < count])
+    moving = _moving_at_end(trajectory)
+    return Drive(
+        path=path,
+        t_ns=trajectory.t_ns[:count],
+        moving_at_end=moving,
+        commanded_at_end=bool(trajectory.commands) and is_motion(trajectory.commands[-1]),
+        cut_short=moving or _pausing(run),
+    )
+
+
+def is_motion(command: Command) -> bool:
+    """Whether the command asks for a motion worth the name."""
+    return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS
+
+
+def _judged(trajectory: Trajectory, *, until_contact: bool) -> int:
+    if not until_contact or not trajectory.contacts:
+        return len(trajectory)
+    before = int(np.searchsorted(trajectory.t_ns, trajectory.contacts[0].start_ns, side="left"))
+    return max(before, 1)
+
+
+def _moving_at_end(trajectory: Trajectory) -> bool:
+    recorded_to_the_end = trajectory.end_ns - int(trajectory.t_ns[-1]) <= 100_000_000
+    moving = abs(trajectory.v_mps[-1]) > MOVING_MPS or abs(trajectory.w_radps[-1]) > MOVING_RADPS
+    return recorded_to_the_end and bool(moving)
+
+
+def _pausing(run: Run) -> bool:
+    last_ns = run.outcome.last_command_ns
+    return (
+        run.outcome.status is RunStatus.INTERRUPTED
+        and last_ns is not None
+        and run.trajectory.end_ns - last_ns <= MAX_PAUSE_NS
+        and run.trajectory.end_ns - int(run.trajectory.t_ns[-1]) <= MAX_PAUSE_NS
+    )

@@ -1,0 +1,108 @@
+"""Turn findings into judged rubric items: credit, dependencies, sentences."""
+
+import math
+from collections.abc import Sequence
+
+from grader.checks import credit
+from grader.checks.measure import UNMEASURED, Check, Findings, Measure, Mistake
+from grader.checks.quantity import number_beside, plain
+from grader.checks.rubric_text import wanted
+from grader.contracts.assignment import ItemSpec
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.text import EMPTY, Text
+from grader.messages import join, say
+
+_LIST_SEPARATOR = Text(zh="、", en=", ")
+
+
+def judge(check: Check, specs: Sequence[ItemSpec], findings: Findings, *, parts: int, prefix: str) -> list[RubricItem]:
+    """Judge every item on one run.
+
+    Args:
+        check: the kind of check that made the findings.
+        specs: the rubric.
+        findings: what was seen in the run.
+        parts: number of runs among which each item's points are divided.
+        prefix: put before each item's id (``case/``), or empty.
+    """
+    judged: dict[str, RubricItem] = {}
+    for spec in specs:
+        blockers = [
+            judged[need] for need in spec.needs if judged[need].status in (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
+        ]
+        measure = findings.measures.get(spec.measure, UNMEASURED)
+        points = round(spec.points / parts, 2)
+        if blockers:
+            judged[spec.id] = _not_checked(check, spec, points, prefix, blockers)
+        else:
+            judged[spec.id] = _judged(check, spec, measure, points, prefix, findings.mistakes)
+    return list(judged.values())
+
+
+def _not_checked(
+    check: Check, spec: ItemSpec, points: float, prefix: str, blockers: list[RubricItem]
+) -> RubricItem:
+    titles = join([blocker.title for blocker in blockers], _LIST_SEPARATOR)
+    target, tolerance = _target(spec)
+    return RubricItem(
+        id=prefix + spec.id,
+        title=spec.title,
+        points=points,
+        earned=0.0,
+        status=ItemStatus.NOT_CHECKED,
+        target=target,
+        tolerance=tolerance,
+        unit=check.measures[spec.measure].unit,
+        wanted=wanted(check.measures[spec.measure], spec),
+        message=say("item.not_checked", items=titles),
+    )
+
+
+def _judged(
+    check: Check, spec: ItemSpec, measure: Measure, points: float, prefix: str, mistakes: Sequence[Mistake]
+) -> RubricItem:
+    part = credit.share(spec, measure.value)
+    earned = credit.earned(points, part)
+    target, tolerance = _target(spec)
+    return RubricItem(
+        id=prefix + spec.id,
+        title=spec.title,
+        points=points,
+        earned=earned,
+        status=credit.status(earned, part),
+        measured=round(measure.value, 4) if math.isfinite(measure.value) else None,
+        target=target,
+        tolerance=tolerance,
+        unit=check.measures[spec.measure].unit,
+        wanted=wanted(check.measures[spec.measure], spec),
+        message=_seen(check, spec, measure),
+        hint=EMPTY if part >= 1.0 else _hint(check, spec, mistakes),
+    )
+
+
+def _target(spec: ItemSpec) -> tuple[float | None, float | None]:
+    """Return target and tolerance of a band; a band open on one side has only the end that counts."""
+    if spec.low is not None and spec.high is not None:
+        return (spec.low + spec.high) / 2.0, (spec.high - spec.low) / 2.0
+    return (spec.low, None) if spec.low is not None else (0.0, spec.high)
+
+
+def _seen(check: Check, spec: ItemSpec, measure: Measure) -> Text:
+    kind = check.measures[spec.measure]
+    if not math.isfinite(measure.value):
+        return say("item.unmeasured")
+    if kind.form == "flag":
+        answer = "yes" if measure.value >= 1.0 else "no"
+        return say(f"{check.kind}.{spec.measure}.{answer}", **measure.details)
+    if kind.form == "count":
+        value = plain(measure.value, 0)
+    else:
+        value = number_beside(measure.value, kind.unit, (spec.low, spec.high))
+    return say(f"{check.kind}.{spec.measure}.seen", value=value, **measure.details)
+
+
+def _hint(check: Check, spec: ItemSpec, mistakes: Sequence[Mistake]) -> Text:
+    for mistake in mistakes:
+        if mistake.explains(spec.measure):
+            return mistake.text
+    return say(f"{check.kind}.{spec.measure}.hint")

@@ -1,0 +1,86 @@
+"""What a check is made of: named measures, options, and findings in one run."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.figure import FigureSketch
+from grader.contracts.text import Text
+from grader.contracts.verdict import Run
+
+Option = float | int | str | bool
+Form = Literal["quantity", "count", "flag"]
+
+
+@dataclass(frozen=True, slots=True)
+class MeasureKind:
+    """A quantity that a check computes. Its texts are ``<check>.<name>.{name,seen,hint}`` in the catalogs.
+
+    Attributes:
+        unit: ``m``, ``deg``, ``s``, ``%`` or empty.
+        form: how it reads: a number with a unit, a whole number, or yes (1) and no (0).
+    """
+
+    unit: str = ""
+    form: Form = "quantity"
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A measured value. NaN: could not be measured. `details` fill the ``seen`` sentence."""
+
+    value: float
+    details: Mapping[str, object] = field(default_factory=dict)
+
+
+UNMEASURED = Measure(math.nan)
+
+
+@dataclass(frozen=True, slots=True)
+class Mistake:
+    """A recognised mistake.
+
+    Attributes:
+        code: stable name; its text is ``mistake.<code>`` in the catalogs.
+        text: what probably happened and the one next step.
+        measures: names of the measures it spoils; their items show this text as hint. Empty: all.
+    """
+
+    code: str
+    text: Text
+    measures: tuple[str, ...] = ()
+
+    def explains(self, measure: str) -> bool:
+        """Whether an item on `measure` may have failed because of this."""
+        return not self.measures or measure in self.measures
+
+
+@dataclass(frozen=True, slots=True)
+class Findings:
+    """What a check saw in one run. A measure that is absent could not be taken.
+
+    Attributes:
+        mistakes: most likely first.
+    """
+
+    measures: Mapping[str, Measure] = field(default_factory=dict)
+    mistakes: tuple[Mistake, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check:
+    """A kind of check: an entry of the table in `grader.checks`.
+
+    Attributes:
+        options: names of the options an assignment must give, with what is wrong about a value (or None).
+        examine: measures one run and recognises mistakes in it; never raises for what a student did.
+        sketch: what a plot of the run shows beside the bare path.
+    """
+
+    kind: str
+    measures: Mapping[str, MeasureKind]
+    examine: Callable[[Assignment, Run], Findings]
+    sketch: Callable[[Assignment, Run], FigureSketch]
+    options: Mapping[str, Callable[[Option], str | None]] = field(default_factory=dict)

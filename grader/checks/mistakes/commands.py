@@ -1,0 +1,82 @@
+"""Mistakes told by the publishers a script created and the commands it sent."""
+
+from collections.abc import Iterable
+
+from grader.checks.drive import COMMAND_TIMEOUT_NS, is_motion
+from grader.checks.measure import Mistake
+from grader.checks.quantity import number
+from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
+from grader.contracts.trajectory import Trajectory
+from grader.contracts.verdict import Run
+from grader.messages import say
+
+TWIST = "geometry_msgs/msg/Twist"
+_OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
+_TIMEOUT_SLACK_NS = 50_000_000
+
+
+def command_mistakes(run: Run, topic: str) -> tuple[Mistake, ...]:
+    """Return why the car got no commands on `topic`, or stopped obeying them."""
+    outcome = run.outcome
+    if outcome.command_count == 0:
+        return _silence(outcome, topic)
+    if outcome.nonfinite_commands:
+        return (_mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
+    commands = run.trajectory.commands
+    if commands and not any(is_motion(command) for command in commands):
+        return (_mistake("zero_commands"),)
+    return _timeouts(run.trajectory, outcome)
+
+
+def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
+    """Say why no velocity command arrived; nothing when the script crashed before it could send one."""
+    publishers = [
+        endpoint
+        for endpoint in outcome.endpoints
+        if endpoint.kind == "publisher" and endpoint.name not in _OWN_TOPICS
+    ]
+    right = [publisher for publisher in publishers if publisher.name == topic]
+    elsewhere = [publisher for publisher in publishers if publisher.name != topic and publisher.type == TWIST]
+    if any(publisher.type == TWIST for publisher in right):
+        return _unused_publisher(outcome)
+    if right:
+        return (_mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
+    if elsewhere:
+        return (_mistake("wrong_topic", used=_names(elsewhere), topic=topic),)
+    if outcome.status not in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
+        return ()
+    if not outcome.nodes:
+        return (_mistake("nothing_ran"),)
+    if publishers:
+        return (_mistake("wrong_topic", used=_names(publishers), topic=topic),)
+    return (_mistake("no_publisher", topic=topic),)
+
+
+def _unused_publisher(outcome: RunOutcome) -> tuple[Mistake, ...]:
+    if outcome.status is RunStatus.FINISHED:
+        return (_mistake("never_spun", ended=number(outcome.duration_ns / 1e9, "s")),)
+    if outcome.status is RunStatus.INTERRUPTED:
+        return (_mistake("never_published"),)
+    return ()
+
+
+def _names(publishers: Iterable[Endpoint]) -> str:
+    return ", ".join(sorted({f"{publisher.name} ({publisher.type})" for publisher in publishers})[:4])
+
+
+def _timeouts(trajectory: Trajectory, outcome: RunOutcome) -> tuple[Mistake, ...]:
+    """Recognise motions that ended because nothing was published for a second while the script went on."""
+    commands = trajectory.commands
+    ends = [command.t_ns for command in commands[1:]] + [outcome.duration_ns]
+    gaps = [
+        end - command.t_ns
+        for command, end in zip(commands, ends, strict=True)
+        if is_motion(command) and end - command.t_ns > COMMAND_TIMEOUT_NS + _TIMEOUT_SLACK_NS
+    ]
+    if not gaps:
+        return ()
+    return (_mistake("published_once", times=len(gaps), silence=number(max(gaps) / 1e9, "s")),)
+
+
+def _mistake(code: str, **values: object) -> Mistake:
+    return Mistake(code, say(f"mistake.{code}", **values))

@@ -1,0 +1,56 @@
+"""Mistakes told by a motion that should have been straight."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+from grader.checks.drive import Drive
+from grader.checks.measure import UNMEASURED, Measure, Mistake
+from grader.checks.mistakes.commands import command_mistakes
+from grader.checks.mistakes.script import script_mistakes
+from grader.checks.quantity import number
+from grader.contracts.verdict import Run
+from grader.messages import say
+
+MIN_MOTION_M = 0.05
+TURNING_DEG = 5.0
+WAY_BACK_M = 0.05
+SHORT_M = 0.5
+
+
+def motion_mistakes(
+    run: Run, topic: str, drive: Drive | None, measures: Mapping[str, Measure], *, backward: bool
+) -> tuple[Mistake, ...]:
+    """Return what probably went wrong while driving straight."""
+    found = [*script_mistakes(run.outcome)]
+    if drive is None:
+        return tuple(found)
+    values = {name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")}
+    found += _wrong_way(values["advance_m"], backward=backward)
+    found += command_mistakes(run, topic)
+    found += _turning(drive, values)
+    if values["way_back_m"] > WAY_BACK_M and values["advance_m"] > -MIN_MOTION_M:
+        text = say("mistake.came_back", way_back=number(values["way_back_m"], "m"))
+        found.append(Mistake("came_back", text, ("way_back_m", "advance_m")))
+    if MIN_MOTION_M < values["advance_m"] < SHORT_M and values["way_back_m"] <= WAY_BACK_M:
+        text = say("mistake.too_short", distance=number(values["advance_m"], "m"))
+        found.append(Mistake("too_short", text, ("advance_m",)))
+    return tuple(found)
+
+
+def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:
+    if advance_m < -MIN_MOTION_M:
+        code = "drove_forward" if backward else "drove_backward"
+        yield Mistake(code, say(f"mistake.{code}", distance=number(-advance_m, "m")), ("advance_m",))
+
+
+def _turning(drive: Drive, values: Mapping[str, float]) -> Iterator[Mistake]:
+    if not values["turned_deg"] > TURNING_DEG:
+        return
+    travelled_m = float(drive.path.along_m[-1])
+    turned = number(values["turned_deg"], "deg")
+    if travelled_m < MIN_MOTION_M:
+        yield Mistake("only_turned", say("mistake.only_turned", turned=turned))
+    else:
+        radius_m = travelled_m / math.radians(values["turned_deg"])
+        text = say("mistake.curved", turned=turned, radius=number(radius_m, "m"))
+        yield Mistake("curved", text, ("turned_deg", "lateral_pct", "way_back_m", "advance_m"))

@@ -1,0 +1,50 @@
+"""Mistakes told by a motion that should have been a turn on the spot."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+from grader.checks.drive import Drive
+from grader.checks.measure import UNMEASURED, Measure, Mistake
+from grader.checks.mistakes.commands import command_mistakes
+from grader.checks.mistakes.script import script_mistakes
+from grader.checks.quantity import number
+from grader.contracts.verdict import Run
+from grader.messages import say
+
+FULL_TURN_DEG = 355.0
+SAME_DEG = 4.0
+STRAYED_M = 0.1
+MIN_TURN_DEG = 3.0
+
+
+def rotation_mistakes(
+    run: Run, topic: str, drive: Drive | None, measures: Mapping[str, Measure]
+) -> tuple[Mistake, ...]:
+    """Return what probably went wrong while turning."""
+    found = [*script_mistakes(run.outcome)]
+    if drive is None:
+        return tuple(found)
+    turned = measures.get("turned_deg", UNMEASURED).value
+    drift = measures.get("drift_m", UNMEASURED).value
+    if drift > STRAYED_M and turned > MIN_TURN_DEG:
+        radius_m = float(drive.path.along_m[-1]) / math.radians(turned)
+        text = say("mistake.circling", radius=number(radius_m, "m"), drift=number(drift, "m"))
+        found.append(Mistake("circling", text, ("drift_m",)))
+    elif drift > STRAYED_M:
+        found.append(Mistake("only_drove", say("mistake.only_drove", distance=number(drift, "m"))))
+    found += command_mistakes(run, topic)
+    if MIN_TURN_DEG < turned < FULL_TURN_DEG:
+        found += _short_turn(turned, drive)
+    return tuple(found)
+
+
+def _short_turn(turned: float, drive: Drive) -> Iterator[Mistake]:
+    """Say why the turn ended before it was whole."""
+    angle = number(turned, "deg")
+    codes = {math.degrees(1.0): "turned_one_radian", 180.0: "half_turn"}
+    for telling, code in codes.items():
+        if abs(turned - telling) <= SAME_DEG:
+            yield Mistake(code, say(f"mistake.{code}", turned=angle), ("turned_deg",))
+            return
+    code = "turn_too_slow" if drive.cut_short else "turn_too_short"
+    yield Mistake(code, say(f"mistake.{code}", turned=angle), ("turned_deg",))

@@ -1,0 +1,71 @@
+"""The rubric as a student reads it before submitting, from the same data that is scored by."""
+
+from grader.checks.measure import Check, MeasureKind
+from grader.checks.quantity import SUFFIX, plain
+from grader.contracts.assignment import Assignment, ItemSpec
+from grader.contracts.rubric import PublishedItem, PublishedRubric
+from grader.contracts.text import EMPTY, Text
+from grader.messages import join, say
+
+_LIST_SEPARATOR = Text(zh="、", en=", ")
+_MOST_DIGITS = 4
+
+
+def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
+    """Say what earns full credit: ``90° ± 3°``, ``at least 0.5 m``, ``yes``."""
+    if kind.form == "flag":
+        return say("wanted.yes")
+    low, high = _number(spec.low, kind.unit), _number(spec.high, kind.unit)
+    if spec.low is None or spec.high is None:
+        return say("wanted.at_least", low=low) if spec.low is not None else say("wanted.at_most", high=high)
+    if spec.low == spec.high:
+        return say("wanted.exactly", value=low)
+    middle, half = (spec.low + spec.high) / 2.0, (spec.high - spec.low) / 2.0
+    return say("wanted.band", middle=_number(middle, kind.unit), half=_number(half, kind.unit))
+
+
+def published(check: Check, assignment: Assignment) -> PublishedRubric:
+    """Return the assignment's rubric in both languages."""
+    titles = {item.id: item.title for item in assignment.items}
+    return PublishedRubric(
+        assignment=assignment.id,
+        title=assignment.title,
+        brief=assignment.brief,
+        horizon_s=assignment.horizon_s,
+        max_score=assignment.max_score,
+        items=tuple(
+            PublishedItem(
+                id=spec.id,
+                title=spec.title,
+                points=spec.points,
+                measure=say(f"{check.kind}.{spec.measure}.name"),
+                wanted=wanted(check.measures[spec.measure], spec),
+                partial=_partial(check.measures[spec.measure], spec),
+                needs=_needs(spec, titles),
+            )
+            for spec in assignment.items
+        ),
+        remarks=say(f"{check.kind}.remarks"),
+    )
+
+
+def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:
+    """Say from where on an item earns nothing, for items that can earn a part."""
+    if spec.ramp <= 0.0 or kind.form == "flag":
+        return say("rubric.all_or_nothing")
+    edges = []
+    if spec.low is not None:
+        edges.append(say("rubric.zero_below", edge=_number(spec.low - spec.ramp, kind.unit)))
+    if spec.high is not None:
+        edges.append(say("rubric.zero_above", edge=_number(spec.high + spec.ramp, kind.unit)))
+    return say("rubric.partial", edges=join(edges, say("rubric.or")))
+
+
+def _needs(spec: ItemSpec, titles: dict[str, Text]) -> Text:
+    if not spec.needs:
+        return EMPTY
+    return say("rubric.needs", items=join([titles[need] for need in spec.needs], _LIST_SEPARATOR))
+
+
+def _number(value: float | None, unit: str) -> str:
+    return "" if value is None else plain(value, _MOST_DIGITS) + SUFFIX[unit]

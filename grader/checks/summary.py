@@ -1,0 +1,50 @@
+"""The one sentence and the one next step above a list of judged items."""
+
+from collections.abc import Sequence
+
+from grader.checks.measure import Findings, Mistake
+from grader.checks.quantity import plain
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.text import EMPTY, Text
+from grader.contracts.verdict import Verdict
+from grader.messages import join, say
+
+_LIST_SEPARATOR = Text(zh="、", en=", ")
+
+
+def summarise(items: Sequence[RubricItem], findings: Sequence[Findings]) -> Verdict:
+    """Put summary, hint and recognised mistakes to the items; none of the latter when all is right."""
+    wrong = [item for item in items if item.status is not ItemStatus.PASSED]
+    if not wrong:
+        return Verdict(items=tuple(items), summary=say("summary.full"))
+    mistakes = _distinct(findings)
+    hint = mistakes[0].text if mistakes else next((item.hint for item in wrong if item.hint != EMPTY), EMPTY)
+    return Verdict(
+        items=tuple(items),
+        summary=_sentence(items, wrong),
+        hint=hint,
+        mistakes=tuple(mistake.code for mistake in mistakes),
+    )
+
+
+def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:
+    earned, points = sum(item.earned for item in items), sum(item.points for item in items)
+    if earned <= 0.0:
+        return say("summary.nothing", points=plain(points, 2))
+    titles = join([item.title for item in wrong if item.status is not ItemStatus.NOT_CHECKED], _LIST_SEPARATOR)
+    return say(
+        "summary.partial",
+        earned=plain(earned, 2),
+        points=plain(points, 2),
+        passed=len(items) - len(wrong),
+        count=len(items),
+        items=titles,
+    )
+
+
+def _distinct(findings: Sequence[Findings]) -> list[Mistake]:
+    mistakes: dict[str, Mistake] = {}
+    for seen in findings:
+        for mistake in seen.mistakes:
+            mistakes.setdefault(mistake.code, mistake)
+    return list(mistakes.values())
