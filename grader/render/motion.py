@@ -57,7 +57,7 @@ def draw_turned(axes: Axes, scene: Scene) -> None:
     axes.plot(
         seconds,
         np.append(turned_deg, turned_deg[-1]),
-        color=palette.PASSED,
+        color=_colour_of_turn(scene),
         lw=2.2,
         label=scene.word("turned"),
     )

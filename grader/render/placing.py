@@ -5,17 +5,21 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 
 from grader.contracts.figure import Point
 from grader.contracts.trajectory import Floats
+from grader.render import palette
 
 _ANGLES_DEG = (0, 25, -25, 50, -50, 80, -80, 115, -115, 150, -150, 180)
 _GAPS_PT = (6, 10, 15, 22, 32, 46)
 _PADDING_PX = 2.0
 _INK_CLEARANCE_PX = 4.0
 _FRAME_PX = 5.0
+_PRICE_PER_PX = 0.07
+_PRICE_PER_TURN = 0.35
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,7 +89,7 @@ class Board:
         )
         area = float(box.width * box.height)
         outside = area - _overlap(box, self.axes.bbox)
-        return (20 * covered + 80 * outside) / area + 0.6 * float(inside.sum()) + price
+        return (20 * covered + 80 * outside) / area + 1.2 * float(inside.sum()) + price
 
 
 def _annotation(axes: Axes, label: Label) -> Annotation:
@@ -102,6 +106,7 @@ def _annotation(axes: Axes, label: Label) -> Annotation:
         color=label.colour,
         fontsize=label.size_pt,
         bbox=frame,
+        path_effects=[] if label.boxed else [withStroke(linewidth=2.5, foreground=palette.PAPER)],
         zorder=9,
     )
 
@@ -109,13 +114,15 @@ def _annotation(axes: Axes, label: Label) -> Annotation:
 def _candidates(away: Point, half: Floats, scale: float) -> Iterator[tuple[Floats, float]]:
     """Yield offsets of the box's centre in pixels, each with the price of leaving the preferred place."""
     preferred = float(np.arctan2(away[1], away[0]))
-    for i, gap in enumerate(_GAPS_PT):
+    for gap in _GAPS_PT:
         for j, degrees in enumerate(_ANGLES_DEG):
             angle = preferred + np.deg2rad(degrees)
             direction = np.array([np.cos(angle), np.sin(angle)])
-            # The farther of the box's sides in that direction must clear the anchor.
-            reach = float((half / np.maximum(np.abs(direction), 1e-9)).min())
-            yield direction * (gap * scale + reach), 1.2 * i + 0.35 * j
+            reaches = half / np.maximum(np.abs(direction), 1e-9)
+            # Past the nearer of the box's sides it clears the anchor, past both also a corner's two lines.
+            for reach in (reaches.min(), min(reaches.max(), 2 * half.max())):
+                distance = gap * scale + float(reach)
+                yield direction * distance, _PRICE_PER_PX * distance + _PRICE_PER_TURN * j
 
 
 def _box(centre: Floats, half: Floats) -> Bbox:
