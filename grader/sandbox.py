@@ -1,66 +1,68 @@
 """The sandbox's public face: run one script under limits, confined, with a channel to its episode.
 
-with Sandbox() as sandbox:
-    with sandbox.open(limits) as jail:
-        jail.send(start_frame)
-        while (frame := jail.receive()) is not None:
-            ...
-        report = jail.close()
+One `Sandbox` per grading process; one `Jail` per run: send START, `receive` frames until None, then `close`
+for the `JailReport`.
 """
 
+import json
 import os
 import socket
-import sys
+from collections.abc import Set
 from contextlib import ExitStack
-from enum import StrEnum
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
 from grader.contracts.limits import Limits
-from grader.jail import landlock, layout, libc, policy
+from grader.jail import layers
 from grader.jail.jail import Jail, start_byte
+from grader.jail.layers import Layer, Mode, Program
 from grader.jail.process import ProcessHandle
 from grader.jail.report import JailReport, Verdict
 from grader.jail.streams import Capture
-from grader.jail.supervisor import FILTER_DIRECTORY, Zygote, ZygoteConfig
+from grader.jail.supervisor import Zygote
 
-__all__ = ["Jail", "JailReport", "Mode", "Sandbox", "Verdict"]
+__all__ = ["Jail", "JailReport", "Layer", "Mode", "Proof", "Sandbox", "Verdict"]
 
 _CONFINE_LIMIT_S: Final = 20.0
+_RUNS_PER_ZYGOTE: Final = 500
 SHIM_PATH: Final = Path(__file__).with_name("shim")
 
 
-class Mode(StrEnum):
-    """How much isolation is asked for.
+@dataclass(frozen=True, kw_only=True)
+class Proof:
+    """What a confined process saw when it tried to get out.
 
-    STRICT refuses to run without the required layers. BEST_EFFORT runs with what the host offers and names
-    what is missing. DEV leaves out the kernel's confinement: for one's own code on one's own computer.
+    Attributes:
+        breaches: attempts that succeeded, as ``layer: what``; empty when all required layers hold.
+        uid: user id inside.
+        descriptors: open descriptors inside.
+        environment: environment inside.
     """
 
-    STRICT = "strict"
-    BEST_EFFORT = "best-effort"
-    DEV = "dev"
+    breaches: tuple[str, ...]
+    uid: int
+    descriptors: tuple[int, ...]
+    environment: dict[str, str]
 
 
 class Sandbox:
     """Owns one zygote, and forks one confined process per run from it.
 
-    Attributes:
-        isolation: names of the active layers, joined by ``+``.
-        missing_layers: names of required layers that are not active; empty in STRICT.
+    Not for use by several threads at once. Several jails may be open at a time.
     """
 
-    def __init__(  # noqa: PLR0913 - all but two are settings with one right value outside tests
+    def __init__(  # noqa: PLR0913 - all but the first two have one right value outside tests
         self,
         mode: Mode = Mode.STRICT,
         shim_path: Path = SHIM_PATH,
         *,
         preload_numpy: bool = False,
-        namespaces: bool = False,
         entry: str = "rclpy._runner:run",
         preload: tuple[str, ...] = (),
+        without: Set[Layer] = frozenset(),
     ) -> None:
         """Choose the layers and start the zygote, without waiting for it.
 
@@ -68,26 +70,28 @@ class Sandbox:
             mode: what to do when a required layer is missing.
             shim_path: directory that is all of a script's own import path.
             preload_numpy: pay for numpy once instead of in each script that uses it.
-            namespaces: also move the zygote to its own namespaces with a minimal root.
             entry: ``module:function`` that a confined process calls with the channel's descriptor.
             preload: modules to import before the first fork.
+            without: layers to leave out.
 
         Raises:
             SandboxUnavailableError: STRICT, and this host lacks a required layer.
             SandboxError: the zygote could not be started.
         """
-        self._config = _configure(
-            mode,
-            shim_path,
-            namespaces=namespaces,
-            entry=entry,
-            preload=(*preload, "numpy") if preload_numpy else preload,
+        self._mode = mode
+        self._program = Program(
+            shim=shim_path, entry=entry, preload=(*preload, "numpy") if preload_numpy else preload
         )
-        self.missing_layers = _missing(self._config)
-        if mode is Mode.STRICT and self.missing_layers:
-            names = ", ".join(self.missing_layers)
+        choice = layers.choose(mode, without)
+        self.missing_required = choice.missing_required
+        if mode is Mode.STRICT and choice.missing_required:
+            names = ", ".join(choice.missing_required)
             raise SandboxUnavailableError(f"this host lacks a required layer of isolation: {names}")
-        self.isolation = _active(self._config)
+        self._active = choice.active
+        self._config = layers.configure(self._program, choice.active)
+        self._runs = 0
+        self._open_jails = 0
+        self._proven = mode is not Mode.STRICT
         self._zygote = Zygote(self._config)
 
     def __enter__(self) -> Self:
@@ -98,33 +102,97 @@ class Sandbox:
     ) -> None:
         self.close()
 
+    @property
+    def isolation(self) -> str:
+        """Mode and active layers, such as ``strict: process+rlimits+seccomp+landlock``."""
+        self._wait_ready()
+        return f"{self._mode}: {'+'.join(self._active)}"
+
+    @property
+    def missing_layers(self) -> tuple[str, ...]:
+        """Names of the layers that are not active, required or not."""
+        self._wait_ready()
+        return tuple(layer.value for layer in Layer if layer not in self._active)
+
     def open(self, limits: Limits) -> Jail:
         """Fork and confine one process; it then waits for its first frame.
 
         Raises:
+            SandboxUnavailableError: STRICT, and a required layer did not hold when tried.
             SandboxError: it could not be forked or confined. Nothing has run; the next call starts afresh.
         """
-        try:
-            return self._open(limits)
-        except SandboxError:
+        if not self._proven:
+            breaches = self.prove().breaches
+            if breaches:
+                raise SandboxUnavailableError(f"the sandbox does not hold: {'; '.join(breaches)}")
+            self._proven = True
+        if self._runs >= _RUNS_PER_ZYGOTE and not self._open_jails:
             self.restart()
-            raise
+        return self._open(limits, prove=False)
+
+    def prove(self) -> Proof:
+        """Have a confined process try to get out, and return what it saw. A few milliseconds.
+
+        Raises:
+            SandboxError: it could not be run, or did not report.
+        """
+        with self._open(Limits(cpu_s=5.0), prove=True) as jail:
+            body = jail.receive()
+            report = jail.close()
+        if body is None:
+            raise SandboxError(f"the confined process did not report: {report.verdict} {report.detail}")
+        seen = json.loads(body)
+        breaches = list(seen["breaches"])
+        expected = self._config.box_uid
+        if expected is not None and seen["uid"] != expected:
+            breaches.append(f"{Layer.OWN_UID}: run as user {seen['uid']}")
+        if seen["descriptors"] != [0, 1, 2, 3]:
+            breaches.append(f"{Layer.PROCESS}: inherit descriptors {seen['descriptors']}")
+        return Proof(
+            breaches=tuple(breaches),
+            uid=seen["uid"],
+            descriptors=tuple(seen["descriptors"]),
+            environment=seen["environment"],
+        )
 
     def restart(self) -> None:
         """Replace the zygote; runs in progress are ended."""
         self._zygote.close()
         self._zygote = Zygote(self._config)
+        self._runs = 0
 
     def close(self) -> None:
         """End the zygote and everything it started."""
         self._zygote.close()
 
-    def _open(self, limits: Limits) -> Jail:
+    def _wait_ready(self) -> None:
+        """Wait for the zygote; do without namespaces where the host lets us only begin."""
         if not self._zygote.alive:
             self.restart()
+        try:
+            self._zygote.wait_ready()
+        except SandboxError:
+            if not self._config.namespaces:
+                raise
+            self._config = replace(self._config, namespaces=False)
+            self.restart()
+            self._zygote.wait_ready()
+        if not self._zygote.namespaces:
+            self._active = tuple(layer for layer in self._active if layer is not Layer.NAMESPACES)
+
+    def _open(self, limits: Limits, *, prove: bool) -> Jail:
+        try:
+            self._wait_ready()
+            jail = self._fork(limits, prove=prove)
+        except SandboxError:
+            self.restart()
+            raise
+        self._runs += 1
+        self._open_jails += 1
+        return jail
+
+    def _fork(self, limits: Limits, *, prove: bool) -> Jail:
         zygote = self._zygote
-        zygote.wait_ready()
-        threads = limits.threads if self._counts_threads else None
         with ExitStack() as undo:
             ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
             undo.callback(ours.close)
@@ -132,7 +200,9 @@ class Sandbox:
                 captures, writers = _pipes(undo)
                 try:
                     pid, pidfd = zygote.fork(
-                        (limits.cpu_s, limits.memory_bytes, threads), (theirs.fileno(), *writers)
+                        (limits.cpu_s, limits.memory_bytes, limits.threads if self._counts_threads else None),
+                        (theirs.fileno(), *writers),
+                        prove=prove,
                     )
                 finally:
                     for writer in writers:
@@ -141,11 +211,17 @@ class Sandbox:
             undo.callback(process.close)
             start_byte(ours, _CONFINE_LIMIT_S)
             undo.pop_all()
-        return Jail(ours, process, captures, limits, lambda: zygote.reap(pid))
+
+        def reap() -> tuple[int, int, int]:
+            self._open_jails -= 1
+            return zygote.reap(pid)
+
+        return Jail(ours, process, captures, limits, reap)
 
     @property
     def _counts_threads(self) -> bool:
-        return self._config.box_uid is not None or (self._config.namespaces and os.geteuid() != 0)
+        """Whether the kernel can count one run's threads: nobody else has its user id."""
+        return Layer.OWN_UID in self._active or (Layer.NAMESPACES in self._active and os.geteuid() != 0)
 
 
 def _pipes(undo: ExitStack) -> tuple[tuple[Capture, Capture], tuple[int, int]]:
@@ -156,54 +232,3 @@ def _pipes(undo: ExitStack) -> tuple[tuple[Capture, Capture], tuple[int, int]]:
     for capture in captures:
         undo.callback(capture.close)
     return captures, (stdout_writer, stderr_writer)
-
-
-def _configure(
-    mode: Mode, shim: Path, *, namespaces: bool, entry: str, preload: tuple[str, ...]
-) -> ZygoteConfig:
-    linux = sys.platform == "linux"
-    confined = linux and mode is not Mode.DEV
-    packages = layout.allowed_packages()
-    readable = layout.readable_paths(shim, packages) if confined else []
-    shown, masked = layout.mounted_paths(shim, packages) if namespaces else ([], [])
-    own_uid = confined and os.geteuid() == 0
-    return ZygoteConfig(
-        shim=str(shim.resolve()),
-        entry=entry,
-        preload=preload,
-        packages=packages,
-        readable=readable,
-        shown=[*shown, *policy.READABLE_DEVICES, *policy.WRITABLE_DEVICES],
-        masked=masked,
-        landlock=confined and landlock.abi_version() > 0,
-        seccomp=confined and (FILTER_DIRECTORY / f"{libc.MACHINE}.bpf").exists(),
-        namespaces=confined and namespaces,
-        box_uid=_box_uid() if own_uid else None,
-        keep_read=own_uid and not namespaces and not layout.reachable_by_others(readable),
-    )
-
-
-def _box_uid() -> int:
-    """Return a user id that no one else on this host has: one per grading process."""
-    with open("/proc/self/uid_map", encoding="ascii") as file:
-        spans = [tuple(map(int, line.split())) for line in file]
-    wanted = policy.BOX_UID_BASE + os.getpid()
-    if any(first <= wanted < first + count for first, _, count in spans):
-        return wanted
-    return policy.BOX_UID_BASE_MAPPED + os.getpid() % policy.BOX_UID_COUNT_MAPPED
-
-
-def _missing(config: ZygoteConfig) -> tuple[str, ...]:
-    present = {"landlock": config.landlock, "seccomp": config.seccomp}
-    return tuple(name for name, active in present.items() if not active)
-
-
-def _active(config: ZygoteConfig) -> str:
-    layers = {
-        "rlimits": True,
-        "seccomp": config.seccomp,
-        "landlock": config.landlock,
-        "own uid": config.box_uid is not None,
-        "namespaces": config.namespaces,
-    }
-    return "+".join(name for name, active in layers.items() if active)

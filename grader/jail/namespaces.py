@@ -26,7 +26,7 @@ class _MountAttr(ctypes.Structure):
     )
 
 
-def enter(shown: Iterable[str], masked: Iterable[str]) -> None:
+def enter(shown: Iterable[str], masked: Iterable[str]) -> bool:
     """Move to new namespaces and a new root; the caller goes on as process 1 of the new process namespace.
 
     The former process stays behind only to pass on the exit status.
@@ -35,15 +35,21 @@ def enter(shown: Iterable[str], masked: Iterable[str]) -> None:
         shown: files and directories that the new root shows, read-only, under their own names.
         masked: directories among them that are covered by an empty one.
 
+    Returns:
+        False, with nothing changed, where the host allows no new namespaces at all.
+
     Raises:
-        OSError: the host does not allow one of the steps.
+        OSError: the host allows them but refused a later step; this process is of no use any more.
     """
     uid, gid = os.geteuid(), os.getegid()
     flags = (
         libc.CLONE_NEWNS | libc.CLONE_NEWPID | libc.CLONE_NEWNET | libc.CLONE_NEWIPC | libc.CLONE_NEWUTS
         | libc.CLONE_NEWCGROUP
     )  # fmt: skip
-    libc.unshare(flags if uid == 0 else flags | libc.CLONE_NEWUSER)
+    try:
+        libc.unshare(flags if uid == 0 else flags | libc.CLONE_NEWUSER)
+    except OSError:
+        return False
     if uid != 0:
         _map_identity(uid, gid)
     _continue_in_child()
@@ -59,6 +65,7 @@ def enter(shown: Iterable[str], masked: Iterable[str]) -> None:
     libc.syscall("pivot_root", libc.NR_PIVOT_ROOT[libc.MACHINE], b".", b".")
     libc.umount_lazily(".")
     os.chdir("/")
+    return True
 
 
 def _map_identity(uid: int, gid: int) -> None:

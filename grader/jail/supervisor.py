@@ -40,12 +40,17 @@ class ZygoteConfig:
 
 
 class Zygote:
-    """One warm process. Every method raises `SandboxError` when it does not do its part in time."""
+    """One warm process. Every method raises `SandboxError` when it does not do its part in time.
+
+    Attributes:
+        namespaces: whether it lives in its own namespaces; known once it is ready.
+    """
 
     def __init__(self, config: ZygoteConfig) -> None:
         """Start the process; it prepares itself while the caller goes on (see `wait_ready`)."""
         self._lock = threading.Lock()
         self._ready = False
+        self.namespaces = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
         self._control.settimeout(_ANSWER_LIMIT_S)
         try:
@@ -70,15 +75,26 @@ class Zygote:
         """
         with self._lock:
             if not self._ready:
-                self._answer()
+                answer, _ = self._answer()
+                self.namespaces = bool(answer["namespaces"])
                 self._ready = True
 
     def fork(
-        self, budget: tuple[float, int, int | None], descriptors: tuple[int, int, int]
+        self,
+        budget: tuple[float, int, int | None],
+        descriptors: tuple[int, int, int],
+        *,
+        prove: bool = False,
     ) -> tuple[int, int | None]:
-        """Have a process forked; return its number, as the zygote sees it, and its pidfd."""
+        """Have a process forked; return its number, as the zygote sees it, and its pidfd.
+
+        Args:
+            budget: CPU seconds, private bytes and threads (None: not counted).
+            descriptors: channel, stdout and stderr of the new process.
+            prove: look for ways out of the jail instead of waiting for a script (see `inside`).
+        """
         with self._lock:
-            self._request({"do": "fork", "budget": budget}, *descriptors)
+            self._request({"do": "fork", "budget": budget, "prove": prove}, *descriptors)
             answer, received = self._answer()
             return int(answer["pid"]), received[0] if received else None
 
@@ -103,7 +119,8 @@ class Zygote:
         )
         try:
             sent = self._control.sendmsg([data], rights)
-            self._control.sendall(data[sent:])
+            if sent < len(data):
+                self._control.sendall(data[sent:])
         except OSError as error:
             raise SandboxError(f"the sandbox's process is gone: {error}") from error
 

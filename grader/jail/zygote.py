@@ -6,12 +6,12 @@ socket (its descriptor is named in argv): length-prefixed JSON both ways, descri
 
 | request | answer |
 |---|---|
-| the configuration, once | ``{"ready": true}`` or ``{"error": text}`` |
-| ``{"do": "fork", "budget": [...]}``, 3 descriptors | ``{"pid": n}`` and a pidfd, or ``{"error": text}`` |
+| the configuration, once | ``{"ready": true, "namespaces": bool}`` or ``{"error": text}`` |
+| ``{"do": "fork", "budget": [...], "prove": bool}``, 3 descriptors | ``{"pid": n}``, pidfd, or an error |
 | ``{"do": "reap", "pid": n}`` | ``{"status": n, "cpu_ns": n, "peak_bytes": n}`` |
 
 A forked process confines itself, says so with one byte on its channel (``+``, or ``-`` and a sentence), and
-calls the entry point. Standard library only.
+calls the entry point; with ``prove`` it looks for ways out instead (`inside`). Standard library only.
 """
 
 import _socket
@@ -31,7 +31,7 @@ from importlib.util import spec_from_file_location
 from io import TextIOWrapper
 from typing import Any, NoReturn
 
-from . import landlock, namespaces, policy, seccomp
+from . import inside, landlock, libc, namespaces, policy, seccomp
 from .confine import Budget, Layers, confine
 
 _LENGTH_BYTES = 4
@@ -58,7 +58,7 @@ def main() -> None:
     except Exception as error:  # whatever it is, the supervisor must hear of it
         _send(control, {"error": f"{type(error).__name__}: {error}"})
         return
-    _send(control, {"ready": True})
+    _send(control, {"ready": True, "namespaces": layers.namespaces})
     _serve(control, layers, entry)
 
 
@@ -77,7 +77,8 @@ def _serve(control: _socket.socket, layers: Layers, entry: Entry) -> None:
             _send(control, {"error": str(error)})
             pid = -1
         if pid == 0:
-            _become_student(layers, Budget(*request["budget"]), entry, descriptors)
+            start = inside.report if request["prove"] else entry
+            _become_student(layers, Budget(*request["budget"]), start, descriptors)
         if pid > 0:
             _announce(control, pid)
         for descriptor in descriptors:
@@ -109,9 +110,9 @@ def _reap(pid: int) -> Json:
 def _prepare(config: Json) -> tuple[Layers, Entry]:
     """Preload what scripts need and build what confinement needs."""
     program = seccomp.read_filter(str(config["filters"])) if config["seccomp"] else None
-    separate = bool(config["namespaces"])
-    if separate:
-        namespaces.enter(config["shown"], config["masked"])
+    separate = bool(config["namespaces"]) and namespaces.enter(config["shown"], config["masked"])
+    if sys.platform == "linux":
+        libc.prctl(libc.PR_SET_DUMPABLE, 0)
     _drop_launcher()
     sys.path.insert(0, str(config["shim"]))
     _allow_packages(config["packages"])
@@ -129,7 +130,7 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
     gc.collect()
     gc.freeze()
     box_uid: int | None = config["box_uid"]
-    return Layers(ruleset, program, box_uid, bool(config["keep_read"]), separate), entry
+    return Layers(ruleset, program, box_uid, config["keep_read"] and not separate, separate), entry
 
 
 def _drop_launcher() -> None:
@@ -243,4 +244,5 @@ def _send(control: _socket.socket, answer: Json, *descriptors: int) -> None:
     rights = [(_socket.SOL_SOCKET, _socket.SCM_RIGHTS, array.array("i", descriptors))] if descriptors else []
     data = len(body).to_bytes(_LENGTH_BYTES, "little") + body
     sent = control.sendmsg([data], rights)
-    control.sendall(data[sent:])
+    if sent < len(data):
+        control.sendall(data[sent:])
