@@ -16,6 +16,8 @@ def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
     if kind.form == "flag":
         return say("wanted.yes")
     low, high = _number(spec.low, kind.unit), _number(spec.high, kind.unit)
+    if kind.form == "count" and spec.high == 0.0:
+        return say("wanted.exactly", value=high)
     if spec.low is None or spec.high is None:
         return say("wanted.at_least", low=low) if spec.low is not None else say("wanted.at_most", high=high)
     if spec.low == spec.high:

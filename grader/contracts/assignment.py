@@ -101,3 +101,21 @@ class Assignment:
     def max_score(self) -> float:
         """Sum of the items' points over all cases."""
         return sum(item.points for item in self.items)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WrongAttempt:
+    """A wrong script that comes with an assignment, and the verdict it must get.
+
+    Attributes:
+        file: name inside the assignment's ``wrong`` folder.
+        low, high: bounds of the expected score, inclusive.
+        fails: id of the rubric item that must lose credit (failed or partial).
+        mistake: code that must be recognised first, or empty.
+    """
+
+    file: str
+    low: float
+    high: float
+    fails: str
+    mistake: str = ""

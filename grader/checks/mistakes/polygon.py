@@ -119,12 +119,10 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         yield Mistake("zigzag", say("mistake.zigzag", **values), spoilt)
     elif not off.any():
         return
-    elif uniform and abs(mean - ONE_RADIAN_DEG) <= SAME_DEG:
-        yield Mistake("one_radian", say("mistake.one_radian", **values), spoilt)
     elif _is_other_figure(seen, figure, mean) and uniform:
         yield _other_figure(seen, figure)
-    elif uniform and abs(mean - (180.0 - ideal)) <= SAME_DEG:
-        yield Mistake("interior_angle", say("mistake.interior_angle", mean=_degree(mean), **values), spoilt)
+    elif uniform and (telling := _telling_angle(seen, mean)) is not None:
+        yield Mistake(telling, say(f"mistake.{telling}", mean=_degree(mean), **values), spoilt)
     elif bool(off.all()):
         code = "turns_too_far" if mean > ideal else "turns_too_short"
         yield Mistake(code, say(f"mistake.{code}", excess=_degree(abs(mean - ideal)), **values), spoilt)
@@ -132,6 +130,15 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         worst = int(np.argmax(np.abs(corners - ideal)))
         text = say("mistake.one_corner_off", number=worst + 1, angle=_degree(float(corners[worst])), **values)
         yield Mistake("one_corner_off", text, spoilt)
+
+
+def _telling_angle(seen: _Seen, mean: float) -> str | None:
+    """Return the mistake whose angle `mean` is nearest to, if any is near."""
+    telling = {"one_radian": ONE_RADIAN_DEG}
+    if seen.sides != 4:  # a square's interior and exterior angles are the same
+        telling["interior_angle"] = 180.0 - seen.ideal_deg
+    nearest = min(telling, key=lambda code: abs(mean - telling[code]))
+    return nearest if abs(mean - telling[nearest]) <= SAME_DEG else None
 
 
 def _is_other_figure(seen: _Seen, figure: PolygonFigure, mean: float) -> bool:

@@ -1,0 +1,127 @@
+"""One ``assignment.yaml``: parsed safely, validated strictly, with errors that name line, field and fix."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+from pydantic import ValidationError
+
+from grader.catalog.schema import AssignmentModel
+from grader.contracts.assignment import Assignment, WrongAttempt
+from grader.contracts.errors import AssignmentError
+
+_Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times faster where libyaml is there
+
+_FIXES = {
+    "extra_forbidden": "unknown field; check its spelling or remove it",
+    "missing": "this field is required; add it",
+}
+
+
+class _StrictLoader(_Loader):  # type: ignore[misc]
+    """Refuses a key given twice, which YAML forbids and PyYAML ignores."""
+
+    def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
+        seen: set[str] = set()
+        for key, _ in node.value:
+            if key.value in seen:
+                raise yaml.constructor.ConstructorError(
+                    None, None, f"the field {key.value!r} is given twice; remove one", key.start_mark
+                )
+            seen.add(key.value)
+        mapping: dict[Any, Any] = super().construct_mapping(node, deep=deep)
+        return mapping
+
+
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A parsed but not yet validated file."""
+
+    path: Path
+    text: str
+    data: dict[str, Any]
+
+    @classmethod
+    def read(cls, path: Path) -> "Document":
+        """Read and parse a file.
+
+        Raises:
+            AssignmentError: not readable, not UTF-8, or not YAML with fields at the top.
+        """
+        try:
+            text = path.read_text(encoding="utf-8")
+            data = yaml.load(text, Loader=_StrictLoader)  # noqa: S506  (a safe loader)
+        except (OSError, UnicodeDecodeError) as error:
+            raise AssignmentError(f"{path}: cannot be read: {error}") from error
+        except yaml.MarkedYAMLError as error:
+            line = error.problem_mark.line + 1 if error.problem_mark is not None else "?"
+            raise AssignmentError(f"{path}:{line}: not valid YAML: {error.problem}") from error
+        except yaml.YAMLError as error:
+            raise AssignmentError(f"{path}: not valid YAML: {error}") from error
+        if not isinstance(data, dict):
+            raise AssignmentError(f"{path}:1: expected fields such as `id: square` at the top")
+        return cls(path, text, data)
+
+    @property
+    def order(self) -> float:
+        """Position on the checklist as written, last if it is not a number."""
+        order = self.data.get("order")
+        return order if isinstance(order, int | float) else float("inf")
+
+    @property
+    def file_patterns(self) -> tuple[str, ...]:
+        """File name patterns as written; empty if they are not a list of texts."""
+        patterns = self.data.get("file_patterns")
+        return tuple(map(str, patterns)) if isinstance(patterns, list) else ()
+
+    def assignment(self) -> Assignment:
+        """Return the validated assignment.
+
+        Raises:
+            AssignmentError: naming file, line, field and fix of every problem.
+        """
+        return self._validated().to_contract()
+
+    def wrong_attempts(self) -> tuple[WrongAttempt, ...]:
+        """Return the validated expectations for the wrong scripts.
+
+        Raises:
+            AssignmentError: as `assignment`.
+        """
+        return self._validated().attempts()
+
+    def line_of(self, field: tuple[int | str, ...]) -> int:
+        """Return the 1-based line where `field` stands, or of the nearest enclosing one that does."""
+        node = yaml.compose(self.text, Loader=_Loader)
+        line = 1
+        for step in field:
+            if isinstance(node, yaml.MappingNode):
+                pair = next((pair for pair in node.value if pair[0].value == str(step)), None)
+                if pair is None:
+                    break
+                line, node = pair[0].start_mark.line + 1, pair[1]
+            elif isinstance(node, yaml.SequenceNode) and isinstance(step, int) and step < len(node.value):
+                node = node.value[step]
+                line = node.start_mark.line + 1
+            else:
+                break
+        return line
+
+    def _validated(self) -> AssignmentModel:
+        try:
+            model = AssignmentModel.model_validate(self.data)
+        except ValidationError as error:
+            raise AssignmentError("\n".join(self._problem(each) for each in error.errors())) from error
+        if model.id != self.path.parent.name:
+            raise AssignmentError(
+                f"{self.path}:{self.line_of(('id',))}: id: {model.id!r} must be the folder's name "
+                f"{self.path.parent.name!r}"
+            )
+        return model
+
+    def _problem(self, error: Any) -> str:
+        location = tuple(error["loc"])
+        field = ".".join(map(str, location)) or "assignment"
+        fix = _FIXES.get(error["type"], error["msg"].removeprefix("Value error, "))
+        return f"{self.path}:{self.line_of(location)}: {field}: {fix}"

@@ -1,0 +1,190 @@
+"""The schema of ``assignment.yaml``. CONTRIBUTING explains every field to instructors."""
+
+from typing import Annotated, Self
+
+from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictFloat, StrictInt, StrictStr, model_validator
+
+from grader.contracts.assignment import Assignment, Case, ItemSpec, Profile, StartPose, WrongAttempt, World
+from grader.contracts.limits import MIB, Limits
+from grader.contracts.text import Text
+
+Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
+Topic = Annotated[str, Field(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
+Options = dict[str, StrictBool | StrictInt | StrictFloat | StrictStr]
+MAX_HORIZON_S = 600.0
+
+
+class _Model(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=False, allow_inf_nan=False, frozen=True)
+
+
+class TextModel(_Model):
+    """A sentence in both languages."""
+
+    zh: Annotated[str, Field(min_length=1)]
+    en: Annotated[str, Field(min_length=1)]
+
+    def to_contract(self) -> Text:
+        """Return the contract."""
+        return Text(zh=self.zh.strip(), en=self.en.strip())
+
+
+class ItemModel(_Model):
+    """A rubric item."""
+
+    id: Id
+    title: TextModel
+    points: Annotated[float, Field(gt=0.0, le=1000.0)]
+    measure: str
+    low: float | None = None
+    high: float | None = None
+    ramp: Annotated[float, Field(ge=0.0)] = 0.0
+    needs: tuple[str, ...] = ()
+
+    @model_validator(mode="after")
+    def _has_band(self) -> Self:
+        if self.low is None and self.high is None:
+            raise ValueError("give low, high or both: the band of full credit")
+        if self.low is not None and self.high is not None and self.low > self.high:
+            raise ValueError(f"low ({self.low}) is above high ({self.high}); swap them")
+        return self
+
+    def to_contract(self) -> ItemSpec:
+        """Return the contract."""
+        return ItemSpec(**{**dict(self), "title": self.title.to_contract()})
+
+
+class StartModel(_Model):
+    """Start pose; the field is 11.09 m wide and high, the origin bottom left."""
+
+    x_m: Annotated[float, Field(ge=0.0, le=11.0)] = StartPose().x_m
+    y_m: Annotated[float, Field(ge=0.0, le=11.0)] = StartPose().y_m
+    heading_deg: float = 0.0
+
+
+class WorldModel(_Model):
+    """The simulated world."""
+
+    profile: Profile = "nominal"
+    walls: bool = True
+    start: StartModel = StartModel()
+    cmd_vel_topic: Topic = "/turtle1/cmd_vel"
+    seed: Annotated[int, Field(ge=0)] = 0
+
+    def to_contract(self) -> World:
+        """Return the contract."""
+        return World(**{**dict(self), "start": StartPose(**dict(self.start))})
+
+
+class LimitsModel(_Model):
+    """What one run may use; the defaults are right for ordinary assignments."""
+
+    cpu_s: Annotated[float, Field(gt=0.0, le=120.0)] = Limits().cpu_s
+    wall_s: Annotated[float, Field(gt=0.0, le=600.0)] = Limits().wall_s
+    memory_mib: Annotated[int, Field(ge=64, le=4096)] = Limits().memory_bytes // MIB
+    output_kib: Annotated[int, Field(ge=16, le=65536)] = Limits().output_bytes // 1024
+    threads: Annotated[int, Field(ge=1, le=256)] = Limits().threads
+    grace_cpu_s: Annotated[float, Field(ge=0.0, le=10.0)] = Limits().grace_cpu_s
+
+    def to_contract(self) -> Limits:
+        """Return the contract."""
+        return Limits(
+            cpu_s=self.cpu_s,
+            wall_s=self.wall_s,
+            memory_bytes=self.memory_mib * MIB,
+            output_bytes=self.output_kib * 1024,
+            threads=self.threads,
+            grace_cpu_s=self.grace_cpu_s,
+        )
+
+
+class CaseModel(_Model):
+    """One run of the script and what it is given."""
+
+    id: Id = "default"
+    title: TextModel | None = None
+    stdin: str = ""
+    args: tuple[str, ...] = ()
+    options: Options = {}
+
+    def to_contract(self) -> Case:
+        """Return the contract."""
+        title = Case().title if self.title is None else self.title.to_contract()
+        return Case(**{**dict(self), "title": title})
+
+
+class WrongModel(_Model):
+    """A wrong script and the verdict it must get."""
+
+    file: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*\.py$")]
+    score: tuple[float, float]
+    fails: str
+    mistake: str = ""
+
+    @model_validator(mode="after")
+    def _score_is_a_band(self) -> Self:
+        if not 0.0 <= self.score[0] <= self.score[1]:
+            raise ValueError("score must be [low, high] with 0 <= low <= high")
+        return self
+
+    def to_contract(self) -> WrongAttempt:
+        """Return the contract."""
+        low, high = self.score
+        return WrongAttempt(file=self.file, low=low, high=high, fails=self.fails, mistake=self.mistake)
+
+
+class AssignmentModel(_Model):
+    """The whole file."""
+
+    id: Id
+    version: Annotated[int, Field(ge=1)]
+    order: int
+    title: TextModel
+    brief: TextModel
+    check: str
+    options: Options = {}
+    file_patterns: tuple[str, ...] = ()
+    horizon_s: Annotated[float, Field(gt=0.0, le=MAX_HORIZON_S)] = 60.0
+    limits: LimitsModel = LimitsModel()
+    world: WorldModel = WorldModel()
+    cases: Annotated[tuple[CaseModel, ...], Field(min_length=1)] = (CaseModel(),)
+    items: Annotated[tuple[ItemModel, ...], Field(min_length=1)]
+    wrong: tuple[WrongModel, ...] = ()
+
+    @model_validator(mode="after")
+    def _names_fit(self) -> Self:
+        seen: set[str] = set()
+        for item in self.items:
+            if item.id in seen:
+                raise ValueError(f"two items have the id {item.id!r}; rename one")
+            if missing := set(item.needs) - seen:
+                raise ValueError(f"item {item.id!r} needs {sorted(missing)[0]!r}, which is no earlier item")
+            seen.add(item.id)
+        if len({case.id for case in self.cases}) < len(self.cases):
+            raise ValueError("two cases have the same id; rename one")
+        for wrong in self.wrong:
+            if wrong.fails not in seen:
+                raise ValueError(f"wrong/{wrong.file}: fails names no item: {wrong.fails!r}")
+        return self
+
+    def to_contract(self) -> Assignment:
+        """Return the contract."""
+        return Assignment(
+            id=self.id,
+            version=self.version,
+            order=self.order,
+            title=self.title.to_contract(),
+            brief=self.brief.to_contract(),
+            check=self.check,
+            options=dict(self.options),
+            file_patterns=self.file_patterns,
+            horizon_s=self.horizon_s,
+            limits=self.limits.to_contract(),
+            world=self.world.to_contract(),
+            cases=tuple(case.to_contract() for case in self.cases),
+            items=tuple(item.to_contract() for item in self.items),
+        )
+
+    def attempts(self) -> tuple[WrongAttempt, ...]:
+        """Return the expectations for the wrong scripts."""
+        return tuple(wrong.to_contract() for wrong in self.wrong)
