@@ -65,7 +65,7 @@ class FigureSketch:
         ideal_m: vertices of the wanted figure, fitted to the motion (rotated, translated, scaled); empty
             when there is none.
         ideal_closed: whether the last vertex of `ideal_m` joins the first.
-        gap: from the start to the end point of a figure that should have closed, or None.
+        gap: from the start to the end point of a figure that should close; drawn unless it is ok.
         labels: further remarks; few and short.
         begin_ns, end_ns: the part of the trajectory that was judged; the rest is drawn faded. None: up to
             the trajectory's own end.

@@ -73,7 +73,7 @@ def _arrows(points: Floats, sketch: FigureSketch) -> Iterator[Arrow]:
 def _ink(axes: Axes, points: Floats, sketch: FigureSketch, walls: bool) -> Floats:
     """Return pixels that labels must not cover: path, sides, gap and walls."""
     lines = [points]
-    if sketch.gap is not None:
+    if sketch.gap is not None and not sketch.gap.ok:
         lines.append(np.array([sketch.gap.start_m, sketch.gap.end_m]))
     lines += [np.array([side.start_m, side.end_m]) for side in sketch.sides]
     if walls:
@@ -147,7 +147,7 @@ def _corner_label(corner: SketchCorner, centre: Point, signed: bool) -> Label:
 
 
 def _remarks(sketch: FigureSketch, scene: Scene, centre: Point) -> Iterator[Label]:
-    if (gap := sketch.gap) is not None:
+    if (gap := sketch.gap) is not None and not gap.ok:
         middle = _between(gap.start_m, gap.end_m, 0.5)
         text = scene.word("gap", length=f"{gap.length_m:.2f}")
         colour = palette.verdict(gap.ok)

@@ -71,6 +71,8 @@ WORDS: Mapping[str, Text] = {
     "score": _t("得分", "Score"),
     "full_marks": _t("满分", "full marks"),
     "not_yet": _t("待评", "pending"),
+    "yes": _t("是", "yes"),
+    "no": _t("否", "no"),
     "status": _t("状态", "Status"),
     "item": _t("评分项", "Rubric item"),
     "points": _t("得分", "Points"),

@@ -154,7 +154,7 @@ def _legend_of_verdicts(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
 
 
 def _gap(axes: Axes, sketch: FigureSketch) -> None:
-    if sketch.gap is None:
+    if sketch.gap is None or sketch.gap.ok:
         return
     (x0, y0), (x1, y1) = sketch.gap.start_m, sketch.gap.end_m
     axes.plot([x0, x1], [y0, y1], color=palette.verdict(sketch.gap.ok), lw=1.6, ls=":", zorder=4.5)

@@ -3,6 +3,8 @@
 import math
 
 from grader.contracts.rubric import RubricItem
+from grader.contracts.text import Language
+from grader.render.labels import word
 
 _DECIMALS = {"m": 2, "s": 2, "deg": 1, "%": 1}
 _MOST_DECIMALS = 5
@@ -55,15 +57,19 @@ def _whole(item: RubricItem) -> bool:
     return item.measured is not None and float(item.measured).is_integer()
 
 
-def measured(item: RubricItem) -> str:
+def measured(item: RubricItem, language: Language) -> str:
     """Return the measured value with its unit, a dash when nothing (or no number) was measured."""
     if item.measured is None or not math.isfinite(item.measured):
         return NOTHING
+    if item.wanted.en == "yes":
+        return word("yes" if item.measured >= 1.0 else "no", language)
     return number(item.measured, _decimals(item)) + suffix(item.unit)
 
 
-def wanted(item: RubricItem) -> str:
-    """Return target and tolerance with their unit, a dash when the item has none."""
+def wanted(item: RubricItem, language: Language) -> str:
+    """Return what earns full credit, in the checks' words or else as target and tolerance with their unit."""
+    if words := item.wanted.get(language):
+        return words
     if item.target is None:
         return NOTHING
     if not item.tolerance:

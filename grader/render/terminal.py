@@ -30,6 +30,7 @@ _STYLE = {
     ItemStatus.FAILED: "red",
     ItemStatus.NOT_CHECKED: "dim",
 }
+_WANTED_COLUMNS = 24
 _HEAD_LINES = 12
 _TAIL_LINES = 28
 _NANO = 1e-9
@@ -95,13 +96,17 @@ def _rubric(report: GradeReport, language: Language) -> Table:
     table.add_column(word("item", language), ratio=1, overflow="fold")
     table.add_column(word("points", language), justify="right", no_wrap=True)
     table.add_column(word("measured", language), justify="right", no_wrap=True)
-    table.add_column(word("wanted", language), no_wrap=True)
+    table.add_column(word("wanted", language), overflow="fold", max_width=_WANTED_COLUMNS)
     for item in report.items:
         style = _STYLE[item.status]
         mark = Text(f"{ITEM_MARK[item.status]} {ITEM_STATUS[item.status].get(language)}", style=style)
         points = f"{quantity.score(item.earned)}/{quantity.score(item.points)}"
         table.add_row(
-            mark, _item(item, language), points, Text(quantity.measured(item)), Text(quantity.wanted(item))
+            mark,
+            _item(item, language),
+            points,
+            Text(quantity.measured(item, language)),
+            Text(visible_line(quantity.wanted(item, language))),
         )
     return table
 
