@@ -60,6 +60,7 @@ class Sandbox:
         shim_path: Path = SHIM_PATH,
         *,
         preload_numpy: bool = False,
+        namespaces: bool = True,
         entry: str = "rclpy._runner:run",
         preload: tuple[str, ...] = (),
         without: Set[Layer] = frozenset(),
@@ -70,6 +71,7 @@ class Sandbox:
             mode: what to do when a required layer is missing.
             shim_path: directory that is all of a script's own import path.
             preload_numpy: pay for numpy once instead of in each script that uses it.
+            namespaces: also use namespaces and a minimal root, where the host allows them.
             entry: ``module:function`` that a confined process calls with the channel's descriptor.
             preload: modules to import before the first fork.
             without: layers to leave out.
@@ -82,7 +84,7 @@ class Sandbox:
         self._program = Program(
             shim=shim_path, entry=entry, preload=(*preload, "numpy") if preload_numpy else preload
         )
-        choice = layers.choose(mode, without)
+        choice = layers.choose(mode, without if namespaces else without | {Layer.NAMESPACES})
         self.missing_required = choice.missing_required
         if mode is Mode.STRICT and choice.missing_required:
             names = ", ".join(choice.missing_required)
