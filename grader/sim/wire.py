@@ -9,119 +9,33 @@ frames (which id is a publisher, whether time goes on) are the episode's to chec
 import json
 import struct
 from collections.abc import Callable, Iterable, Mapping
-from typing import Any, Final, NamedTuple, Protocol, TypeAlias
+from typing import Any, Final
 
 from grader.contracts.errors import ProtocolError
+from grader.sim.frames import (
+    CLIENT,
+    FINISHED,
+    NODE,
+    SYNTAX_ERROR,
+    Advance,
+    Entity,
+    Event,
+    Exit,
+    Frame,
+    Gone,
+    NoteFrame,
+    Publish,
+    Request,
+    Response,
+)
 
 PROTOCOL: Final = 1
 MAX_NAME_BYTES: Final = 1_024
 MAX_MESSAGE_BYTES: Final = 4_096
 MAX_DETAIL_BYTES: Final = 16_384
-MAX_EVENTS: Final = 256  # in one answer; the rest is due in the next one
 
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
 START, EVENTS = 0x80, 0x81
-
-NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
-FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR = 0, 1, 2, 3
-MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT = 1, 2, 3
-
-
-class Link(Protocol):
-    """The channel to the jailed process, in whole frame bodies."""
-
-    def send(self, body: bytes) -> None:
-        """Send one frame. A process that is gone is not an error: `receive` will tell."""
-
-    def receive(self) -> bytes | None:
-        """Wait for the next frame; None when the process has ended."""
-
-
-class Entity(NamedTuple):
-    """The script created a node, publisher, subscription, service or client."""
-
-    id: int
-    what: int
-    t_ns: int
-    node: str
-    name: str
-    type: str
-    reliable: bool
-    transient_local: bool
-    depth: int
-
-
-class Gone(NamedTuple):
-    """The script destroyed an entity."""
-
-    id: int
-    t_ns: int
-
-
-class Publish(NamedTuple):
-    """A message; `payload` is CDR, or empty where the world does not listen."""
-
-    id: int
-    t_ns: int
-    payload: bytes
-
-
-class Request(NamedTuple):
-    """A request to a service of the world."""
-
-    id: int
-    sequence: int
-    t_ns: int
-    payload: bytes
-
-
-class Response(NamedTuple):
-    """An answer of one of the script's services to a request of the episode."""
-
-    id: int
-    sequence: int
-    t_ns: int
-    payload: bytes
-
-
-class Advance(NamedTuple):
-    """Nothing earlier than `t_ns` will come; what is due up to then?"""
-
-    t_ns: int
-
-
-class NoteFrame(NamedTuple):
-    """Something the shim found worth telling the student."""
-
-    code: str
-    text: str
-
-
-class Exit(NamedTuple):
-    """How the script ended. `reason` is one of FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR."""
-
-    t_ns: int
-    reason: int
-    after_interrupt: bool
-    exit_code: int
-    exception_type: str
-    message: str
-    line: int
-    detail: str
-
-
-Frame: TypeAlias = Entity | Gone | Publish | Request | Response | Advance | NoteFrame | Exit
-
-
-class Event(NamedTuple):
-    """Something due for the jail. `what` is MESSAGE_EVENT, RESPONSE_EVENT or REQUEST_EVENT."""
-
-    what: int
-    id: int
-    sequence: int
-    t_ns: int
-    payload: bytes
-
 
 _U8, _U16, _U32, _I32, _I64 = (struct.Struct("<" + code) for code in "BHIiq")
 _PUBLISH_HEAD: Final = struct.Struct("<BHq")
@@ -152,7 +66,7 @@ def encode_start(fields: Mapping[str, Any], source: bytes) -> bytes:
 
 def encode_events(now_ns: int, events: Iterable[Event]) -> bytes:
     """Build EVENTS, the answer to ADVANCE."""
-    chunks = []
+    chunks: list[bytes] = []
     for what, identity, sequence, t_ns, payload in events:
         chunks += (_EVENT_HEAD.pack(what, identity, sequence, t_ns, len(payload)), payload)
     return _EVENTS_HEAD.pack(EVENTS, now_ns, len(chunks) // 2) + b"".join(chunks)

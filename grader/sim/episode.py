@@ -1,0 +1,283 @@
+"""One episode: the script's frames and the simulated world in lockstep, from START to the last sample."""
+
+import struct
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from grader.contracts.assignment import World
+from grader.contracts.errors import ProtocolError
+from grader.contracts.outcome import Endpoint, LogRecord, Note
+from grader.contracts.trajectory import Trajectory
+from grader.sim.bullet import BulletCar
+from grader.sim.cdr import HEADER
+from grader.sim.frames import (
+    CLIENT,
+    PUBLISHER,
+    SERVICE,
+    SUBSCRIPTION,
+    Advance,
+    Entity,
+    Exit,
+    Gone,
+    Link,
+    NoteFrame,
+    Publish,
+    Request,
+    Response,
+)
+from grader.sim.journal import LOG, Journal
+from grader.sim.recorder import Recorder
+from grader.sim.script_graph import ScriptGraph
+from grader.sim.service_calls import ServiceCall, ServiceCalls, ServiceResult
+from grader.sim.turtle import Turtle
+from grader.sim.turtle_world import TWIST, TurtleWorld
+from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
+
+ROSOUT: Final = "/rosout"
+DEFAULT_EPOCH_NS: Final = 1_700_000_000 * 1_000_000_000
+
+_TWIST: Final = struct.Struct("<4s6d")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EpisodeSpec:
+    """Everything an episode depends on besides the script's behaviour.
+
+    Attributes:
+        horizon_ns: virtual instant of Ctrl+C; the car is not moved beyond it.
+        source: the student's file. file_name: its name, for tracebacks.
+        args: of the command line, without the file. stdin: text for `input()`.
+        epoch_ns: wall clock the script reads at virtual time 0.
+        calls: requests the assignment sends to the script's services.
+    """
+
+    world: World
+    horizon_ns: int
+    source: bytes
+    file_name: str
+    args: tuple[str, ...] = ()
+    stdin: str = ""
+    epoch_ns: int = DEFAULT_EPOCH_NS
+    calls: tuple[ServiceCall, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class EpisodeResult:
+    """What the episode saw. The sandbox's report says the rest (signals, limits, streams).
+
+    Attributes:
+        exit: the script's own account of its end; None: the process ended without one.
+        violation: one sentence on how the process broke the wire format, after which nothing was believed.
+        duration_ns: virtual time at which the script ended, at most the horizon.
+        sim_steps: physics steps computed.
+    """
+
+    trajectory: Trajectory
+    exit: Exit | None
+    violation: str | None
+    duration_ns: int
+    nodes: tuple[str, ...]
+    endpoints: tuple[Endpoint, ...]
+    logs: tuple[LogRecord, ...]
+    logs_dropped: int
+    notes: tuple[Note, ...]
+    command_count: int
+    nonfinite_commands: int
+    first_command_ns: int | None
+    last_command_ns: int | None
+    sim_steps: int
+    calls: tuple[ServiceResult, ...] = field(default=())
+
+
+class Episode:
+    """Runs one script's episode on `car`, which any number of episodes may use one after the other."""
+
+    def __init__(self, spec: EpisodeSpec, car: BulletCar) -> None:
+        self._spec = spec
+        self._recorder = Recorder()
+        self._turtle = Turtle(car, self._recorder, spec.world, spec.horizon_ns)
+        self._world = TurtleWorld(self._turtle, spec.world, spec.epoch_ns)
+        self._graph = ScriptGraph()
+        self._journal = Journal()
+        self._calls = ServiceCalls(spec.calls, self._graph)
+        self._sinks: dict[int, Callable[[int, bytes], None]] = {}
+        self._now_ns = 0
+        self._exit: Exit | None = None
+
+    def run(self, link: Link) -> EpisodeResult:
+        """Drive the episode until the script has ended and the car has come to rest, or the horizon.
+
+        Raises:
+            InfrastructureError: the simulator failed. Nothing that the jailed process does raises.
+        """
+        violation = None
+        try:
+            link.send(encode_start(self._start_fields(), self._spec.source))
+            while self._exit is None and (body := link.receive()) is not None:
+                frame = decode(body)
+                if isinstance(frame, Publish):
+                    self._publish(frame)
+                else:
+                    self._take(frame, link)
+        except ProtocolError as error:
+            violation = str(error)
+        return self._finish(violation)
+
+    def _start_fields(self) -> dict[str, Any]:
+        spec = self._spec
+        graph = self._world.graph()
+        graph["calls"] = [[call.service, call.type] for call in spec.calls]
+        return {
+            "protocol": PROTOCOL,
+            "file_name": spec.file_name,
+            "args": list(spec.args),
+            "stdin": spec.stdin,
+            "horizon_ns": spec.horizon_ns,
+            "epoch_ns": spec.epoch_ns,
+            "seed": spec.world.seed,
+            "world": graph,
+        }
+
+    def _take(
+        self, frame: Entity | Gone | Request | Response | Advance | NoteFrame | Exit, link: Link
+    ) -> None:
+        """Act on one frame; its time must not be earlier than that of the one before."""
+        if isinstance(frame, NoteFrame):
+            self._journal.note(frame.code, frame.text)
+            return
+        self._check_time(frame.t_ns)
+        if isinstance(frame, Advance):
+            self._advance(frame.t_ns, link)
+            return
+        self._now_ns = frame.t_ns
+        if isinstance(frame, Exit):
+            self._exit = frame
+        elif frame.t_ns <= self._spec.horizon_ns:
+            self._graph_change(frame)
+
+    def _publish(self, frame: Publish) -> None:
+        self._check_time(frame.t_ns)
+        self._now_ns = frame.t_ns
+        if frame.t_ns > self._spec.horizon_ns:
+            return
+        self._graph.get(frame.id, PUBLISHER)
+        sink = self._sinks.get(frame.id)
+        if sink is not None:
+            sink(frame.t_ns, frame.payload)
+
+    def _check_time(self, t_ns: int) -> None:
+        if t_ns < self._now_ns:
+            raise ProtocolError(f"time went back from {self._now_ns} to {t_ns} ns")
+
+    def _graph_change(self, frame: Entity | Gone | Request | Response) -> None:
+        if isinstance(frame, Entity):
+            self._graph.add(frame)
+            self._connect(frame)
+        elif isinstance(frame, Gone):
+            self._graph.remove(frame.id)
+            self._sinks.pop(frame.id, None)
+            self._world.outbox.unsubscribe(frame.id)
+        elif isinstance(frame, Request):
+            client = self._graph.get(frame.id, CLIENT)
+            if self._world.services.get(client.name) == client.type and not self._world.request(
+                client.name, frame
+            ):
+                self._journal.note("too_many_requests", client.name)
+        else:
+            self._graph.get(frame.id, SERVICE)
+            self._calls.answer(frame)
+
+    def _connect(self, entity: Entity) -> None:
+        """Connect a publisher or subscription with the world where topic, type and QoS agree."""
+        if entity.what not in (PUBLISHER, SUBSCRIPTION):
+            return
+        if (entity.what, entity.name, entity.type) == (PUBLISHER, ROSOUT, LOG):
+            self._sinks[entity.id] = self._log
+            return
+        kind = self._world.type_of(entity.name)
+        if kind is None or (kind == TWIST) != (entity.what == PUBLISHER):
+            return
+        if entity.type != kind:
+            self._journal.note("type_mismatch", entity.name)
+        elif entity.what == PUBLISHER:
+            self._connect_publisher(entity)
+        elif entity.transient_local and not self._world.keeps_last(entity.name):
+            self._journal.note("incompatible_qos", entity.name)
+        else:
+            self._world.listen(entity.name, entity.id, entity.t_ns)
+
+    def _connect_publisher(self, entity: Entity) -> None:
+        if entity.reliable:
+            self._sinks[entity.id] = self._command
+        else:
+            self._journal.note("incompatible_qos", entity.name)
+
+    def _log(self, t_ns: int, payload: bytes) -> None:
+        """Take a log record; see `_command` for one that is none."""
+        try:
+            self._journal.log(t_ns, payload)
+        except ProtocolError:
+            self._journal.note("unreadable_message", ROSOUT)
+
+    def _command(self, t_ns: int, payload: bytes) -> None:
+        """Take a Twist. A script may publish raw bytes: those that are none are dropped, as DDS does."""
+        if len(payload) != _TWIST.size or payload[:4] != HEADER:
+            self._journal.note("unreadable_message", self._spec.world.cmd_vel_topic)
+            return
+        _, x, y, _, _, _, turn = _TWIST.unpack(payload)
+        self._world.command(t_ns, x, y, turn)
+
+    def _advance(self, t_ns: int, link: Link) -> None:
+        """Answer ADVANCE: run to the first instant at which something is due, or to `t_ns`."""
+        outbox = self._world.outbox
+        limit_ns = min(t_ns, self._spec.horizon_ns)
+        while not outbox and not self._run_to_next(limit_ns):
+            pass
+        due_ns, events = outbox.take() if outbox else (t_ns, [])
+        # What became due while the script was computing is told now, not in its past.
+        self._now_ns = min(max(due_ns, self._now_ns), t_ns)
+        link.send(encode_events(self._now_ns, events))
+
+    def _run_to_next(self, limit_ns: int) -> bool:
+        """Run to the next instant at which something may be due; true when that is the limit."""
+        instants = (self._world.next_due(), self._calls.next_ns())
+        now_ns = min([limit_ns, *(instant for instant in instants if instant is not None)])
+        self._world.advance(now_ns)
+        self._world.emit(now_ns)
+        for event in self._calls.due(now_ns):
+            self._world.outbox.add(event)
+        return now_ns >= limit_ns
+
+    def _finish(self, violation: str | None) -> EpisodeResult:
+        turtle, journal = self._turtle, self._journal
+        end_ns = self._now_ns
+        try:
+            end_ns = self._world.settle(self._now_ns, self._spec.horizon_ns)
+        except ProtocolError as error:
+            violation = violation or str(error)
+        turtle.finish(end_ns)
+        trajectory = self._recorder.finish(end_ns)
+        for contact in trajectory.contacts:
+            journal.note("wall", contact.wall)
+        if turtle.lateral_commands:
+            journal.note("lateral_command")
+        if turtle.clamped_commands:
+            journal.note("clamped_command")
+        return EpisodeResult(
+            trajectory=trajectory,
+            exit=self._exit,
+            violation=violation,
+            duration_ns=min(self._now_ns, self._spec.horizon_ns),
+            nodes=self._graph.nodes(),
+            endpoints=self._graph.endpoints(frozenset({self._spec.world.cmd_vel_topic})),
+            logs=journal.logs,
+            logs_dropped=journal.logs_dropped,
+            notes=journal.notes,
+            command_count=turtle.command_count,
+            nonfinite_commands=turtle.nonfinite_commands,
+            first_command_ns=turtle.first_command_ns,
+            last_command_ns=turtle.last_command_ns,
+            sim_steps=turtle.steps_run,
+            calls=self._calls.results,
+        )

@@ -1,0 +1,103 @@
+"""What travels between the jailed process and the episode, as data. The byte form is `grader.sim.wire`."""
+
+from typing import NamedTuple, Protocol, TypeAlias
+
+NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
+FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR = 0, 1, 2, 3
+MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT = 1, 2, 3
+
+
+class Link(Protocol):
+    """The channel to the jailed process, in whole frame bodies."""
+
+    def send(self, body: bytes) -> None:
+        """Send one frame. A process that is gone is not an error: `receive` will tell."""
+
+    def receive(self) -> bytes | None:
+        """Wait for the next frame; None when the process has ended."""
+
+
+class Entity(NamedTuple):
+    """The script created a node, publisher, subscription, service or client."""
+
+    id: int
+    what: int
+    t_ns: int
+    node: str
+    name: str
+    type: str
+    reliable: bool
+    transient_local: bool
+    depth: int
+
+
+class Gone(NamedTuple):
+    """The script destroyed an entity."""
+
+    id: int
+    t_ns: int
+
+
+class Publish(NamedTuple):
+    """A message; `payload` is CDR, or empty where the world does not listen."""
+
+    id: int
+    t_ns: int
+    payload: bytes
+
+
+class Request(NamedTuple):
+    """A request to a service of the world."""
+
+    id: int
+    sequence: int
+    t_ns: int
+    payload: bytes
+
+
+class Response(NamedTuple):
+    """An answer of one of the script's services to a request of the episode."""
+
+    id: int
+    sequence: int
+    t_ns: int
+    payload: bytes
+
+
+class Advance(NamedTuple):
+    """Nothing earlier than `t_ns` will come; what is due up to then?"""
+
+    t_ns: int
+
+
+class NoteFrame(NamedTuple):
+    """Something the shim found worth telling the student."""
+
+    code: str
+    text: str
+
+
+class Exit(NamedTuple):
+    """How the script ended. `reason` is one of FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR."""
+
+    t_ns: int
+    reason: int
+    after_interrupt: bool
+    exit_code: int
+    exception_type: str
+    message: str
+    line: int
+    detail: str
+
+
+Frame: TypeAlias = Entity | Gone | Publish | Request | Response | Advance | NoteFrame | Exit
+
+
+class Event(NamedTuple):
+    """Something due for the jail. `what` is MESSAGE_EVENT, RESPONSE_EVENT or REQUEST_EVENT."""
+
+    what: int
+    id: int
+    sequence: int
+    t_ns: int
+    payload: bytes

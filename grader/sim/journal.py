@@ -1,0 +1,65 @@
+"""What the script said: its log records and the notes about it, bounded."""
+
+import re
+from typing import Final
+
+from grader.contracts.errors import ProtocolError
+from grader.contracts.outcome import LogRecord, Note
+from grader.sim.cdr import decode
+
+LOG: Final = "rcl_interfaces/msg/Log"
+MAX_LOGS: Final = 2_000
+MAX_NOTES: Final = 100
+MAX_TEXT: Final = 1_000  # characters kept of one message
+
+_LEVELS: Final = (10, 20, 30, 40, 50)
+_CODE: Final = re.compile(r"[a-z][a-z0-9_]{0,63}")
+
+
+class Journal:
+    """Collects log records and notes; what does not fit is counted or left out."""
+
+    def __init__(self) -> None:
+        self._logs: list[LogRecord] = []
+        self._notes: dict[Note, None] = {}
+        self.logs_dropped = 0
+
+    @property
+    def logs(self) -> tuple[LogRecord, ...]:
+        """Records in order of time."""
+        return tuple(self._logs)
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Notes in the order in which they were first made."""
+        return tuple(self._notes)
+
+    def log(self, t_ns: int, payload: bytes) -> None:
+        """Take a message on /rosout.
+
+        Raises:
+            ProtocolError: it is not a readable log message.
+        """
+        if len(self._logs) >= MAX_LOGS:
+            self.logs_dropped += 1
+            return
+        values = decode(LOG, payload)
+        level = values["level"]
+        if level not in _LEVELS:
+            raise ProtocolError(f"log record of level {level}")
+        self._logs.append(
+            LogRecord(
+                t_ns=t_ns, level=level, name=values["name"][:MAX_TEXT], message=values["msg"][:MAX_TEXT]
+            )
+        )
+
+    def note(self, code: str, text: str = "") -> None:
+        """Make a note; the same one twice is made once.
+
+        Raises:
+            ProtocolError: `code` is not a plain word.
+        """
+        if not _CODE.fullmatch(code):
+            raise ProtocolError("NOTE.code is not a plain word")
+        if len(self._notes) < MAX_NOTES:
+            self._notes[Note(code=code, text=text[:MAX_TEXT])] = None

@@ -1,0 +1,104 @@
+"""What the script has created on the ROS graph, checked and bounded."""
+
+from dataclasses import dataclass
+from typing import Final
+
+from grader.contracts.errors import ProtocolError
+from grader.contracts.outcome import Endpoint
+from grader.sim.frames import CLIENT, NODE, PUBLISHER, SERVICE, SUBSCRIPTION, Entity
+
+MAX_ENTITIES: Final = 512
+COUNT_EVERY: Final = 100  # messages that one PUBLISH stands for on a topic without a listener in the world
+
+_KINDS: Final = {
+    NODE: "node",
+    PUBLISHER: "publisher",
+    SUBSCRIPTION: "subscription",
+    SERVICE: "service",
+    CLIENT: "client",
+}
+_OF_EVERY_NODE: Final = {
+    "/rosout": "rcl_interfaces/msg/Log",
+    "/parameter_events": "rcl_interfaces/msg/ParameterEvent",
+}
+
+
+@dataclass(slots=True)
+class _Entry:
+    entity: Entity
+    alive: bool = True
+    count: int = 0
+
+
+class ScriptGraph:
+    """Nodes, publishers, subscriptions, services and clients of the script, by the jail's ids."""
+
+    def __init__(self) -> None:
+        self._entries: dict[int, _Entry] = {}
+
+    def add(self, entity: Entity) -> None:
+        """Take a new entity.
+
+        Raises:
+            ProtocolError: its id was used before, or there are too many.
+        """
+        if entity.id in self._entries:
+            raise ProtocolError(f"ENTITY.id {entity.id} is used twice")
+        if len(self._entries) >= MAX_ENTITIES:
+            raise ProtocolError(f"more than {MAX_ENTITIES} entities")
+        self._entries[entity.id] = _Entry(entity)
+
+    def remove(self, identity: int) -> Entity:
+        """Mark an entity as gone; it stays in the account.
+
+        Raises:
+            ProtocolError: there is no such entity, or no longer.
+        """
+        entry = self._entries.get(identity)
+        if entry is None or not entry.alive:
+            raise ProtocolError(f"GONE.id {identity} does not exist")
+        entry.alive = False
+        return entry.entity
+
+    def get(self, identity: int, what: int) -> Entity:
+        """Return the living entity of that id and kind, and count one use of it.
+
+        Raises:
+            ProtocolError: there is none.
+        """
+        entry = self._entries.get(identity)
+        if entry is None or not entry.alive or entry.entity.what != what:
+            raise ProtocolError(f"id {identity} is not a {_KINDS[what]}")
+        entry.count += 1
+        return entry.entity
+
+    def service(self, name: str, kind: str) -> int | None:
+        """Return the id of the script's living service of that name and type."""
+        for identity, entry in self._entries.items():
+            entity = entry.entity
+            if entry.alive and (entity.what, entity.name, entity.type) == (SERVICE, name, kind):
+                return identity
+        return None
+
+    def nodes(self) -> tuple[str, ...]:
+        """Return the nodes' fully qualified names in order of creation."""
+        return tuple(entry.entity.node for entry in self._entries.values() if entry.entity.what == NODE)
+
+    def endpoints(self, carried: frozenset[str]) -> tuple[Endpoint, ...]:
+        """Return everything else in order of creation, without what every node has.
+
+        Messages on a topic in `carried` were counted one by one; of the others only each hundredth was told.
+        """
+        found = []
+        for entry in self._entries.values():
+            entity = entry.entity
+            if entity.what == NODE or _OF_EVERY_NODE.get(entity.name) == entity.type:
+                continue
+            count = entry.count if entity.what in (PUBLISHER, CLIENT) else 0
+            if entity.what == PUBLISHER and count and entity.name not in carried:
+                count = 1 + COUNT_EVERY * (count - 1)
+            kind = _KINDS[entity.what]
+            found.append(
+                Endpoint(kind=kind, node=entity.node, name=entity.name, type=entity.type, count=count)
+            )
+        return tuple(found)
