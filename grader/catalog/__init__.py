@@ -73,7 +73,9 @@ class Catalog:
     def guess_assignment(self, file_name: str) -> str | None:
         """Return the id of the first assignment on the checklist that `file_name` tells, or None."""
         name = PurePath(file_name).name.lower()
-        documents = sorted((self._document(folder) for folder in self._folders()), key=lambda each: each.order)
+        documents = sorted(
+            (self._document(folder) for folder in self._folders()), key=lambda each: each.order
+        )
         for document in documents:
             if any(fnmatchcase(name, pattern.lower()) for pattern in document.file_patterns):
                 return document.path.parent.name

@@ -2,9 +2,18 @@
 
 from typing import Annotated, Self
 
-from pydantic import BaseModel, ConfigDict, Field, StrictBool, StrictFloat, StrictInt, StrictStr, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    StrictBool,
+    StrictFloat,
+    StrictInt,
+    StrictStr,
+    model_validator,
+)
 
-from grader.contracts.assignment import Assignment, Case, ItemSpec, Profile, StartPose, WrongAttempt, World
+from grader.contracts.assignment import Assignment, Case, ItemSpec, Profile, StartPose, World, WrongAttempt
 from grader.contracts.limits import MIB, Limits
 from grader.contracts.text import Text
 

@@ -64,7 +64,7 @@ def published_rubric(assignment: Assignment) -> PublishedRubric:
 
 
 def problems(assignment: Assignment) -> tuple[tuple[str, str], ...]:
-    """Return (field, problem) for everything in `assignment` that does not fit its check; empty when it fits."""
+    """Return (field, problem) for all that does not fit the assignment's check; empty when it fits."""
     check = CHECKS.get(assignment.check)
     if check is None:
         return (("check", f"unknown check {assignment.check!r}; use one of {', '.join(CHECKS)}"),)
@@ -81,7 +81,12 @@ def problems(assignment: Assignment) -> tuple[tuple[str, str], ...]:
     for i, item in enumerate(assignment.items):
         if item.measure not in check.measures:
             known = ", ".join(check.measures)
-            found.append((f"items.{i}.measure", f"{item.measure!r} is no measure of {check.kind!r}; use one of {known}"))
+            found.append(
+                (
+                    f"items.{i}.measure",
+                    f"{item.measure!r} is no measure of {check.kind!r}; use one of {known}",
+                )
+            )
     return tuple(found)
 
 

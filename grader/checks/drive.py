@@ -43,10 +43,10 @@ def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
     """
     trajectory = run.trajectory
     count = _judged(trajectory, until_contact=until_contact)
-    poses = [array[:count] for array in (trajectory.x_m, trajectory.y_m, trajectory.heading_rad)]
-    if count < 1 or not all(bool(np.isfinite(array).all()) for array in poses):
+    x_m, y_m, heading_rad = trajectory.x_m[:count], trajectory.y_m[:count], trajectory.heading_rad[:count]
+    if count < 1 or not all(bool(np.isfinite(array).all()) for array in (x_m, y_m, heading_rad)):
         return None
-    path = driven_path(*poses, jumps=[i for i in trajectory.jumps if 0 < i < count])
+    path = driven_path(x_m, y_m, heading_rad, [i for i in trajectory.jumps if 0 < i < count])
     moving = _moving_at_end(trajectory)
     return Drive(
         path=path,
@@ -63,7 +63,7 @@ def is_motion(command: Command) -> bool:
 
 
 def _judged(trajectory: Trajectory, *, until_contact: bool) -> int:
-    if not until_contact or not trajectory.contacts:
+    if not until_contact or not trajectory.contacts or len(trajectory) == 0:
         return len(trajectory)
     before = int(np.searchsorted(trajectory.t_ns, trajectory.contacts[0].start_ns, side="left"))
     return max(before, 1)

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 from grader.checks import credit
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, Mistake
@@ -12,10 +13,13 @@ from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
 
+_BLOCKING = (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
 _LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
-def judge(check: Check, specs: Sequence[ItemSpec], findings: Findings, *, parts: int, prefix: str) -> list[RubricItem]:
+def judge(
+    check: Check, specs: Sequence[ItemSpec], findings: Findings, *, parts: int, prefix: str
+) -> list[RubricItem]:
     """Judge every item on one run.
 
     Args:
@@ -27,22 +31,17 @@ def judge(check: Check, specs: Sequence[ItemSpec], findings: Findings, *, parts:
     """
     judged: dict[str, RubricItem] = {}
     for spec in specs:
-        blockers = [
-            judged[need] for need in spec.needs if judged[need].status in (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
-        ]
-        measure = findings.measures.get(spec.measure, UNMEASURED)
-        points = round(spec.points / parts, 2)
+        blank = _blank(check, spec, round(spec.points / parts, 2), prefix)
+        blockers = [judged[need].title for need in spec.needs if judged[need].status in _BLOCKING]
         if blockers:
-            judged[spec.id] = _not_checked(check, spec, points, prefix, blockers)
+            message = say("item.not_checked", items=join(blockers, _LIST_SEPARATOR))
+            judged[spec.id] = replace(blank, message=message)
         else:
-            judged[spec.id] = _judged(check, spec, measure, points, prefix, findings.mistakes)
+            judged[spec.id] = _judged(check, spec, blank, findings)
     return list(judged.values())
 
 
-def _not_checked(
-    check: Check, spec: ItemSpec, points: float, prefix: str, blockers: list[RubricItem]
-) -> RubricItem:
-    titles = join([blocker.title for blocker in blockers], _LIST_SEPARATOR)
+def _blank(check: Check, spec: ItemSpec, points: float, prefix: str) -> RubricItem:
     target, tolerance = _target(spec)
     return RubricItem(
         id=prefix + spec.id,
@@ -54,29 +53,20 @@ def _not_checked(
         tolerance=tolerance,
         unit=check.measures[spec.measure].unit,
         wanted=wanted(check.measures[spec.measure], spec),
-        message=say("item.not_checked", items=titles),
     )
 
 
-def _judged(
-    check: Check, spec: ItemSpec, measure: Measure, points: float, prefix: str, mistakes: Sequence[Mistake]
-) -> RubricItem:
+def _judged(check: Check, spec: ItemSpec, blank: RubricItem, findings: Findings) -> RubricItem:
+    measure = findings.measures.get(spec.measure, UNMEASURED)
     part = credit.share(spec, measure.value)
-    earned = credit.earned(points, part)
-    target, tolerance = _target(spec)
-    return RubricItem(
-        id=prefix + spec.id,
-        title=spec.title,
-        points=points,
+    earned = credit.earned(blank.points, part)
+    return replace(
+        blank,
         earned=earned,
         status=credit.status(earned, part),
         measured=round(measure.value, 4) if math.isfinite(measure.value) else None,
-        target=target,
-        tolerance=tolerance,
-        unit=check.measures[spec.measure].unit,
-        wanted=wanted(check.measures[spec.measure], spec),
         message=_seen(check, spec, measure),
-        hint=EMPTY if part >= 1.0 else _hint(check, spec, mistakes),
+        hint=EMPTY if part >= 1.0 else _hint(check, spec, findings.mistakes),
     )
 
 

@@ -4,7 +4,8 @@ import math
 
 import numpy as np
 
-from grader.checks.drive import Drive, drive_of
+from grader.checks.drive import Drive
+from grader.checks.driven_polygon import driven_polygon
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes.polygon import polygon_mistakes
 from grader.checks.polygon_sketch import polygon_sketch
@@ -12,8 +13,7 @@ from grader.checks.quantity import listed, number
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.verdict import Run
-from grader.geometry.figure import PolygonFigure, measure_polygon
-from grader.geometry.segmentation import Segments, segment
+from grader.geometry.figure import PolygonFigure
 
 MEASURES = {
     "distance_m": MeasureKind("m"),
@@ -29,16 +29,12 @@ MEASURES = {
 
 def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure the figure that the car drove in `run`."""
-    sides, topic = int(assignment.options["sides"]), assignment.world.cmd_vel_topic
-    drive = drive_of(run)
-    if drive is None:
-        return Findings(mistakes=polygon_mistakes(run, sides, topic, None, None, None))
-    segments = segment(drive.path)
-    figure = measure_polygon(drive.path, segments, cut_short=drive.cut_short)
-    return Findings(
-        measures=measures(sides, drive, figure),
-        mistakes=polygon_mistakes(run, sides, topic, drive, segments, figure),
-    )
+    sides = int(assignment.options["sides"])
+    driven = driven_polygon(run)
+    mistakes = polygon_mistakes(run, assignment.world.cmd_vel_topic, sides, driven)
+    if driven is None:
+        return Findings(mistakes=mistakes)
+    return Findings(measures(sides, driven.drive, driven.figure), mistakes)
 
 
 def measures(sides: int, drive: Drive, figure: PolygonFigure | None) -> dict[str, Measure]:
@@ -94,21 +90,12 @@ def _corner_measures(sides: int, figure: PolygonFigure) -> dict[str, Measure]:
     }
 
 
-def analyse(run: Run) -> tuple[Drive, Segments, PolygonFigure | None] | None:
-    """Return motion, segments and figure of a run, or None for an empty trajectory."""
-    drive = drive_of(run)
-    if drive is None:
-        return None
-    segments = segment(drive.path)
-    return drive, segments, measure_polygon(drive.path, segments, cut_short=drive.cut_short)
-
-
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """Return what a plot of `run` shows: sides, corners, and the wanted figure under them."""
-    found = analyse(run)
-    if found is None or found[2] is None:
+    driven = driven_polygon(run)
+    if driven is None or driven.figure is None:
         return FigureSketch()
-    return polygon_sketch(assignment, found[0], found[2])
+    return polygon_sketch(assignment, driven.drive, driven.figure)
 
 
 def _problem_with_sides(value: Option) -> str | None:

@@ -1,5 +1,6 @@
 """The plot's view of a polygon: detected sides and corners over the wanted figure."""
 
+import itertools
 import math
 
 import numpy as np
@@ -30,7 +31,7 @@ def _band(assignment: Assignment, measure: str) -> ItemSpec | None:
 
 def _sides(points: list[Point], figure: PolygonFigure, band: ItemSpec | None) -> tuple[SketchSide, ...]:
     """Judge each side by its distance from the median side, as the spread of all is judged."""
-    lengths = [math.dist(start, end) for start, end in zip(points[:-1], points[1:], strict=True)]
+    lengths = [math.dist(start, end) for start, end in itertools.pairwise(points)]
     middle = float(np.median(figure.sides_m))
     sides = []
     for start, end, length in zip(points[:-1], points[1:], lengths, strict=True):
@@ -81,6 +82,8 @@ def ideal_polygon(points: list[Point], figure: PolygonFigure, count: int) -> tup
         centre = complex(np.mean(driven))
         scale = complex(np.vdot(unit, driven - centre) / count)
     else:
-        scale = complex((driven[1] if len(driven) > 1 else complex(*points[1])) - driven[0]) / complex(unit[1] - unit[0])
+        scale = complex((driven[1] if len(driven) > 1 else complex(*points[1])) - driven[0]) / complex(
+            unit[1] - unit[0]
+        )
         centre = complex(driven[0]) - scale * complex(unit[0])
     return tuple((float(vertex.real), float(vertex.imag)) for vertex in centre + scale * unit)

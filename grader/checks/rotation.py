@@ -30,7 +30,9 @@ def _rotation(drive: Drive) -> dict[str, Measure]:
     turned = np.degrees(path.heading_rad - path.heading_rad[0])
     strayed = np.hypot(path.x_m - path.x_m[0], path.y_m - path.y_m[0])
     return {
-        "turned_deg": Measure(float(np.max(np.abs(turned))), {"turns": f"{float(np.max(np.abs(turned))) / 360.0:.2f}"}),
+        "turned_deg": Measure(
+            float(np.max(np.abs(turned))), {"turns": f"{float(np.max(np.abs(turned))) / 360.0:.2f}"}
+        ),
         "drift_m": Measure(float(np.max(strayed))),
     }
 

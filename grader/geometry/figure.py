@@ -1,5 +1,6 @@
 """Measure the polygon that runs and turns make: which part is the first figure, its sides and corners."""
 
+import itertools
 import math
 from dataclasses import dataclass
 
@@ -74,7 +75,7 @@ def measure_polygon(path: Path, segments: Segments, *, cut_short: bool) -> Polyg
 def _corners(runs: tuple[Run, ...], turns: tuple[Turn | None, ...], *, cut_short: bool) -> list[float]:
     """Return the change of direction after each run; the last run has one only if a whole turn follows."""
     corners = []
-    for before, after in zip(runs[:-1], runs[1:], strict=True):
+    for before, after in itertools.pairwise(runs):
         corners.append(after.direction_rad - before.direction_rad)
     closing = turns[-1]
     if closing is not None and abs(closing.angle_rad) >= MIN_CLOSING_TURN_RAD and not cut_short:
@@ -118,9 +119,7 @@ def _span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
 
 
 def _chord(path: Path, start: int, stop: int) -> float:
-    return math.hypot(
-        float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start])
-    )
+    return math.hypot(float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start]))
 
 
 def _figure(
@@ -131,12 +130,8 @@ def _figure(
     last = segments.runs[count - 1]
     closing = segments.turns[count] if len(corners) >= count else None
     end = last.last if closing is None else closing.last
-    if count < len(segments.runs) or closing is None:
-        stop = spans[-1][1]
-    else:
-        stop = last.last
     sides = [_chord(path, *span) for span in spans]
-    vertices = [spans[0][0], *(stop_ for _, stop_ in spans[:-1]), stop]
+    vertices = [spans[0][0], *(stop for _, stop in spans)]
     gap_m = _chord(path, segments.runs[0].first, end)
     driven_m = float(path.along_m[end] - path.along_m[segments.runs[0].first])
     curved_m = sum(turn.length_m for turn in segments.turns[1:count] if turn is not None)

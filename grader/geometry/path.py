@@ -1,5 +1,6 @@
 """From recorded poses to the path that was driven."""
 
+import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -97,7 +98,7 @@ def _unfold(signed_m: Floats, heading_rad: Floats, turning: list[int]) -> tuple[
     edges = [0, *turning, len(signed_m) - 1]
     along_m, travel_rad = np.empty_like(signed_m), heading_rad.copy()
     total_m = 0.0
-    for first, last in zip(edges[:-1], edges[1:], strict=True):
+    for first, last in itertools.pairwise(edges):
         ahead_m = signed_m[first : last + 1] - signed_m[first]
         backwards = ahead_m[-1] < 0.0
         along_m[first : last + 1] = total_m + (-ahead_m if backwards else ahead_m)

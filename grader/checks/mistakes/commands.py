@@ -36,20 +36,16 @@ def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
         if endpoint.kind == "publisher" and endpoint.name not in _OWN_TOPICS
     ]
     right = [publisher for publisher in publishers if publisher.name == topic]
-    elsewhere = [publisher for publisher in publishers if publisher.name != topic and publisher.type == TWIST]
-    if any(publisher.type == TWIST for publisher in right):
+    twists = [publisher for publisher in publishers if publisher.type == TWIST]
+    if set(right) & set(twists):
         return _unused_publisher(outcome)
     if right:
         return (_mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
-    if elsewhere:
-        return (_mistake("wrong_topic", used=_names(elsewhere), topic=topic),)
+    if publishers:
+        return (_mistake("wrong_topic", used=_names(twists or publishers), topic=topic),)
     if outcome.status not in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         return ()
-    if not outcome.nodes:
-        return (_mistake("nothing_ran"),)
-    if publishers:
-        return (_mistake("wrong_topic", used=_names(publishers), topic=topic),)
-    return (_mistake("no_publisher", topic=topic),)
+    return (_mistake("no_publisher", topic=topic) if outcome.nodes else _mistake("nothing_ran"),)
 
 
 def _unused_publisher(outcome: RunOutcome) -> tuple[Mistake, ...]:

@@ -24,7 +24,9 @@ def motion_mistakes(
     found = [*script_mistakes(run.outcome)]
     if drive is None:
         return tuple(found)
-    values = {name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")}
+    values = {
+        name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")
+    }
     found += _wrong_way(values["advance_m"], backward=backward)
     found += command_mistakes(run, topic)
     found += _turning(drive, values)

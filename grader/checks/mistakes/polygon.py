@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.checks.drive import Drive
+from grader.checks.driven_polygon import DrivenPolygon
 from grader.checks.measure import Mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
@@ -43,16 +44,15 @@ class _Seen:
         return FULL_TURN_DEG / self.sides
 
 
-def polygon_mistakes(
-    run: Run, sides: int, topic: str, drive: Drive | None, segments: Segments | None, figure: PolygonFigure | None
-) -> tuple[Mistake, ...]:
+def polygon_mistakes(run: Run, topic: str, sides: int, driven: DrivenPolygon | None) -> tuple[Mistake, ...]:
     """Return what probably went wrong in a figure that should have had `sides` equal sides."""
     found = [*script_mistakes(run.outcome)]
-    if drive is None or segments is None:
+    if driven is None:
         return tuple(found)
+    figure = driven.figure
     corners = np.degrees(figure.corners_rad) if figure is not None else np.empty(0)
     corners = corners * (-1.0 if float(np.sum(corners)) < 0.0 else 1.0)
-    seen = _Seen(run, sides, drive, segments, figure, corners)
+    seen = _Seen(run, sides, driven.drive, driven.segments, figure, corners)
     found += _wall(seen)
     found += _degrees(seen)
     found += command_mistakes(run, topic)
@@ -80,7 +80,9 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
         text = say("mistake.degrees_as_radians", rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
         yield Mistake("degrees_as_radians", text, _SHAPE)
     elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and in_place and not _circling(seen):
-        text = say("mistake.endless_turn", turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg))
+        text = say(
+            "mistake.endless_turn", turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg)
+        )
         yield Mistake("endless_turn", text, _SHAPE)
 
 
@@ -166,10 +168,7 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     right = len(corners) > 0 and bool((np.abs(corners - seen.ideal_deg) <= 2.0 * CORNER_OFF_DEG).all())
     if not right or count == seen.sides:
         return
-    if count < seen.sides:
-        code = "too_slow" if seen.drive.cut_short else "sides_missing"
-    else:
-        code = "sides_extra"
+    code = ("too_slow" if seen.drive.cut_short else "sides_missing") if count < seen.sides else "sides_extra"
     text = say(f"mistake.{code}", count=count, sides=seen.sides)
     yield Mistake(code, text, ("sides", "gap_pct", "settled"))
 
@@ -179,7 +178,12 @@ def _sides(figure: PolygonFigure) -> Iterator[Mistake]:
     if len(sides) < 2 or float(np.ptp(sides)) <= UNEQUAL_SHARE * float(np.mean(sides)):
         return
     odd = int(np.argmax(np.abs(sides - np.median(sides))))
-    text = say("mistake.unequal_sides", number=odd + 1, length=number(float(sides[odd]), "m"), lengths=listed(sides, "m"))
+    text = say(
+        "mistake.unequal_sides",
+        number=odd + 1,
+        length=number(float(sides[odd]), "m"),
+        lengths=listed(sides, "m"),
+    )
     yield Mistake("unequal_sides", text, ("side_spread_pct", "gap_pct"))
 
 

@@ -40,7 +40,11 @@ def _crash(outcome: RunOutcome) -> Mistake:
         return Mistake("killed", say("mistake.killed", signal=outcome.signal or "?"))
     code, values = _exception(error)
     text = say(
-        f"mistake.{code}", line=error.line or "?", type=error.type, problem=_first_line(error.message), **values
+        f"mistake.{code}",
+        line=error.line or "?",
+        type=error.type,
+        problem=_first_line(error.message),
+        **values,
     )
     return Mistake(code, text)
 
