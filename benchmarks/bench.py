@@ -19,7 +19,7 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Table
 
-from grader.catalog import load_assignment
+from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
 from grader.sim.bare_loop import BareLoop
 from grader.slot import Slot, SlotConfig
@@ -33,7 +33,7 @@ COLD_FLOOR = "from grader.sim.bare_loop import BareLoop; BareLoop().run({steps})
 def main() -> None:
     """Measure and print."""
     job = GradingJob(
-        file_name=SQUARE.name, source=SQUARE.read_bytes(), assignment=load_assignment("square")
+        file_name=SQUARE.name, source=SQUARE.read_bytes(), assignment=Catalog().get("square")
     )
     with Slot(SlotConfig()) as slot:
         first = slot.grade(job)

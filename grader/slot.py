@@ -87,14 +87,19 @@ class Slot:
             case _:
                 raise InfrastructureError(answer.get("message", "the grading process answered nonsense"))
 
+    def abort(self) -> None:
+        """Kill the child, from any thread; a grading under way raises InfrastructureError."""
+        process = self._process
+        if process is not None and process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+
     def close(self) -> None:
-        """End the child and everything it started."""
+        """End the child and everything it started; idempotent, only from the thread that grades."""
         if self._channel is not None:
             self._channel.close()
             self._channel = None
         if self._process is not None:
-            if self._process.poll() is None:
-                os.killpg(self._process.pid, signal.SIGKILL)
+            self.abort()
             self._process.wait()
             self._process = None
 

@@ -1,0 +1,141 @@
+"""`grader check FILE`: the local pre-check, with the same grading core as the service."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import SandboxUnavailableError, SubmissionError, UnknownAssignmentError
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.text import LANGUAGES, Language
+from grader.slot import Slot, SlotConfig
+
+if TYPE_CHECKING:
+    from grader.catalog import Catalog
+
+EXIT_FULL_MARKS = 0
+EXIT_NOT_FULL = 1
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("file", type=Path, help="the script to grade / 要评分的脚本")
+    parser.add_argument("-a", "--assignment", help="assignment id; guessed from the file name when left out")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language of the feedback (default: zh)")
+    parser.add_argument("--json", action="store_true", help="print the graded report as JSON")
+    parser.add_argument("--plot", type=Path, metavar="OUT", help="draw the trajectory to OUT (.png or .svg)")
+    parser.add_argument("--logs", action="store_true", help="show the script's logs and output as well")
+    add_grading_options(parser)
+
+
+def add_grading_options(parser: argparse.ArgumentParser) -> None:
+    """Declare what every command that grades on this machine takes."""
+    parser.add_argument("--assignments", type=Path, metavar="DIR", help="folder of assignments (default: built in)")
+    parser.add_argument(
+        "--isolation",
+        choices=("strict", "best-effort", "dev"),
+        default="strict",
+        help="how much of the sandbox must be active; dev is only for your own code (default: strict)",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Grade the file; 0 full marks, 1 not, 2 could not be graded (raised as GraderError)."""
+    if arguments.plot is not None:
+        _check_plot_path(arguments.plot)
+    source = read_source(arguments.file)
+    with Slot(SlotConfig(mode=arguments.isolation)) as slot:  # warms up while the assignment is read
+        assignment, result = _grade(slot, arguments, source)
+        _show(arguments, assignment, result)
+    report = result.report
+    return EXIT_FULL_MARKS if report.score == report.max_score else EXIT_NOT_FULL
+
+
+def read_source(path: Path) -> bytes:
+    """Return the bytes of a script.
+
+    Raises:
+        SubmissionError: it cannot be read, or could not be uploaded either.
+    """
+    from grader.contracts.upload import check_source  # noqa: PLC0415
+
+    try:
+        source = path.read_bytes()
+    except OSError as error:
+        raise SubmissionError("unreadable", f"{path}: {error.strerror}") from error
+    check_source(source)
+    return source
+
+
+def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Assignment, GradingResult]:
+    from grader.catalog import Catalog  # noqa: PLC0415  (pydantic, while the slot imports the physics)
+
+    catalog = Catalog(arguments.assignments)
+    assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file.name))
+    job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
+    if not arguments.json:
+        import grader.render.terminal  # noqa: F401, PLC0415
+    try:
+        return assignment, slot.grade(job)
+    except SandboxUnavailableError as error:
+        raise SandboxUnavailableError(
+            f"{error}\nRun `grader doctor` for details. For your own code, `--isolation dev` runs it unprotected."
+        ) from error
+
+
+def _guess(catalog: "Catalog", file_name: str) -> str:
+    guess = catalog.guess_assignment(file_name)
+    if guess is None:
+        known = ", ".join(assignment.id for assignment in catalog.all())
+        raise UnknownAssignmentError(
+            f"the file name {file_name!r} does not tell the assignment; say it with --assignment, one of: {known}"
+        )
+    return guess
+
+
+def _show(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
+    if arguments.json:
+        from grader.render.documents import json_report  # noqa: PLC0415
+
+        sys.stdout.write(json_report(result.report) + "\n")
+    else:
+        _print_table(arguments, assignment, result)
+    if arguments.plot is not None:
+        _plot(arguments, assignment, result)
+
+
+def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
+    from grader.render.terminal import console, render_report  # noqa: PLC0415
+
+    language: Language = arguments.lang
+    output = console()
+    output.print(
+        render_report(
+            result.report,
+            language=language,
+            file_name=arguments.file.name,
+            title=assignment.title,
+            show_logs=arguments.logs,
+        )
+    )
+    if result.measurements.missing_layers:
+        layers = ", ".join(result.measurements.missing_layers)
+        sys.stderr.write(f"grader: isolation {result.measurements.isolation}: not active: {layers}\n")
+
+
+def _check_plot_path(path: Path) -> None:
+    if path.suffix not in (".png", ".svg"):
+        raise SubmissionError("plot_format", f"--plot {path}: the name must end in .png or .svg")
+    if not path.resolve().parent.is_dir():
+        raise SubmissionError("plot_folder", f"--plot {path}: the folder {path.resolve().parent} does not exist")
+
+
+def _plot(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
+    from grader.plots import draw  # noqa: PLC0415
+
+    trajectory = result.trajectories[result.report.runs[0].case]
+    form = "png" if arguments.plot.suffix == ".png" else "svg"
+    arguments.plot.write_bytes(draw(assignment, result.report, trajectory, arguments.lang, form))
+    if not arguments.json:
+        sys.stdout.write(f"→ {arguments.plot}\n")

@@ -1,0 +1,143 @@
+"""From a submission to a graded report: run every case, judge the motion, put the report together."""
+
+import hashlib
+from types import TracebackType
+from typing import Self
+
+from grader import __version__
+from grader.checks import evaluate
+from grader.contracts import trajectory_json
+from grader.contracts.assignment import Assignment, Case
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.outcome import RunOutcome, RunStatus
+from grader.contracts.report import CaseRun, GradeReport, GradeStatus, Measurements
+from grader.contracts.verdict import Run, Verdict
+from grader.outcome import INTERRUPTED_NOTE, merge
+from grader.sandbox import Jail, JailReport, Sandbox
+from grader.sim.bullet import SIMULATOR, BulletCar
+from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
+from grader.sim.wire import NOTE
+
+_INTERRUPTED_FRAME = bytes([NOTE]) + len(INTERRUPTED_NOTE).to_bytes(2, "little") + INTERRUPTED_NOTE.encode()
+_UNUSUAL = {
+    RunStatus.SYNTAX_ERROR: GradeStatus.SYNTAX_ERROR,
+    RunStatus.CRASHED: GradeStatus.CRASHED,
+    RunStatus.STALLED: GradeStatus.STALLED,
+    RunStatus.CPU_LIMIT: GradeStatus.CPU_LIMIT,
+    RunStatus.MEMORY_LIMIT: GradeStatus.MEMORY_LIMIT,
+    RunStatus.OUTPUT_LIMIT: GradeStatus.OUTPUT_LIMIT,
+    RunStatus.FORBIDDEN: GradeStatus.FORBIDDEN,
+    RunStatus.PROTOCOL: GradeStatus.PROTOCOL,
+}
+
+
+class _Link:
+    """The jail as the episode's link; leaves a script that got Ctrl+C only its grace of CPU time."""
+
+    def __init__(self, jail: Jail, grace_cpu_s: float) -> None:
+        self._jail = jail
+        self._grace_cpu_s = grace_cpu_s
+        self.send = jail.send
+
+    def receive(self) -> bytes | None:
+        body = self._jail.receive()
+        if body is not None and body.startswith(_INTERRUPTED_FRAME):
+            self._jail.limit_cpu(self._grace_cpu_s)
+        return body
+
+
+class Pipeline:
+    """Grades submissions one after the other in one process; owns the simulated car, not the sandbox."""
+
+    def __init__(self, sandbox: Sandbox) -> None:
+        self._sandbox = sandbox
+        self._car = BulletCar()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._car.close()
+
+    def grade(self, job: GradingJob) -> GradingResult:
+        """Run and judge one submission.
+
+        Raises:
+            InfrastructureError, SandboxError: a fault of the grader or its host; nothing was judged.
+            AssignmentError: the assignment does not fit its check.
+        """
+        accounts = [self._run(job, case) for case in job.assignment.cases]
+        runs = [
+            Run(case=case.id, trajectory=episode.trajectory, outcome=merge(episode, jail))
+            for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
+        ]
+        trajectories = {run.case: trajectory_json.encode(run.trajectory) for run in runs}
+        report = _report(job, runs, evaluate(job.assignment, runs), trajectories)
+        return GradingResult(
+            report=report, trajectories=trajectories, measurements=self._measurements(accounts)
+        )
+
+    def _run(self, job: GradingJob, case: Case) -> tuple[EpisodeResult, JailReport]:
+        limits = job.assignment.limits
+        episode = Episode(_episode_spec(job, case), self._car)
+        with self._sandbox.open(limits) as jail:
+            result = episode.run(_Link(jail, limits.grace_cpu_s))
+            return result, jail.close()
+
+    def _measurements(self, accounts: list[tuple[EpisodeResult, JailReport]]) -> Measurements:
+        return Measurements(
+            wall_s=sum(jail.wall_ns for _, jail in accounts) / 1e9,
+            jail_cpu_s=sum(jail.cpu_ns for _, jail in accounts) / 1e9,
+            jail_peak_bytes=max(jail.peak_bytes for _, jail in accounts),
+            sim_steps=sum(episode.sim_steps for episode, _ in accounts),
+            isolation=self._sandbox.isolation,
+            missing_layers=tuple(self._sandbox.missing_layers),
+        )
+
+
+def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
+    return EpisodeSpec(
+        world=job.assignment.world,
+        horizon_ns=round(job.assignment.horizon_s * 1_000_000_000),
+        source=job.source,
+        file_name=job.file_name,
+        args=case.args,
+        stdin=case.stdin,
+    )
+
+
+def _report(
+    job: GradingJob, runs: list[Run], verdict: Verdict, trajectories: dict[str, bytes]
+) -> GradeReport:
+    assignment: Assignment = job.assignment
+    return GradeReport(
+        submission_sha256=hashlib.sha256(job.source).hexdigest(),
+        assignment=assignment.id,
+        assignment_version=assignment.version,
+        grader_version=__version__,
+        simulator=SIMULATOR,
+        seed=assignment.world.seed,
+        status=_grade_status([run.outcome for run in runs]),
+        score=round(sum(item.earned for item in verdict.items), 2),
+        max_score=assignment.max_score,
+        items=verdict.items,
+        runs=tuple(
+            CaseRun(
+                case=run.case,
+                outcome=run.outcome,
+                trajectory_sha256=hashlib.sha256(trajectories[run.case]).hexdigest(),
+            )
+            for run in runs
+        ),
+        summary=verdict.summary,
+        hint=verdict.hint,
+        mistakes=verdict.mistakes,
+    )
+
+
+def _grade_status(outcomes: list[RunOutcome]) -> GradeStatus:
+    """Return the first unusual end among the runs; scripts that ended, or idled to the horizon, are graded."""
+    unusual = (_UNUSUAL[outcome.status] for outcome in outcomes if outcome.status in _UNUSUAL)
+    return next(unusual, GradeStatus.GRADED)
