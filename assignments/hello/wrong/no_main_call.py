@@ -1,0 +1,15 @@
+"""忘了在文件末尾调用 main()。"""
+
+import rclpy
+from rclpy.node import Node
+
+
+class Greeter(Node):
+    def __init__(self):
+        super().__init__('greeter')
+        self.get_logger().info('大家好,我启动了!')
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Greeter())

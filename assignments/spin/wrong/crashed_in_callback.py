@@ -1,0 +1,33 @@
+"""忘了 self.,回调函数一运行就出错。"""
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+
+class Spinner(Node):
+    def __init__(self):
+        super().__init__('spinner')
+        self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.timer = self.create_timer(0.1, self.tick)
+
+    def tick(self):
+        msg = Twist()
+        msg.angular.z = turn_speed
+        self.publisher.publish(msg)
+
+
+def main():
+    rclpy.init()
+    node = Spinner()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,26 @@
+"""回调函数里只打日志,忘了 publish。"""
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+
+class Forward(Node):
+    def __init__(self):
+        super().__init__('forward')
+        self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.timer = self.create_timer(0.1, self.tick)
+
+    def tick(self):
+        msg = Twist()
+        msg.linear.x = 1.0
+        self.get_logger().info('前进')
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Forward())
+
+
+if __name__ == '__main__':
+    main()
