@@ -126,6 +126,10 @@ def _never() -> bool:
     return False
 
 
+def _nothing() -> None:
+    pass
+
+
 class Kernel:
     """Clock and scheduler of the student's process; use the module's one object `kernel`.
 
@@ -137,6 +141,7 @@ class Kernel:
         running: the thread that runs.
         threads: those alive, in order of creation; the first is the main thread.
         deliver: called in the main thread with the number of a signal that arrived there.
+        at_horizon: called once when the horizon is reached, before everything else.
         end: called (in any thread) with the exit reason when the run cannot go on; does not return.
     """
 
@@ -149,6 +154,7 @@ class Kernel:
         self.running = self.main
         self.threads = [self.main]
         self.deliver: Callable[[int], None] = _raise_keyboard_interrupt
+        self.at_horizon: Callable[[], None] = _nothing
         self.end: Callable[[str], NoReturn] = _raise_stalled
         self._world: World | None = None
         self._limit_ns = FOREVER_NS
@@ -287,11 +293,8 @@ class Kernel:
         if thread.sentinel is not None and thread.sentinel.locked():
             thread.sentinel.release()
         position = self.threads.index(thread)
-        thread.ready = _never
-        thread.deadline_ns = FOREVER_NS
-        chosen = self._choose(position)
-        self.threads.remove(thread)
-        self._hand_over(chosen)
+        del self.threads[position]
+        self._hand_over(self._choose(position - 1))
 
     def raise_signal(self, number: int) -> None:
         """Let a signal arrive at the main thread."""
@@ -389,6 +392,8 @@ class Kernel:
         if self._limit_ns >= self.horizon_ns + 2 * GRACE_NS:
             self.end("interrupted")
         self._limit_ns += GRACE_NS
+        if not self.interrupted:
+            self.at_horizon()
         self.interrupted = True
         callbacks, self._on_interrupt = self._on_interrupt, []
         for callback in callbacks:

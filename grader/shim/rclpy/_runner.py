@@ -8,7 +8,7 @@ import builtins
 import gc
 import os
 import sys
-from types import ModuleType
+from types import CodeType, ModuleType
 from typing import Any, NoReturn
 
 from rclpy import _loops, _patches, _report, _wire
@@ -100,8 +100,18 @@ def run(channel: int = 3) -> NoReturn:
     kernel.start_episode(start["horizon_ns"], start["epoch_ns"])
     link.connect_world(start["world"])
     module = _prepare(start)
-    _execute(module, source)
+    kernel.at_horizon = _tell_interrupt
+    code = _compile(source)
+    if code is not None and not start.get("compile_only", False):
+        del source
+        _execute(module, code)
     _finish()
+
+
+def _tell_interrupt() -> None:
+    """Let the episode know at once: from now on the script has only its grace of CPU time."""
+    link.note("interrupted", "")
+    link.flush()
 
 
 def _prepare(start: dict[str, Any]) -> ModuleType:
@@ -158,15 +168,18 @@ def _add_site_builtins() -> None:
     setattr(builtins, "help", _sitebuiltins._Helper())  # noqa: B010 - mypy knows help as a function
 
 
-def _execute(module: ModuleType, source: bytes) -> None:
-    """Run the script up to the end of its main thread, with its other threads and exit handlers."""
+def _compile(source: bytes) -> CodeType | None:
+    """Compile the script; None, with the error as the run's ending, when it is not Python."""
     try:
-        code = _loops.compile_script(source, _report.script.file_name)
+        return _loops.compile_script(source, _report.script.file_name)
     except BaseException as error:  # noqa: BLE001 - whatever the compiler says is the student's to read
         ending.set_error(error, _wire.BAD_SYNTAX)
         _report.print_exception(error)
-        return
-    del source
+        return None
+
+
+def _execute(module: ModuleType, code: CodeType) -> None:
+    """Run the script up to the end of its main thread, with its other threads and exit handlers."""
     gc.collect(0)
     _guard(lambda: exec(code, module.__dict__), main=True)  # noqa: S102
     _guard(_join_threads)

@@ -1,0 +1,72 @@
+"""A look at a file before it is accepted: does Python take it? Compiled in a confined process, never run.
+
+Source text can attack a compiler (deep nesting, codecs, giant lines), so even this happens in the jail.
+"""
+
+import threading
+from typing import Any, Final
+
+from grader.contracts.errors import InfrastructureError, ProtocolError
+from grader.contracts.grading import SyntaxProblem
+from grader.contracts.limits import Limits
+from grader.sandbox import Sandbox, Verdict
+from grader.sim.frames import SYNTAX_ERROR, Exit
+from grader.sim.wire import PROTOCOL, decode, encode_start
+
+_LIMITS: Final = Limits(cpu_s=2.0, wall_s=20.0)
+_TOO_MUCH: Final = "this file is too much for the Python compiler (nested too deeply, or too large)"
+
+
+class SandboxPreflight:
+    """Implements `grader.contracts.grading.Preflight`; thread-safe."""
+
+    def __init__(self, sandbox: Sandbox) -> None:
+        self._sandbox = sandbox
+        self._lock = threading.Lock()
+
+    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
+        """Compile `source` in a confined process; return what is wrong with it, or None.
+
+        Raises:
+            InfrastructureError, SandboxError: the check itself could not be done.
+        """
+        with self._lock, self._sandbox.open(_LIMITS) as jail:
+            jail.send(encode_start(_start_fields(file_name), source))
+            ending = _last_frame(jail.receive)
+            report = jail.close()
+        if ending is None:
+            if report.verdict is Verdict.INFRASTRUCTURE:
+                raise InfrastructureError(f"the syntax check failed: {report.detail}")
+            return SyntaxProblem(message=_TOO_MUCH, line=None)
+        if ending.reason != SYNTAX_ERROR:
+            return None
+        return SyntaxProblem(
+            message=f"{ending.exception_type}: {ending.message}", line=ending.line or None, text=ending.detail
+        )
+
+
+def _start_fields(file_name: str) -> dict[str, Any]:
+    world: dict[str, list[Any]] = {"publishes": [], "subscribes": [], "services": [], "nodes": [], "calls": []}
+    return {
+        "protocol": PROTOCOL,
+        "compile_only": True,
+        "file_name": file_name,
+        "args": [],
+        "stdin": "",
+        "horizon_ns": 1_000_000_000,
+        "epoch_ns": 0,
+        "seed": 0,
+        "world": world,
+    }
+
+
+def _last_frame(receive: Any) -> Exit | None:
+    ending = None
+    try:
+        while (body := receive()) is not None:
+            frame = decode(body)
+            if isinstance(frame, Exit):
+                ending = frame
+    except ProtocolError:
+        return None
+    return ending
