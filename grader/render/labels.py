@@ -80,8 +80,8 @@ WORDS: Mapping[str, Text] = {
     "wanted": _t("要求", "Wanted"),
     "next_step": _t("下一步", "Next step"),
     "your_error": _t("你的程序在这里出错", "Your script failed here"),
-    "at_line": _t("第 {line} 行", "line {line}"),
-    "case": _t("用例", "case"),
+    "at_line": _t("(第 {line} 行)", " (line {line})"),
+    "case": _t("(用例 {case})", " (case {case})"),
     "notes": _t("说明(不影响得分)", "Notes (cost nothing)"),
     "cleanup_error": _t(
         "Ctrl+C 之后的清理代码出错,不扣分:{error}",

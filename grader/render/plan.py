@@ -19,7 +19,7 @@ _NO_SKETCH = FigureSketch()
 def draw_plan(axes: Axes, scene: Scene) -> None:
     """Draw the plan view; `axes` must already have its final place in the figure."""
     track = scene.trajectory
-    if track is None:
+    if track is None or not _finite(_path(track)).size:
         axes.axis("off")
         _say_no_motion(axes, scene)
         return
@@ -47,6 +47,10 @@ def _path(track: Trajectory) -> Floats:
     return np.insert(points, list(track.jumps), np.nan, axis=0) if track.jumps else points
 
 
+def _finite(points: Floats) -> Floats:
+    return np.asarray(points[np.isfinite(points).all(axis=1)])
+
+
 def _frame(axes: Axes, path: Floats, sketch: FigureSketch) -> None:
     """Fix limits: equal scales, everything inside, the panel filled."""
     corners = [
@@ -54,7 +58,7 @@ def _frame(axes: Axes, path: Floats, sketch: FigureSketch) -> None:
         *(side.start_m for side in sketch.sides),
         *(side.end_m for side in sketch.sides),
     ]
-    points = np.vstack([path[np.isfinite(path).all(axis=1)], np.array(corners, dtype=float).reshape(-1, 2)])
+    points = np.vstack([_finite(path), np.array(corners, dtype=float).reshape(-1, 2)])
     low, high = points.min(axis=0), points.max(axis=0)
     middle, extent = (low + high) / 2, np.maximum(high - low, 0.0)
     extent = np.maximum(extent, _LEAST_EXTENT_M * 0.5) * (1 + 2 * _MARGIN)
@@ -111,9 +115,7 @@ def _draw_path(axes: Axes, track: Trajectory, path: Floats, sketch: FigureSketch
     )
     first, last = begin + int(shift[0]), end + int(shift[1])
     rest = [path[: first + 1], path[last:]]
-    if any(
-        len(part) > 1 and np.ptp(part[np.isfinite(part).all(axis=1)], axis=0).max() > 0.01 for part in rest
-    ):
+    if any(len(part) > 1 and np.ptp(_finite(part), axis=0).max() > 0.01 for part in rest):
         for i, part in enumerate(rest):
             label = scene.word("path_rest") if i == 0 else None
             axes.plot(part[:, 0], part[:, 1], color=palette.FAINT, lw=1.2, zorder=2.5, label=label)

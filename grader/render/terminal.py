@@ -137,7 +137,7 @@ def _next_steps(report: GradeReport, language: Language) -> Iterator[RenderableT
 
 
 def _case_name(run: CaseRun, report: GradeReport, language: Language) -> str:
-    return f" ({word('case', language)} {visible_line(run.case)})" if len(report.runs) > 1 else ""
+    return word("case", language, case=visible_line(run.case)) if len(report.runs) > 1 else ""
 
 
 def _error(run: CaseRun, report: GradeReport, language: Language) -> Iterator[RenderableType]:
@@ -146,7 +146,7 @@ def _error(run: CaseRun, report: GradeReport, language: Language) -> Iterator[Re
         if run.outcome.detail:
             yield Text(f"{visible(run.outcome.detail)}{_case_name(run, report, language)}\n")
         return
-    where = f" ({word('at_line', language, line=error.line)})" if error.line else ""
+    where = word("at_line", language, line=error.line) if error.line else ""
     heading = f"{word('your_error', language)}{where}{_case_name(run, report, language)}"
     yield Text(heading, style="bold red")
     body = error.traceback or f"{error.type}: {error.message}"
@@ -183,7 +183,7 @@ def _run_notes(outcome: RunOutcome, language: Language) -> Iterator[str]:
 
 
 def _in_short(error: StudentError, language: Language) -> str:
-    where = f" ({word('at_line', language, line=error.line)})" if error.line else ""
+    where = word("at_line", language, line=error.line) if error.line else ""
     return f"{visible_line(error.type, 80)}: {visible_line(error.message, 300)}{where}"
 
 

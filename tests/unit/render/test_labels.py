@@ -1,0 +1,47 @@
+"""No word may be missing in either language, and both must take the same values."""
+
+from string import Formatter
+
+import pytest
+
+from grader.contracts.outcome import RunStatus
+from grader.contracts.report import GradeStatus
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.text import Text
+from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, RUN_STATUS, WORDS, word
+
+STATUSES = {
+    repr(status): text for table in (ITEM_STATUS, GRADE_STATUS, RUN_STATUS) for status, text in table.items()
+}
+ALL = {**WORDS, **STATUSES}
+
+
+def fields(sentence: str) -> set[str | None]:
+    return {name for _, name, _, _ in Formatter().parse(sentence) if name is not None}
+
+
+@pytest.mark.parametrize("text", ALL.values(), ids=ALL.keys())
+def test_both_languages_say_it(text: Text) -> None:
+    assert text.zh.strip()
+    assert text.en.strip()
+    assert fields(text.zh) == fields(text.en)
+
+
+@pytest.mark.parametrize("text", ALL.values(), ids=ALL.keys())
+def test_english_is_english(text: Text) -> None:
+    assert not [character for character in text.en if "\u3000" <= character <= "\uffef"]
+
+
+def test_every_status_has_its_words() -> None:
+    assert set(ITEM_STATUS) == set(ITEM_MARK) == set(ItemStatus)
+    assert set(GRADE_STATUS) == set(GradeStatus)
+    assert set(RUN_STATUS) == set(RunStatus)
+
+
+def test_marks_differ_without_colour() -> None:
+    assert len(set(ITEM_MARK.values())) == len(ItemStatus)
+
+
+def test_values_are_filled_in() -> None:
+    assert word("gap", "en", length="0.29") == "gap 0.29 m"
+    assert word("gap", "zh", length="0.29") == "缺口 0.29 m"

@@ -1,0 +1,282 @@
+"""The plot shows what was measured, is the same twice, and leaves matplotlib's settings alone."""
+
+import subprocess
+import sys
+from dataclasses import replace
+from itertools import combinations
+
+import matplotlib
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel, SketchSide
+from grader.contracts.outcome import LogRecord, RunStatus
+from grader.contracts.text import Language
+from grader.contracts.trajectory import Contact, Trajectory
+from grader.render.dial import draw_dial
+from grader.render.loglines import draw_log
+from grader.render.plan import draw_plan
+from grader.render.plot import plot_png, plot_svg
+from grader.render.scene import Scene, compose
+from grader.render.typeface import rc
+from tests.unit.render.samples import (
+    SECOND,
+    START_M,
+    IdealTurtle,
+    assignment,
+    outcome,
+    polygon,
+    polygon_sketch,
+    regular,
+    report,
+    square_report,
+    t,
+)
+
+CIRCLE = {"square": (4, 90.0), "triangle": (3, 120.0), "pentagon": (5, 72.0)}
+EVIL = "\x1b[31m $x_{1}$ 🎉 鱻 \u202e\n" * 3
+
+
+def figure_of(name: str, wrong: bool = False, heading_deg: float = 0.0) -> tuple[Trajectory, FigureSketch]:
+    count, turn = CIRCLE[name]
+    sides, turns = [2.0] * count, [turn] * count
+    if wrong:
+        sides[2], turns[1] = 1.62, turn - 9
+    motion, vertices = polygon(sides, turns, heading_deg=heading_deg)
+    ideal = regular(count, 2.0, heading_deg)
+    return motion, polygon_sketch(vertices, turns, side_m=2.0, turn_deg=turn, ideal=ideal)
+
+
+def spin(turned_rad: float, ok: bool | None) -> tuple[Trajectory, FigureSketch]:
+    motion = (
+        IdealTurtle().go(0.0, float(np.sign(turned_rad)) * 1.5, abs(turned_rad) / 1.5).stop().trajectory()
+    )
+    corner = SketchCorner(at_m=(START_M, START_M), angle_deg=float(np.rad2deg(turned_rad)), ok=ok)
+    return motion, FigureSketch(view="heading", corners=(corner,), wanted_turn_deg=360.0)
+
+
+def scene(
+    motion: Trajectory | None, sketch: FigureSketch | None, language: Language = "zh", **changes: object
+) -> Scene:
+    return compose(assignment(), report(**changes), motion, sketch, language)
+
+
+def drawn(draw: object, shown: Scene) -> Axes:
+    figure = Figure(figsize=(6, 5), dpi=120)
+    FigureCanvasAgg(figure)
+    with matplotlib.rc_context(dict(rc())):
+        axes = figure.add_axes((0.1, 0.2, 0.85, 0.75))
+        draw(axes, shown)  # type: ignore[operator]
+    return axes
+
+
+def words(axes: Axes) -> list[str]:
+    return [text.get_text() for text in axes.findobj(Text) if isinstance(text, Text) and text.get_text()]
+
+
+PLOTS = {
+    "square": figure_of("square"),
+    "wrong pentagon": figure_of("pentagon", wrong=True),
+    "no sketch": (figure_of("square")[0], None),
+    "spin": spin(7.0, True),
+    "log": (IdealTurtle().trajectory(), FigureSketch(view="log")),
+    "still": (IdealTurtle().stop().trajectory(), FigureSketch()),
+    "nothing recorded": (None, None),
+}
+
+
+@pytest.mark.parametrize("case", PLOTS.values(), ids=PLOTS.keys())
+@pytest.mark.parametrize("language", ["zh", "en"])
+def test_the_same_bytes_twice(
+    case: tuple[Trajectory | None, FigureSketch | None], language: Language
+) -> None:
+    motion, sketch = case
+    arguments = (assignment(), square_report(), motion, sketch, language)
+    png, svg = plot_png(*arguments), plot_svg(*arguments)
+    assert png == plot_png(*arguments)
+    assert svg == plot_svg(*arguments)
+    assert png.startswith(b"\x89PNG\r\n\x1a\n")
+    assert svg.startswith(b"<?xml")
+    assert b"<dc:date>" not in svg
+    assert b"Matplotlib" not in svg
+
+
+def test_the_same_bytes_in_another_process() -> None:
+    program = (
+        "import hashlib; from tests.unit.render.test_plot import *;"
+        "m, s = figure_of('square', True);"
+        "print(hashlib.sha256(plot_svg(assignment(), square_report(), m, s)).hexdigest())"
+    )
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={"PYTHONHASHSEED": seed, "PATH": ""},
+            capture_output=True,
+            check=True,
+        ).stdout
+        for seed in ("1", "2")
+    }
+    assert len(digests) == 1
+
+
+def test_size() -> None:
+    motion, sketch = figure_of("square")
+    png = plot_png(assignment(), report(), motion, sketch)
+    assert (int.from_bytes(png[16:20]), int.from_bytes(png[20:24])) == (1440, 810)
+
+
+def test_settings_of_the_process_are_left_alone() -> None:
+    before = dict(matplotlib.rcParams)
+    motion, sketch = figure_of("square")
+    plot_png(assignment(), report(), motion, sketch)
+    assert dict(matplotlib.rcParams) == before
+
+
+def test_a_users_settings_do_not_show() -> None:
+    motion, sketch = figure_of("square")
+    plain = plot_png(assignment(), report(), motion, sketch)
+    with matplotlib.rc_context({"font.size": 30, "axes.grid": True, "lines.linewidth": 9}):
+        assert plot_png(assignment(), report(), motion, sketch) == plain
+
+
+def test_measures_of_a_wrong_square() -> None:
+    texts = words(drawn(draw_plan, scene(*figure_of("square", wrong=True))))
+    assert "✗ 1.62 m" in texts
+    assert "✗ 81.0°" in texts
+    assert texts.count("2.00 m") == 3
+    assert texts.count("90.0°") == 3
+    assert [text for text in texts if text.startswith("缺口 0.")]
+
+
+def test_a_right_square_has_no_mark_of_failure() -> None:
+    texts = words(drawn(draw_plan, scene(*figure_of("square"))))
+    assert not [text for text in texts if "✗" in text or "不合格" in text or "缺口" in text]
+    assert texts.count("2.00 m") == 4
+
+
+def test_turns_to_both_sides_carry_their_sign() -> None:
+    motion, vertices = polygon([1.0, 1.0], [90.0, -90.0])
+    sketch = polygon_sketch(vertices, [90.0, -90.0], side_m=1.0, turn_deg=90.0, ideal=[])
+    texts = words(drawn(draw_plan, scene(motion, sketch)))
+    assert "+90.0°" in texts
+    assert "−90.0°" in texts
+
+
+@pytest.mark.parametrize("name", CIRCLE)
+@pytest.mark.parametrize("wrong", [False, True])
+@pytest.mark.parametrize("heading_deg", [0.0, 20.0, 90.0, 200.0])
+def test_labels_do_not_cover_each_other(name: str, wrong: bool, heading_deg: float) -> None:
+    axes = drawn(draw_plan, scene(*figure_of(name, wrong, heading_deg)))
+    renderer = axes.figure.canvas.get_renderer()  # type: ignore[attr-defined]
+    boxes = {text: text.get_window_extent(renderer) for text in axes.texts if text.get_text()}
+    for one, other in combinations(boxes, 2):
+        assert not boxes[one].overlaps(boxes[other]), (one.get_text(), other.get_text())
+    for text, box in boxes.items():
+        assert axes.bbox.padded(4).contains(box.x0, box.y0), text.get_text()
+        assert axes.bbox.padded(4).contains(box.x1, box.y1), text.get_text()
+
+
+def test_equal_scales() -> None:
+    axes = drawn(draw_plan, scene(*figure_of("square")))
+    (x0, y0), (x1, y1) = axes.transData.transform([(0, 0), (1, 1)])
+    assert x1 - x0 == pytest.approx(y1 - y0)
+
+
+def test_walls_only_when_near() -> None:
+    near = (
+        IdealTurtle()
+        .go(1.0, 0.0, 5.5)
+        .trajectory((Contact(start_ns=5 * SECOND, end_ns=6 * SECOND, wall="right"),))
+    )
+    far = IdealTurtle().go(1.0, 0.0, 1.0).trajectory()
+    assert "墙" in words(drawn(draw_plan, scene(near, None)))
+    assert "墙" not in words(drawn(draw_plan, scene(far, None)))
+    assert "墙" not in words(drawn(draw_plan, replace(scene(near, None), walls=False)))
+
+
+def test_a_repetition_is_drawn_as_not_judged() -> None:
+    motion, vertices = polygon([2.0] * 8, [90.0] * 8)
+    sketch = polygon_sketch(vertices[:5], [90.0] * 4, side_m=2.0, turn_deg=90.0, ideal=regular(4, 2.0))
+    assert "未计入的路径" in words(drawn(draw_plan, scene(motion, replace(sketch, end_ns=17 * SECOND))))
+    assert "未计入的路径" not in words(drawn(draw_plan, scene(motion, sketch)))
+
+
+def test_spin() -> None:
+    assert "✗ −57.3°" in words(drawn(draw_dial, scene(*spin(-1.0, False))))
+    assert "+401.1°" in words(drawn(draw_dial, scene(*spin(7.0, True))))
+
+
+def test_log_lines() -> None:
+    logs = tuple(LogRecord(t_ns=i * SECOND, level=20, name="n", message=f"第 {i} 条") for i in range(20))
+    run = outcome(status=RunStatus.INTERRUPTED, duration_ns=20 * SECOND, logs=logs, nodes=("/hello_node",))
+    texts = words(drawn(draw_log, scene(None, None, outcome=run)))
+    assert "0.000 s  INFO  [n]  第 0 条" in texts
+    assert "… 另有 8 条日志" in texts
+    assert any(text.startswith("/hello_node") for text in texts)
+    assert "没有日志到达 /rosout" in words(drawn(draw_log, scene(None, None, outcome=outcome(logs=()))))
+
+
+@pytest.mark.parametrize("view", ["path", "heading", "log"])
+def test_hostile_text_is_drawable(view: str) -> None:
+    run = outcome(nodes=(EVIL,), logs=(LogRecord(t_ns=0, level=99, name=EVIL, message=EVIL),))
+    sketch = FigureSketch(view=view, labels=(SketchLabel(at_m=(6.0, 6.0), text=t(EVIL)),))  # type: ignore[arg-type]
+    motion, _ = figure_of("square")
+    graded = report(summary=t(EVIL), outcome=run)
+    assert plot_png(assignment(title=t(EVIL)), graded, motion, sketch)
+
+
+def test_nothing_moved_is_said() -> None:
+    assert "小车没有动" in words(drawn(draw_plan, scene(IdealTurtle().stop().trajectory(), None)))
+    assert "小车没有动" in words(drawn(draw_plan, scene(None, None)))
+
+
+def test_a_report_without_runs_has_no_plot() -> None:
+    with pytest.raises(ValueError, match="without runs"):
+        plot_png(assignment(), report(runs=()), None)
+
+
+POINT = st.tuples(st.floats(-2, 13), st.floats(-2, 13))
+SIDE = st.builds(
+    SketchSide,
+    start_m=POINT,
+    end_m=POINT,
+    length_m=st.floats(0, 20),
+    ok=st.sampled_from([True, False, None]),
+)
+CORNER = st.builds(
+    SketchCorner, at_m=POINT, angle_deg=st.floats(-360, 360), ok=st.sampled_from([True, False, None])
+)
+
+
+@settings(max_examples=25)
+@given(
+    legs=st.lists(st.tuples(st.floats(-2, 2), st.floats(-3, 3), st.floats(0.01, 3)), max_size=4),
+    sketch=st.builds(
+        FigureSketch,
+        view=st.sampled_from(["path", "heading"]),
+        sides=st.lists(SIDE, max_size=4).map(tuple),
+        corners=st.lists(CORNER, max_size=4).map(tuple),
+        ideal_m=st.lists(POINT, max_size=5).map(tuple),
+        gap=st.none() | SIDE,
+        begin_ns=st.integers(0, 10 * SECOND),
+        end_ns=st.none() | st.integers(0, 10 * SECOND),
+        wanted_turn_deg=st.none() | st.just(360.0),
+    ),
+    holes=st.sets(st.integers(0, 3)),
+)
+def test_any_motion_can_be_drawn(
+    legs: list[tuple[float, float, float]], sketch: FigureSketch, holes: set[int]
+) -> None:
+    turtle = IdealTurtle()
+    for leg in legs:
+        turtle.go(*leg)
+    motion = turtle.trajectory()
+    motion.x_m[[hole for hole in holes if hole < len(motion)]] = np.nan
+    jumps = (len(motion) // 2,) if len(motion) > 2 else ()
+    assert plot_png(assignment(), report(), replace(motion, jumps=jumps), sketch)
