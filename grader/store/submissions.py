@@ -67,17 +67,13 @@ class Submissions:
     def report(self, submission_id: str) -> StoredReport | None:
         """Return the latest grading of a submission, or None when there is none yet."""
         with self._database.reading() as session:
-            row = session.execute(_latest_grading(submission_id)).scalar_one_or_none()
-            if row is None:
-                return None
-            return StoredReport(
-                submission_id=submission_id,
-                attempt=row.attempt,
-                finished_at=row.finished_at,
-                content=row.report,
-                sha256=row.report_sha256,
-                cases=_cases(session, row),
-            )
+            return _report(session, submission_id)
+
+    def with_report(self, submission_id: str) -> tuple[Submission, StoredReport | None] | None:
+        """Return a submission and its latest grading as they are at one instant, or None."""
+        with self._database.reading() as session:
+            row = session.get(SubmissionRow, submission_id)
+            return None if row is None else (_submission(row), _report(session, submission_id))
 
     def trajectory(self, report: StoredReport, case_id: str) -> bytes | None:
         """Return the trajectory of one case as gzip of its JSON, or None."""
@@ -102,6 +98,20 @@ def new_id(now: datetime) -> str:
     random_bits = uuid.uuid4().int
     high, low = (random_bits >> 64) & 0xFFF, random_bits & ((1 << 62) - 1)
     return str(uuid.UUID(int=(milliseconds << 80) | _UUID_VERSION_7 | (high << 64) | _UUID_VARIANT | low))
+
+
+def _report(session: Session, submission_id: str) -> StoredReport | None:
+    row = session.execute(_latest_grading(submission_id)).scalar_one_or_none()
+    if row is None:
+        return None
+    return StoredReport(
+        submission_id=submission_id,
+        attempt=row.attempt,
+        finished_at=row.finished_at,
+        content=row.report,
+        sha256=row.report_sha256,
+        cases=_cases(session, row),
+    )
 
 
 def _latest_grading(submission_id: str) -> Select[GradingRow]:

@@ -1,0 +1,75 @@
+"""The HTTP service: a factory, and `grader.api:app` for servers that want a name.
+
+Importing this module opens nothing. The store, the workers and the sandbox come to life when the server
+starts the application, and are put away in good order when it stops.
+"""
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractContextManager, asynccontextmanager
+
+from fastapi import FastAPI
+from fastapi.concurrency import contextmanager_in_threadpool
+
+from grader import __version__
+from grader.routes import (
+    assignments,
+    dashboard,
+    documentation,
+    health,
+    problem_pages,
+    problems,
+    recordings,
+    submissions,
+)
+from grader.routes.headers import SafeHeaders
+from grader.routes.services import Services
+
+ServicesOpener = Callable[[], AbstractContextManager[Services]]
+
+_ROUTERS = (
+    submissions.uploads,
+    submissions.router,
+    recordings.router,
+    assignments.router,
+    dashboard.router,
+    problem_pages.router,
+    health.router,
+)
+
+
+def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
+    """Return the application.
+
+    Args:
+        open_services: opens what the routes work with when the application starts, and closes it when it
+            stops; by default everything as the environment's settings say.
+    """
+    opener = _from_environment if open_services is None else open_services
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        async with contextmanager_in_threadpool(opener()) as services:
+            app.state.services = services
+            app.state.default_language = services.settings.default_language
+            yield
+
+    # FastAPI's documentation pages load scripts from other hosts; /openapi.json is for tools
+    app = FastAPI(
+        title=documentation.TITLE, version=__version__, docs_url=None, redoc_url=None, lifespan=lifespan
+    )
+    app.add_middleware(SafeHeaders)
+    problems.install(app)
+    for router in _ROUTERS:
+        app.include_router(router)
+    documentation.install(app)
+    return app
+
+
+def _from_environment() -> AbstractContextManager[Services]:
+    from grader.service import running  # noqa: PLC0415  only a server needs the workers
+    from grader.settings import load  # noqa: PLC0415
+
+    return running(load())
+
+
+app = create_app()

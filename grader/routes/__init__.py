@@ -1,0 +1,1 @@
+"""The HTTP interface, one router per resource. Knows store and contracts; `api` puts it together."""

@@ -1,0 +1,206 @@
+"""The dashboard's document, from what the store counted and the assignments' own texts."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from statistics import fmean
+
+from pydantic import BaseModel, Field
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, Progress
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import QueueState, SubmissionState
+from grader.contracts.text import Language
+from grader.routes.health import QueueView, WorkerView
+
+_BINS = 10
+
+
+class CellView(BaseModel):
+    """One student at one assignment."""
+
+    best_score: float | None = Field(description="Null while nothing was scored.", examples=[8.5])
+    max_score: float | None = Field(examples=[10.0])
+    passed: bool
+    status: SubmissionState = Field(description="Of the latest submission.", examples=["graded"])
+    verdict: GradeStatus | None = Field(description="Of the latest submission.", examples=["graded"])
+    attempts: int = Field(description="Faults of the service do not count.", examples=[3])
+    last_activity_at: datetime
+    best_submission: str | None = Field(description="Address of the one that counts.")
+    latest_submission: str
+
+
+class StudentView(BaseModel):
+    """One row of the class matrix."""
+
+    student: str = Field(examples=["20260123"])
+    total_score: float = Field(description="Sum of the best scores.", examples=[48.5])
+    assignments: dict[str, CellView] = Field(description="By id; assignments not begun are left out.")
+
+
+class BinView(BaseModel):
+    """Students whose best score lies in [from, to) per cent of the points; the last bin includes 100."""
+
+    from_percent: int = Field(examples=[90])
+    to_percent: int = Field(examples=[100])
+    students: int = Field(examples=[12])
+
+
+class FailedItemView(BaseModel):
+    """One rubric item and how many students fail it."""
+
+    id: str = Field(examples=["angles"])
+    title: str = Field(examples=["Exterior angles"])
+    count: int = Field(description="Students who failed it at least once.", examples=[9])
+    still: int = Field(description="Students who fail it in their best submission, too.", examples=[4])
+
+
+class MistakeView(BaseModel):
+    """One recognised mistake and how many students made it."""
+
+    code: str = Field(examples=["degrees_for_radians"])
+    students: int = Field(examples=[7])
+
+
+class AssignmentStatistics(BaseModel):
+    """What one assignment shows about the class."""
+
+    id: str = Field(examples=["square"])
+    title: str = Field(examples=["Drive a square"])
+    max_score: float | None = Field(examples=[10.0])
+    students: int = Field(description="Who submitted.", examples=[28])
+    submissions: int = Field(examples=[71])
+    passed: int = Field(examples=[21])
+    pass_rate: float | None = Field(description="Of those who submitted; null for nobody.", examples=[0.75])
+    mean_score: float | None = Field(description="Of the best scores.", examples=[8.1])
+    score_distribution: list[BinView]
+    most_failed_items: list[FailedItemView] = Field(description="Most failed first.")
+    most_common_mistakes: list[MistakeView] = Field(description="Most common first.")
+
+
+class DashboardView(BaseModel):
+    """The class at a glance."""
+
+    generated_at: datetime
+    pass_fraction: float = Field(description="Share of the points that counts as passed.", examples=[0.6])
+    students: list[StudentView]
+    assignments: list[AssignmentStatistics]
+    queue: QueueView
+    oldest_queued_at: datetime | None
+    workers: list[WorkerView]
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What the statistics of an assignment are made of."""
+
+    progress: list[Progress]
+    failures: list[ItemFailures]
+    mistakes: list[MistakeCount]
+
+
+def overview(  # noqa: PLR0913
+    state: ClassState,
+    assignments: Sequence[Assignment],
+    queue: QueueState,
+    workers: list[WorkerView],
+    *,
+    generated_at: datetime,
+    pass_fraction: float,
+    language: Language,
+) -> DashboardView:
+    """Return the dashboard. Assignments no longer published still show while they have submissions."""
+    students: dict[str, dict[str, CellView]] = defaultdict(dict)
+    told: dict[str, _Told] = defaultdict(lambda: _Told([], [], []))
+    for one in state.progress:
+        students[one.student][one.assignment] = _cell(one, pass_fraction)
+        told[one.assignment].progress.append(one)
+    for failure in state.failures:
+        told[failure.assignment].failures.append(failure)
+    for mistake in state.mistakes:
+        told[mistake.assignment].mistakes.append(mistake)
+    known = {assignment.id: assignment for assignment in assignments}
+    ids = [*known, *sorted(set(told) - set(known))]
+    return DashboardView(
+        generated_at=generated_at,
+        pass_fraction=pass_fraction,
+        students=[_student(student, cells) for student, cells in students.items()],
+        assignments=[_statistics(id_, known.get(id_), told[id_], pass_fraction, language) for id_ in ids],
+        queue=QueueView(
+            queued=queue.queued, running=queue.running, infrastructure_errors=queue.infrastructure_errors
+        ),
+        oldest_queued_at=queue.oldest_queued_at,
+        workers=workers,
+    )
+
+
+def _student(student: str, cells: dict[str, CellView]) -> StudentView:
+    total = sum(cell.best_score for cell in cells.values() if cell.best_score is not None)
+    return StudentView(student=student, total_score=round(total, 2), assignments=cells)
+
+
+def _cell(progress: Progress, pass_fraction: float) -> CellView:
+    path = "/api/v1/submissions/"
+    best = progress.best_submission
+    return CellView(
+        best_score=progress.best_score,
+        max_score=progress.max_score,
+        passed=_passed(progress, pass_fraction),
+        status=progress.state,
+        verdict=progress.verdict,
+        attempts=progress.attempts,
+        last_activity_at=progress.last_activity_at,
+        best_submission=None if best is None else path + best,
+        latest_submission=path + progress.latest_submission,
+    )
+
+
+def _passed(progress: Progress, pass_fraction: float) -> bool:
+    if progress.best_score is None or progress.max_score is None:
+        return False
+    return progress.best_score >= pass_fraction * progress.max_score
+
+
+def _statistics(
+    assignment_id: str,
+    assignment: Assignment | None,
+    told: _Told,
+    pass_fraction: float,
+    language: Language,
+) -> AssignmentStatistics:
+    students = len(told.progress)
+    passed = sum(_passed(one, pass_fraction) for one in told.progress)
+    scores = [one.best_score for one in told.progress if one.best_score is not None]
+    titles = {} if assignment is None else {item.id: item.title.get(language) for item in assignment.items}
+    return AssignmentStatistics(
+        id=assignment_id,
+        title=assignment_id if assignment is None else assignment.title.get(language),
+        max_score=None if assignment is None else assignment.max_score,
+        students=students,
+        submissions=sum(one.attempts for one in told.progress),
+        passed=passed,
+        pass_rate=passed / students if students else None,
+        mean_score=round(fmean(scores), 2) if scores else None,
+        score_distribution=_distribution(told.progress),
+        most_failed_items=[_failed(failure, titles) for failure in told.failures],
+        most_common_mistakes=[MistakeView(code=one.code, students=one.students) for one in told.mistakes],
+    )
+
+
+def _failed(failure: ItemFailures, titles: Mapping[str, str]) -> FailedItemView:
+    title = titles.get(failure.item) or titles.get(failure.item.rpartition("/")[2]) or failure.item
+    return FailedItemView(id=failure.item, title=title, count=failure.ever, still=failure.still)
+
+
+def _distribution(progress: Iterable[Progress]) -> list[BinView]:
+    counts = [0] * _BINS
+    for one in progress:
+        if one.best_score is not None and one.max_score:
+            counts[min(int(one.best_score / one.max_score * _BINS), _BINS - 1)] += 1
+    width = 100 // _BINS
+    return [
+        BinView(from_percent=number * width, to_percent=(number + 1) * width, students=count)
+        for number, count in enumerate(counts)
+    ]

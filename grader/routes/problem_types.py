@@ -1,0 +1,161 @@
+"""Every kind of problem the interface answers with: status, what it means, what to do. Codes are stable."""
+
+from dataclasses import dataclass
+
+from grader.contracts.text import Text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProblemType:
+    """One kind of problem. `fix` is what the person who sees it can do."""
+
+    status: int
+    title: Text
+    fix: Text
+
+
+_RETRY = Text(zh="稍等片刻再试。", en="Wait a moment and try again.")
+_ASK = Text(
+    zh="请把 instance 告诉助教或管理员。",
+    en="Tell the instance to an assistant or the operator of the service.",
+)
+
+PROBLEM_TYPES: dict[str, ProblemType] = {
+    "malformed_body": ProblemType(
+        status=400,
+        title=Text(zh="请求内容无法解析", en="The request body cannot be read"),
+        fix=Text(
+            zh="用 multipart/form-data 上传字段 file、assignment 和 student。",
+            en="Upload the fields file, assignment and student as multipart/form-data.",
+        ),
+    ),
+    "unauthorized": ProblemType(
+        status=401,
+        title=Text(zh="需要教师令牌", en="An instructor token is needed"),
+        fix=Text(
+            zh="在请求头 Authorization 中填写 Bearer 和服务启动时显示的令牌。",
+            en="Send the header Authorization: Bearer, followed by the token shown when the service started.",
+        ),
+    ),
+    "not_found": ProblemType(
+        status=404,
+        title=Text(zh="没有这个地址", en="There is nothing at this address"),
+        fix=Text(
+            zh="检查地址；/openapi.json 列出全部地址。",
+            en="Check the address; /openapi.json lists all of them.",
+        ),
+    ),
+    "submission_not_found": ProblemType(
+        status=404,
+        title=Text(zh="没有这份提交", en="There is no such submission"),
+        fix=Text(zh="检查提交编号是否完整。", en="Check that the submission's id is complete."),
+    ),
+    "assignment_not_found": ProblemType(
+        status=404,
+        title=Text(zh="没有这个作业", en="There is no such assignment"),
+        fix=Text(zh="/api/v1/assignments 列出全部作业。", en="/api/v1/assignments lists all assignments."),
+    ),
+    "no_trajectory": ProblemType(
+        status=404,
+        title=Text(zh="这次运行没有轨迹", en="This run has no trajectory"),
+        fix=Text(
+            zh="检查 case 参数；如果程序没有运行起来，就没有轨迹。",
+            en="Check the parameter case; a script that never ran has no trajectory.",
+        ),
+    ),
+    "problem_not_found": ProblemType(
+        status=404,
+        title=Text(zh="没有这种错误类型", en="There is no such kind of problem"),
+        fix=Text(zh="检查错误类型的名称。", en="Check the name of the kind of problem."),
+    ),
+    "method_not_allowed": ProblemType(
+        status=405,
+        title=Text(zh="这个地址不支持该请求方法", en="This address does not support the method"),
+        fix=Text(zh="响应头 Allow 列出支持的方法。", en="The header Allow lists the methods it supports."),
+    ),
+    "not_graded_yet": ProblemType(
+        status=409,
+        title=Text(zh="还没有评分结果", en="There is no grading yet"),
+        fix=Text(
+            zh="等提交的 status 变成 graded 再试。", en="Try again when the submission's status is graded."
+        ),
+    ),
+    "too_large": ProblemType(
+        status=413,
+        title=Text(zh="文件太大", en="The file is too large"),
+        fix=Text(
+            zh="只上传作业脚本本身，不要打包其他文件。", en="Upload the script itself, without other files."
+        ),
+    ),
+    "unsupported_media_type": ProblemType(
+        status=415,
+        title=Text(zh="请求不是文件上传", en="The request is not a file upload"),
+        fix=Text(
+            zh="用 multipart/form-data 上传，例如 curl -F file=@square_mover.py。",
+            en="Send multipart/form-data, for example with curl -F file=@square_mover.py.",
+        ),
+    ),
+    "wrong_file_type": ProblemType(
+        status=415,
+        title=Text(zh="不是 Python 脚本", en="This is not a Python script"),
+        fix=Text(zh="上传扩展名为 .py 的脚本。", en="Upload the script whose name ends in .py."),
+    ),
+    "invalid_request": ProblemType(
+        status=422,
+        title=Text(zh="请求中有字段不正确", en="A field of the request is wrong"),
+        fix=Text(zh="改正 errors 中列出的字段。", en="Correct the fields listed in errors."),
+    ),
+    "invalid_student": ProblemType(
+        status=422,
+        title=Text(zh="学号格式不正确", en="This is not a valid student id"),
+        fix=Text(
+            zh="使用 1 到 64 个字母、数字或 . _ @ - ，以字母或数字开头。",
+            en="Use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit.",
+        ),
+    ),
+    "unknown_assignment": ProblemType(
+        status=422,
+        title=Text(zh="没有这个作业", en="There is no such assignment"),
+        fix=Text(zh="使用 allowed 中的名称之一。", en="Use one of the names in allowed."),
+    ),
+    "empty": ProblemType(
+        status=422,
+        title=Text(zh="文件是空的", en="The file is empty"),
+        fix=Text(zh="先在编辑器中保存文件，再上传。", en="Save the file in the editor, then upload it."),
+    ),
+    "not_utf8": ProblemType(
+        status=422,
+        title=Text(zh="文件不是 UTF-8 编码", en="The file is not UTF-8"),
+        fix=Text(
+            zh="在编辑器中选择以 UTF-8 编码保存。", en="Save the file with encoding UTF-8 in the editor."
+        ),
+    ),
+    "contains_nul": ProblemType(
+        status=422,
+        title=Text(zh="文件含有 NUL 字节，不是文本", en="The file contains NUL bytes: it is not text"),
+        fix=Text(
+            zh="上传 .py 源文件，不要上传 .pyc 或 UTF-16 编码的文件。",
+            en="Upload the .py source, not a .pyc file or a file saved as UTF-16.",
+        ),
+    ),
+    "syntax_error": ProblemType(
+        status=422,
+        title=Text(zh="Python 语法错误", en="This is not valid Python"),
+        fix=Text(
+            zh="改正 line 所指的那一行（也看看它的上一行），在本机能运行后再上传。",
+            en="Correct the line given in line (look at the one above, too), run it at home, then upload it.",
+        ),
+    ),
+    "too_many_open": ProblemType(
+        status=429,
+        title=Text(zh="等待评分的提交太多", en="Too many submissions are waiting"),
+        fix=Text(zh="等前面的提交评分完成后再上传。", en="Upload again when earlier ones are graded."),
+    ),
+    "internal_error": ProblemType(
+        status=500, title=Text(zh="服务内部错误", en="The service made a mistake"), fix=_ASK
+    ),
+    "unavailable": ProblemType(
+        status=503, title=Text(zh="服务暂时不可用", en="The service is not available right now"), fix=_RETRY
+    ),
+    "refused": ProblemType(status=400, title=Text(zh="请求被拒绝", en="The request was refused"), fix=_ASK),
+}

@@ -1,0 +1,206 @@
+"""Problem documents (RFC 9457) for everything that goes wrong, in the reader's language."""
+
+import logging
+import uuid
+from collections.abc import Mapping
+from typing import Any
+
+from fastapi import FastAPI, HTTPException, Request
+from fastapi.exceptions import RequestValidationError
+from fastapi.responses import JSONResponse
+from pydantic import BaseModel, ConfigDict, Field
+from starlette.exceptions import HTTPException as StarletteHTTPException
+
+from grader.contracts.errors import InfrastructureError
+from grader.contracts.text import Text
+from grader.routes.language import language_of
+from grader.routes.problem_types import PROBLEM_TYPES
+
+_log = logging.getLogger(__name__)
+MEDIA_TYPE = "application/problem+json"
+TYPE_PATH = "/api/v1/problems/"
+_BY_STATUS = {
+    400: "malformed_body",
+    401: "unauthorized",
+    404: "not_found",
+    405: "method_not_allowed",
+    413: "too_large",
+    415: "unsupported_media_type",
+    503: "unavailable",
+}
+_LONGEST_ECHO = 200
+_RETRY_AFTER_S = 5
+
+
+class FieldError(BaseModel):
+    """One field that was not accepted."""
+
+    field: str = Field(description="Where it stands: `query.lang`, `student`, ...", examples=["student"])
+    detail: str = Field(description="What is wrong with it.", examples=["Field required"])
+
+
+class Problem(BaseModel):
+    """A problem document (RFC 9457). Members without a value are left out."""
+
+    model_config = ConfigDict(
+        json_schema_extra={
+            "examples": [
+                {
+                    "type": "/api/v1/problems/syntax_error",
+                    "title": "This is not valid Python",
+                    "status": 422,
+                    "detail": "'(' was never closed",
+                    "instance": "urn:uuid:0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f",
+                    "code": "syntax_error",
+                    "field": "file",
+                    "fix": "Correct the line given in line (look at the one above, too), run it at home, "
+                    "then upload it.",
+                    "line": 12,
+                    "column": 21,
+                    "text": "        self.publish(",
+                }
+            ]
+        }
+    )
+
+    type: str = Field(description="Address that explains this kind of problem.")
+    title: str = Field(description="This kind of problem in a few words.")
+    status: int = Field(description="HTTP status.")
+    detail: str = Field(description="What happened this time.")
+    instance: str = Field(description="Names this occurrence, also in the log of the service.")
+    code: str = Field(description="Stable name of this kind of problem.")
+    fix: str = Field(description="What to do about it.")
+    field: str | None = Field(default=None, description="The field of the request that is meant.")
+    line: int | None = Field(default=None, description="Line of the uploaded file, from 1.")
+    column: int | None = Field(default=None, description="Column in that line, from 1.")
+    text: str | None = Field(
+        default=None, description="That line, with invisible characters shown as escapes."
+    )
+    allowed: list[str] | None = Field(default=None, description="The values that would be accepted.")
+    errors: list[FieldError] | None = Field(default=None, description="Every field that was not accepted.")
+
+
+class ProblemError(HTTPException):
+    """Answers the request with a problem document.
+
+    Args:
+        code: a key of `PROBLEM_TYPES`, which gives status, title and fix.
+        detail: what happened this time; the title when left out.
+        members: further members of `Problem`.
+    """
+
+    def __init__(
+        self,
+        code: str,
+        detail: Text | str | None = None,
+        *,
+        headers: Mapping[str, str] | None = None,
+        **members: Any,
+    ) -> None:
+        super().__init__(PROBLEM_TYPES[code].status, headers=dict(headers or {}))
+        self.code = code
+        self.text = detail
+        self.members = members
+
+
+def install(app: FastAPI) -> None:
+    """Make every failure of `app` a problem document."""
+    app.add_exception_handler(ProblemError, _on_problem)
+    app.add_exception_handler(StarletteHTTPException, _on_http_error)
+    app.add_exception_handler(RequestValidationError, _on_invalid)
+    app.add_exception_handler(InfrastructureError, _on_unavailable)
+    app.add_exception_handler(Exception, _on_bug)
+
+
+def responses(*codes: str) -> dict[int | str, dict[str, Any]]:
+    """Return the OpenAPI responses of an endpoint that can answer with the problems `codes`."""
+    documented: dict[int | str, dict[str, Any]] = {}
+    for code in (*codes, "internal_error", "unavailable"):
+        kind = PROBLEM_TYPES[code]
+        response = documented.setdefault(kind.status, {"description": "", "content": {MEDIA_TYPE: {}}})
+        response["description"] += ("; " if response["description"] else "") + f"{kind.title.en} (`{code}`)"
+        content = response["content"][MEDIA_TYPE]
+        content["schema"] = {"$ref": "#/components/schemas/Problem"}
+        content.setdefault("examples", {})[code] = {"value": _example(code)}
+    return documented
+
+
+def _example(code: str) -> dict[str, Any]:
+    kind = PROBLEM_TYPES[code]
+    return {
+        "type": TYPE_PATH + code,
+        "title": kind.title.en,
+        "status": kind.status,
+        "detail": kind.title.en,
+        "instance": "urn:uuid:0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f",
+        "code": code,
+        "fix": kind.fix.en,
+    }
+
+
+def _answer(
+    request: Request,
+    code: str,
+    detail: Text | str | None,
+    *,
+    status: int | None = None,
+    headers: Mapping[str, str] | None = None,
+    **members: Any,
+) -> JSONResponse:
+    language, kind = language_of(request), PROBLEM_TYPES[code]
+    spoken = kind.title if detail is None else detail
+    problem = Problem(
+        type=TYPE_PATH + code,
+        title=kind.title.get(language),
+        status=status or kind.status,
+        detail=spoken if isinstance(spoken, str) else spoken.get(language),
+        instance=uuid.uuid4().urn,
+        code=code,
+        fix=kind.fix.get(language),
+        **members,
+    )
+    _log.info("%s %s: %d %s %s", request.method, request.url.path, problem.status, code, problem.instance)
+    return JSONResponse(
+        problem.model_dump(exclude_none=True),
+        status_code=problem.status,
+        media_type=MEDIA_TYPE,
+        headers={"Content-Language": language, "Cache-Control": "no-store", **(headers or {})},
+    )
+
+
+async def _on_problem(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, ProblemError)
+    return _answer(request, error.code, error.text, headers=error.headers, **error.members)
+
+
+async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, StarletteHTTPException)
+    code = _BY_STATUS.get(error.status_code, "refused")
+    return _answer(request, code, None, status=error.status_code, headers=error.headers)
+
+
+async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RequestValidationError)
+    found = [_field_error(problem) for problem in error.errors()]
+    detail = "; ".join(f"{one.field}: {one.detail}" for one in found)
+    field = found[0].field if found else None
+    return _answer(request, "invalid_request", detail, field=field, errors=found)
+
+
+def _field_error(problem: Any) -> FieldError:
+    where = [str(part) for part in problem["loc"]]
+    name = ".".join(where[1:] if where[0] == "body" and len(where) > 1 else where)
+    return FieldError(field=name[:_LONGEST_ECHO], detail=str(problem["msg"])[:_LONGEST_ECHO])
+
+
+async def _on_unavailable(request: Request, error: Exception) -> JSONResponse:
+    _log.error("%s %s: %s", request.method, request.url.path, error)
+    return _answer(request, "unavailable", None, headers={"Retry-After": str(_RETRY_AFTER_S)})
+
+
+async def _on_bug(request: Request, error: Exception) -> JSONResponse:
+    answer = _answer(request, "internal_error", None)
+    _log.error(
+        "%s %s failed: %s", request.method, request.url.path, bytes(answer.body).decode(), exc_info=error
+    )
+    return answer

@@ -1,0 +1,123 @@
+"""What the car did: the trajectory as columns of numbers, and as a picture."""
+
+import gzip
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Query, Response
+from fastapi.concurrency import run_in_threadpool
+from pydantic import BaseModel, Field
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.submission import StoredReport
+from grader.routes.problems import ProblemError, responses
+from grader.routes.services import Services, ServicesDep
+from grader.routes.submissions import LanguageDep, SubmissionId, found, graded
+
+router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"])
+
+
+class ContactView(BaseModel):
+    """The car touched a wall."""
+
+    start_ns: int = Field(examples=[2_000_000_000])
+    end_ns: int = Field(examples=[2_500_000_000])
+    wall: str = Field(description="`left`, `right`, `top` or `bottom`.", examples=["right"])
+
+
+class TrajectoryView(BaseModel):
+    """Poses over virtual time in turtlesim's frame, one column per quantity, all of one length.
+
+    Between two samples further apart than 1/60 s the car stood still.
+    """
+
+    t_ns: list[int] = Field(description="Virtual nanoseconds.", examples=[[0, 16_666_667]])
+    x_m: list[float] = Field(description="Metres to the right.", examples=[[5.544445, 5.561112]])
+    y_m: list[float] = Field(description="Metres up.", examples=[[5.544445, 5.544445]])
+    heading_rad: list[float] = Field(description="Counter-clockwise, unwrapped.", examples=[[0.0, 0.0]])
+    v_mps: list[float] = Field(description="Measured speed along the heading.", examples=[[0.0, 1.0]])
+    w_radps: list[float] = Field(description="Measured yaw rate.", examples=[[0.0, 0.0]])
+    end_ns: int = Field(description="End of the episode.", examples=[60_000_000_000])
+    jumps: list[int] = Field(description="Samples reached by teleport or reset.", examples=[[]])
+    contacts: list[ContactView]
+    commands: list[tuple[int, float, float]] = Field(
+        description="[t_ns, v_mps, w_radps] as received.", examples=[[[0, 1.0, 0.0]]]
+    )
+
+
+@router.get(
+    "/{submission_id}/trajectory",
+    summary="The trajectory as columns",
+    response_class=Response,
+    responses={
+        200: {"model": TrajectoryView, "description": "The recorded trajectory; the ETag is its SHA-256."},
+        **responses("submission_not_found", "no_trajectory", "not_graded_yet", "invalid_request"),
+    },
+)
+def read_trajectory(
+    services: ServicesDep,
+    submission_id: SubmissionId,
+    case: Annotated[
+        str | None, Query(description="Which run; the first when left out.", max_length=64)
+    ] = None,
+    accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
+) -> Response:
+    """Return what the trusted simulator recorded in one run of the script."""
+    report = graded(services, submission_id)
+    content, sha256 = _recorded(services, report, case)
+    headers = {"ETag": f'"{sha256}"', "Vary": "Accept-Encoding"}
+    if "gzip" in (accept_encoding or "").lower():
+        headers["Content-Encoding"] = "gzip"  # kept compressed: sent as it lies there
+    else:
+        content = gzip.decompress(content)
+    return Response(content, media_type="application/json", headers=headers)
+
+
+@router.get(
+    "/{submission_id}/plot.png",
+    summary="The trajectory as a picture",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The first run's path over the ideal figure, with what was measured.",
+            "content": {"image/png": {"schema": {"type": "string", "format": "binary"}}},
+        },
+        **responses(
+            "submission_not_found",
+            "no_trajectory",
+            "assignment_not_found",
+            "not_graded_yet",
+            "invalid_request",
+        ),
+    },
+)
+async def read_plot(services: ServicesDep, submission_id: SubmissionId, language: LanguageDep) -> Response:
+    """Return a PNG with labels in the language asked for."""
+    assignment, report, trajectory = await run_in_threadpool(_drawable, services, submission_id)
+    png = await services.plots.get(assignment, report, trajectory, language)
+    headers = {
+        "ETag": f'"{report.sha256}-{language}"',
+        "Content-Language": language,
+        "Vary": "Accept-Language",
+        "Cache-Control": "private, no-cache",
+    }
+    return Response(png, media_type="image/png", headers=headers)
+
+
+def _recorded(services: Services, report: StoredReport, case: str | None) -> tuple[bytes, str]:
+    case_id = case if case is not None else next(iter(report.cases), "")
+    content = services.submissions.trajectory(report, case_id)
+    if content is None:
+        raise ProblemError("no_trajectory", field="case", allowed=list(report.cases))
+    return content, report.cases[case_id]
+
+
+def _drawable(services: Services, submission_id: str) -> tuple[Assignment, StoredReport, bytes]:
+    submission, _ = found(services, submission_id)
+    report = graded(services, submission_id)
+    try:
+        assignment = services.assignments.get(submission.assignment)
+    except UnknownAssignmentError:
+        raise ProblemError("assignment_not_found") from None
+    content, _ = _recorded(services, report, None)
+    return assignment, report, gzip.decompress(content)

@@ -1,0 +1,146 @@
+"""Uploads, and what became of them."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, File, Form, Path, Response, UploadFile
+
+from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
+from grader.contracts.text import Language, Text
+from grader.routes.language import requested_language
+from grader.routes.problems import ProblemError, responses
+from grader.routes.services import Services, ServicesDep
+from grader.routes.submission_views import Receipt, SubmissionView, receipt, view
+from grader.routes.uploads import UploadRoute, check_content, checked_name, checked_student
+
+uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
+router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
+
+SubmissionId = Annotated[
+    str,
+    Path(
+        description="As the upload was answered with.",
+        max_length=64,
+        examples=["0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"],
+    ),
+]
+LanguageDep = Annotated[Language, Depends(requested_language)]
+_RETRY_AFTER_S = 5
+
+
+@uploads.post(
+    "",
+    status_code=202,
+    summary="Upload a script",
+    response_description="Stored and queued; Location says where to ask for the result.",
+    responses={
+        202: {"headers": {"Location": {"description": "The submission.", "schema": {"type": "string"}}}},
+        **responses(
+            "malformed_body",
+            "too_large",
+            "unsupported_media_type",
+            "wrong_file_type",
+            "invalid_request",
+            "invalid_student",
+            "unknown_assignment",
+            "empty",
+            "not_utf8",
+            "contains_nul",
+            "syntax_error",
+            "too_many_open",
+        ),
+    },
+)
+def upload(
+    services: ServicesDep,
+    response: Response,
+    file: Annotated[UploadFile, File(description="The script, as it runs at home: UTF-8, at most 256 KiB.")],
+    assignment: Annotated[str, Form(description="Id of the assignment.", examples=["square"])],
+    student: Annotated[str, Form(description="Student id.", examples=["20260123"])],
+) -> Receipt:
+    """Check a script's form, store it and queue it for grading.
+
+    Nothing of it is executed by the service itself; its syntax is checked in a confined process.
+    """
+    student = checked_student(student)
+    _check_assignment(services, assignment)
+    name = checked_name(file.filename)
+    source = file.file.read(services.settings.max_upload_bytes + 1)
+    check_content(services, source, name)
+    if services.submissions.open_count(student) >= services.settings.max_open_submissions:
+        raise ProblemError("too_many_open", headers={"Retry-After": str(_RETRY_AFTER_S)}, field="student")
+    new = NewSubmission(student=student, assignment=assignment, file_name=name, source=source)
+    added = receipt(services.submissions.add(new))
+    services.doorbell.ring()
+    response.headers["Location"] = added.status_url
+    return added
+
+
+@router.get(
+    "/{submission_id}",
+    summary="A submission and its grading",
+    responses=responses("submission_not_found", "invalid_request"),
+)
+def read(
+    services: ServicesDep, response: Response, language: LanguageDep, submission_id: SubmissionId
+) -> SubmissionView:
+    """Return where a submission stands; once graded, with score, rubric items, feedback and what ran."""
+    submission, report = found(services, submission_id)
+    waiting = submission.state is SubmissionState.QUEUED
+    position = services.queue.position(submission_id) if waiting else None
+    response.headers.update(
+        {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
+    )
+    return view(submission, report, position, language)
+
+
+@router.get(
+    "/{submission_id}/report",
+    summary="The graded report, byte for byte",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "Canonical JSON in both languages; its SHA-256 is the ETag.",
+            "content": {"application/json": {"schema": {"type": "object"}}},
+        },
+        **responses("submission_not_found", "not_graded_yet", "invalid_request"),
+    },
+)
+def read_report(services: ServicesDep, submission_id: SubmissionId) -> Response:
+    """Return the report as it was graded: the same bytes for the same file and assignment."""
+    report = graded(services, submission_id)
+    return Response(report.content, media_type="application/json", headers={"ETag": f'"{report.sha256}"'})
+
+
+def found(services: Services, submission_id: str) -> tuple[Submission, StoredReport | None]:
+    """Return a submission and its grading, if there is one yet.
+
+    Raises:
+        ProblemError: there is no such submission.
+    """
+    pair = services.submissions.with_report(submission_id)
+    if pair is None:
+        raise ProblemError("submission_not_found")
+    return pair
+
+
+def graded(services: Services, submission_id: str) -> StoredReport:
+    """Return the latest grading of a submission.
+
+    Raises:
+        ProblemError: there is no such submission, or no grading yet.
+    """
+    submission, report = found(services, submission_id)
+    if report is None:
+        state = submission.state.value
+        detail = Text(zh=f"提交的状态是 {state}。", en=f"The submission is {state}.")
+        raise ProblemError("not_graded_yet", detail, headers={"Retry-After": str(_RETRY_AFTER_S)})
+    return report
+
+
+def _check_assignment(services: Services, assignment: str) -> None:
+    try:
+        services.assignments.get(assignment)
+    except UnknownAssignmentError:
+        allowed = [known.id for known in services.assignments.all()]
+        raise ProblemError("unknown_assignment", field="assignment", allowed=allowed) from None

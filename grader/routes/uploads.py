@@ -1,0 +1,144 @@
+"""Taking a file in: bounded while it arrives, then checked before anything is stored."""
+
+import re
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+from fastapi import Request, Response
+from fastapi.routing import APIRoute
+from starlette.types import Message
+
+from grader.contracts.errors import InfrastructureError, SubmissionError
+from grader.contracts.grading import SyntaxProblem
+from grader.contracts.text import Text
+from grader.contracts.upload import check_source
+from grader.render.escape import visible_line
+from grader.routes.problems import ProblemError
+from grader.routes.services import Services
+
+STUDENT_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._@-]{0,63}$"
+_STUDENT = re.compile(STUDENT_PATTERN)
+_SUFFIX = ".py"
+_LONGEST_NAME = 100
+_LONGEST_LINE = 200
+_ENVELOPE_BYTES = 16 * 1024  # boundaries, part headers and the two short fields
+_DRAINED_BYTES = 8 * 1024 * 1024
+
+
+class UploadRoute(APIRoute):
+    """A route whose body is refused by type before, and by size while, it is read.
+
+    The form's parser alone would spool any amount to disk before the endpoint saw the first byte.
+    """
+
+    def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
+        """Put the two checks before FastAPI's own handler."""
+        handle = super().get_route_handler()
+
+        async def bounded(request: Request) -> Response:
+            kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
+            if kind != "multipart/form-data":
+                raise ProblemError("unsupported_media_type", headers={"Accept": "multipart/form-data"})
+            limit = request.app.state.services.settings.max_upload_bytes
+            return await handle(Request(request.scope, _Bounded(request, limit).receive))
+
+        return bounded
+
+
+class _Bounded:
+    """Passes a request's body on up to a limit."""
+
+    def __init__(self, request: Request, file_limit: int) -> None:
+        self._receive = request.receive
+        self._file_limit = file_limit
+        self._left = file_limit + _ENVELOPE_BYTES
+        declared = request.headers.get("content-length", "")
+        self._declared_too_large = declared.isdecimal() and int(declared) > self._left
+
+    async def receive(self) -> Message:
+        message = await self._receive()
+        self._left -= len(message.get("body", b""))
+        if self._declared_too_large or self._left < 0:
+            await self._drain(message)
+            raise too_large(self._file_limit)
+        return message
+
+    async def _drain(self, message: Message) -> None:
+        """Read on for a while and drop it: most clients read no answer before they sent everything."""
+        dropped = 0
+        while message.get("more_body", False) and dropped < _DRAINED_BYTES:
+            message = await self._receive()
+            dropped += len(message.get("body", b""))
+
+
+def too_large(limit: int) -> ProblemError:
+    """Return the problem of a file beyond `limit` bytes."""
+    kib = limit // 1024
+    return ProblemError(
+        "too_large",
+        Text(zh=f"文件最大 {kib} KiB。", en=f"A file may have at most {kib} KiB."),
+        field="file",
+    )
+
+
+def checked_student(student: str) -> str:
+    """Return a well-formed student id.
+
+    Raises:
+        ProblemError: it is not one.
+    """
+    if not _STUDENT.fullmatch(student):
+        raise ProblemError("invalid_student", field="student")
+    return student
+
+
+def checked_name(file_name: str | None) -> str:
+    """Return the last part of the name the student's browser sent, one printable line.
+
+    Raises:
+        ProblemError: it is not the name of a Python script.
+    """
+    name = visible_line(re.split(r"[/\\]", file_name or "")[-1].strip(), _LONGEST_NAME)
+    if not name.lower().endswith(_SUFFIX) or len(name) == len(_SUFFIX):
+        shown = name or "—"
+        raise ProblemError(
+            "wrong_file_type",
+            Text(zh=f"收到的文件名是 {shown}。", en=f"The file is called {shown}."),
+            field="file",
+        )
+    return name
+
+
+def check_content(services: Services, source: bytes, file_name: str) -> None:
+    """Refuse what could not run at all.
+
+    Raises:
+        ProblemError: too large, empty, not UTF-8, not text, or not Python.
+    """
+    limit = services.settings.max_upload_bytes
+    if len(source) > limit:
+        raise too_large(limit)
+    try:
+        check_source(source, limit)
+    except SubmissionError as error:
+        raise ProblemError(error.code, str(error), field="file") from error
+    try:
+        problem = services.preflight.check(source, file_name)
+    except InfrastructureError:
+        return  # no fault of the file: grading will look at it again
+    if problem is not None:
+        raise _syntax_error(problem)
+
+
+def _syntax_error(problem: SyntaxProblem) -> ProblemError:
+    where = "" if problem.line is None else f"line {problem.line}: "
+    where_zh = "" if problem.line is None else f"第 {problem.line} 行："
+    message = visible_line(problem.message, _LONGEST_LINE)
+    return ProblemError(
+        "syntax_error",
+        Text(zh=where_zh + message, en=where + message),
+        field="file",
+        line=problem.line,
+        column=problem.column,
+        text=visible_line(problem.text.rstrip("\r\n"), _LONGEST_LINE) or None,
+    )

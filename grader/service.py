@@ -1,0 +1,195 @@
+"""The composition root of the service: from settings to a store, workers and everything the routes use."""
+
+import json
+import logging
+import sys
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+
+from grader.bootstrap import build_sandbox
+from grader.catalog import Catalog
+from grader.contracts.assignment import Assignment
+from grader.contracts.codec import from_plain
+from grader.contracts.errors import AssignmentError, UnknownAssignmentError
+from grader.contracts.grading import AssignmentSource, Preflight, SandboxState, SyntaxProblem
+from grader.contracts.report import GradeReport
+from grader.contracts.submission import StoredReport
+from grader.contracts.text import Language
+from grader.routes.access import InstructorGate, new_token
+from grader.routes.plots import PlotCache
+from grader.routes.services import Services
+from grader.settings import Settings
+from grader.slot import Slot, SlotConfig
+from grader.store.columns import utc_now
+from grader.store.dashboard import Dashboard
+from grader.store.database import Database
+from grader.store.doorbell import Doorbell
+from grader.store.queue import Queue, RetryPolicy
+from grader.store.schema import migrate
+from grader.store.submissions import Submissions
+from grader.store.workers import Workers, presence
+from grader.worker import Worker, WorkerConfig, WorkerParts
+
+_log = logging.getLogger(__name__)
+_FRESH_S = 2.0
+_ISOLATION = SlotConfig(mode="strict")  # the service has no weaker mode
+
+
+class RememberedAssignments:
+    """Assignments, read again when the last look is two seconds old.
+
+    An instructor who saves a broken file does not stop the class: until it is mended, the last readable state
+    of all assignments stands, and the log says why.
+    """
+
+    def __init__(self, source: AssignmentSource, monotonic_s: Callable[[], float] = time.monotonic) -> None:
+        """Read everything once.
+
+        Raises:
+            AssignmentError: a file is wrong.
+        """
+        self._source = source
+        self._monotonic_s = monotonic_s
+        self._lock = threading.Lock()
+        self._read_at_s = monotonic_s()
+        self._assignments = source.all()
+
+    def all(self) -> tuple[Assignment, ...]:
+        """Return every assignment in the order of the checklist."""
+        with self._lock:
+            now_s = self._monotonic_s()
+            if now_s - self._read_at_s >= _FRESH_S:
+                self._read_at_s = now_s
+                try:
+                    self._assignments = self._source.all()
+                except AssignmentError as error:
+                    _log.error("assignments stay as they were: %s", error)
+            return self._assignments
+
+    def get(self, assignment_id: str) -> Assignment:
+        """Return one assignment, or raise UnknownAssignmentError."""
+        for assignment in self.all():
+            if assignment.id == assignment_id:
+                return assignment
+        raise UnknownAssignmentError(f"there is no assignment {assignment_id!r}")
+
+
+class LatePreflight:
+    """Accepts every text: its syntax is then checked where it is graded, and reported as ``syntax_error``."""
+
+    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
+        """Return None."""
+        return None
+
+
+@contextmanager
+def running(
+    settings: Settings,
+    announce: Callable[[str], None] | None = None,
+    preflight: Preflight | None = None,
+) -> Iterator[Services]:
+    """Open the store, bring it up to date, start the workers; put everything away at the end.
+
+    Args:
+        settings: what the operator wants.
+        announce: is told the instructor token if one had to be made; by default it goes to stderr.
+        preflight: looks at uploads.
+
+    Raises:
+        SettingsError: the database does not fit this version.
+        AssignmentError: an assignment is wrong.
+        InfrastructureError: the database cannot be opened.
+    """
+    with ExitStack() as stack:
+        database = Database(settings.database_url)
+        stack.callback(database.close)
+        migrate(database)
+        services = Services(
+            settings=settings,
+            assignments=RememberedAssignments(Catalog()),
+            submissions=Submissions(database, utc_now),
+            queue=Queue(database, utc_now, _policy(settings)),
+            workers=Workers(database, utc_now),
+            dashboard=Dashboard(database),
+            preflight=preflight or LatePreflight(),
+            plots=PlotCache(_plot, settings.plot_cache_entries),
+            gate=InstructorGate(_token(settings, announce or _announce)),
+            doorbell=Doorbell(),
+            clock=utc_now,
+        )
+        stack.callback(services.plots.close)
+        if settings.slots:
+            stack.enter_context(working(services))
+        yield services
+
+
+@contextmanager
+def working(services: Services) -> Iterator[Worker]:
+    """Run a worker beside whatever else this process does."""
+    settings, queue = services.settings, services.queue
+    parts = WorkerParts(
+        queue=queue,
+        workers=services.workers,
+        assignments=services.assignments,
+        make_grader=lambda: Slot(_ISOLATION),
+        probe=_probe,
+        doorbell=services.doorbell,
+        clock=services.clock,
+    )
+    config = WorkerConfig(
+        slots=settings.slots,
+        heartbeat_s=settings.heartbeat_s,
+        poll_s=settings.poll_s,
+        drain_s=settings.drain_s,
+    )
+    with presence(settings.database_url, lambda: _take_over(queue)):
+        worker = Worker(parts, config)
+        worker.start()
+        try:
+            yield worker
+        finally:
+            worker.stop()
+
+
+def _take_over(queue: Queue) -> None:
+    left = queue.reconcile(all_running=True)
+    if left.requeued or left.given_up:
+        _log.warning("after a crash: %d gradings queued again, %d given up", left.requeued, left.given_up)
+
+
+def _policy(settings: Settings) -> RetryPolicy:
+    return RetryPolicy(
+        lease_s=settings.lease_s, max_tries=settings.max_tries, backoff_s=settings.retry_backoff_s
+    )
+
+
+def _token(settings: Settings, announce: Callable[[str], None]) -> str:
+    if settings.instructor_token is not None:
+        return settings.instructor_token.get_secret_value()
+    token = new_token()
+    announce(token)
+    return token
+
+
+def _announce(token: str) -> None:
+    sys.stderr.write(f"instructor token: {token}\n")
+    sys.stderr.flush()
+
+
+def _probe() -> SandboxState:
+    with build_sandbox(_ISOLATION) as sandbox:
+        breaches = sandbox.prove().breaches
+        return SandboxState(
+            ready=not breaches,
+            isolation=sandbox.isolation,
+            missing_layers=sandbox.missing_layers,
+            detail="; ".join(breaches),
+        )
+
+
+def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, language: Language) -> bytes:
+    from grader.plots import draw  # noqa: PLC0415  matplotlib takes a second to import: not at start
+
+    return draw(assignment, from_plain(GradeReport, json.loads(report.content)), trajectory, language)
