@@ -1,7 +1,5 @@
 """Collects what the car did while it happens; memory is bounded by the horizon, not by the traffic."""
 
-import math
-from array import array
 from typing import Final
 
 import numpy as np
@@ -21,9 +19,8 @@ class Recorder:
     """
 
     def __init__(self) -> None:
-        self._t_ns = array("q")
-        self._columns = tuple(array("d") for _ in range(5))  # x, y, heading, v, w
-        self._heading = 0.0
+        self._samples: list[tuple[int, float, float, float, float, float]] = []
+        self._t_ns = -1
         self._jumps: list[int] = []
         self._commands: list[Command] = []
         self._command_step = -1
@@ -31,26 +28,21 @@ class Recorder:
         self._touching: dict[str, tuple[int, int]] = {}
 
     def sample(self, step: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
-        """Add the state at `step`; a folded heading is unwrapped here. A step seen before is skipped."""
+        """Add the state at `step`, its heading folded or not. A step seen before is skipped."""
         t_ns = step_time_ns(step)
-        x_m, y_m, yaw_rad = pose
-        if self._t_ns:
-            if t_ns <= self._t_ns[-1]:
-                return
-            # At most 100 rad/s for 1/60 s between samples: less than half a turn, so the nearest is right.
-            yaw_rad = self._heading + math.remainder(yaw_rad - self._heading, math.tau)
-        self._append(t_ns, x_m, y_m, yaw_rad, v_mps, w_radps)
+        if t_ns > self._t_ns:
+            self._t_ns = t_ns
+            self._samples.append((t_ns, *pose, v_mps, w_radps))
 
     def jump(self, step: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
         """Add the pose into which the car was put at `step`; the pose it left has been sampled before."""
         t_ns = step_time_ns(step) + 1
-        if self._t_ns[-1] >= t_ns:  # put down twice within one step: only the last place counts
-            self._t_ns.pop()
-            for column in self._columns:
-                column.pop()
+        if self._t_ns >= t_ns:  # put down twice within one step: only the last place counts
+            self._samples.pop()
         else:
-            self._jumps.append(len(self._t_ns))
-        self._append(t_ns, *pose, v_mps, w_radps)
+            self._jumps.append(len(self._samples))
+        self._t_ns = t_ns
+        self._samples.append((t_ns, *pose, v_mps, w_radps))
 
     def command(self, step: int, command: Command) -> None:
         """Add a command that acts at `step`; it replaces an earlier one for the same step."""
@@ -71,25 +63,21 @@ class Recorder:
         """Return everything recorded. At least one sample must have been taken."""
         for wall in tuple(self._touching):
             self._close(wall)
-        x_m, y_m, heading_rad, v_mps, w_radps = (np.array(column) for column in self._columns)
+        t_ns, *columns = zip(*self._samples, strict=True)
+        x_m, y_m, heading_rad, v_mps, w_radps = (np.array(column, dtype=np.float64) for column in columns)
         return Trajectory(
-            t_ns=np.array(self._t_ns),
+            t_ns=np.array(t_ns, dtype=np.int64),
             x_m=x_m,
             y_m=y_m,
-            heading_rad=heading_rad,
+            # At most 100 rad/s for 1/60 s between samples: less than half a turn, so the nearest is right.
+            heading_rad=np.unwrap(heading_rad),
             v_mps=v_mps,
             w_radps=w_radps,
-            end_ns=max(end_ns, self._t_ns[-1]),
+            end_ns=max(end_ns, self._t_ns),
             jumps=tuple(self._jumps),
             contacts=tuple(sorted(self._contacts, key=lambda contact: contact.start_ns)),
             commands=tuple(self._commands),
         )
-
-    def _append(self, t_ns: int, *values: float) -> None:
-        self._t_ns.append(t_ns)
-        for column, value in zip(self._columns, values, strict=True):
-            column.append(value)
-        self._heading = values[2]
 
     def _close(self, wall: str) -> None:
         start, last = self._touching.pop(wall)

@@ -56,7 +56,10 @@ class Turtle:
 
     def advance(self, t_ns: int) -> None:
         """Drive until the first step at or after `t_ns`, but never past the horizon."""
-        end = min(first_step_at(t_ns), self._last_step)
+        self._advance(first_step_at(t_ns))
+
+    def _advance(self, step: int) -> None:
+        end = min(step, self._last_step)
         if self._drop_step <= end:
             self._car.advance(self._drop_step)
             self._drop_step = _NEVER
@@ -68,7 +71,8 @@ class Turtle:
 
         A sideways component is only counted: turtlesim 1.4 slides sideways, a car on two wheels cannot.
         """
-        self.advance(t_ns)
+        step = first_step_at(t_ns)
+        self._advance(step)
         v, w, finite = clamp_command(linear_x, angular_z)
         if not finite:
             self.nonfinite_commands += 1
@@ -80,7 +84,7 @@ class Turtle:
         if self.first_command_ns is None:
             self.first_command_ns = t_ns
         self.last_command_ns = t_ns
-        self._recorder.command(first_step_at(t_ns), Command(t_ns=t_ns, v_mps=v, w_radps=w))
+        self._recorder.command(step, Command(t_ns=t_ns, v_mps=v, w_radps=w))
         if self.alive:
             self.drive(t_ns, v, w)
 
