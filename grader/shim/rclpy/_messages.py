@@ -37,11 +37,11 @@ def interface_name(cls: type) -> str:
     return f"{package}/{kind}/{cls.__name__}"
 
 
-def message_class(full_name: str) -> type:
-    """Return the message class of a full name, importing its module.
+def interface_class(full_name: str) -> type:
+    """Return the message, service or action class of a full name, importing its module.
 
     Raises:
-        KeyError: there is no such message.
+        KeyError: there is no such interface.
     """
     found: type = getattr(import_module(INTERFACES[full_name].module), full_name.rpartition("/")[2])
     return found
@@ -64,7 +64,7 @@ def _define_message(interface: Interface, structure: Structure, namespace: dict[
         if field.is_message and alias(field.base) not in namespace:
             short = field.base.rpartition("/")[2]
             local = namespace.get(short) if field.base.startswith(f"{interface.package}/action/") else None
-            namespace[alias(field.base)] = local or message_class(field.base)
+            namespace[alias(field.base)] = local or interface_class(field.base)
     attributes: dict[str, Any] = {"__doc__": f"Metaclass of message '{name}'."}
     for constant, literal in structure.constants:
         attributes[constant] = _fixed(f"lambda cls: {literal}", namespace)
@@ -105,8 +105,8 @@ def _define_action(interface: Interface, namespace: dict[str, Any]) -> None:
     name = interface.name
     _define_service(interface, f"{name}_SendGoal", namespace)
     _define_service(interface, f"{name}_GetResult", namespace)
-    namespace["_CancelGoal"] = message_class("action_msgs/srv/CancelGoal")
-    namespace["_GoalStatusArray"] = message_class("action_msgs/msg/GoalStatusArray")
+    namespace["_CancelGoal"] = interface_class("action_msgs/srv/CancelGoal")
+    namespace["_GoalStatusArray"] = interface_class("action_msgs/msg/GoalStatusArray")
     _metaclass(interface, name, namespace, {"__doc__": f"Metaclass of action '{name}'."})
     source = f"""class {name}(metaclass=Metaclass_{name}):
     Goal = {name}_Goal

@@ -1,0 +1,98 @@
+"""Makes every interface package importable: ``from geometry_msgs.msg import Twist``.
+
+No such package exists on disk. A finder on `sys.meta_path` answers for ``geometry_msgs``,
+``geometry_msgs.msg`` and ``geometry_msgs.msg._twist`` alike, as a ROS 2 Humble installation lays them out;
+the classes of a module are built when it is imported, and ``geometry_msgs.msg`` imports a module when one of
+its names is first asked for. Importing this module installs the finder.
+"""
+
+from __future__ import annotations
+
+import sys
+from importlib import import_module
+from importlib.machinery import ModuleSpec
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from rclpy._definitions import INTERFACES, SITE_PACKAGES, Interface
+from rclpy._messages import define
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+_PACKAGES = {interface.package for interface in INTERFACES.values()}
+_MODULES = {interface.module: interface for interface in INTERFACES.values()}
+_NAMESPACES: dict[str, dict[str, Interface]] = {}
+for _interface in INTERFACES.values():
+    _key = f"{_interface.package}.{_interface.kind}"
+    _NAMESPACES.setdefault(_key, {})[_interface.name] = _interface
+
+
+class InterfaceFinder:
+    """Finder and loader of the interface packages (one object, without state)."""
+
+    @staticmethod
+    def find_spec(
+        fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return the spec of an interface package or of one of its modules, None for anything else."""
+        if fullname in _MODULES:
+            is_package = False
+        elif fullname in _PACKAGES or fullname in _NAMESPACES:
+            is_package = True
+        else:
+            return None
+        origin = SITE_PACKAGES + fullname.replace(".", "/") + ("/__init__.py" if is_package else ".py")
+        # A loader by its methods: the base class in importlib.abc would cost more than all of this.
+        loader: Any = InterfaceFinder
+        spec = ModuleSpec(fullname, loader, origin=origin, is_package=is_package)
+        spec.has_location = True
+        return spec
+
+    @staticmethod
+    def create_module(spec: ModuleSpec) -> None:
+        """Ask for an ordinary module."""
+
+    @staticmethod
+    def exec_module(module: ModuleType) -> None:
+        """Fill a module: with its classes, or with the promise of them."""
+        name = module.__name__
+        if name in _MODULES:
+            define(_MODULES[name], module.__dict__)
+        elif name in _NAMESPACES:
+            _promise(module, _NAMESPACES[name])
+
+
+def _promise(module: ModuleType, interfaces: dict[str, Interface]) -> None:
+    """Give ``geometry_msgs.msg`` its names without importing what they stand for."""
+
+    def __getattr__(name: str) -> Any:  # noqa: N807 - the hook of PEP 562
+        if name in interfaces:
+            value = getattr(import_module(interfaces[name].module), name)
+            setattr(module, name, value)
+            return value
+        submodule = f"{module.__name__}.{name}"
+        if submodule in _MODULES:
+            return import_module(submodule)
+        raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}", name=name, obj=module)
+
+    def __dir__() -> list[str]:  # noqa: N807 - the hook of PEP 562
+        return sorted({*module.__dict__, *interfaces} - {"__getattr__", "__dir__", "__all__"})
+
+    module.__dict__.update(__getattr__=__getattr__, __dir__=__dir__, __all__=sorted(interfaces))
+
+
+def install() -> None:
+    """Put the finder first on `sys.meta_path`, once."""
+    if InterfaceFinder not in sys.meta_path:
+        sys.meta_path.insert(0, InterfaceFinder)
+
+
+install()
+
+
+class LogType:
+    """Stands for rcl_interfaces/msg/Log where only its name is needed: every node has a log publisher."""
+
+    __module__ = "rcl_interfaces.msg"
+    __qualname__ = __name__ = "Log"
