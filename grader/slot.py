@@ -103,12 +103,6 @@ class Slot:
             self._process.wait()
             self._process = None
 
-    def abort(self) -> None:
-        """Kill the child, from any thread; a grading under way fails as an infrastructure fault."""
-        process = self._process
-        if process is not None and process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
-
     def __enter__(self) -> Self:
         self.start()
         return self
