@@ -1,0 +1,77 @@
+"""The application behind a real server on a free port of loopback."""
+
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+
+import httpx
+import uvicorn
+
+from grader.api import create_app
+from grader.routes.access import InstructorGate
+from grader.routes.plots import PlotCache, Plotter
+from grader.routes.services import Services
+from grader.settings import Settings
+from grader.store.dashboard import Dashboard
+from grader.store.database import Database
+from grader.store.doorbell import Doorbell
+from grader.store.queue import Queue, RetryPolicy
+from grader.store.schema import migrate
+from grader.store.submissions import Submissions
+from grader.store.workers import Workers
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import FakeAssignments, FakePreflight
+
+TOKEN = "correct-horse-battery-staple"
+PNG = b"\x89PNG\r\n\x1a\n fake"
+
+
+class FakePlotter:
+    """Draws a picture of words and counts how often."""
+
+    def __init__(self) -> None:
+        self.drawn = 0
+
+    def __call__(self, assignment, report, trajectory, language) -> bytes:
+        self.drawn += 1
+        return PNG + f" {assignment.id} {language} {len(trajectory)}".encode()
+
+
+def services(settings: Settings, clock: FakeClock, plotter: Plotter | None = None) -> Services:
+    database = Database(settings.database_url)
+    migrate(database)
+    return Services(
+        settings=settings,
+        assignments=FakeAssignments(),
+        submissions=Submissions(database, clock),
+        queue=Queue(database, clock, RetryPolicy(max_tries=3, backoff_s=0)),
+        workers=Workers(database, clock),
+        dashboard=Dashboard(database),
+        preflight=FakePreflight(),
+        plots=PlotCache(plotter or FakePlotter(), 8),
+        gate=InstructorGate(TOKEN),
+        doorbell=Doorbell(),
+        clock=clock,
+    )
+
+
+@contextmanager
+def serving(opened: AbstractContextManager[Services]) -> Iterator[httpx.Client]:
+    """Yield a client of a running server; the server has stopped when the context ends."""
+    listener = socket.create_server(("127.0.0.1", 0))
+    server = uvicorn.Server(uvicorn.Config(create_app(lambda: opened), log_config=None, ws="none"))
+    thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
+    thread.start()
+    try:
+        port = listener.getsockname()[1]
+        # the socket listens already: the first request simply waits until the server answers
+        with httpx.Client(base_url=f"http://127.0.0.1:{port}", timeout=30.0, trust_env=False) as client:
+            yield client
+    finally:
+        server.should_exit = True
+        thread.join()
+        listener.close()
+
+
+__all__ = ["PNG", "TOKEN", "FakePlotter", "nullcontext", "services", "serving"]

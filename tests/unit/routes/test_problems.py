@@ -1,0 +1,252 @@
+"""Every refusal is a problem document that says what, where and what to do."""
+
+from collections.abc import Callable
+
+import httpx
+import pytest
+
+from grader.contracts.errors import InfrastructureError
+from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.services import Services
+from tests.fakes.server import TOKEN
+
+Upload = Callable[..., httpx.Response]
+
+
+def problem(response: httpx.Response, status: int, code: str) -> dict:
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    document = response.json()
+    assert {"type", "title", "status", "detail", "instance", "code", "fix"} <= document.keys()
+    assert document["status"] == status
+    assert document["code"] == code
+    assert document["type"] == f"/api/v1/problems/{code}"
+    assert document["instance"].startswith("urn:uuid:")
+    assert None not in document.values()
+    return document
+
+
+def nothing_stored(services: Services) -> bool:
+    state = services.queue.state()
+    return state.queued == 0
+
+
+@pytest.mark.parametrize("source", [b"", b" \n\t\n", b"\xef\xbb\xbf", b"\xef\xbb\xbf \n"])
+def test_an_empty_file(upload: Upload, services: Services, source: bytes) -> None:
+    assert problem(upload(source), 422, "empty")["field"] == "file"
+    assert nothing_stored(services)
+
+
+def test_a_file_in_another_encoding(upload: Upload, services: Services) -> None:
+    document = problem(upload("# 第一行\nprint('方')\n".encode("gbk")), 422, "not_utf8")
+    assert "line 1" in document["detail"]
+    assert nothing_stored(services)
+
+
+def test_a_file_with_nul_bytes(upload: Upload, services: Services) -> None:
+    assert "line 2" in problem(upload(b"x = 1\ny = \0\n"), 422, "contains_nul")["detail"]
+    assert nothing_stored(services)
+
+
+def test_a_file_that_is_not_python(upload: Upload, services: Services) -> None:
+    document = problem(upload(b"x = 1\nprint(def broken(\n"), 422, "syntax_error")
+    assert (document["line"], document["column"]) == (2, 11)
+    assert document["text"] == "print(def broken("
+    assert "never closed" in document["detail"]
+    assert nothing_stored(services)
+
+
+def test_a_syntax_error_cannot_smuggle_control_characters(upload: Upload) -> None:
+    document = problem(upload("def broken( # \u202e\x1b[2J\n".encode()), 422, "syntax_error")
+    assert document["text"] == "def broken( # \\u202e\\x1b[2J"
+
+
+def test_a_failing_preflight_is_no_fault_of_the_file(upload: Upload, services: Services) -> None:
+    services.preflight.fault = InfrastructureError("the checking process died")
+    assert upload(b"good").status_code == 202
+
+
+@pytest.mark.parametrize("name", ["square.zip", "square", "square.py.docx", ".py", "square.ipynb", "square.pyc"])
+def test_a_file_of_another_type(upload: Upload, services: Services, name: str) -> None:
+    assert problem(upload(name=name), 415, "wrong_file_type")["field"] == "file"
+    assert nothing_stored(services)
+
+
+def test_a_file_one_byte_too_large(upload: Upload, services: Services) -> None:
+    assert upload(b"#" * 2048).status_code == 202
+    document = problem(upload(b"#" * 2049), 413, "too_large")
+    assert "2 KiB" in document["detail"]
+    assert services.queue.state().queued == 1
+
+
+def test_a_body_declared_far_too_large(upload: Upload, services: Services) -> None:
+    problem(upload(b"#" * 3_000_000), 413, "too_large")
+    assert nothing_stored(services)
+
+
+def test_a_body_that_never_says_how_large_it_is(client: httpx.Client, services: Services) -> None:
+    sent = 0
+
+    def body():
+        nonlocal sent
+        yield b'--x\r\nContent-Disposition: form-data; name="file"; filename="a.py"\r\n\r\n'
+        for _ in range(2_000):
+            sent += 1000
+            yield b"#" * 1000
+
+    headers = {"Content-Type": "multipart/form-data; boundary=x"}
+    problem(client.post("/api/v1/submissions", content=body(), headers=headers), 413, "too_large")
+    assert nothing_stored(services)
+
+
+@pytest.mark.parametrize("kind", ["application/json", "text/x-python", "application/x-www-form-urlencoded", ""])
+def test_a_body_that_is_no_upload(client: httpx.Client, kind: str) -> None:
+    response = client.post("/api/v1/submissions", content=b"{}", headers={"Content-Type": kind})
+    problem(response, 415, "unsupported_media_type")
+
+
+@pytest.mark.parametrize(
+    "body", [b"", b"garbage", b"--x\r\nbroken\r\n", b'--x\r\nContent-Disposition: form-data; name="file"']
+)
+def test_a_body_that_cannot_be_parsed(client: httpx.Client, services: Services, body: bytes) -> None:
+    headers = {"Content-Type": "multipart/form-data; boundary=x"}
+    response = client.post("/api/v1/submissions", content=body, headers=headers)
+    assert response.status_code in (400, 422)
+    problem(response, response.status_code, response.json()["code"])
+    assert nothing_stored(services)
+
+
+def test_a_boundary_that_is_missing(client: httpx.Client) -> None:
+    headers = {"Content-Type": "multipart/form-data"}
+    problem(client.post("/api/v1/submissions", content=b"x", headers=headers), 400, "malformed_body")
+
+
+def test_an_unknown_assignment(upload: Upload, services: Services) -> None:
+    document = problem(upload(assignment="circle"), 422, "unknown_assignment")
+    assert document["field"] == "assignment"
+    assert document["allowed"] == ["straight", "square"]
+    assert nothing_stored(services)
+
+
+@pytest.mark.parametrize("student", ["", " ", "-x", "a b", "../x", "x" * 65, "a\nb", "<script>", "学号"])
+def test_a_bad_student_id(upload: Upload, services: Services, student: str) -> None:
+    response = upload(student=student)
+    # an empty form field counts as a missing one
+    problem(response, 422, "invalid_student" if student else response.json()["code"])
+    assert nothing_stored(services)
+
+
+@pytest.mark.parametrize("student", ["20260123", "a", "li.wei@uni.example", "A_b-9", "x" * 64])
+def test_a_good_student_id(upload: Upload, student: str) -> None:
+    assert upload(student=student).status_code == 202
+
+
+def test_missing_fields_are_all_named(client: httpx.Client) -> None:
+    response = client.post("/api/v1/submissions", files={"other": ("a.py", b"x")})
+    document = problem(response, 422, "invalid_request")
+    assert {error["field"] for error in document["errors"]} == {"file", "assignment", "student"}
+
+
+def test_a_field_where_a_file_belongs(client: httpx.Client) -> None:
+    form = {"file": (None, b"text"), "assignment": (None, b"square"), "student": (None, b"s1")}
+    assert problem(client.post("/api/v1/submissions", files=form), 422, "invalid_request")["field"] == "file"
+
+
+def test_too_many_waiting(upload: Upload) -> None:
+    for _ in range(3):
+        assert upload().status_code == 202
+    response = upload()
+    problem(response, 429, "too_many_open")
+    assert int(response.headers["Retry-After"]) > 0
+    assert upload(student="another").status_code == 202
+
+
+@pytest.mark.parametrize("path", ["", "/report", "/trajectory", "/plot.png"])
+def test_an_unknown_submission(client: httpx.Client, path: str) -> None:
+    problem(client.get(f"/api/v1/submissions/nonsense{path}"), 404, "submission_not_found")
+
+
+@pytest.mark.parametrize("path", ["/report", "/trajectory", "/plot.png"])
+def test_a_submission_not_graded_yet(client: httpx.Client, upload: Upload, path: str) -> None:
+    url = upload().headers["Location"]
+    response = client.get(url + path)
+    problem(response, 409, "not_graded_yet")
+    assert int(response.headers["Retry-After"]) > 0
+
+
+def test_an_unknown_case(client: httpx.Client, graded: Callable[..., str]) -> None:
+    response = client.get(graded() + "/trajectory", params={"case": "other"})
+    assert problem(response, 404, "no_trajectory")["allowed"] == ["default"]
+
+
+def test_an_unknown_address(client: httpx.Client) -> None:
+    problem(client.get("/api/v1/nothing"), 404, "not_found")
+    problem(client.get("/docs"), 404, "not_found")
+
+
+def test_an_unknown_assignment_page(client: httpx.Client) -> None:
+    problem(client.get("/api/v1/assignments/circle"), 404, "assignment_not_found")
+
+
+def test_a_method_that_is_not_there(client: httpx.Client) -> None:
+    response = client.delete("/api/v1/assignments")
+    problem(response, 405, "method_not_allowed")
+    assert response.headers["Allow"] == "GET"
+
+
+def test_an_unknown_language(client: httpx.Client) -> None:
+    document = problem(client.get("/api/v1/assignments", params={"lang": "fr"}), 422, "invalid_request")
+    assert document["field"] == "query.lang"
+
+
+@pytest.mark.parametrize(
+    "header", [None, "", "Bearer", "Bearer wrong", f"Basic {TOKEN}", f"Bearer {TOKEN}x", "Bearer \xe9\xe9"]
+)
+def test_the_dashboard_without_its_token(client: httpx.Client, header: str | None) -> None:
+    headers = [] if header is None else [(b"Authorization", header.encode("latin-1"))]
+    response = client.get("/api/v1/dashboard", headers=headers)
+    problem(response, 401, "unauthorized")
+    assert response.headers["WWW-Authenticate"].startswith("Bearer")
+
+
+def test_a_bug_is_a_problem_too(
+    client: httpx.Client, services: Services, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def bug() -> None:
+        raise ZeroDivisionError("secret detail")
+
+    monkeypatch.setattr(services.assignments, "all", bug)
+    response = client.get("/api/v1/assignments")
+    document = problem(response, 500, "internal_error")
+    assert "secret" not in response.text
+    assert any(document["instance"] in record.getMessage() for record in caplog.records)
+
+
+def test_a_database_that_is_away(
+    client: httpx.Client, services: Services, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def away(_: str) -> None:
+        raise InfrastructureError("database is locked")
+
+    monkeypatch.setattr(services.submissions, "with_report", away)
+    response = client.get("/api/v1/submissions/x")
+    problem(response, 503, "unavailable")
+    assert "Retry-After" in response.headers
+
+
+def test_problems_speak_the_readers_language(upload: Upload) -> None:
+    english = upload(b"", headers={"Accept-Language": "en"}).json()
+    chinese = upload(b"").json()
+    assert (english["title"], chinese["title"]) == ("The file is empty", "文件是空的")
+    assert upload(b"", headers={"Accept-Language": "en"}).headers["Content-Language"] == "en"
+
+
+@pytest.mark.parametrize("code", PROBLEM_TYPES)
+def test_every_type_is_explained_at_its_address(client: httpx.Client, code: str) -> None:
+    document = client.get(f"/api/v1/problems/{code}", params={"lang": "en"}).json()
+    assert document["title"] == PROBLEM_TYPES[code].title.en
+    assert document["fix"]
+
+
+def test_an_unknown_type(client: httpx.Client) -> None:
+    problem(client.get("/api/v1/problems/nonsense"), 404, "problem_not_found")
