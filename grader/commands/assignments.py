@@ -1,0 +1,62 @@
+"""`grader assignments`: what there is, what earns points, and whether the assignments keep their word."""
+
+import argparse
+from pathlib import Path
+
+from grader.catalog import Catalog
+from grader.contracts.text import LANGUAGES
+from grader.render.terminal import console
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|validate")
+    actions.add_parser("list", help="every assignment, in the order of the checklist")
+    show = actions.add_parser("show", help="the rubric as a student reads it before submitting")
+    show.add_argument("id")
+    validate = actions.add_parser(
+        "validate", help="run solutions and wrong scripts; report false passes and false fails"
+    )
+    validate.add_argument("ids", nargs="*", metavar="id", help="assignments (default: all)")
+    for action in actions.choices.values():
+        action.add_argument("--lang", choices=LANGUAGES, default="zh")
+        action.add_argument("--assignments", type=Path, metavar="DIR", help="folder (default: built in)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the chosen action; validate: 0 when every script gets the verdict it must, else 1."""
+    catalog = Catalog(arguments.assignments)
+    if arguments.action == "list":
+        return _list(catalog, arguments)
+    if arguments.action == "show":
+        return _show(catalog, arguments)
+    from grader.commands.validation import validate  # noqa: PLC0415  (starts a grading process)
+
+    return validate(catalog, arguments.ids or [each.id for each in catalog.all()], arguments.lang)
+
+
+def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:
+    from rich.table import Table  # noqa: PLC0415
+
+    table = Table(box=None)
+    for heading in ("", "id", "", "", ""):
+        table.add_column(heading)
+    for assignment in catalog.all():
+        table.add_row(
+            str(assignment.order),
+            assignment.id,
+            assignment.title.get(arguments.lang),
+            f"{assignment.max_score:g}",
+            assignment.brief.get(arguments.lang),
+        )
+    console().print(table)
+    return 0
+
+
+def _show(catalog: Catalog, arguments: argparse.Namespace) -> int:
+    from grader.checks import published_rubric  # noqa: PLC0415
+    from grader.render.rubric import render_rubric  # noqa: PLC0415
+
+    assignment = catalog.get(arguments.id)
+    console().print(render_rubric(assignment, published_rubric(assignment), language=arguments.lang))
+    return 0

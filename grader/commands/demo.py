@@ -1,0 +1,146 @@
+"""`grader demo`: a small class over HTTP, from upload to dashboard."""
+
+import argparse
+import os
+import secrets
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import httpx
+from rich.progress import Progress
+
+from grader.catalog import Catalog
+from grader.contracts.errors import InfrastructureError
+from grader.contracts.text import LANGUAGES
+from grader.render.dashboard import render_dashboard
+from grader.render.terminal import console
+
+_START_S = 60.0
+_GRADING_S = 300.0
+_OPEN_STATES = ("queued", "running")
+
+
+@dataclass(frozen=True, slots=True)
+class Upload:
+    """One file that a student of the demo hands in."""
+
+    student: str
+    assignment: str
+    path: Path
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("--output", type=Path, default=Path("demo-output"), help="folder for plots and database")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Start a server, let a class hand in its work, show the dashboard and save the plots."""
+    output = console()
+    plots = arguments.output / "plots"
+    plots.mkdir(parents=True, exist_ok=True)
+    uploads = list(_class())
+    with _server(arguments.output) as client:
+        start = time.monotonic()
+        locations = [_upload(client, upload) for upload in uploads]
+        _await(client, locations, output)
+        spent_s = time.monotonic() - start
+        output.print(f"{len(uploads)} submissions, {spent_s:.1f} s")
+        for upload, location in zip(uploads, locations, strict=True):
+            plot = client.get(f"{location}/plot.png", params={"lang": arguments.lang}).raise_for_status()
+            (plots / f"{upload.student}-{upload.assignment}-{upload.path.stem}.png").write_bytes(plot.content)
+        dashboard = client.get("/api/v1/dashboard").raise_for_status().json()
+    output.print(render_dashboard(dashboard, language=arguments.lang))
+    output.print(f"plots: {plots}/")
+    return 0
+
+
+def _class() -> Iterator[Upload]:
+    """Yield the lesson's scripts, every solution, and some of what beginners get wrong."""
+    catalog = Catalog()
+    lesson = _lesson_folder(catalog)
+    if lesson is not None:
+        yield Upload("lesson", "hello", lesson / "hello_node.py")
+        yield Upload("lesson", "straight", lesson / "straight_mover.py")
+        yield Upload("lesson", "square", lesson / "square_mover.py")
+    for assignment in catalog.all():
+        folder = catalog.folder(assignment.id)
+        yield Upload("ada", assignment.id, folder / "solution.py")
+        wrong = [folder / "wrong" / attempt.file for attempt in catalog.wrong_attempts(assignment.id)]
+        for student, path in zip(("bo", "chen", "dai"), wrong, strict=False):
+            yield Upload(student, assignment.id, path)
+        yield Upload("chen", assignment.id, folder / "solution.py")
+
+
+def _lesson_folder(catalog: Catalog) -> Path | None:
+    folder = catalog.root.parent / "lesson"
+    return folder if folder.is_dir() else None
+
+
+@contextmanager
+def _server(output: Path) -> Iterator[httpx.Client]:
+    """Run `grader serve` on a free port with an empty database; yield a client with the instructor's token."""
+    for old in output.glob("grader.db*"):
+        old.unlink()
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    token = secrets.token_urlsafe(24)
+    command = [sys.executable, "-m", "grader", "serve", "--port", str(port), "--data", str(output)]
+    server = subprocess.Popen(command, env={**os.environ, "GRADER_INSTRUCTOR_TOKEN": token})
+    headers = {"Authorization": f"Bearer {token}"}
+    try:
+        with httpx.Client(base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=60.0) as client:
+            _await_start(client, server)
+            yield client
+    finally:
+        server.terminate()
+        server.wait()
+
+
+def _await_start(client: httpx.Client, server: subprocess.Popen[bytes]) -> None:
+    deadline = time.monotonic() + _START_S
+    while time.monotonic() < deadline:
+        if server.poll() is not None:
+            raise InfrastructureError(f"the server ended at once (exit code {server.returncode})")
+        try:
+            if client.get("/healthz").is_success:
+                return
+        except httpx.TransportError:
+            pass
+        time.sleep(0.1)
+    raise InfrastructureError(f"the server was not ready within {_START_S:g} s")
+
+
+def _upload(client: httpx.Client, upload: Upload) -> str:
+    response = client.post(
+        "/api/v1/submissions",
+        data={"student": upload.student, "assignment": upload.assignment},
+        files={"file": (upload.path.name, upload.path.read_bytes(), "text/x-python")},
+    )
+    if response.status_code != httpx.codes.ACCEPTED:
+        raise InfrastructureError(f"{upload.path.name} was refused: {response.text}")
+    return str(response.headers["Location"])
+
+
+def _await(client: httpx.Client, locations: list[str], output: Any) -> None:
+    waiting = set(locations)
+    deadline = time.monotonic() + _GRADING_S
+    with Progress(console=output, transient=True) as progress:
+        task = progress.add_task("grading", total=len(waiting))
+        while waiting:
+            if time.monotonic() > deadline:
+                raise InfrastructureError(f"{len(waiting)} submissions were not graded within {_GRADING_S:g} s")
+            for location in sorted(waiting):
+                if client.get(location).raise_for_status().json()["status"] not in _OPEN_STATES:
+                    waiting.discard(location)
+                    progress.advance(task)
+            time.sleep(0.1)

@@ -1,0 +1,77 @@
+"""`grader run FILE`: drive the simulated turtle with a script and look, without grading."""
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+from grader.commands.check import add_grading_options, read_source
+from grader.contracts import trajectory_json
+from grader.contracts.assignment import Assignment, Case, World
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.outcome import Blame
+from grader.contracts.text import EMPTY, LANGUAGES
+from grader.slot import Slot, SlotConfig
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("file", type=Path, help="the script to run / 要运行的脚本")
+    parser.add_argument("args", nargs="*", help="arguments for the script (after --)")
+    parser.add_argument("--for", dest="horizon_s", type=_seconds, default=60.0, metavar="SECONDS",
+                        help="virtual seconds until Ctrl+C (default: 60)")  # fmt: skip
+    parser.add_argument("--input", default="", metavar="TEXT", help="what input() reads; \\n ends a line")
+    parser.add_argument("--topic", default="/turtle1/cmd_vel", help="topic that moves the turtle")
+    parser.add_argument("--no-walls", action="store_true", help="an open world instead of turtlesim's window")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh")
+    add_grading_options(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run the script; 0 when it ended well, 1 when it failed."""
+    job = GradingJob(
+        file_name=arguments.file.name, source=read_source(arguments.file), assignment=_sandpit(arguments)
+    )
+    with Slot(SlotConfig(mode=arguments.isolation)) as slot:
+        result = slot.grade(job)
+    _show(arguments, result)
+    return 0 if result.report.runs[0].outcome.blame is Blame.NOBODY else 1
+
+
+def _sandpit(arguments: argparse.Namespace) -> Assignment:
+    """Return an assignment that asks for nothing."""
+    return Assignment(
+        id="run",
+        version=1,
+        order=0,
+        title=EMPTY,
+        brief=EMPTY,
+        check="node",
+        items=(),
+        horizon_s=arguments.horizon_s,
+        world=World(cmd_vel_topic=arguments.topic, walls=not arguments.no_walls),
+        cases=(Case(stdin=arguments.input.replace("\\n", "\n"), args=tuple(arguments.args)),),
+    )
+
+
+def _show(arguments: argparse.Namespace, result: GradingResult) -> None:
+    from grader.render.escape import visible  # noqa: PLC0415
+    from grader.render.terminal import console  # noqa: PLC0415
+    from grader.render.timeline import render_timeline  # noqa: PLC0415
+
+    outcome = result.report.runs[0].outcome
+    trajectory = trajectory_json.decode(result.trajectories[result.report.runs[0].case])
+    for stream, target in ((outcome.stdout, sys.stdout), (outcome.stderr, sys.stderr)):
+        target.write(visible(stream.text))
+    output = console()
+    output.print(render_timeline(outcome, trajectory, language=arguments.lang))
+    x_m, y_m = trajectory.x_m[-1], trajectory.y_m[-1]
+    heading_deg = math.degrees(math.remainder(trajectory.heading_rad[-1], math.tau))
+    output.print(f"x = {x_m:.3f} m   y = {y_m:.3f} m   θ = {heading_deg:.1f}°   t = {outcome.duration_ns / 1e9:.3f} s")
+
+
+def _seconds(text: str) -> float:
+    value = float(text)
+    if not 0.0 < value <= 600.0:
+        raise argparse.ArgumentTypeError(f"{text}: must be more than 0 and at most 600 virtual seconds")
+    return value
