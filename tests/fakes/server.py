@@ -3,10 +3,11 @@
 import socket
 import threading
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext
 
 import httpx
 import uvicorn
+from fastapi import FastAPI
 
 from grader.api import create_app
 from grader.routes.access import InstructorGate
@@ -56,11 +57,16 @@ def services(settings: Settings, clock: FakeClock, plotter: Plotter | None = Non
     )
 
 
+def application(made: Services) -> FastAPI:
+    """Return the application around services that somebody else closes."""
+    return create_app(lambda: nullcontext(made))
+
+
 @contextmanager
-def serving(opened: AbstractContextManager[Services]) -> Iterator[httpx.Client]:
+def serving(app: FastAPI) -> Iterator[httpx.Client]:
     """Yield a client of a running server; the server has stopped when the context ends."""
     listener = socket.create_server(("127.0.0.1", 0))
-    server = uvicorn.Server(uvicorn.Config(create_app(lambda: opened), log_config=None, ws="none"))
+    server = uvicorn.Server(uvicorn.Config(app, log_config=None, ws="none"))
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()
     try:
@@ -72,6 +78,3 @@ def serving(opened: AbstractContextManager[Services]) -> Iterator[httpx.Client]:
         server.should_exit = True
         thread.join()
         listener.close()
-
-
-__all__ = ["PNG", "TOKEN", "FakePlotter", "nullcontext", "services", "serving"]

@@ -1,12 +1,16 @@
+import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import httpx
 import pytest
+from fastapi import FastAPI
 
 from grader.contracts.grading import GradingJob
 from grader.routes.services import Services
 from grader.settings import Settings
+from grader.store.database import Database
+from grader.store.schema import migrate
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import grade
@@ -23,21 +27,52 @@ def plotter() -> FakePlotter:
     return FakePlotter()
 
 
+@pytest.fixture(scope="session")
+def empty_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A migrated database to copy: migrating anew for each test would take most of the time."""
+    path = tmp_path_factory.mktemp("empty") / "grader.db"
+    database = Database(f"sqlite:///{path}")
+    migrate(database)
+    database.close()
+    return path
+
+
+def _services(folder: Path, empty: Path, clock: FakeClock, plotter: FakePlotter) -> Services:
+    path = folder / "grader.db"
+    shutil.copy(empty, path)
+    settings = Settings(database_url=f"sqlite:///{path}", max_upload_bytes=2048, max_open_submissions=3)
+    return server.services(settings, clock, plotter)
+
+
 @pytest.fixture
-def services(tmp_path: Path, clock: FakeClock, plotter: FakePlotter) -> Iterator[Services]:
-    settings = Settings(
-        database_url=f"sqlite:///{tmp_path / 'grader.db'}", max_upload_bytes=2048, max_open_submissions=3
-    )
-    made = server.services(settings, clock, plotter)
+def services(
+    tmp_path: Path, empty_database: Path, clock: FakeClock, plotter: FakePlotter
+) -> Iterator[Services]:
+    made = _services(tmp_path, empty_database, clock, plotter)
     yield made
     made.plots.close()
     made.submissions._database.close()
 
 
+@pytest.fixture(scope="session")
+def running(
+    tmp_path_factory: pytest.TempPathFactory, empty_database: Path
+) -> Iterator[tuple[FastAPI, httpx.Client]]:
+    """One server for all tests; each test puts its own services in."""
+    made = _services(tmp_path_factory.mktemp("server"), empty_database, FakeClock(), FakePlotter())
+    app = server.application(made)
+    with server.serving(app) as client:
+        client.get("/healthz")
+        yield app, client
+    made.plots.close()
+    made.submissions._database.close()
+
+
 @pytest.fixture
-def client(services: Services) -> Iterator[httpx.Client]:
-    with server.serving(server.nullcontext(services)) as made:
-        yield made
+def client(running: tuple[FastAPI, httpx.Client], services: Services) -> httpx.Client:
+    app, made = running
+    app.state.services = services
+    return made
 
 
 @pytest.fixture
