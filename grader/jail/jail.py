@@ -47,6 +47,8 @@ class Jail:
         self._reap = reap
         self._buffer = bytearray()
         self._position = 0
+        self._frames = 0
+        self._received_bytes = 0
         self._channel_ended = False
         self._verdict: Verdict | None = None
         self._detail = ""
@@ -119,6 +121,10 @@ class Jail:
         if len(self._buffer) < start + length:
             return None
         self._position = start + length
+        self._frames += 1
+        if self._frames > policy.FRAMES_MAX:
+            self._end(Verdict.PROTOCOL, f"more than {policy.FRAMES_MAX} messages were sent")
+            return None
         return bytes(self._buffer[start : self._position])
 
     def _take(self) -> None:
@@ -138,6 +144,9 @@ class Jail:
         self._position = 0
         self._buffer += data
         self._idle_since_ns = None
+        self._received_bytes += len(data)
+        if self._received_bytes > policy.CHANNEL_MAX_BYTES:
+            self._end(Verdict.PROTOCOL, f"more than {policy.CHANNEL_MAX_BYTES} bytes were sent")
         self._check_clocks()
 
     def _take_while_sending(self) -> None:

@@ -165,6 +165,9 @@ BOX_UID_COUNT_MAPPED: Final = 478
 
 FRAME_MAX_BYTES: Final = 65_536
 """Largest frame body accepted from a confined process."""
+FRAMES_MAX: Final = 500_000
+CHANNEL_MAX_BYTES: Final = 128 * MIB
+"""What one run may send; a busy loop that publishes for a minute of virtual time stays far below."""
 STREAM_HEAD_BYTES: Final = 64 * 1024
 STREAM_TAIL_BYTES: Final = 64 * 1024
 IDLE_LIMIT_NS: Final = 3_000_000_000

@@ -1,0 +1,114 @@
+"""Run hostile scripts in one sandbox and report, as JSON lines, what happened and what was left behind.
+
+Run as a program, so that the same steps can be taken as another user and behind another host's filter:
+``driver.py OPTIONS`` with OPTIONS a JSON object: ``uid`` (to become first, or null), ``filter`` (path of a
+seccomp filter to put on first, or null), ``namespaces``, ``scripts`` (paths). Standard library only.
+"""
+
+import gc
+import json
+import os
+import re
+import sys
+import time
+from collections import deque
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parents[1]))
+
+from grader.contracts.limits import MIB, Limits  # noqa: E402
+from grader.jail import libc, policy, seccomp  # noqa: E402
+from grader.jail.report import JailReport  # noqa: E402
+from grader.sandbox import Sandbox  # noqa: E402
+
+LIMITS = Limits(cpu_s=0.6, wall_s=20.0, memory_bytes=256 * MIB, output_bytes=1 * MIB, threads=24)
+WATCHED = ("/tmp", "/var/tmp", "/dev/shm", "/run/lock", "/dev/mqueue", str(HERE), str(HERE / "runner"))
+GOOD = b"print(object(), sorted({'a', 'b'}), {'x', 'y', 'z'})\nframe(b'pose')\n"
+
+
+def become(uid: int | None, filter_path: str | None) -> None:
+    """Turn into an ordinary user, and put on the filter of a container engine."""
+    if uid is not None:
+        os.setgroups([])
+        os.setresgid(uid, uid, uid)
+        os.setresuid(uid, uid, uid)
+    if filter_path is not None:
+        libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
+        seccomp.load(Path(filter_path).read_bytes())
+
+
+def run(sandbox: Sandbox, source: bytes) -> tuple[list[str], JailReport]:
+    """Run `source`; return the frames it sent and the account."""
+    frames: deque[str] = deque(maxlen=5)
+    with sandbox.open(LIMITS) as jail:
+        jail.send(source)
+        while (frame := jail.receive()) is not None:
+            frames.append(frame[:60].hex())
+        return list(frames), jail.close()
+
+
+def traces(sandbox: Sandbox) -> dict[str, object]:
+    """Return everything of this host that a script must leave as it was."""
+    gc.collect()
+    zygote = sandbox._zygote._process.pid
+    return {
+        "descriptors": len(os.listdir("/proc/self/fd")),
+        "files": {path: sorted(names(path)) for path in WATCHED if os.path.isdir(path)},
+        "ipc": {kind: Path(f"/proc/sysvipc/{kind}").read_text() for kind in ("shm", "sem", "msg")},
+        "processes": descendants(zygote),
+        "zygote": zygote,
+    }
+
+
+def names(path: str) -> list[str]:
+    """Entries of `path` that another program running meanwhile would not make."""
+    own = re.compile("evil|trap|student|report|grade")
+    return [name for name in os.listdir(path) if own.search(name)]
+
+
+def descendants(pid: int) -> int:
+    """Count live or dead processes below `pid`."""
+    total = 0
+    for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split():
+        total += 1 + descendants(int(child))
+    return total
+
+
+def main() -> None:
+    options = json.loads(sys.argv[1])
+    become(options["uid"], options["filter"])
+    policy.IDLE_LIMIT_NS = 400_000_000  # type: ignore[misc]  # the same rule, with less patience
+    os.environ["SECRET_TOKEN"] = "canary-in-the-environment"
+    sandbox = Sandbox(shim_path=HERE / "runner", entry="bare_runner:run", namespaces=options["namespaces"])
+    with sandbox:
+        baseline, first = run(sandbox, GOOD)
+        print(json.dumps({"isolation": sandbox.isolation, "good": [baseline, first.stdout.text, first.verdict]}))
+        before = traces(sandbox)
+        for script in options["scripts"]:
+            source = Path(script).read_bytes()
+            started = time.monotonic()
+            frames, report = run(sandbox, source)
+            wall_s = time.monotonic() - started
+            after = traces(sandbox)
+            good_frames, good = run(sandbox, GOOD)
+            result = {
+                "script": script,
+                "verdict": report.verdict,
+                "detail": report.detail,
+                "signal": report.signal,
+                "exit_code": report.exit_code,
+                "stdout": report.stdout.text[-20_000:],
+                "stderr": report.stderr.text[-4_000:],
+                "output_bytes": len(report.stdout.text) + len(report.stderr.text),
+                "peak_bytes": report.peak_bytes,
+                "frames": frames,
+                "wall_s": wall_s,
+                "left_behind": {key: [before[key], after[key]] for key in before if before[key] != after[key]},
+                "good_again": [good_frames, good.stdout.text, good.verdict],
+            }
+            print(json.dumps(result), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,8 @@
+"""Attack: abort the interpreter.
+
+Expected: crashed SIGABRT
+"""
+
+import os
+
+os.abort()

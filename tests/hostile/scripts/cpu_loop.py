@@ -1,0 +1,7 @@
+"""Attack: burn CPU for ever.
+
+Expected: cpu_limit
+"""
+
+while True:
+    pass

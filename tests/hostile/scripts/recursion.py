@@ -1,0 +1,9 @@
+"""Attack: recurse without end.
+
+Expected: finished
+"""
+
+def f():
+    f()
+
+attempt("recurse", f)

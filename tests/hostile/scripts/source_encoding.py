@@ -1,0 +1,5 @@
+# -*- coding: no-such-codec -*-
+"""Attack: an unknown encoding.
+
+Expected: raised
+"""
