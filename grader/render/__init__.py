@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from grader.render.dashboard import render_dashboard as render_dashboard
     from grader.render.documents import json_report as json_report
+    from grader.render.documents import to_gradescope as to_gradescope
+    from grader.render.documents import to_prairielearn as to_prairielearn
     from grader.render.plot import plot_png as plot_png
     from grader.render.plot import plot_svg as plot_svg
     from grader.render.terminal import console as console
@@ -26,6 +28,8 @@ _HOME = {
     "render_dashboard": "dashboard",
     "render_report": "terminal",
     "render_timeline": "timeline",
+    "to_gradescope": "documents",
+    "to_prairielearn": "documents",
 }
 
 

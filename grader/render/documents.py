@@ -1,8 +1,148 @@
-"""Reports as documents for machines. Standard library only: imported on hot paths."""
+"""Reports as documents for machines: the canonical form, and what other platforms read.
 
-from grader.contracts.report import GradeReport
+Standard library only, as some of these are written on hot paths.
+"""
+
+import base64
+import json
+
+from grader.contracts.errors import InfrastructureError
+from grader.contracts.report import GradeReport, GradeStatus
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.text import Language
+from grader.render import quantity
+from grader.render.escape import visible
+from grader.render.labels import GRADE_STATUS, ITEM_STATUS, word
+
+MAX_PRAIRIELEARN_BYTES = 1_000_000
+"""PrairieLearn refuses results above 1 MB (docs/externalGrading.md)."""
+
+_NOT_THE_STUDENTS = frozenset({GradeStatus.ASSIGNMENT_ERROR, GradeStatus.INFRASTRUCTURE_ERROR})
 
 
 def json_report(report: GradeReport) -> str:
     """Return the report's canonical form as text: the very bytes that its digest is taken of."""
     return report.canonical_bytes().decode()
+
+
+def to_gradescope(report: GradeReport, language: Language = "zh") -> dict[str, object]:
+    """Return Gradescope's ``results.json`` (gradescope-autograders.readthedocs.io, "Specifications").
+
+    The top-level score is left out while a person has still to grade; Gradescope then sums the tests.
+
+    Raises:
+        InfrastructureError: the grading failed through no fault of the student. Gradescope must show a failed
+            autograder then, which is what it does when no results are written; a score of 0 would be wrong.
+    """
+    if report.status in _NOT_THE_STUDENTS:
+        raise InfrastructureError(GRADE_STATUS[report.status].get(language))
+    document: dict[str, object] = {
+        "output": _overview(report, language),
+        "output_format": "text",
+        "test_output_format": "text",
+        "test_name_format": "text",
+        "visibility": "visible",
+        "stdout_visibility": "hidden",
+        "extra_data": _provenance(report),
+        "tests": [_gradescope_test(item, i, language) for i, item in enumerate(report.items, start=1)],
+    }
+    if report.score is not None:
+        document["score"] = report.score
+    return document
+
+
+def _gradescope_test(item: RubricItem, position: int, language: Language) -> dict[str, object]:
+    return {
+        "name": visible(item.title.get(language)),
+        "number": str(position),
+        "score": item.earned,
+        "max_score": item.points,
+        "status": "passed" if item.status is ItemStatus.PASSED else "failed",
+        "output": _evidence(item, language),
+        "visibility": "visible",
+        "extra_data": {
+            "id": item.id,
+            "status": item.status.value,
+            "measured": item.measured,
+            "target": item.target,
+            "tolerance": item.tolerance,
+            "unit": item.unit,
+        },
+    }
+
+
+def to_prairielearn(
+    report: GradeReport, plot_png: bytes | None = None, language: Language = "zh"
+) -> dict[str, object]:
+    """Return PrairieLearn's ``results.json`` for external grading (PrairieLearn docs/externalGrading.md).
+
+    A grading that failed through no fault of the student is ``gradable: false``, which costs no attempt. The
+    plot is left out when the document would grow beyond `MAX_PRAIRIELEARN_BYTES` with it.
+    """
+    if report.status in _NOT_THE_STUDENTS:
+        return {"gradable": False, "message": GRADE_STATUS[report.status].get(language)}
+    document: dict[str, object] = {
+        "gradable": True,
+        "score": _share(report),
+        "message": visible(report.summary.get(language)),
+        "output": _overview(report, language),
+        "tests": [_prairielearn_test(item, language) for item in report.items],
+    }
+    if plot_png is None:
+        return document
+    url = "data:image/png;base64," + base64.b64encode(plot_png).decode("ascii")
+    with_plot = {**document, "images": [{"url": url, "label": word("path", language)}]}
+    return with_plot if len(json.dumps(with_plot).encode()) <= MAX_PRAIRIELEARN_BYTES else document
+
+
+def _prairielearn_test(item: RubricItem, language: Language) -> dict[str, object]:
+    return {
+        "name": visible(item.title.get(language)),
+        "description": f"{word('wanted', language)}: {visible(quantity.wanted(item, language))}",
+        "points": item.earned,
+        "max_points": item.points,
+        "message": ITEM_STATUS[item.status].get(language),
+        "output": _evidence(item, language),
+    }
+
+
+def _share(report: GradeReport) -> float:
+    """Return the score as a share in [0, 1]; items judged so far count while a person has still to grade."""
+    score = sum(item.earned for item in report.items) if report.score is None else report.score
+    return min(max(score / report.max_score, 0.0), 1.0) if report.max_score > 0 else 0.0
+
+
+def _overview(report: GradeReport, language: Language) -> str:
+    """Return status, summary, next step and the script's own error as plain text."""
+    lines = [] if report.status is GradeStatus.GRADED else [GRADE_STATUS[report.status].get(language)]
+    lines += [visible(text) for text in (report.summary.get(language),) if text]
+    if hint := report.hint.get(language):
+        lines.append(f"{word('next_step', language)}: {visible(hint)}")
+    for run in report.runs:
+        if run.outcome.error is not None:
+            lines += ["", word("your_error", language), visible(run.outcome.error.traceback)]
+    return "\n".join(lines)
+
+
+def _evidence(item: RubricItem, language: Language) -> str:
+    """Return measured, wanted, message and next step of one item as plain text."""
+    lines = [
+        f"{word('measured', language)}: {quantity.measured(item, language)}",
+        f"{word('wanted', language)}: {quantity.wanted(item, language)}",
+        item.message.get(language),
+    ]
+    if hint := item.hint.get(language):
+        lines.append(f"{word('next_step', language)}: {hint}")
+    return visible("\n".join(line for line in lines if line))
+
+
+def _provenance(report: GradeReport) -> dict[str, object]:
+    return {
+        "schema_version": report.schema_version,
+        "assignment": report.assignment,
+        "assignment_version": report.assignment_version,
+        "grader_version": report.grader_version,
+        "submission_sha256": report.submission_sha256,
+        "report_sha256": report.sha256(),
+        "status": report.status.value,
+    }
