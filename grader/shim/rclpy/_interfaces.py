@@ -1,7 +1,7 @@
 """The message types that rclpy itself speaks, e.g. ``rclpy._interfaces.ParameterValue``.
 
-Each is imported when first asked for, so that a script pays only for what it uses. Importing this module makes
-all interface packages importable (see `rclpy._importer`).
+Each is imported when first asked for, so that a script pays only for what it uses. Importing this module
+makes all interface packages importable (see `rclpy._importer`).
 """
 
 from __future__ import annotations

@@ -1,0 +1,51 @@
+"""sensor_msgs_py.point_cloud2: points in and out."""
+
+import math
+
+import numpy as np
+import pytest
+from sensor_msgs.msg import PointField
+from sensor_msgs_py import point_cloud2
+from std_msgs.msg import Header, String
+
+POINTS = [(1.0, 2.0, 3.0), (4.0, 5.0, math.nan)]
+
+
+def test_points_come_back() -> None:
+    cloud = point_cloud2.create_cloud_xyz32(Header(frame_id="laser"), POINTS)
+    assert (cloud.header.frame_id, cloud.height, cloud.width, cloud.point_step) == ("laser", 1, 2, 12)
+    points = point_cloud2.read_points(cloud)
+    assert points.dtype.names == ("x", "y", "z")
+    assert points["y"].tolist() == [2.0, 5.0]
+    assert point_cloud2.read_points_list(cloud, ["z", "x"])[0] == (3.0, 1.0)
+    assert point_cloud2.read_points_list(cloud)[0].x == 1.0
+    assert point_cloud2.read_points_numpy(cloud, ["x", "y"]).tolist() == [[1.0, 2.0], [4.0, 5.0]]
+
+
+def test_selection() -> None:
+    cloud = point_cloud2.create_cloud_xyz32(Header(), POINTS)
+    assert len(point_cloud2.read_points(cloud, skip_nans=True)) == 1
+    assert point_cloud2.read_points(cloud, uvs=[1])["x"].tolist() == [4.0]
+    with pytest.raises(AssertionError, match="Requests field is not in the fields of the PointCloud!"):
+        point_cloud2.read_points(cloud, ["intensity"])
+    with pytest.raises(AssertionError, match="Cloud is not"):
+        point_cloud2.read_points(String())
+
+
+def test_mixed_types_and_rows() -> None:
+    fields = [
+        PointField(name="x", offset=0, datatype=PointField.FLOAT64, count=1),
+        PointField(name="ring", offset=8, datatype=PointField.UINT16, count=1),
+    ]
+    cloud = point_cloud2.create_cloud(Header(), fields, [(0.5, 1), (1.5, 2)])
+    assert (cloud.point_step, cloud.row_step, len(cloud.data)) == (10, 20, 20)
+    cloud.height, cloud.width = 2, 1
+    rows = point_cloud2.read_points(cloud, reshape_organized_cloud=True)
+    assert rows.shape == (2, 1)
+    assert rows["ring"].tolist() == [[1], [2]]
+    with pytest.raises(AssertionError, match="same datatype"):
+        point_cloud2.read_points_numpy(cloud)
+    again = point_cloud2.create_cloud(
+        Header(), fields, np.array([(0.5, 1)], dtype=[("x", "f4"), ("ring", "i4")])
+    )
+    assert point_cloud2.read_points_list(again) == [(0.5, 1)]
