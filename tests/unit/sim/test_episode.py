@@ -1,7 +1,6 @@
 """The lockstep loop: what frames do to the world and what comes back."""
 
 import math
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -18,13 +17,6 @@ from tests.fakes.jail import SECOND, FakeLink, Script
 OPEN = World(walls=False)
 MS = 1_000_000
 LAG_S = 0.0147  # what a first-order lag of 1/60 s, stepped at 240 Hz, is behind by
-
-
-@pytest.fixture(scope="module")
-def car() -> Iterator[BulletCar]:
-    car = BulletCar()
-    yield car
-    car.close()
 
 
 def play(
