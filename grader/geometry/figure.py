@@ -112,9 +112,8 @@ def _vertex(path: Path, turn: Turn) -> int:
 def _span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
     """Return the sample indices of the two vertices of run `index`."""
     run, before, after = segments.runs[index], segments.turns[index], segments.turns[index + 1]
-    is_first, is_last = index == 0, index == len(segments.runs) - 1
-    start = run.first if is_first or before is None else _vertex(path, before)
-    stop = run.last if is_last or after is None else _vertex(path, after)
+    start = run.first if index == 0 or before is None else _vertex(path, before)
+    stop = run.last if after is None else _vertex(path, after)
     return start, stop
 
 

@@ -74,14 +74,18 @@ def drive(
     chord = v * steps * np.sinc(half / math.pi)
     x = np.concatenate(([0.0], np.cumsum(chord * np.cos(heading[:-1] + half)))) + start_m[0]
     y = np.concatenate(([0.0], np.cumsum(chord * np.sin(heading[:-1] + half)))) + start_m[1]
+    speeds = (np.concatenate(([0.0], v)), np.concatenate(([0.0], w)))
+    # A recorder samples at its own instants: a corner may fall between two samples.
+    kept = np.unique(np.append(np.searchsorted(times, np.arange(0.0, end_s, period_s)), len(times) - 1))
     rng = np.random.default_rng(seed)
+    noise = rng.standard_normal((3, len(kept)))
     return Trajectory(
-        t_ns=np.round(times * 1e9).astype(np.int64),
-        x_m=x + noise_m * rng.standard_normal(len(x)),
-        y_m=y + noise_m * rng.standard_normal(len(x)),
-        heading_rad=heading + noise_rad * rng.standard_normal(len(x)),
-        v_mps=np.concatenate(([0.0], v)),
-        w_radps=np.concatenate(([0.0], w)),
+        t_ns=np.round(times[kept] * 1e9).astype(np.int64),
+        x_m=x[kept] + noise_m * noise[0],
+        y_m=y[kept] + noise_m * noise[1],
+        heading_rad=heading[kept] + noise_rad * noise[2],
+        v_mps=speeds[0][kept],
+        w_radps=speeds[1][kept],
         end_ns=round(end_s * 1e9),
         commands=_commands(legs, edges, end_s),
     )

@@ -1,0 +1,171 @@
+"""Reading assignments: what is found, what is refused, and how the refusal reads."""
+
+from pathlib import Path
+
+import pytest
+
+from grader.catalog import Catalog, default_root
+from grader.contracts.assignment import Assignment
+from grader.contracts.codec import from_plain, to_plain
+from grader.contracts.errors import AssignmentError, UnknownAssignmentError
+
+CHECKLIST = ["hello", "straight", "backward", "spin", "square", "triangle", "pentagon"]
+
+GOOD = """\
+id: demo
+version: 1
+order: 1
+title: {zh: 演示, en: Demo}
+brief: {zh: 做, en: Do}
+check: node
+items:
+  - id: node
+    title: {zh: 节点, en: Node}
+    points: 60
+    measure: nodes
+    low: 1
+  - id: log
+    title: {zh: 日志, en: Log}
+    points: 40
+    measure: info_logs
+    low: 1
+    needs: [node]
+"""
+
+
+def write(root: Path, text: str, name: str = "demo") -> Catalog:
+    folder = root / name
+    folder.mkdir()
+    (folder / "assignment.yaml").write_text(text, encoding="utf-8")
+    return Catalog(root)
+
+
+def test_the_checklist_in_order() -> None:
+    assert [each.id for each in Catalog().all()] == CHECKLIST
+
+
+@pytest.mark.parametrize("name", CHECKLIST)
+def test_every_shipped_assignment_is_complete(name: str) -> None:
+    catalog = Catalog()
+    folder = catalog.folder(name)
+    attempts = catalog.wrong_attempts(name)
+    assert (folder / "starter.py").is_file()
+    assert (folder / "solution.py").is_file()
+    assert len(attempts) >= 5
+    assert {attempt.file for attempt in attempts} == {path.name for path in (folder / "wrong").glob("*.py")}
+    assert all(attempt.high < 100 for attempt in attempts)
+
+
+@pytest.mark.parametrize("name", CHECKLIST)
+def test_an_assignment_survives_the_way_to_the_grading_process(name: str) -> None:
+    import json
+
+    assignment = Catalog().get(name)
+    assert from_plain(Assignment, json.loads(json.dumps(to_plain(assignment)))) == assignment
+
+
+def test_one_good_file(tmp_path: Path) -> None:
+    assignment = write(tmp_path, GOOD).get("demo")
+    assert assignment.max_score == 100
+    assert assignment.items[1].needs == ("node",)
+    assert assignment.horizon_s == 60.0
+    assert assignment.world.cmd_vel_topic == "/turtle1/cmd_vel"
+
+
+def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
+    catalog = write(tmp_path, GOOD)
+    assert catalog.get("demo").version == 1
+    (tmp_path / "demo" / "assignment.yaml").write_text(GOOD.replace("version: 1", "version: 2"))
+    assert catalog.get("demo").version == 2
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "words"),
+    [
+        ("order: 1", "order: 1\ncolour: red", 4, ("colour", "remove")),
+        ("version: 1\n", "", 1, ("version", "required")),
+        ("version: 1", "version: one", 2, ("version", "integer")),
+        ("zh: 演示, ", "", 4, ("title.zh", "required")),
+        ("points: 40", "points: -40", 15, ("items.1.points", "greater than 0")),
+        ("points: 40", "points: .nan", 15, ("items.1.points", "finite")),
+        ("    low: 1\n    needs", "    needs", 13, ("items.1", "band")),
+        ("low: 1\n    needs", "low: 3\n    high: 2\n    needs", 13, ("swap",)),
+        ("needs: [node]", "needs: [mode]", 1, ("'log' needs 'mode'",)),
+        ("id: log", "id: node", 1, ("two items", "rename")),
+        ("id: demo", "id: other", 1, ("other", "folder")),
+        ("id: log", "id: Log!", 13, ("items.1.id", "pattern")),
+        ("order: 1", "order: 1\norder: 2", 4, ("twice", "remove")),
+        ("order: 1", "order: [1", 4, ("not valid YAML",)),
+        ("check: node", "check: node\nhorizon_s: 1e9", 7, ("horizon_s", "600")),
+        (
+            "check: node",
+            "check: node\nwrong:\n  - {file: a.py, score: [0, 5], fails: nothing}",
+            1,
+            ("nothing",),
+        ),
+    ],
+)
+def test_errors_name_file_line_field_and_fix(
+    tmp_path: Path, old: str, new: str, line: int, words: tuple[str, ...]
+) -> None:
+    assert old in GOOD
+    with pytest.raises(AssignmentError) as refusal:
+        write(tmp_path, GOOD.replace(old, new, 1)).get("demo")
+    message = str(refusal.value)
+    assert f"assignment.yaml:{line}:" in message
+    assert all(word in message for word in words), message
+
+
+@pytest.mark.parametrize("text", ["", "- a list", "just words"])
+def test_a_file_without_fields_is_refused(tmp_path: Path, text: str) -> None:
+    with pytest.raises(AssignmentError, match="expected fields"):
+        write(tmp_path, text).get("demo")
+
+
+def test_code_in_yaml_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(AssignmentError, match="not valid YAML"):
+        write(tmp_path, GOOD + "cases: !!python/object/apply:os.getcwd []\n").get("demo")
+
+
+def test_not_utf8_is_refused(tmp_path: Path) -> None:
+    catalog = write(tmp_path, GOOD)
+    (tmp_path / "demo" / "assignment.yaml").write_bytes(GOOD.encode("gbk"))
+    with pytest.raises(AssignmentError, match="cannot be read"):
+        catalog.get("demo")
+
+
+def test_an_unknown_name_lists_the_known_ones() -> None:
+    with pytest.raises(UnknownAssignmentError, match="square"):
+        Catalog().get("../square")
+
+
+def test_a_missing_wrong_script_is_named(tmp_path: Path) -> None:
+    catalog = write(tmp_path, GOOD + "wrong:\n  - {file: lost.py, score: [0, 5], fails: node}\n")
+    with pytest.raises(AssignmentError, match=r"lost\.py"):
+        catalog.wrong_attempts("demo")
+
+
+def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(AssignmentError, match="no folder|not a folder"):
+        Catalog(tmp_path / "nowhere").all()
+
+
+@pytest.mark.parametrize(
+    ("file_name", "expected"),
+    [
+        ("hello_node.py", "hello"),
+        ("straight_mover.py", "straight"),
+        ("Backward.py", "backward"),
+        ("my_spin.py", "spin"),
+        ("square_mover.py", "square"),
+        ("/home/li/走三角形.py", "triangle"),
+        ("PENTAGON_v2.PY", "pentagon"),
+        ("homework.py", None),
+    ],
+)
+def test_guessing_from_the_file_name(file_name: str, expected: str | None) -> None:
+    assert Catalog().guess_assignment(file_name) == expected
+
+
+def test_the_default_root_holds_the_assignments() -> None:
+    assert (default_root() / "square" / "assignment.yaml").is_file()

@@ -1,0 +1,33 @@
+"""The assignments that come with the grader, and short ways to grade ideal motions with them."""
+
+from functools import cache
+
+from grader.catalog import Catalog
+from grader.checks import evaluate
+from grader.contracts.assignment import Assignment
+from grader.contracts.outcome import RunStatus
+from grader.contracts.rubric import RubricItem
+from grader.contracts.trajectory import Trajectory
+from grader.contracts.verdict import Verdict
+from tests.unit.checks.ideal_turtle import run_of
+
+POLYGONS = {3: "triangle", 4: "square", 5: "pentagon"}
+
+
+@cache
+def assignment(name: str) -> Assignment:
+    return Catalog().get(name)
+
+
+def graded(
+    name: str, trajectory: Trajectory, status: RunStatus = RunStatus.FINISHED, **outcome: object
+) -> Verdict:
+    return evaluate(assignment(name), [run_of(trajectory, status, **outcome)])
+
+
+def score(verdict: Verdict) -> float:
+    return round(sum(item.earned for item in verdict.items), 2)
+
+
+def item(verdict: Verdict, name: str) -> RubricItem:
+    return next(each for each in verdict.items if each.id == name)

@@ -1,0 +1,122 @@
+"""The entry point: dependencies, several cases, the published rubric, and assignments that do not fit."""
+
+from dataclasses import replace
+
+import pytest
+
+from grader.catalog import Catalog
+from grader.checks import CHECKS, evaluate, problems, published_rubric
+from grader.contracts.assignment import Assignment, Case, ItemSpec
+from grader.contracts.errors import AssignmentError
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.text import LANGUAGES, Text
+from grader.contracts.verdict import Run
+from tests.unit.checks.ideal_turtle import drive, outcome_of, polygon_legs, run_of
+from tests.unit.checks.shipped import assignment, graded, item, score
+
+SHIPPED = Catalog().all()
+
+
+@pytest.mark.parametrize("shipped", SHIPPED, ids=lambda each: each.id)
+def test_shipped_assignments_fit_their_checks(shipped: Assignment) -> None:
+    assert problems(shipped) == ()
+    assert shipped.max_score == 100
+
+
+def test_items_stand_in_the_order_of_the_rubric() -> None:
+    verdict = graded("square", drive(polygon_legs(4)))
+    assert [each.id for each in verdict.items] == [spec.id for spec in assignment("square").items]
+
+
+def test_not_checked_spreads_along_dependencies_and_names_them() -> None:
+    verdict = graded("square", drive([(3.0, 1.0, 0.0)]))
+    assert item(verdict, "sides").status is ItemStatus.FAILED
+    lengths = item(verdict, "lengths")
+    assert lengths.status is ItemStatus.NOT_CHECKED
+    assert lengths.measured is None
+    assert "Number of sides" in lengths.message.en
+
+
+def test_several_cases_divide_the_points() -> None:
+    square = replace(assignment("square"), cases=(Case(id="short"), Case(id="long")))
+    right, wrong = drive(polygon_legs(4)), drive([], horizon_s=1.0)
+    runs = [
+        Run(case="short", trajectory=right, outcome=outcome_of(right)),
+        Run(case="long", trajectory=wrong, outcome=outcome_of(wrong)),
+    ]
+    verdict = evaluate(square, runs)
+    assert score(verdict) == 50
+    assert verdict.items[0].id == "short/moves"
+    assert sum(each.points for each in verdict.items) == square.max_score
+
+
+def test_the_same_run_gets_the_same_verdict() -> None:
+    run = run_of(drive(polygon_legs(4, corners_deg=[90, 96, 90, 90])))
+    assert evaluate(assignment("square"), [run]) == evaluate(assignment("square"), [run])
+
+
+def test_summary_counts() -> None:
+    verdict = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 2, 1.5])))
+    assert "8 项中 6 项通过" in verdict.summary.zh
+    assert "6 of 8" in verdict.summary.en
+    assert "Equal sides, Back to the start" in verdict.summary.en
+    assert "0/100" in graded("square", drive([], horizon_s=1.0)).summary.zh
+
+
+@pytest.mark.parametrize("shipped", SHIPPED, ids=lambda each: each.id)
+def test_published_rubric_is_complete(shipped: Assignment) -> None:
+    rubric = published_rubric(shipped)
+    assert sum(each.points for each in rubric.items) == rubric.max_score == 100
+    for each, spec in zip(rubric.items, shipped.items, strict=True):
+        assert (each.id, each.points) == (spec.id, spec.points)
+        for language in LANGUAGES:
+            assert each.measure.get(language)
+            assert each.wanted.get(language)
+            assert each.partial.get(language)
+            assert bool(each.needs.get(language)) == bool(spec.needs)
+
+
+def test_published_rubric_says_the_numbers_scored_by() -> None:
+    items = {each.id: each for each in published_rubric(assignment("triangle")).items}
+    assert items["angles"].wanted == Text(zh="120° ± 3°", en="120° ± 3°")
+    assert "105°" in items["angles"].partial.en
+    assert "135°" in items["angles"].partial.zh
+    assert items["closed"].wanted.en == "at most 4 %"
+    assert items["moves"].wanted.zh == "至少 0.5 m"
+    assert items["sides"].wanted.en == "3"
+    assert items["rest"].wanted.zh == "是"
+
+
+def test_report_items_show_the_same_wanted_text() -> None:
+    verdict = graded("square", drive(polygon_legs(4)))
+    published = published_rubric(assignment("square"))
+    assert [each.wanted for each in verdict.items] == [each.wanted for each in published.items]
+    angles = item(verdict, "angles")
+    assert (angles.target, angles.tolerance, angles.unit) == (90.0, 3.0, "deg")
+
+
+def spec(measure: str) -> ItemSpec:
+    return ItemSpec(id="x", title=Text(zh="项", en="item"), points=1.0, measure=measure, low=1.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "word"),
+    [
+        ({"check": "polygone"}, "check", "polygon"),
+        ({"options": {}}, "options.sides", "missing"),
+        ({"options": {"sides": 2}}, "options.sides", "3 to 12"),
+        ({"options": {"sides": True}}, "options.sides", "whole number"),
+        ({"options": {"sides": 4, "colour": "red"}}, "options.colour", "remove"),
+        ({"items": (spec("corners"),)}, "items.0.measure", "corner_deg"),
+    ],
+)
+def test_what_does_not_fit_is_named(changes: dict[str, object], field: str, word: str) -> None:
+    broken = replace(assignment("square"), **changes)  # type: ignore[arg-type]
+    found = dict(problems(broken))
+    assert word in found[field]
+    with pytest.raises(AssignmentError, match=field):
+        evaluate(broken, [run_of(drive(polygon_legs(4)))])
+
+
+def test_the_table_is_keyed_by_kind() -> None:
+    assert all(kind == check.kind for kind, check in CHECKS.items())

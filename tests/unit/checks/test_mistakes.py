@@ -1,0 +1,209 @@
+"""Every recognised mistake, from the outcome, the commands or the shape of the motion."""
+
+import ast
+import math
+from pathlib import Path
+
+import pytest
+
+from grader.checks import evaluate, mistakes
+from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
+from grader.contracts.trajectory import Command, Trajectory
+from grader.contracts.verdict import Run, Verdict
+from tests.unit.checks.ideal_turtle import drive, outcome_of, polygon_legs, run_of
+from tests.unit.checks.shipped import assignment, graded, score
+from tests.unit.messages.catalogs import catalog_texts
+
+TWIST = "geometry_msgs/msg/Twist"
+AT_REST = drive([(2.0, 0.0, 0.0)])
+
+
+def silent(status: RunStatus = RunStatus.FINISHED, **changes: object) -> Verdict:
+    values: dict[str, object] = {"status": status, "duration_ns": 1_000, "nodes": ("/mover",), **changes}
+    trajectory = drive([], horizon_s=2.0)
+    outcome = RunOutcome(**values)  # type: ignore[arg-type]
+    return evaluate(assignment("square"), [Run(trajectory=trajectory, outcome=outcome)])
+
+
+def publisher(name: str = "/turtle1/cmd_vel", kind: str = TWIST) -> Endpoint:
+    return Endpoint(kind="publisher", node="/mover", name=name, type=kind)
+
+
+def error(kind: str, message: str) -> StudentError:
+    return StudentError(type=kind, message=message, line=17, traceback="")
+
+
+@pytest.mark.parametrize(
+    ("problem", "code", "words"),
+    [
+        (
+            error("AssertionError", "The 'x' field must be of type 'float'"),
+            "int_in_float",
+            ("17", "x", "1.0"),
+        ),
+        (error("AttributeError", "'Twist' object has no attribute 'liner'"), "unknown_field", ("liner",)),
+        (error("AttributeError", "'Car' object has no attribute 'pub'"), "crashed", ("'pub'",)),
+        (
+            error("TypeError", "create_publisher() missing 1 required positional argument: 'qos_profile'"),
+            "missing_qos",
+            ("17", "10"),
+        ),
+        (error("NotInitializedException", "('rclpy.init() ...')"), "not_initialized", ("rclpy.init()",)),
+        (error("EOFError", "EOF when reading a line"), "no_input", ("input()",)),
+        (error("NameError", "name 'Twst' is not defined"), "unknown_name", ("Twst",)),
+        (error("ModuleNotFoundError", "No module named 'rospy'"), "missing_module", ("rospy",)),
+        (error("ZeroDivisionError", "division by zero"), "crashed", ("ZeroDivisionError", "17")),
+        (None, "killed", ("SIGSEGV",)),
+    ],
+)
+def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]) -> None:
+    verdict = silent(RunStatus.CRASHED, error=problem, signal="SIGSEGV")
+    assert verdict.mistakes[0] == code
+    assert all(word in verdict.hint.zh and word in verdict.hint.en for word in words)
+
+
+@pytest.mark.parametrize(
+    ("status", "code"),
+    [
+        (RunStatus.SYNTAX_ERROR, "syntax_error"),
+        (RunStatus.STALLED, "stalled"),
+        (RunStatus.CPU_LIMIT, "cpu_limit"),
+        (RunStatus.MEMORY_LIMIT, "memory_limit"),
+        (RunStatus.OUTPUT_LIMIT, "output_limit"),
+        (RunStatus.FORBIDDEN, "forbidden"),
+    ],
+)
+def test_other_ends(status: RunStatus, code: str) -> None:
+    assert silent(status, detail="open('/etc/passwd')").mistakes[0] == code
+
+
+@pytest.mark.parametrize(
+    ("status", "changes", "code", "word"),
+    [
+        (RunStatus.FINISHED, {"nodes": ()}, "nothing_ran", "main()"),
+        (RunStatus.FINISHED, {}, "no_publisher", "/turtle1/cmd_vel"),
+        (RunStatus.FINISHED, {"endpoints": (publisher("/rosout"),)}, "no_publisher", "/turtle1/cmd_vel"),
+        (RunStatus.INTERRUPTED, {"endpoints": (publisher("/cmd_vel"),)}, "wrong_topic", "/cmd_vel"),
+        (
+            RunStatus.INTERRUPTED,
+            {"endpoints": (publisher(kind="std_msgs/msg/String"),)},
+            "wrong_type",
+            "std_msgs/msg/String",
+        ),
+        (RunStatus.FINISHED, {"endpoints": (publisher(),)}, "never_spun", "spin"),
+        (RunStatus.INTERRUPTED, {"endpoints": (publisher(),)}, "never_published", "publish"),
+    ],
+)
+def test_silence(status: RunStatus, changes: dict[str, object], code: str, word: str) -> None:
+    verdict = silent(status, **changes)
+    assert verdict.mistakes == (code,)
+    assert word in verdict.hint.zh
+    assert word in verdict.hint.en
+
+
+def test_zero_and_infinite_commands() -> None:
+    assert graded("square", AT_REST).mistakes == ("zero_commands",)
+    assert graded("square", AT_REST, nonfinite_commands=3).mistakes == ("nonfinite_commands",)
+
+
+def once_each(legs: list[tuple[float, float, float]]) -> Trajectory:
+    """Each velocity published once; the car stops a second later."""
+    seen: list[tuple[float, float, float]] = []
+    commands, now_s = [], 0.0
+    for duration, v, w in legs:
+        commands.append(Command(t_ns=round(now_s * 1e9), v_mps=v, w_radps=w))
+        seen += [(min(duration, 1.0), v, w), (max(duration - 1.0, 0.0), 0.0, 0.0)]
+        now_s += duration
+    commands.append(Command(t_ns=round(now_s * 1e9), v_mps=0.0, w_radps=0.0))
+    trajectory = drive(seen)
+    values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
+    return Trajectory(**{**values, "commands": tuple(commands)})
+
+
+def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
+    verdict = graded("square", once_each([(2.0, 1.0, 0.0), (1.5708, 0.0, 1.0)] * 4))
+    assert verdict.mistakes[:2] == ("published_once", "one_radian")
+    assert "2 s" in verdict.hint.en
+
+
+@pytest.mark.parametrize(
+    ("name", "legs", "code"),
+    [
+        ("square", polygon_legs(4, corners_deg=[57.3] * 4), "one_radian"),
+        ("triangle", polygon_legs(3, corners_deg=[57.3] * 3), "one_radian"),
+        ("triangle", polygon_legs(3, corners_deg=[60] * 3), "interior_angle"),
+        ("pentagon", polygon_legs(5, corners_deg=[108] * 5), "interior_angle"),
+        ("square", polygon_legs(4, laps=0.75), "sides_missing"),
+        ("square", polygon_legs(4, laps=1.25), "sides_extra"),
+        ("square", polygon_legs(4, corners_deg=[97] * 4), "turns_too_far"),
+        ("square", polygon_legs(4, corners_deg=[83] * 4), "turns_too_short"),
+        ("square", polygon_legs(4, corners_deg=[90, 80, 90, 90]), "one_corner_off"),
+        ("square", polygon_legs(4, lengths_m=[2, 2, 2, 1.7]), "unequal_sides"),
+        ("square", polygon_legs(4, corners_deg=[90, -90, 90, -90]), "zigzag"),
+        ("square", [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)] * 4, "arcs"),
+        ("square", [(2 * math.pi, 1.0, 1.0)], "arcs"),
+        ("square", [(2.0, 1.0, 0.0)], "no_turns"),
+        ("square", [(2.0, 1.0, 0.0), (1.0, 0.0, 90.0)] * 4, "degrees_as_radians"),
+        ("square", polygon_legs(5), "other_figure"),
+    ],
+)
+def test_shapes(name: str, legs: list[tuple[float, float, float]], code: str) -> None:
+    verdict = graded(name, drive(legs))
+    assert verdict.mistakes[0] == code
+    assert score(verdict) < 100
+
+
+def test_too_slow_and_never_ending() -> None:
+    slow = drive(polygon_legs(4, v_mps=0.1), horizon_s=60.0)
+    assert graded("square", slow, RunStatus.INTERRUPTED).mistakes[0] == "too_slow"
+    spinning = drive([(2.0, 1.0, 0.0), (90.0, 0.0, 1.0)], horizon_s=60.0)
+    assert graded("square", spinning, RunStatus.INTERRUPTED).mistakes[0] == "endless_turn"
+    straying = drive([*polygon_legs(4), (60.0, 0.1, 0.0)], horizon_s=60.0)
+    verdict = graded("square", straying, RunStatus.INTERRUPTED)
+    assert verdict.mistakes == ("never_stops",)
+    assert score(verdict) == 95
+
+
+def test_a_script_that_ends_without_a_stop() -> None:
+    trajectory = drive(polygon_legs(4))
+    values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
+    moving = Command(t_ns=trajectory.commands[-1].t_ns + 1, v_mps=0.0, w_radps=1.0)
+    coasting = Trajectory(**{**values, "commands": (*trajectory.commands, moving)})
+    assert graded("square", coasting).mistakes == ("never_stops",)
+
+
+def test_no_mistake_is_claimed_when_all_is_right() -> None:
+    """A crash after the figure was complete costs nothing here; the outcome says it."""
+    trajectory = drive(polygon_legs(4))
+    outcome = outcome_of(trajectory, RunStatus.CRASHED, error=error("RCLError", "late"))
+    verdict = evaluate(assignment("square"), [Run(trajectory=trajectory, outcome=outcome)])
+    assert score(verdict) == 100
+    assert verdict.mistakes == ()
+
+
+def test_the_hint_of_an_item_is_the_mistake_that_spoilt_it() -> None:
+    verdict = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 2, 1.7])))
+    hints = {each.id: each.hint.en for each in verdict.items if each.hint.en}
+    assert "Side 4" in hints["lengths"]
+    assert "angles" not in hints
+
+
+def codes_in_source() -> set[str]:
+    """Every string in the recognisers that has a text ``mistake.<string>``."""
+    strings = {
+        node.value
+        for path in Path(mistakes.__file__).parent.glob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str)
+    }
+    return {each for each in strings if f"mistake.{each}" in catalog_texts("en")}
+
+
+def test_the_recognisers_cover_every_mistake_text() -> None:
+    texts = {each for each in catalog_texts("zh") if each.startswith("mistake.")}
+    assert {f"mistake.{code}" for code in codes_in_source()} == texts
+
+
+def test_run_of_is_well_behaved() -> None:
+    """The outcome the other tests start from recognises nothing by itself."""
+    assert evaluate(assignment("square"), [run_of(drive(polygon_legs(4)))]).mistakes == ()

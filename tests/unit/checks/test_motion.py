@@ -1,0 +1,82 @@
+"""The check on straight motion, forward and backward."""
+
+import math
+
+import pytest
+
+from grader.checks import sketch
+from grader.contracts.outcome import RunStatus
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.trajectory import Contact, Trajectory
+from tests.unit.checks.ideal_turtle import drive, run_of
+from tests.unit.checks.shipped import assignment, graded, item, score
+
+INTERRUPTED = RunStatus.INTERRUPTED
+
+
+def bounced(wall_s: float = 5.0) -> Trajectory:
+    """Against the wall, which turns the car and pushes it back: none of it is the student's doing."""
+    trajectory = drive([(wall_s, 1.0, 0.0), (3.0, -0.3, 0.5)])
+    contact = Contact(start_ns=round(wall_s * 1e9), end_ns=trajectory.end_ns, wall="right")
+    values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
+    return Trajectory(**{**values, "contacts": (contact,)})
+
+
+@pytest.mark.parametrize("heading_deg", [0, 84, 200])
+@pytest.mark.parametrize(("name", "v"), [("straight", 1.0), ("backward", -1.0)])
+def test_right_motions_get_full_marks(name: str, v: float, heading_deg: float) -> None:
+    verdict = graded(name, drive([(0.8, v, 0.0)], heading_deg=heading_deg))
+    assert score(verdict) == 100
+    assert verdict.hint.en == ""
+
+
+def test_driving_for_ever_is_judged_up_to_the_wall() -> None:
+    assert score(graded("straight", bounced(), INTERRUPTED)) == 100
+
+
+def test_still_moving_at_the_horizon_costs_nothing() -> None:
+    assert score(graded("straight", drive([(60.0, 0.2, 0.0)], horizon_s=20.0), INTERRUPTED)) == 100
+
+
+@pytest.mark.parametrize(
+    ("name", "v", "mistake"), [("straight", -1.0, "drove_backward"), ("backward", 1.0, "drove_forward")]
+)
+def test_the_wrong_way(name: str, v: float, mistake: str) -> None:
+    verdict = graded(name, drive([(2.0, v, 0.0)]))
+    assert item(verdict, "distance").status is ItemStatus.FAILED
+    assert item(verdict, "lateral").status is ItemStatus.NOT_CHECKED
+    assert verdict.mistakes == (mistake,)
+
+
+def test_credit_for_the_distance_falls_smoothly() -> None:
+    scores = [score(graded("straight", drive([(length, 1.0, 0.0)]))) for length in (0.5, 0.4, 0.25, 0.1)]
+    assert scores[0] == 100
+    assert scores == sorted(scores, reverse=True)
+    assert len(set(scores)) == 4
+
+
+def test_a_curve_costs_heading_and_line() -> None:
+    verdict = graded("straight", drive([(3.0, 1.0, 0.3)]))
+    assert item(verdict, "heading").earned < 15
+    assert item(verdict, "lateral").earned < 20
+    assert verdict.mistakes == ("curved",)
+
+
+def test_coming_back() -> None:
+    verdict = graded("straight", drive([(3.0, 1.0, 0.0), (1.0, -1.0, 0.0)]))
+    assert item(verdict, "distance").status is ItemStatus.PASSED
+    assert item(verdict, "no_return").status is ItemStatus.FAILED
+    assert verdict.mistakes == ("came_back",)
+
+
+def test_turning_on_the_spot_is_not_driving() -> None:
+    verdict = graded("straight", drive([(3.0, 0.0, 1.0)]))
+    assert score(verdict) == 10
+    assert verdict.mistakes == ("only_turned",)
+
+
+def test_sketch() -> None:
+    shown = sketch(assignment("backward"), run_of(drive([(2.0, -1.0, 0.0)], heading_deg=90)))
+    assert shown.sides[0].length_m == pytest.approx(2.0)
+    assert not shown.ideal_closed
+    assert math.dist(shown.ideal_m[1], shown.sides[0].end_m) < 1e-6

@@ -1,0 +1,228 @@
+"""The polygon check on ideal and less than ideal motions."""
+
+import math
+
+import numpy as np
+import pytest
+
+from grader.checks import sketch
+from grader.contracts.outcome import RunStatus
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.trajectory import Contact
+from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs, run_of
+from tests.unit.checks.shipped import POLYGONS, assignment, graded, item, score
+
+INTERRUPTED = RunStatus.INTERRUPTED
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+@pytest.mark.parametrize("w", [1.0, -1.0, 0.3, 3.1])
+@pytest.mark.parametrize("v", [0.5, 2.0])
+def test_right_figures_get_full_marks(sides: int, w: float, v: float) -> None:
+    verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, 1.5, v_mps=v, w_radps=w)))
+    assert score(verdict) == 100
+    assert verdict.mistakes == ()
+    assert verdict.hint.zh == ""
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_driving_backwards_round_the_figure_is_right_too(sides: int) -> None:
+    assert score(graded(POLYGONS[sides], drive(polygon_legs(sides, v_mps=-1.0)))) == 100
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_the_last_turn_is_optional(sides: int) -> None:
+    assert score(graded(POLYGONS[sides], drive(polygon_legs(sides, last_turn=False)))) == 100
+
+
+def test_a_wrong_last_turn_is_not() -> None:
+    verdict = graded("square", drive(polygon_legs(4, corners_deg=[90, 90, 90, 60])))
+    assert item(verdict, "angles").status is ItemStatus.FAILED
+
+
+def test_turning_before_each_side_is_right() -> None:
+    legs = [(math.pi / 2, 0.0, 1.0), (2.0, 1.0, 0.0)] * 4
+    assert score(graded("square", drive(legs))) == 100
+
+
+def test_starting_in_the_middle_of_a_side_is_right() -> None:
+    turn: Leg = (math.pi / 2, 0.0, 1.0)
+    legs = [(1.0, 1.0, 0.0), turn, *[(2.0, 1.0, 0.0), turn] * 3, (1.0, 1.0, 0.0)]
+    verdict = graded("square", drive(legs))
+    assert score(verdict) == 100
+    assert item(verdict, "sides").measured == 4
+
+
+@pytest.mark.parametrize("laps", [2, 3.4, 2.5])
+def test_repeating_until_ctrl_c_is_judged_on_the_first_figure(laps: float) -> None:
+    legs = polygon_legs(4, 1.0, laps=5)
+    lap_s = sum(duration for duration, _, _ in legs) / 5
+    verdict = graded("square", drive(legs, horizon_s=laps * lap_s), INTERRUPTED)
+    assert score(verdict) == 100
+
+
+def test_repeating_with_long_pauses_and_interrupted_in_one() -> None:
+    legs = polygon_legs(4, 1.0, laps=3, pause_s=1.0)
+    stop_s = sum(duration for duration, _, _ in legs[:22]) - 0.3  # in the pause after the sixth side
+    assert score(graded("square", drive(legs, horizon_s=stop_s), INTERRUPTED)) == 100
+
+
+def test_a_side_in_many_pieces_is_one_side() -> None:
+    legs: list[Leg] = []
+    for _ in range(4):
+        legs += [(0.1, 1.0, 0.0), (0.05, 0.0, 0.0)] * 20
+        legs += [(math.pi / 20, 0.0, 1.0), (0.05, 0.0, 0.0)] * 10
+    verdict = graded("square", drive(legs))
+    assert score(verdict) == 100
+    assert item(verdict, "sides").measured == 4
+
+
+def test_corrections_after_overshooting_do_not_count() -> None:
+    legs: list[Leg] = []
+    for _ in range(4):
+        legs += [(2.1, 1.0, 0.0), (0.1, -1.0, 0.0)]
+        legs += [(math.radians(100), 0.0, 1.0), (math.radians(10), 0.0, -1.0)]
+    assert score(graded("square", drive(legs))) == 100
+
+
+def test_a_wobbling_heading_controller_is_right() -> None:
+    wobble = [(0.1, 1.0, 0.6), (0.2, 1.0, -0.6), (0.1, 1.0, 0.6)] * 5
+    legs = [*wobble, (math.pi / 2, 0.0, 1.0)] * 4
+    assert score(graded("square", drive(legs))) >= 99
+
+
+def test_slow_starts_and_lag_are_right() -> None:
+    assert score(graded("square", drive(polygon_legs(4, pause_s=0.6), lag_s=0.08))) == 100
+
+
+def test_a_proportional_turn_that_creeps_to_its_goal_is_right() -> None:
+    creep = [(0.05, 0.0, 2.0 * math.radians(90) * math.exp(-0.1 * (k + 0.5))) for k in range(60)]
+    legs = [*[(2.0, 1.0, 0.0)], *creep] * 4
+    assert score(graded("square", drive(legs))) == 100
+
+
+def test_noise_of_a_rough_world_is_borne() -> None:
+    verdict = graded("pentagon", drive(polygon_legs(5), noise_m=0.003, noise_rad=0.01, lag_s=0.05))
+    assert score(verdict) >= 99
+
+
+@pytest.mark.parametrize(("task", "driven"), [(3, 4), (5, 4), (4, 3), (4, 5)])
+def test_another_figure_fails_and_is_told_why(task: int, driven: int) -> None:
+    verdict = graded(POLYGONS[task], drive(polygon_legs(driven)))
+    assert item(verdict, "angles").status is ItemStatus.FAILED
+    assert item(verdict, "lengths").status is ItemStatus.NOT_CHECKED
+    assert score(verdict) < 40
+    assert verdict.mistakes[0] == "other_figure"
+    assert f"drove {driven} sides" in verdict.hint.en
+    assert f"{360 / task:g}°" in verdict.hint.en
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+@pytest.mark.parametrize("corner", range(3))
+def test_six_degrees_in_one_corner_cost_and_two_do_not(sides: int, corner: int) -> None:
+    for defect, costs in ((2, False), (-2, False), (6, True), (-6, True)):
+        corners = [360 / sides] * sides
+        corners[corner] += defect
+        verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, corners_deg=corners)))
+        assert (score(verdict) < 100) is costs, (defect, verdict.items)
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+@pytest.mark.parametrize("side", range(3))
+def test_eight_percent_in_one_side_cost_and_three_do_not(sides: int, side: int) -> None:
+    for defect, costs in ((0.03, False), (-0.03, False), (0.08, True), (-0.08, True)):
+        lengths = [2.0] * sides
+        lengths[side] *= 1 + defect
+        verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, lengths_m=lengths)))
+        assert (score(verdict) < 100) is costs, (defect, verdict.items)
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_a_timer_of_a_tenth_of_a_second_passes(sides: int) -> None:
+    """At 1 rad/s each turn lasts whole ticks: 92, 120.3 and 74.5 degrees."""
+    turn_s = math.ceil(2 * math.pi / sides * 10) / 10
+    legs = [(2.0, 1.0, 0.0), (turn_s, 0.0, 1.0)] * sides
+    assert score(graded(POLYGONS[sides], drive(legs))) == 100
+
+
+def test_a_teleport_is_not_motion() -> None:
+    """Three sides, then a jump to the start: the figure is not closed by it."""
+    trajectory = drive(polygon_legs(4, laps=0.75, last_turn=False))
+    x, y = trajectory.x_m.copy(), trajectory.y_m.copy()
+    x[-1], y[-1] = x[0], y[0]
+    jumped = type(trajectory)(
+        t_ns=trajectory.t_ns,
+        x_m=x,
+        y_m=y,
+        heading_rad=trajectory.heading_rad,
+        v_mps=trajectory.v_mps,
+        w_radps=trajectory.w_radps,
+        end_ns=trajectory.end_ns,
+        jumps=(len(x) - 1,),
+        commands=trajectory.commands,
+    )
+    verdict = graded("square", jumped)
+    assert item(verdict, "sides").measured == 3
+    assert item(verdict, "closed").status is ItemStatus.FAILED
+
+
+def test_an_empty_or_broken_trajectory_earns_nothing() -> None:
+    whole = drive(polygon_legs(4))
+    nothing = np.empty(0)
+    for poses in (nothing, np.array([math.nan]), np.full(len(whole), math.nan)):
+        broken = type(whole)(
+            t_ns=np.arange(len(poses), dtype=np.int64),
+            x_m=poses,
+            y_m=poses,
+            heading_rad=poses,
+            v_mps=poses,
+            w_radps=poses,
+            end_ns=10**9,
+        )
+        for name in ("square", "straight", "spin"):
+            verdict = graded(name, broken)
+            assert score(verdict) == 0
+            assert all(each.measured is None for each in verdict.items if each.measured != 0.0)
+
+
+def test_never_moving_earns_nothing() -> None:
+    assert score(graded("square", drive([(5.0, 0.0, 0.0)]))) == 0
+
+
+def test_the_plot_shows_sides_corners_and_the_fitted_figure() -> None:
+    run = run_of(drive(polygon_legs(4, lengths_m=[2, 2, 2.4, 2]), heading_deg=30))
+    shown = sketch(assignment("square"), run)
+    assert [side.ok for side in shown.sides] == [True, True, False, True]
+    assert [round(corner.angle_deg) for corner in shown.corners] == [90] * 4
+    assert all(corner.ok for corner in shown.corners)
+    assert len(shown.ideal_m) == 4
+    edges = [math.dist(shown.ideal_m[i], shown.ideal_m[i - 1]) for i in range(4)]
+    assert max(edges) - min(edges) < 1e-9
+    assert 2.0 < edges[0] < 2.4
+    assert shown.gap is not None
+    assert shown.gap.length_m == pytest.approx(0.4, abs=0.02)
+
+
+def test_the_fitted_figure_lies_on_a_right_one() -> None:
+    run = run_of(drive(polygon_legs(3, w_radps=-1.0), heading_deg=84))
+    shown = sketch(assignment("triangle"), run)
+    for wanted, side in zip(shown.ideal_m, shown.sides, strict=True):
+        assert math.dist(wanted, side.start_m) < 0.02
+
+
+def test_a_wall_is_named() -> None:
+    trajectory = drive(polygon_legs(4, 7.0))
+    touched = type(trajectory)(
+        t_ns=trajectory.t_ns,
+        x_m=np.minimum(trajectory.x_m, 11.0),
+        y_m=trajectory.y_m,
+        heading_rad=trajectory.heading_rad,
+        v_mps=trajectory.v_mps,
+        w_radps=trajectory.w_radps,
+        end_ns=trajectory.end_ns,
+        contacts=(Contact(start_ns=5_500_000_000, end_ns=7_000_000_000, wall="right"),),
+        commands=trajectory.commands,
+    )
+    verdict = graded("square", touched)
+    assert verdict.mistakes[0] == "wall_hit"
+    assert "右" in verdict.hint.zh

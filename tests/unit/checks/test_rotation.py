@@ -1,0 +1,62 @@
+"""The check on turning in place."""
+
+import math
+
+import pytest
+
+from grader.checks import sketch
+from grader.contracts.outcome import RunStatus
+from grader.contracts.rubric import ItemStatus
+from tests.unit.checks.ideal_turtle import drive, run_of
+from tests.unit.checks.shipped import assignment, graded, item, score
+
+FULL_S = 2 * math.pi
+
+
+@pytest.mark.parametrize("w", [1.0, -1.0, 0.5, -3.0])
+@pytest.mark.parametrize("turns", [1.0, 2.5])
+def test_a_full_turn_either_way(w: float, turns: float) -> None:
+    assert score(graded("spin", drive([(turns * FULL_S / abs(w), 0.0, w)]))) == 100
+
+
+def test_turning_for_ever() -> None:
+    verdict = graded("spin", drive([(60.0, 0.0, 1.0)], horizon_s=30.0), RunStatus.INTERRUPTED)
+    assert score(verdict) == 100
+
+
+@pytest.mark.parametrize(
+    ("turn_s", "mistake"), [(1.0, "turned_one_radian"), (math.pi, "half_turn"), (5.0, "turn_too_short")]
+)
+def test_too_short_a_turn(turn_s: float, mistake: str) -> None:
+    verdict = graded("spin", drive([(turn_s, 0.0, 1.0)]))
+    assert item(verdict, "turn").status is not ItemStatus.PASSED
+    assert verdict.mistakes == (mistake,)
+
+
+def test_too_slow_a_turn() -> None:
+    verdict = graded("spin", drive([(60.0, 0.0, 0.15)], horizon_s=30.0), RunStatus.INTERRUPTED)
+    assert verdict.mistakes == ("turn_too_slow",)
+
+
+def test_a_circle_turns_but_does_not_stay() -> None:
+    verdict = graded("spin", drive([(FULL_S, 1.0, 1.0)]))
+    assert item(verdict, "turn").status is ItemStatus.PASSED
+    assert item(verdict, "place").status is ItemStatus.FAILED
+    assert verdict.mistakes == ("circling",)
+    assert "1 m" in verdict.hint.en
+
+
+def test_straight_on_is_no_turn() -> None:
+    verdict = graded("spin", drive([(3.0, 1.0, 0.0)]))
+    assert score(verdict) == 10
+    assert verdict.mistakes == ("only_drove",)
+
+
+def test_staying_put_earns_nothing_for_staying_in_place() -> None:
+    assert item(graded("spin", drive([(3.0, 0.0, 0.0)])), "place").earned == 0
+
+
+def test_sketch() -> None:
+    shown = sketch(assignment("spin"), run_of(drive([(1.0, 0.0, 1.0)])))
+    assert shown.view == "heading"
+    assert shown.wanted_turn_deg == 355
