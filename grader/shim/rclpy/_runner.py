@@ -11,6 +11,7 @@ import sys
 from types import CodeType, ModuleType
 from typing import Any, NoReturn
 
+import rclpy._importer  # noqa: F401 - the interface packages can be imported from now on
 from rclpy import _loops, _patches, _report, _wire
 from rclpy._kernel import kernel
 from rclpy._link import link
