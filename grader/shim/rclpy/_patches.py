@@ -23,6 +23,7 @@ LAZY = {
     "logging": ("_patches_threading", "patch_logging"),
     "queue": ("_patches_threading", "patch_queue"),
     "random": ("_patches_host", "patch_random"),
+    "sched": ("_patches_time", "patch_sched"),
     "select": ("_patches_select", "patch_select"),
     "signal": ("_patches_signal", "patch_signal"),
     "threading": ("_patches_threading", "patch_threading"),

@@ -2,6 +2,7 @@
 
 import _operator
 import time
+from types import ModuleType
 from typing import Any
 
 from rclpy._kernel import kernel
@@ -96,6 +97,12 @@ def asctime(t: Any = None, /) -> str:
 
 
 time_s.__name__ = time_s.__qualname__ = "time"
+
+def patch_sched(sched: ModuleType) -> None:
+    """Renew the clock and the sleep that `scheduler` takes by default."""
+    module: Any = sched
+    module.scheduler.__init__.__defaults__ = (monotonic, sleep)
+
 
 REPLACED: dict[str, object] = {
     "sleep": sleep,

@@ -1,0 +1,68 @@
+"""Exceptions that upstream's C module defines; tracebacks must name that module."""
+
+_MODULE = "rclpy._rclpy_pybind11"
+
+
+class RCUtilsError(RuntimeError):
+    """A failure of the C utility layer."""
+
+    __module__ = _MODULE
+
+
+class RMWError(RuntimeError):
+    """A failure of the middleware layer."""
+
+    __module__ = _MODULE
+
+
+class RCLError(RuntimeError):
+    """A failure of the ROS client library; its text ends in file and line as Humble prints them."""
+
+    __module__ = _MODULE
+
+
+class RCLInvalidROSArgsError(RCLError):
+    """A ROS argument after ``--ros-args`` cannot be parsed."""
+
+    __module__ = _MODULE
+
+
+class UnknownROSArgsError(RuntimeError):
+    """An argument after ``--ros-args`` is not a ROS argument."""
+
+    __module__ = _MODULE
+
+
+class NodeNameNonExistentError(RCLError):
+    """A graph query names a node that does not exist."""
+
+    __module__ = _MODULE
+
+
+class UnsupportedEventTypeError(RCLError):
+    """The middleware does not support a QoS event."""
+
+    __module__ = _MODULE
+
+
+class NotImplementedError_(RuntimeError):
+    """The C module's own NotImplementedError."""
+
+    __module__ = _MODULE
+    __qualname__ = __name__ = "NotImplementedError"
+
+
+class InvalidHandle(RuntimeError):
+    """A handle is used after its destruction was requested."""
+
+    __module__ = _MODULE
+
+
+DESTROYED = "cannot use Destroyable because destruction was requested"
+PUBLISHER_CONTEXT = "publisher's context is invalid, at ./src/rcl/publisher.c:389"
+SHUTDOWN_TWICE = (
+    "failed to shutdown: rcl_shutdown already called on the given context, at ./src/rcl/init.c:241"
+)
+NODE_CONTEXT = "rcl node's context is invalid, at ./src/rcl/node.c:428"
+NEGATIVE_PERIOD = "failed to create timer: timer period must be non-negative, at ./src/rcl/timer.c:139"
+TIMER_CANCELED = "failed to call timer: timer is canceled, at ./src/rcl/timer.c:249"

@@ -1,0 +1,14 @@
+"""Severities of log messages."""
+
+from rclpy._enums import PrintedIntEnum
+
+
+class LoggingSeverity(PrintedIntEnum):
+    """How important a message is; a logger shows those at or above its level."""
+
+    UNSET = 0
+    DEBUG = 10
+    INFO = 20
+    WARN = 30
+    ERROR = 40
+    FATAL = 50

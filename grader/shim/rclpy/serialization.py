@@ -1,0 +1,22 @@
+"""Messages as bytes."""
+
+from __future__ import annotations
+
+from rclpy import _cdr
+from rclpy.type_support import check_for_type_support
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+def serialize_message(message: Any) -> bytes:
+    """Return the CDR form of a message."""
+    check_for_type_support(type(message))
+    return _cdr.serialize(message)
+
+
+def deserialize_message(serialized_message: bytes, message_type: Any) -> Any:
+    """Return the message of `message_type` that the bytes hold."""
+    check_for_type_support(message_type)
+    return _cdr.deserialize(serialized_message, message_type)

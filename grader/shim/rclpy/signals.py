@@ -1,0 +1,48 @@
+"""What happens to the node's context when a signal arrives."""
+
+from __future__ import annotations
+
+from rclpy._enums import SignalHandlerOptions as SignalHandlerOptions
+from rclpy._handles import shutdown_all_contexts
+from rclpy._kernel import kernel
+from rclpy.guard_condition import GuardCondition
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from rclpy.context import Context
+
+_installed = SignalHandlerOptions.NO
+_registered = False
+
+
+def _on_ctrl_c() -> None:
+    """At the horizon: every context is shut down before KeyboardInterrupt is raised."""
+    if _installed in (SignalHandlerOptions.ALL, SignalHandlerOptions.SIGINT):
+        shutdown_all_contexts()
+
+
+def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions.ALL) -> None:
+    """Take over the signals named by `options`."""
+    global _installed, _registered
+    _installed = options
+    if options is not SignalHandlerOptions.NO and not _registered:
+        _registered = True
+        kernel.on_interrupt(_on_ctrl_c)
+
+
+def get_current_signal_handlers_options() -> SignalHandlerOptions:
+    """Return which signals are taken over."""
+    return _installed
+
+
+def uninstall_signal_handlers() -> None:
+    """Leave all signals to Python again."""
+    global _installed
+    _installed = SignalHandlerOptions.NO
+
+
+class SignalHandlerGuardCondition(GuardCondition):
+    """A guard condition that a signal triggers; blocked waits end by KeyboardInterrupt here."""
+
+    def __init__(self, context: Context | None = None) -> None:
+        super().__init__(callback=None, callback_group=None, context=context)

@@ -1,0 +1,186 @@
+"""Futures, and tasks that executors run."""
+
+from __future__ import annotations
+
+import weakref
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Generator, Mapping, Sequence
+    from typing import Any
+
+    from rclpy.executors import Executor
+
+_CO_COROUTINE = 0x80
+"""``inspect.CO_COROUTINE``: importing inspect costs more than all of rclpy."""
+
+
+def is_coroutine_function(callback: Any) -> bool:
+    """Whether calling `callback` gives a coroutine: an ``async def`` function, method or partial of one."""
+    while True:
+        inner = getattr(callback, "__func__", None) or (
+            getattr(callback, "func", None) if type(callback).__name__ == "partial" else None
+        )
+        if inner is None:
+            break
+        callback = inner
+    code = getattr(callback, "__code__", None)
+    return code is not None and bool(code.co_flags & _CO_COROUTINE)
+
+
+def _no_executor() -> None:
+    return None
+
+
+class Future:
+    """Outcome of something that is under way."""
+
+    def __init__(self, *, executor: Executor | None = None) -> None:
+        self._done = False
+        self._cancelled = False
+        self._result: Any = None
+        self._exception: BaseException | None = None
+        self._exception_fetched = False
+        self._callbacks: list[Callable[[Future], Any]] = []
+        self._executor: Callable[[], Executor | None] = _no_executor
+        self._set_executor(executor)
+
+    def __del__(self) -> None:
+        if self._exception is not None and not self._exception_fetched:
+            import sys
+
+            print("The following exception was never retrieved: " + str(self._exception), file=sys.stderr)  # noqa: T201
+
+    def __await__(self) -> Generator[None, None, Any]:
+        while not self._done:
+            yield
+        return self.result()
+
+    def cancel(self) -> None:
+        """Request cancellation unless done."""
+        if not self._done:
+            self._cancelled = True
+        self._schedule_or_invoke_done_callbacks()
+
+    def cancelled(self) -> bool:
+        """Whether cancellation was requested."""
+        return self._cancelled
+
+    def done(self) -> bool:
+        """Whether there is a result or an exception."""
+        return self._done
+
+    def result(self) -> Any:
+        """Return the result (None while there is none) or raise the exception."""
+        if self._exception:
+            raise self.exception()  # type: ignore[misc]
+        return self._result
+
+    def exception(self) -> BaseException | None:
+        """Return the exception, None when there is none."""
+        self._exception_fetched = True
+        return self._exception
+
+    def set_result(self, result: Any) -> None:
+        """End with a result."""
+        self._result = result
+        self._done = True
+        self._cancelled = False
+        self._schedule_or_invoke_done_callbacks()
+
+    def set_exception(self, exception: BaseException) -> None:
+        """End with an exception."""
+        self._exception = exception
+        self._exception_fetched = False
+        self._done = True
+        self._cancelled = False
+        self._schedule_or_invoke_done_callbacks()
+
+    def _schedule_or_invoke_done_callbacks(self) -> None:
+        executor = self._executor()
+        callbacks, self._callbacks = self._callbacks, []
+        for callback in callbacks:
+            if executor is not None:
+                executor.create_task(callback, self)
+                continue
+            try:
+                callback(self)
+            except Exception as error:
+                import warnings
+
+                warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
+
+    def _set_executor(self, executor: Executor | None) -> None:
+        self._executor = _no_executor if executor is None else weakref.ref(executor)
+
+    def add_done_callback(self, callback: Callable[[Future], Any]) -> None:
+        """Have `callback` called with this future when it is done; at once when it is done already."""
+        if not self._done:
+            self._callbacks.append(callback)
+            return
+        executor = self._executor()
+        if executor is not None:
+            executor.create_task(callback, self)
+        else:
+            callback(self)
+
+
+class Task(Future):
+    """A function or coroutine, run by calling the task; a coroutine that waits is resumed by the next call."""
+
+    def __init__(
+        self,
+        handler: Callable[..., Any],
+        args: Sequence[Any] | None = None,
+        kwargs: Mapping[str, Any] | None = None,
+        executor: Executor | None = None,
+    ) -> None:
+        super().__init__(executor=executor)
+        self._handler: Any = handler
+        self._args: Sequence[Any] | None = () if args is None else args
+        self._kwargs: Mapping[str, Any] | None = {} if kwargs is None else kwargs
+        self._coroutine = is_coroutine_function(handler)
+        if self._coroutine:
+            self._handler = handler(*self._args, **self._kwargs)
+            self._args = self._kwargs = None
+        self._executing = False
+
+    def __call__(self) -> None:
+        """Run or resume; does nothing when done or running."""
+        if self._done or self._executing:
+            return
+        self._executing = True
+        try:
+            if self._coroutine:
+                self._resume()
+            else:
+                self._run()
+        finally:
+            self._executing = False
+
+    def _resume(self) -> None:
+        try:
+            self._handler.send(None)
+        except StopIteration as stop:
+            self._handler.close()
+            self.set_result(stop.value)
+            self._complete_task()
+        except Exception as error:
+            self.set_exception(error)
+            self._complete_task()
+
+    def _run(self) -> None:
+        try:
+            self.set_result(self._handler(*self._args, **self._kwargs))  # type: ignore[misc,arg-type]
+        except Exception as error:
+            self.set_exception(error)
+        self._complete_task()
+
+    def _complete_task(self) -> None:
+        self._handler = None
+        self._args = None
+        self._kwargs = None
+
+    def executing(self) -> bool:
+        """Whether the task runs right now."""
+        return self._executing

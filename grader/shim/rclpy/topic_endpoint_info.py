@@ -1,0 +1,116 @@
+"""What the graph knows of a publisher or subscription."""
+
+from __future__ import annotations
+
+from rclpy._enums import PrintedIntEnum
+from rclpy.qos import QoSHistoryPolicy, QoSPresetProfiles, QoSProfile
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+class TopicEndpointTypeEnum(PrintedIntEnum):
+    """Kinds of endpoints."""
+
+    INVALID = 0
+    PUBLISHER = 1
+    SUBSCRIPTION = 2
+
+
+def _text(name: str) -> property:
+    slot = "_" + name
+
+    def get(self: TopicEndpointInfo) -> str:
+        return getattr(self, slot)  # type: ignore[no-any-return]
+
+    def set_(self: TopicEndpointInfo, value: str) -> None:
+        assert isinstance(value, str)
+        setattr(self, slot, value)
+
+    return property(get, set_)
+
+
+class TopicEndpointInfo:
+    """One endpoint of a topic; AssertionError for unknown keywords or values of wrong types."""
+
+    __slots__ = [
+        "_node_name",
+        "_node_namespace",
+        "_topic_type",
+        "_endpoint_type",
+        "_endpoint_gid",
+        "_qos_profile",
+    ]
+
+    def __init__(self, **kwargs: Any) -> None:
+        assert all(
+            "_" + key in self.__slots__ for key in kwargs
+        ), f"Invalid arguments passed to constructor: {kwargs.keys()!r}"
+        self.node_name = kwargs.get("node_name", "")
+        self.node_namespace = kwargs.get("node_namespace", "")
+        self.topic_type = kwargs.get("topic_type", "")
+        self.endpoint_type = kwargs.get("endpoint_type", TopicEndpointTypeEnum.INVALID)
+        self.endpoint_gid = kwargs.get("endpoint_gid", [])
+        self.qos_profile = kwargs.get("qos_profile", QoSPresetProfiles.UNKNOWN.value)
+
+    node_name = _text("node_name")
+    node_namespace = _text("node_namespace")
+    topic_type = _text("topic_type")
+
+    @property
+    def endpoint_type(self) -> TopicEndpointTypeEnum:
+        return self._endpoint_type
+
+    @endpoint_type.setter
+    def endpoint_type(self, value: int) -> None:
+        assert isinstance(value, int)
+        self._endpoint_type = TopicEndpointTypeEnum(value)
+
+    @property
+    def endpoint_gid(self) -> list[int]:
+        return self._endpoint_gid
+
+    @endpoint_gid.setter
+    def endpoint_gid(self, value: list[int]) -> None:
+        assert all(isinstance(x, int) for x in value)
+        self._endpoint_gid = value
+
+    @property
+    def qos_profile(self) -> QoSProfile:
+        return self._qos_profile
+
+    @qos_profile.setter
+    def qos_profile(self, value: QoSProfile | dict[str, Any]) -> None:
+        assert isinstance(value, (QoSProfile, dict))
+        self._qos_profile = QoSProfile(**value) if isinstance(value, dict) else value
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, TopicEndpointInfo):
+            return False
+        return all(getattr(self, slot) == getattr(other, slot) for slot in self.__slots__)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __str__(self) -> str:
+        qos = self.qos_profile
+        history = qos.history.name
+        if qos.history == QoSHistoryPolicy.KEEP_LAST:
+            history += f" ({qos.depth})"
+        return "\n".join(
+            [
+                f"Node name: {self.node_name}",
+                f"Node namespace: {self.node_namespace}",
+                f"Topic type: {self.topic_type}",
+                f"Endpoint type: {self.endpoint_type.name}",
+                f"GID: {'.'.join(format(x, '02x') for x in self.endpoint_gid)}",
+                "QoS profile:",
+                f"  Reliability: {qos.reliability.name}",
+                f"  History (Depth): {history}",
+                f"  Durability: {qos.durability.name}",
+                f"  Lifespan: {qos.lifespan}",
+                f"  Deadline: {qos.deadline}",
+                f"  Liveliness: {qos.liveliness.name}",
+                f"  Liveliness lease duration: {qos.liveliness_lease_duration}",
+            ]
+        )

@@ -1,0 +1,14 @@
+"""Validation of fully qualified topic and service names."""
+
+from rclpy._names import full_topic_name_fault
+from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
+
+
+def validate_full_topic_name(name: str, *, is_service: bool = False) -> bool:
+    """Return True, or raise InvalidTopicNameException (InvalidServiceNameException for a service)."""
+    fault = full_topic_name_fault(name)
+    if fault is None:
+        return True
+    if is_service:
+        raise InvalidServiceNameException(name, *fault)
+    raise InvalidTopicNameException(name, *fault)
