@@ -24,27 +24,36 @@ async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
 
 
 class _WorkTracker:
-    """How many callbacks are running."""
+    """Which threads are running callbacks."""
 
     def __init__(self) -> None:
-        self._running = 0
+        self._running: list[object] = []
 
     def __enter__(self) -> None:
-        self._running += 1
+        self._running.append(kernel.running)
 
     def __exit__(
         self, t: type[BaseException] | None, v: BaseException | None, tb: TracebackType | None
     ) -> None:
-        self._running -= 1
+        self._running.remove(kernel.running)
 
     def wait(self, timeout_sec: float | None = None) -> bool:
-        """Block until none runs; False when the timeout (None or negative: never) came first."""
+        """Block until no other thread runs one; False when the timeout (None or negative: never) came first.
+
+        The caller's own callback does not count: `rclpy.shutdown()` in a callback ends the spin
+        (ros2/rclpy#944, mended in Humble).
+        """
+        me = kernel.running
+
+        def idle() -> bool:
+            return all(thread is me for thread in self._running)
+
+        if idle():
+            return True
         deadline_ns = None
         if timeout_sec is not None and timeout_sec >= 0:
             deadline_ns = kernel.now_ns + timeout_sec_to_nsec(timeout_sec)
-        if not self._running:
-            return True
-        return kernel.wait(lambda: not self._running, deadline_ns, "executor.shutdown() waits for callbacks")
+        return kernel.wait(idle, deadline_ns, "executor.shutdown() waits for callbacks to end")
 
 
 class Dispatcher:
