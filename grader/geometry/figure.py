@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.geometry.path import Path
-from grader.geometry.segmentation import Run, Segments, Turn
+from grader.geometry.segmentation import Segments, Turn
 
 FULL_TURN_RAD = 2.0 * math.pi
 MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
@@ -55,10 +55,10 @@ def measure_polygon(path: Path, segments: Segments, *, cut_short: bool) -> Polyg
         cut_short: the car was still under way when the recording ended, so that the last segment says
             nothing about its intended size.
     """
-    runs, turns = segments.runs, segments.turns
+    runs = segments.runs
     if not runs:
         return None
-    corners = _corners(runs, turns, cut_short=cut_short)
+    corners = _corners(path, segments, cut_short=cut_short)
     lap = _lap(corners)
     count = len(runs)
     lengths = [_chord(path, *_span(path, segments, i)) for i in range(len(runs))]
@@ -72,14 +72,12 @@ def measure_polygon(path: Path, segments: Segments, *, cut_short: bool) -> Polyg
     return figure if not later else _with_rest(figure, later, cut_short=cut_short)
 
 
-def _corners(runs: tuple[Run, ...], turns: tuple[Turn | None, ...], *, cut_short: bool) -> list[float]:
+def _corners(path: Path, segments: Segments, *, cut_short: bool) -> list[float]:
     """Return the change of direction after each run; the last run has one only if a whole turn follows."""
-    corners = []
-    for before, after in itertools.pairwise(runs):
-        corners.append(after.direction_rad - before.direction_rad)
-    closing = turns[-1]
+    runs, closing = segments.runs, segments.turns[-1]
+    corners = [after.direction_rad - before.direction_rad for before, after in itertools.pairwise(runs)]
     if closing is not None and abs(closing.angle_rad) >= MIN_CLOSING_TURN_RAD and not cut_short:
-        corners.append(closing.angle_rad)
+        corners.append(float(path.travel_rad[closing.last]) - runs[-1].direction_rad)
     return corners
 
 

@@ -19,6 +19,7 @@ MIN_TURN_RAD = math.radians(15.0)  # a change of direction below this is a bent 
 MIN_RUN_SHARE = 0.06  # of the extent: shorter straight bits inside a corner belong to it
 MIN_EXTENT_M = 0.02
 MAX_VERTICES = 1000
+STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,5 +152,6 @@ def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
             turns.append(None)
         else:
             angle = float(path.travel_rad[piece.last] - path.travel_rad[piece.first])
-            turns[-1] = Turn(piece.first, piece.last, angle, length_m)
+            if abs(angle) > STILL_RAD or abs(length_m) > STILL_M:
+                turns[-1] = Turn(piece.first, piece.last, angle, length_m)
     return Segments(tuple(runs), tuple(turns))

@@ -1,5 +1,6 @@
 """Reading assignments: what is found, what is refused, and how the refusal reads."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -58,8 +59,6 @@ def test_every_shipped_assignment_is_complete(name: str) -> None:
 
 @pytest.mark.parametrize("name", CHECKLIST)
 def test_an_assignment_survives_the_way_to_the_grading_process(name: str) -> None:
-    import json
-
     assignment = Catalog().get(name)
     assert from_plain(Assignment, json.loads(json.dumps(to_plain(assignment)))) == assignment
 
@@ -146,7 +145,7 @@ def test_a_missing_wrong_script_is_named(tmp_path: Path) -> None:
 
 
 def test_a_missing_folder_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(AssignmentError, match="no folder|not a folder"):
+    with pytest.raises(AssignmentError, match="is not a folder"):
         Catalog(tmp_path / "nowhere").all()
 
 

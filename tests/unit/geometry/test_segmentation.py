@@ -1,0 +1,91 @@
+"""Runs and turns of a path."""
+
+import math
+
+import pytest
+
+from grader.geometry.figure import measure_polygon
+from grader.geometry.path import Path, driven_path
+from grader.geometry.segmentation import Segments, segment
+from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs
+
+
+def path_of(legs: list[Leg], **how: float) -> Path:
+    trajectory = drive(legs, **how)  # type: ignore[arg-type]
+    return driven_path(trajectory.x_m, trajectory.y_m, trajectory.heading_rad)
+
+
+def lengths(segments: Segments) -> list[float]:
+    return [round(run.length_m, 1) for run in segments.runs]
+
+
+def angles(segments: Segments) -> list[int | None]:
+    return [None if turn is None else round(math.degrees(turn.angle_rad)) for turn in segments.turns]
+
+
+def test_runs_and_turns_alternate() -> None:
+    segments = segment(path_of(polygon_legs(3, 1.0)))
+    assert lengths(segments) == [1.0, 1.0, 1.0]
+    assert angles(segments) == [None, 120, 120, 120]
+
+
+def test_turning_first() -> None:
+    segments = segment(path_of([(1.0, 0.0, -1.0), (2.0, 1.0, 0.0)]))
+    assert lengths(segments) == [2.0]
+    assert angles(segments) == [-57, None]
+
+
+def test_nothing_but_a_turn() -> None:
+    segments = segment(path_of([(7.0, 0.0, 1.0)]))
+    assert segments.runs == ()
+    assert angles(segments) == [401]
+
+
+def test_rest() -> None:
+    assert segment(path_of([(2.0, 0.0, 0.0)])) == Segments((), (None,))
+
+
+def test_arcs_between_sides_are_turns_with_a_length() -> None:
+    segments = segment(path_of([(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)] * 4))
+    assert lengths(segments) == pytest.approx([2.0] * 4, abs=0.3)
+    assert [round(turn.length_m, 1) for turn in segments.turns if turn] == pytest.approx([1.5] * 4, abs=0.4)
+
+
+def test_a_circle_has_no_run() -> None:
+    assert segment(path_of([(7.0, 1.0, 1.0)])).runs == ()
+
+
+def test_a_slight_bend_stays_one_run() -> None:
+    assert lengths(segment(path_of([(2.0, 1.0, 0.1)]))) == [2.0]
+
+
+def test_a_kink_below_the_threshold_is_no_corner() -> None:
+    segments = segment(path_of([(1.0, 1.0, 0.0), (math.radians(12), 0.0, 1.0), (1.0, 1.0, 0.0)]))
+    assert lengths(segments) == [2.0]
+
+
+def test_directions_are_continuous_over_more_than_a_full_turn() -> None:
+    segments = segment(path_of([(1.0, 1.0, 0.0), (math.radians(450), 0.0, 1.0), (1.0, 1.0, 0.0)]))
+    change = segments.runs[1].direction_rad - segments.runs[0].direction_rad
+    assert math.degrees(change) == pytest.approx(450, abs=0.1)
+
+
+def test_going_back_is_a_run_of_its_own_half_a_turn_away() -> None:
+    segments = segment(path_of([(2.0, 1.0, 0.0), (1.5, -1.0, 0.0)]))
+    assert lengths(segments) == [2.0, 1.5]
+    change = segments.runs[1].direction_rad - segments.runs[0].direction_rad
+    assert math.degrees(change) == pytest.approx(180, abs=0.1)
+
+
+@pytest.mark.parametrize("sides", [3, 4, 5, 6, 8, 12])
+def test_figures_up_to_twelve_sides(sides: int) -> None:
+    path = path_of(polygon_legs(sides, 0.8))
+    figure = measure_polygon(path, segment(path), cut_short=False)
+    assert figure is not None
+    assert len(figure.sides_m) == sides
+    assert [math.degrees(corner) for corner in figure.corners_rad] == pytest.approx(
+        [360 / sides] * sides, abs=0.2
+    )
+    assert figure.gap_m < 0.01
+    assert not figure.repeated
+    assert not figure.overrun
