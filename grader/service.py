@@ -12,11 +12,12 @@ from grader.bootstrap import build_sandbox
 from grader.catalog import Catalog
 from grader.contracts.assignment import Assignment
 from grader.contracts.codec import from_plain
-from grader.contracts.errors import AssignmentError, UnknownAssignmentError
+from grader.contracts.errors import AssignmentError, SandboxError, UnknownAssignmentError
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState, SyntaxProblem
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
+from grader.preflight import SandboxPreflight
 from grader.routes.access import InstructorGate, new_token
 from grader.routes.plots import PlotCache
 from grader.routes.services import Services
@@ -95,7 +96,7 @@ def running(
     Args:
         settings: what the operator wants.
         announce: is told the instructor token if one had to be made; by default it goes to stderr.
-        preflight: looks at uploads.
+        preflight: looks at uploads; by default a sandbox of its own.
 
     Raises:
         SettingsError: the database does not fit this version.
@@ -113,7 +114,7 @@ def running(
             queue=Queue(database, utc_now, _policy(settings)),
             workers=Workers(database, utc_now),
             dashboard=Dashboard(database),
-            preflight=preflight or LatePreflight(),
+            preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(_plot, settings.plot_cache_entries),
             gate=InstructorGate(_token(settings, announce or _announce)),
             doorbell=Doorbell(),
@@ -151,6 +152,18 @@ def working(services: Services) -> Iterator[Worker]:
             yield worker
         finally:
             worker.stop()
+
+
+@contextmanager
+def _preflight() -> Iterator[Preflight]:
+    """Check syntax in a sandbox of its own; without one, leave it to grading, which then waits, too."""
+    with ExitStack() as stack:
+        try:
+            checker: Preflight = SandboxPreflight(stack.enter_context(build_sandbox(_ISOLATION)))
+        except SandboxError as error:
+            _log.error("uploads are accepted without a look at their syntax: %s", error)
+            checker = LatePreflight()
+        yield checker
 
 
 def _take_over(queue: Queue) -> None:

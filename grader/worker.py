@@ -72,14 +72,14 @@ class Sandbox:
 
     def try_out(self) -> bool:
         """Try the sandbox; whether it became ready by that."""
-        before = self.state.ready
+        before = self.state
         try:
             self.state = self._probe()
         except Exception as error:  # whatever it is, nothing may be graded
             self.state = SandboxState(ready=False, detail=f"the sandbox could not be tried: {error}")
-        if not self.state.ready:
+        if not self.state.ready and self.state.detail != before.detail:
             _log.error("nothing is graded: %s", self.state.detail)
-        return self.state.ready and not before
+        return self.state.ready and not before.ready
 
     def failed(self, error: SandboxUnavailableError) -> None:
         """Note that a grading found a layer missing."""
@@ -203,7 +203,8 @@ class Worker:
         claims = [claim for slot in self._slots if (claim := slot.claim) is not None]
         if claims:
             self._parts.queue.renew(claims)
-        if self._slots and not self._sandbox.state.ready and self._sandbox.try_out():
+        # only while nothing runs: trying may take longer than a lease
+        if self._slots and not claims and not self._sandbox.state.ready and self._sandbox.try_out():
             self._parts.doorbell.ring()
         mended = self._parts.queue.reconcile()
         if mended.requeued or mended.given_up:

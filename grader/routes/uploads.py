@@ -8,7 +8,7 @@ from fastapi import Request, Response
 from fastapi.routing import APIRoute
 from starlette.types import Message
 
-from grader.contracts.errors import InfrastructureError, SubmissionError
+from grader.contracts.errors import InfrastructureError, SandboxError, SubmissionError
 from grader.contracts.grading import SyntaxProblem
 from grader.contracts.text import Text
 from grader.contracts.upload import check_source
@@ -124,7 +124,7 @@ def check_content(services: Services, source: bytes, file_name: str) -> None:
         raise ProblemError(error.code, str(error), field="file") from error
     try:
         problem = services.preflight.check(source, file_name)
-    except InfrastructureError:
+    except (InfrastructureError, SandboxError):
         return  # no fault of the file: grading will look at it again
     if problem is not None:
         raise _syntax_error(problem)

@@ -265,6 +265,7 @@ def test_a_beat_renews_mends_and_reports(bench: Bench) -> None:
     bench.clock.advance(8)
     mine = bench.upload()
     made = worker(bench)
+    made.beat()
     slot = made._slots[0]
     slot.claim = bench.queue.claim("w")
     assert slot.claim.submission_id == mine

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import httpx
 import pytest
 
-from grader.contracts.errors import InfrastructureError
+from grader.contracts.errors import InfrastructureError, SandboxError
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.services import Services
 from tests.fakes.server import TOKEN
@@ -61,12 +61,17 @@ def test_a_syntax_error_cannot_smuggle_control_characters(upload: Upload) -> Non
     assert document["text"] == "def broken( # \\u202e\\x1b[2J"
 
 
-def test_a_failing_preflight_is_no_fault_of_the_file(upload: Upload, services: Services) -> None:
-    services.preflight.fault = InfrastructureError("the checking process died")
+@pytest.mark.parametrize("fault", [InfrastructureError("it died"), SandboxError("no zygote")])
+def test_a_failing_preflight_is_no_fault_of_the_file(
+    upload: Upload, services: Services, fault: Exception
+) -> None:
+    services.preflight.fault = fault
     assert upload(b"good").status_code == 202
 
 
-@pytest.mark.parametrize("name", ["square.zip", "square", "square.py.docx", ".py", "square.ipynb", "square.pyc"])
+@pytest.mark.parametrize(
+    "name", ["square.zip", "square", "square.py.docx", ".py", "square.ipynb", "square.pyc"]
+)
 def test_a_file_of_another_type(upload: Upload, services: Services, name: str) -> None:
     assert problem(upload(name=name), 415, "wrong_file_type")["field"] == "file"
     assert nothing_stored(services)
@@ -99,7 +104,9 @@ def test_a_body_that_never_says_how_large_it_is(client: httpx.Client, services: 
     assert nothing_stored(services)
 
 
-@pytest.mark.parametrize("kind", ["application/json", "text/x-python", "application/x-www-form-urlencoded", ""])
+@pytest.mark.parametrize(
+    "kind", ["application/json", "text/x-python", "application/x-www-form-urlencoded", ""]
+)
 def test_a_body_that_is_no_upload(client: httpx.Client, kind: str) -> None:
     response = client.post("/api/v1/submissions", content=b"{}", headers={"Content-Type": kind})
     problem(response, 415, "unsupported_media_type")
@@ -210,7 +217,10 @@ def test_the_dashboard_without_its_token(client: httpx.Client, header: str | Non
 
 
 def test_a_bug_is_a_problem_too(
-    client: httpx.Client, services: Services, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    client: httpx.Client,
+    services: Services,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
 ) -> None:
     def bug() -> None:
         raise ZeroDivisionError("secret detail")

@@ -1,0 +1,209 @@
+"""Assignments, dashboard, health and the interface's description of itself."""
+
+import json
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.contracts.submission import WorkerState
+from grader.render.dashboard import render_dashboard
+from grader.render.terminal import console
+from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.services import Services
+from tests.fakes.clock import START, FakeClock
+from tests.fakes.server import TOKEN
+
+INSTRUCTOR = {"Authorization": f"Bearer {TOKEN}"}
+
+
+def worker(clock: FakeClock, *, ready: bool = True, slots: int = 2) -> WorkerState:
+    return WorkerState(
+        id="host:1",
+        slots=slots,
+        busy=0,
+        sandbox_ready=ready,
+        isolation="strict",
+        detail="" if ready else "no seccomp",
+        started_at=START,
+        seen_at=clock(),
+    )
+
+
+def test_the_checklist(client: httpx.Client) -> None:
+    document = client.get("/api/v1/assignments", params={"lang": "en"}).json()
+    assert [(one["id"], one["title"], one["max_score"]) for one in document["assignments"]] == [
+        ("straight", "Exercise straight", 10.0),
+        ("square", "Exercise square", 10.0),
+    ]
+    assert client.get(document["assignments"][0]["url"]).status_code == 200
+
+
+def test_a_published_rubric(client: httpx.Client) -> None:
+    document = client.get("/api/v1/assignments/square").json()
+    assert document["title"] == "作业 square"
+    assert document["rubric"][1] == {
+        "id": "closed",
+        "title": "回到起点",
+        "points": 5.0,
+        "measure": "gap_m",
+        "low": None,
+        "high": 0.2,
+        "ramp": 0.5,
+        "needs": ["sides"],
+    }
+    assert document["cmd_vel_topic"] == "/turtle1/cmd_vel"
+
+
+def test_an_empty_dashboard(client: httpx.Client) -> None:
+    document = client.get("/api/v1/dashboard", headers=INSTRUCTOR).json()
+    assert document["students"] == []
+    assert [one["pass_rate"] for one in document["assignments"]] == [None, None]
+
+
+def test_the_dashboard(
+    client: httpx.Client, graded: Callable[..., str], upload: Callable[..., httpx.Response], clock: FakeClock
+) -> None:
+    best = graded(b"good good", student="ann")
+    clock.advance(60)
+    latest = graded(b"raise good", student="ann")
+    graded(b"x", student="bob")
+    graded(b"good good", student="bob", assignment="straight")
+    waiting = upload(b"x", student="cyd").headers["Location"]
+    document = client.get("/api/v1/dashboard", headers=INSTRUCTOR, params={"lang": "en"}).json()
+    ann, bob, cyd = document["students"]
+    assert ann["assignments"]["square"] == {
+        "best_score": 10.0,
+        "max_score": 10.0,
+        "passed": True,
+        "status": "graded",
+        "verdict": "crashed",
+        "attempts": 2,
+        "last_activity_at": "2026-03-02T08:01:00Z",
+        "best_submission": best,
+        "latest_submission": latest,
+    }
+    assert bob["total_score"] == 10.0
+    assert cyd["assignments"]["square"]["latest_submission"] == waiting
+    assert cyd["assignments"]["square"]["best_score"] is None
+    straight, square = document["assignments"]
+    assert (square["students"], square["submissions"], square["passed"]) == (3, 4, 1)
+    assert square["pass_rate"] == pytest.approx(1 / 3)
+    assert square["mean_score"] == 5.0
+    assert [one["students"] for one in square["score_distribution"]] == [1, 0, 0, 0, 0, 0, 0, 0, 0, 1]
+    assert square["most_failed_items"] == [
+        {"id": "closed", "title": "Back at the start", "count": 2, "still": 1},
+        {"id": "sides", "title": "Sides", "count": 1, "still": 1},
+    ]
+    assert square["most_common_mistakes"][0]["students"] == 2
+    assert straight["pass_rate"] == 1.0
+    assert document["queue"] == {"queued": 1, "running": 0, "infrastructure_errors": 0}
+    assert document["oldest_queued_at"] == "2026-03-02T08:01:00Z"
+
+
+def test_the_terminal_can_show_the_dashboard(client: httpx.Client, graded: Callable[..., str]) -> None:
+    graded(b"good", student="ann")
+    document = client.get("/api/v1/dashboard", headers=INSTRUCTOR).json()
+    output = console()
+    with output.capture() as captured:
+        output.print(render_dashboard(document, language="en"))
+    assert "ann" in captured.get()
+
+
+def test_without_a_worker_the_service_is_degraded(client: httpx.Client) -> None:
+    response = client.get("/healthz")
+    assert response.status_code == 503
+    assert response.json()["status"] == "degraded"
+    assert response.json()["sandbox"] == {"ready": False, "isolation": "", "detail": "no worker is alive"}
+
+
+def test_with_a_worker_it_is_well(client: httpx.Client, services: Services, clock: FakeClock) -> None:
+    services.workers.report(worker(clock))
+    response = client.get("/healthz")
+    assert (response.status_code, response.json()["status"]) == (200, "ok")
+    assert response.json()["sandbox"]["isolation"] == "strict"
+    clock.advance(60)
+    assert client.get("/healthz").status_code == 503
+
+
+@pytest.mark.parametrize("state", [{"ready": False}, {"slots": 0}])
+def test_a_worker_that_cannot_grade_does_not_count(
+    client: httpx.Client, services: Services, clock: FakeClock, state: dict[str, Any]
+) -> None:
+    services.workers.report(worker(clock, **state))
+    assert client.get("/healthz").status_code == 503
+
+
+@pytest.fixture
+def openapi(client: httpx.Client) -> dict[str, Any]:
+    document: dict[str, Any] = client.get("/openapi.json").json()
+    return document
+
+
+def operations(openapi: dict[str, Any]) -> Iterator[tuple[str, dict[str, Any]]]:
+    for path, methods in openapi["paths"].items():
+        for method, operation in methods.items():
+            yield f"{method} {path}", operation
+
+
+def references(node: object) -> Iterator[str]:
+    if isinstance(node, dict):
+        if isinstance(node.get("$ref"), str):
+            yield node["$ref"]
+        for value in node.values():
+            yield from references(value)
+    elif isinstance(node, list):
+        for value in node:
+            yield from references(value)
+
+
+def test_openapi_lists_the_whole_interface(openapi: dict[str, Any]) -> None:
+    assert openapi["openapi"].startswith("3.")
+    assert {name for name, _ in operations(openapi)} == {
+        "post /api/v1/submissions",
+        "get /api/v1/submissions/{submission_id}",
+        "get /api/v1/submissions/{submission_id}/report",
+        "get /api/v1/submissions/{submission_id}/trajectory",
+        "get /api/v1/submissions/{submission_id}/plot.png",
+        "get /api/v1/assignments",
+        "get /api/v1/assignments/{assignment_id}",
+        "get /api/v1/dashboard",
+        "get /api/v1/problems/{code}",
+        "get /healthz",
+    }
+
+
+def test_openapi_has_no_loose_ends(openapi: dict[str, Any]) -> None:
+    for reference in references(openapi):
+        node: Any = openapi
+        for part in reference.removeprefix("#/").split("/"):
+            node = node[part]
+
+
+def test_openapi_documents_failures_as_problem_documents(openapi: dict[str, Any]) -> None:
+    assert "HTTPValidationError" not in json.dumps(openapi)
+    for name, operation in operations(openapi):
+        for status, response in operation["responses"].items():
+            if status == "503" and name == "get /healthz":
+                continue
+            if int(status) >= 400:
+                assert list(response["content"]) == ["application/problem+json"], (name, status)
+                assert response["content"]["application/problem+json"]["examples"]
+
+
+def test_openapi_documents_500_everywhere(openapi: dict[str, Any]) -> None:
+    assert [name for name, operation in operations(openapi) if "500" not in operation["responses"]] == []
+
+
+def test_openapi_knows_every_kind_of_problem(openapi: dict[str, Any]) -> None:
+    text = json.dumps(openapi)
+    general = {"not_found", "method_not_allowed", "refused"}  # of no particular operation
+    assert [code for code in PROBLEM_TYPES if f"/problems/{code}" not in text and code not in general] == []
+
+
+def test_openapi_explains_every_operation(openapi: dict[str, Any]) -> None:
+    for name, operation in operations(openapi):
+        assert operation.get("summary"), name
+        assert operation.get("description"), name
+        assert operation.get("tags"), name
