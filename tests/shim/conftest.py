@@ -39,6 +39,9 @@ _BARE = (
     " sys.modules['rclpy'] = p; from rclpy import _runner; _runner.run({fd})"
 )
 
+HANG_S = 60.0
+"""A script that still runs after this long is blocked outside virtual time: a bug of the shim."""
+
 Feed = Sequence[tuple[int, str, bytes]]
 Services = dict[str, Callable[[bytes], bytes]]
 
@@ -246,8 +249,11 @@ def run_script_text(
             ours.sendall(struct.pack("<I", len(body)) + body)
         except OSError:
             pass  # the child died early; its stderr tells why
-        episode.run.returncode = child.wait()
-        reader.join()
+        try:
+            episode.run.returncode = child.wait(HANG_S)
+        finally:
+            child.kill()
+            reader.join()
         for stream, name in ((out, "stdout"), (err, "stderr")):
             stream.seek(0)
             setattr(episode.run, name, stream.read().decode("utf-8", "replace"))
