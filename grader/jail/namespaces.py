@@ -7,7 +7,7 @@ import ctypes
 import os
 import signal
 import stat
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 from . import libc
 
@@ -26,14 +26,15 @@ class _MountAttr(ctypes.Structure):
     )
 
 
-def enter(shown: Iterable[str], masked: Iterable[str]) -> bool:
+def enter(shown: Iterable[str], masked: Sequence[str]) -> bool:
     """Move to new namespaces and a new root; the caller goes on as process 1 of the new process namespace.
 
     The former process stays behind only to pass on the exit status.
 
     Args:
         shown: files and directories that the new root shows, read-only, under their own names.
-        masked: directories among them that are covered by an empty one.
+        masked: directories directly below one of `shown` that are covered by empty ones; what follows in
+            `shown` may lie in them.
 
     Returns:
         False, with nothing changed, where the host allows no new namespaces at all.
@@ -58,8 +59,9 @@ def enter(shown: Iterable[str], masked: Iterable[str]) -> bool:
     libc.mount("tmpfs", _STAGE, "tmpfs", _MS_NOSUID, "size=1m,nr_inodes=4096,mode=755")
     for path, descriptor in sources:
         _show(path, descriptor)
-    for path in masked:
-        libc.mount("tmpfs", _STAGE + path, "tmpfs", _MS_NOSUID, "size=4k,nr_inodes=1,mode=755")
+        for inner in masked:
+            if os.path.dirname(inner) == path:
+                libc.mount("tmpfs", _STAGE + inner, "tmpfs", _MS_NOSUID, "size=64k,nr_inodes=128,mode=755")
     _set_read_only(_STAGE)
     os.chdir(_STAGE)
     libc.syscall("pivot_root", libc.NR_PIVOT_ROOT[libc.MACHINE], b".", b".")

@@ -63,7 +63,7 @@ def traces(sandbox: Sandbox) -> dict[str, object]:
 
 def names(path: str) -> list[str]:
     """Entries of `path` that another program running meanwhile would not make."""
-    own = re.compile("evil|trap|student|report|grade")
+    own = re.compile("evil")
     return [name for name in os.listdir(path) if own.search(name)]
 
 
@@ -83,7 +83,9 @@ def main() -> None:
     sandbox = Sandbox(shim_path=HERE / "runner", entry="bare_runner:run", namespaces=options["namespaces"])
     with sandbox:
         baseline, first = run(sandbox, GOOD)
-        print(json.dumps({"isolation": sandbox.isolation, "good": [baseline, first.stdout.text, first.verdict]}))
+        print(
+            json.dumps({"isolation": sandbox.isolation, "good": [baseline, first.stdout.text, first.verdict]})
+        )
         before = traces(sandbox)
         for script in options["scripts"]:
             source = Path(script).read_bytes()
@@ -104,7 +106,9 @@ def main() -> None:
                 "peak_bytes": report.peak_bytes,
                 "frames": frames,
                 "wall_s": wall_s,
-                "left_behind": {key: [before[key], after[key]] for key in before if before[key] != after[key]},
+                "left_behind": {
+                    key: [before[key], after[key]] for key in before if before[key] != after[key]
+                },
                 "good_again": [good_frames, good.stdout.text, good.verdict],
             }
             print(json.dumps(result), flush=True)

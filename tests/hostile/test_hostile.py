@@ -1,0 +1,147 @@
+"""Every hostile script in every mode this machine offers: root or not, with namespaces or as in Docker."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from grader.jail import landlock, layout
+
+HERE = Path(__file__).resolve().parent
+SCRIPTS = sorted(path for path in (HERE / "scripts").iterdir() if path.suffix in (".py", ".script"))
+ORDINARY_UID = 54_321
+INTERPRETERS = ("/usr/bin/python3", "/usr/local/bin/python3")
+
+REFUSED_BY_DOCKER = [
+    "unshare",
+    "setns",
+    "mount",
+    "umount2",
+    "pivot_root",
+    "mount_setattr",
+    "move_mount",
+    "fsopen",
+    "open_tree",
+    "keyctl",
+    "add_key",
+    "request_key",
+    "bpf",
+    "perf_event_open",
+    "userfaultfd",
+    "io_uring_setup",
+    "pidfd_getfd",
+    "syslog",
+    "kexec_load",
+    "reboot",
+    "swapon",
+    "quotactl",
+]
+
+pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
+
+
+def expectation(script: Path) -> tuple[str, ...]:
+    """The verdicts that a script's docstring allows."""
+    match = re.search(r"^Expected: (.+)$", script.read_text(errors="replace"), re.MULTILINE)
+    assert match, f"{script.name} does not say what is expected"
+    return tuple(match[1].split(" or "))
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
+def test_script_states_attack_and_verdict(script: Path) -> None:
+    assert expectation(script)
+    assert "Attack: " in script.read_text(errors="replace")
+
+
+def interpreter_for(uid: int | None) -> str:
+    """An interpreter that the user may start."""
+    own = os.path.realpath(sys.executable)
+    if uid is None or layout.reachable_by_others([own]):
+        return sys.executable
+    for path in INTERPRETERS:
+        check = [path, "-c", "import sys, ctypes; sys.exit(sys.version_info < (3, 11))"]
+        if os.path.exists(path) and subprocess.run(check, check=False).returncode == 0:
+            return path
+    pytest.skip("no Python 3.11 that another user could start")
+
+
+def docker_like_filter(path: Path) -> None:
+    """Write what Docker's default profile refuses: namespaces, mounts, keys and other kernel interfaces."""
+    seccomp = pytest.importorskip("pyseccomp")
+    program = seccomp.SyscallFilter(seccomp.ALLOW)
+    refused = seccomp.ERRNO(1)
+    for bit in (7, 17, 25, 26, 27, 28, 29, 30):
+        program.add_rule(refused, "clone", seccomp.Arg(0, seccomp.MASKED_EQ, 1 << bit, 1 << bit))
+    program.add_rule(refused, "personality", seccomp.Arg(0, seccomp.EQ, 0x40000))
+    program.add_rule(seccomp.ERRNO(38), "clone3")
+    for name in REFUSED_BY_DOCKER:
+        program.add_rule(refused, name)
+    with path.open("wb") as file:
+        program.export_bpf(file)
+
+
+def drive(uid: int | None, filter_path: Path | None, namespaces: bool) -> list[dict[str, object]]:
+    """Run the driver; return its results, the first of which describes the sandbox."""
+    options = {
+        "uid": uid,
+        "filter": filter_path and str(filter_path),
+        "namespaces": namespaces,
+        "scripts": [str(script) for script in SCRIPTS],
+    }
+    done = subprocess.run(
+        [interpreter_for(uid), str(HERE / "driver.py"), json.dumps(options)],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd="/",
+    )
+    assert done.returncode == 0, done.stderr
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def problems(result: dict, good: list) -> list[str]:
+    """What is wrong with the outcome of one script."""
+    script = Path(result["script"])
+    expected = expectation(script)
+    got = " ".join(filter(None, (result["verdict"], result["signal"])))
+    if result["frames"][-2:-1] and bytes.fromhex(result["frames"][-2]).startswith(b"raised"):
+        got = "raised"
+    found = []
+    if got not in expected:
+        found.append(
+            f"{got} instead of {' or '.join(expected)}: {result['detail']} {result['stderr'][-400:]}"
+        )
+    if "BREACH" in result["stdout"]:
+        found.append(str([line for line in result["stdout"].splitlines() if "BREACH" in line]))
+    if got == "finished" and "held" not in result["stdout"]:
+        found.append("it did not come to its attack")
+    if result["left_behind"]:
+        found.append(f"left behind {result['left_behind']}")
+    if result["good_again"] != good:
+        found.append(f"the next run differed: {result['good_again']}")
+    if result["output_bytes"] > 4 * 64 * 1024 + 200:
+        found.append(f"{result['output_bytes']} bytes of output kept")
+    return [f"{script.name}: {text}" for text in found]
+
+
+@pytest.mark.parametrize("namespaces", [True, False], ids=["namespaces", "docker"])
+@pytest.mark.parametrize("user", ["root", "ordinary"])
+def test_every_attack_is_held(user: str, namespaces: bool, tmp_path: Path) -> None:
+    if user == "root" and os.geteuid() != 0:
+        pytest.skip("not root")
+    uid = ORDINARY_UID if user == "ordinary" and os.geteuid() == 0 else None
+    filter_path = None
+    if not namespaces:
+        filter_path = tmp_path / "docker.bpf"
+        docker_like_filter(filter_path)
+        for directory in (tmp_path, *tmp_path.parents[:2]):
+            directory.chmod(0o755)
+    sandbox, *results = drive(uid, filter_path, namespaces)
+    assert len(results) == len(SCRIPTS)
+    assert str(sandbox["isolation"]).startswith("strict: process+rlimits+seccomp+landlock")
+    assert ("namespaces" in str(sandbox["isolation"])) <= namespaces
+    assert [problem for result in results for problem in problems(result, sandbox["good"])] == []

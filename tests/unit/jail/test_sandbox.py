@@ -1,0 +1,273 @@
+"""The sandbox as the episode uses it."""
+
+import os
+import time
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from grader.contracts.errors import SandboxError, SandboxUnavailableError
+from grader.contracts.limits import MIB, Limits
+from grader.jail import landlock, policy
+from grader.jail.report import JailReport
+from grader.sandbox import Layer, Mode, Sandbox, Verdict
+
+pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
+
+RUNNER = Path(__file__).parents[2] / "hostile" / "runner"
+ECHO = b"""
+import os
+while True:
+    size = int.from_bytes(os.read(channel, 4), "little")
+    body = b""
+    while len(body) < size:
+        body += os.read(channel, size - len(body))
+    frame(body[:60000])
+"""
+
+
+def make(mode: Mode = Mode.STRICT, *without: Layer, entry: str = "bare_runner:run", **more: bool) -> Sandbox:
+    return Sandbox(mode, RUNNER, entry=entry, without=frozenset(without), **more)
+
+
+@pytest.fixture(scope="module")
+def sandbox() -> Iterator[Sandbox]:
+    with make() as made:
+        yield made
+
+
+def run(sandbox: Sandbox, source: str | bytes, **limits: float) -> tuple[list[bytes], JailReport]:
+    with sandbox.open(Limits(**limits)) as jail:  # type: ignore[arg-type]
+        jail.send(source if isinstance(source, bytes) else source.encode())
+        frames = []
+        while (frame := jail.receive()) is not None:
+            frames.append(frame)
+        return frames, jail.close()
+
+
+def test_frames_output_and_exit_code(sandbox: Sandbox) -> None:
+    source = "import sys\nframe(b'one')\nprint('out')\nprint('err', file=sys.stderr)\nsys.exit(3)"
+    frames, report = run(sandbox, source)
+    assert frames == [b"one", b"end"]
+    assert (report.verdict, report.exit_code, report.signal, report.detail) == (Verdict.FINISHED, 3, None, "")
+    assert (report.stdout.text, report.stderr.text) == ("out\n", "err\n")
+    assert report.cpu_ns > 0
+    assert report.peak_bytes > MIB
+
+
+def test_frames_before_a_limit_are_still_delivered(sandbox: Sandbox) -> None:
+    frames, report = run(sandbox, "for n in range(9): frame(b'%d' % n)\nwhile True: pass", cpu_s=0.2)
+    assert frames == [b"%d" % n for n in range(9)]
+    assert report.verdict is Verdict.CPU_LIMIT
+    assert "0.2 s" in report.detail
+
+
+def test_last_words_of_a_killed_script_are_kept(sandbox: Sandbox) -> None:
+    _, report = run(sandbox, "print('last words')\nwhile True: pass", cpu_s=0.2)
+    assert report.stdout.text == "last words\n"
+
+
+def test_the_largest_frames_pass_in_both_directions(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits()) as jail:
+        jail.send(ECHO)
+        for size in (1, 4096, 60_000, 4 * MIB):
+            jail.send(b"x" * size)
+            assert jail.receive() == b"x" * min(size, 60_000)
+
+
+def test_sending_never_blocks_for_ever(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits(cpu_s=0.2)) as jail:
+        jail.send(b"while True: pass")
+        jail.send(b"x" * (8 * MIB))
+        assert jail.receive() is None
+        assert jail.close().verdict is Verdict.CPU_LIMIT
+
+
+def test_sending_to_a_script_that_only_sends_ends(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits(cpu_s=2.0)) as jail:
+        jail.send(b"while True: frame(b'x' * 60000)")
+        jail.send(b"y" * (8 * MIB))
+        while jail.receive() is not None:
+            pass
+        assert jail.close().verdict is Verdict.PROTOCOL
+
+
+def test_sending_after_the_end_is_harmless(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits()) as jail:
+        jail.send(b"import os; os._exit(0)")
+        assert jail.receive() is None
+        jail.send(b"too late")
+        assert jail.receive() is None
+
+
+def test_grace_after_the_horizon(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits(cpu_s=60.0)) as jail:
+        jail.send(b"frame(b'horizon')\nwhile True: pass")
+        assert jail.receive() == b"horizon"
+        jail.limit_cpu(0.1)
+        assert jail.receive() is None
+        report = jail.close()
+    assert report.verdict is Verdict.CPU_LIMIT
+    assert report.cpu_ns < 2_000_000_000
+
+
+def test_closing_early_ends_the_process_without_blame(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits()) as jail:
+        jail.send(b"while True: pass")
+        report = jail.close()
+        assert jail.close() is report
+    assert (report.verdict, report.exit_code, report.signal) == (Verdict.FINISHED, None, None)
+
+
+def test_the_wall_limit_blames_the_host(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits(wall_s=0.0)) as jail:
+        jail.send(b"while True: pass")
+        assert jail.receive() is None
+        assert jail.close().verdict is Verdict.INFRASTRUCTURE
+
+
+def test_a_kill_from_outside_blames_the_host(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits()) as jail:
+        jail.send(b"while True: pass")
+        jail._process.kill()
+        assert jail.receive() is None
+        assert jail.close().verdict is Verdict.INFRASTRUCTURE
+
+
+def test_a_script_that_sleeps_for_ever_is_stalled(sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(policy, "IDLE_LIMIT_NS", 100_000_000)
+    _, report = run(sandbox, "import os\nos.read(os.pipe()[0], 1)")
+    assert report.verdict is Verdict.STALLED
+
+
+def test_a_slow_episode_does_not_make_a_script_stalled(
+    sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(policy, "IDLE_LIMIT_NS", 50_000_000)
+    with sandbox.open(Limits()) as jail:
+        jail.send(ECHO)
+        for _ in range(3):
+            time.sleep(0.1)
+            jail.send(b"x")
+            assert jail.receive() == b"x"
+
+
+def test_parallel_runs_do_not_disturb_each_other(sandbox: Sandbox) -> None:
+    source = "print(object(), {'x', 'y', 'z'})"
+    alone = run(sandbox, source)[1].stdout
+    with sandbox.open(Limits(cpu_s=5.0)) as hostile:
+        hostile.send(b"while True: print('x')")
+        for _ in range(5):
+            assert run(sandbox, source)[1].stdout == alone
+
+
+def test_many_runs_leave_nothing_behind(sandbox: Sandbox) -> None:
+    texts = set()
+    run(sandbox, "pass")
+    before = len(os.listdir("/proc/self/fd"))
+    for n in range(60):
+        source = "import os; os.abort()" if n % 5 == 0 else "print(object(), [i for i in {'p', 'q', 'r'}])"
+        texts.add(run(sandbox, source)[1].stdout.text)
+    assert len(os.listdir("/proc/self/fd")) == before
+    assert len(texts - {""}) == 1
+
+
+def test_the_zygote_is_replaced_when_it_dies() -> None:
+    with make() as sandbox:
+        run(sandbox, "pass")
+        sandbox._zygote._process.kill()
+        sandbox._zygote._process.wait()
+        assert run(sandbox, "frame(b'again')")[0] == [b"again", b"end"]
+
+
+def test_a_dying_zygote_takes_its_runs_along_and_blames_nobody() -> None:
+    with make() as sandbox:
+        jail = sandbox.open(Limits(cpu_s=30.0))
+        jail.send(b"while True: pass")
+        sandbox._zygote._process.kill()
+        assert jail.receive() is None
+        with pytest.raises(SandboxError):
+            jail.close()
+
+
+def test_the_zygote_is_recycled(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.sandbox._RUNS_PER_ZYGOTE", 3)
+    with make() as sandbox:
+        processes = set()
+        for _ in range(7):
+            assert run(sandbox, "pass")[1].verdict is Verdict.FINISHED
+            processes.add(sandbox._zygote._process.pid)
+    assert 2 <= len(processes) <= 4
+
+
+def test_numpy_is_importable_and_nothing_beside_it(sandbox: Sandbox) -> None:
+    pytest.importorskip("numpy")
+    frames, report = run(sandbox, "import numpy; frame(str(numpy.arange(4).sum()).encode()); import pydantic")
+    assert frames[0] == b"6"
+    assert "ModuleNotFoundError: No module named 'pydantic'" in report.stderr.text
+
+
+# ------------------------------------------------------------------------------ nothing runs unconfined
+
+
+def test_the_layers_hold(sandbox: Sandbox) -> None:
+    proof = sandbox.prove()
+    assert proof.breaches == ()
+    assert proof.descriptors == (0, 1, 2, 3)
+    assert set(proof.environment) <= {*policy.ENVIRONMENT, "LC_CTYPE"}
+
+
+@pytest.mark.parametrize("layer", [Layer.LANDLOCK, Layer.SECCOMP])
+def test_leaving_out_a_required_layer_is_noticed_from_inside(layer: Layer) -> None:
+    with make(Mode.BEST_EFFORT, layer, Layer.NAMESPACES) as sandbox:
+        breaches = sandbox.prove().breaches
+        assert layer.value in sandbox.missing_layers
+    assert any(breach.startswith(f"{layer}: ") for breach in breaches)
+
+
+@pytest.mark.parametrize("layer", [Layer.LANDLOCK, Layer.SECCOMP])
+def test_strict_refuses_to_start_without_a_required_layer(layer: Layer) -> None:
+    with pytest.raises(SandboxUnavailableError, match=layer.value):
+        make(Mode.STRICT, layer)
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root can give away its user id")
+def test_root_never_runs_a_script_as_root() -> None:
+    with make() as sandbox:
+        assert sandbox.prove().uid >= 60_000
+    with pytest.raises(SandboxUnavailableError, match="own_uid"):
+        make(Mode.STRICT, Layer.OWN_UID)
+
+
+def test_strict_does_not_believe_a_layer_that_does_not_hold() -> None:
+    with make() as sandbox:
+        sandbox._config = replace(sandbox._config, landlock=False, namespaces=False)
+        sandbox.restart()
+        with pytest.raises(SandboxUnavailableError, match="read /etc/passwd"):
+            sandbox.open(Limits())
+
+
+def test_a_failing_step_of_confinement_runs_nothing(tmp_path: Path) -> None:
+    machine = os.uname().machine
+    placeholder = policy.OWN_PID.to_bytes(4, "little")
+    (tmp_path / f"{machine}.bpf").write_bytes(b"\xff\xff\xff\xff" + placeholder)
+    with make() as sandbox:
+        sandbox._config = replace(sandbox._config, filters=str(tmp_path))
+        sandbox._proven = True
+        sandbox.restart()
+        with pytest.raises(SandboxError, match=r"could not be confined.*seccomp"):
+            sandbox.open(Limits())
+
+
+def test_an_entry_that_cannot_be_imported_is_reported() -> None:
+    with make(entry="no_such_module:run") as sandbox, pytest.raises(SandboxError, match="no_such_module"):
+        sandbox.open(Limits())
+
+
+def test_dev_mode_runs_and_says_what_is_missing() -> None:
+    with make(Mode.DEV) as sandbox:
+        assert sandbox.isolation == "dev: process+rlimits"
+        assert {"landlock", "seccomp"} <= set(sandbox.missing_layers)
+        assert run(sandbox, "frame(b'x')")[0] == [b"x", b"end"]

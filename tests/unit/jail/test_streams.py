@@ -1,0 +1,46 @@
+"""Bounded capture of output."""
+
+import os
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grader.jail import policy
+from grader.jail.streams import Capture
+
+HEAD, TAIL = policy.STREAM_HEAD_BYTES, policy.STREAM_TAIL_BYTES
+
+
+def capture(blocks: list[bytes]) -> Capture:
+    reading, writing = os.pipe()
+    captured = Capture(reading)
+    for block in blocks:
+        for at in range(0, len(block), 32_768):
+            os.write(writing, block[at : at + 32_768])
+            captured.drain()
+    os.close(writing)
+    captured.drain()
+    captured.close()
+    return captured
+
+
+@given(st.lists(st.integers(0, 90_000), max_size=8))
+def test_head_and_tail_are_kept_and_the_rest_counted(sizes: list[int]) -> None:
+    blocks = [bytes([97 + n]) * size for n, size in enumerate(sizes)]
+    data = b"".join(blocks).decode()
+    captured = capture(blocks)
+    stream = captured.stream()
+    assert captured.ended
+    assert captured.total_bytes == len(data)
+    if len(data) <= HEAD + TAIL:
+        assert (stream.text, stream.dropped_bytes) == (data, 0)
+    else:
+        assert stream.dropped_bytes == len(data) - HEAD - TAIL
+        assert stream.text.startswith(data[:HEAD])
+        assert stream.text.endswith(data[-TAIL:])
+        assert str(stream.dropped_bytes) in stream.text
+
+
+@given(st.binary(max_size=2000))
+def test_any_bytes_become_text(data: bytes) -> None:
+    assert capture([data]).stream().text == data.decode(errors="replace")
