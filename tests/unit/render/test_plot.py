@@ -40,7 +40,7 @@ from tests.unit.render.samples import (
 )
 
 CIRCLE = {"square": (4, 90.0), "triangle": (3, 120.0), "pentagon": (5, 72.0)}
-EVIL = "\x1b[31m $x_{1}$ 🎉 鱻 \u202e\n" * 3
+EVIL = "\x1b[31m $\\frac{$ 🎉 鱻 \u202e\n" * 3
 
 
 def figure_of(name: str, wrong: bool = False, heading_deg: float = 0.0) -> tuple[Trajectory, FigureSketch]:

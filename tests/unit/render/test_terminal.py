@@ -169,6 +169,12 @@ def test_hostile_text_is_shown_not_obeyed() -> None:
     assert ":smile:" in text
 
 
+def test_the_console_reads_no_markup() -> None:
+    stream = io.StringIO()
+    console(stream, 80).print("[bold]x[/bold] :smile:")
+    assert stream.getvalue() == "[bold]x[/bold] :smile:\n"
+
+
 @given(st.text(st.characters(), max_size=60))
 def test_any_text_prints_and_leaves_no_control_character(raw: str) -> None:
     text = shown(hostile_report(raw), logs=True)
