@@ -25,6 +25,23 @@ type_name = interface_name
 """``type_name(cls)`` is the ROS name of an interface class, e.g. ``geometry_msgs/msg/Twist``."""
 
 
+Clock: Any
+DescribeParameters: Any
+Duration: Any
+GetParameterTypes: Any
+GetParameters: Any
+ListParameters: Any
+LogType: Any
+Parameter: Any
+ParameterDescriptor: Any
+ParameterEvent: Any
+ParameterValue: Any
+SetParameters: Any
+SetParametersAtomically: Any
+SetParametersResult: Any
+Time: Any
+
+
 def __getattr__(name: str) -> Any:
     wanted = "Log" if name == "LogType" else name
     for package in _PACKAGES:

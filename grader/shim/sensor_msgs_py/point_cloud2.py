@@ -39,19 +39,11 @@ def read_points(
     """
     numpy = _numpy()
     assert isinstance(cloud, PointCloud2), "Cloud is not a sensor_msgs.msg.PointCloud2"
-    names = [field.name or f"unnamed_field_{i}" for i, field in enumerate(cloud.fields)]
-    assert len(set(names)) == len(names), "Duplicate field names are not allowed!"
-    order = ">" if cloud.is_bigendian else "<"
-    layout = {
-        "names": names,
-        "formats": [order + _DTYPES[field.datatype] for field in cloud.fields],
-        "offsets": [field.offset for field in cloud.fields],
-        "itemsize": cloud.point_step,
-    }
-    points = numpy.ndarray((cloud.width * cloud.height,), numpy.dtype(layout), bytes(cloud.data))
+    layout = _layout(cloud)
+    points = numpy.ndarray((cloud.width * cloud.height,), layout, bytes(cloud.data))
     if field_names is not None:
         wanted = list(field_names)
-        assert set(wanted) <= set(names), "Requests field is not in the fields of the PointCloud!"
+        assert set(wanted) <= set(layout.names), "Requests field is not in the fields of the PointCloud!"
         points = points[wanted]
     if skip_nans and not cloud.is_dense:
         whole = numpy.ones(len(points), dtype=bool)
@@ -128,6 +120,21 @@ def create_cloud_xyz32(header: Any, points: Any) -> Any:
         for i, name in enumerate("xyz")
     ]
     return create_cloud(header, fields, points)
+
+
+def _layout(cloud: Any) -> Any:
+    """Return the dtype of one point of a cloud."""
+    names = [field.name or f"unnamed_field_{i}" for i, field in enumerate(cloud.fields)]
+    assert len(set(names)) == len(names), "Duplicate field names are not allowed!"
+    order = ">" if cloud.is_bigendian else "<"
+    return _numpy().dtype(
+        {
+            "names": names,
+            "formats": [order + _DTYPES[field.datatype] for field in cloud.fields],
+            "offsets": [field.offset for field in cloud.fields],
+            "itemsize": cloud.point_step,
+        }
+    )
 
 
 def _numpy() -> Any:

@@ -6,6 +6,7 @@ import sys
 from typing import Any
 
 import pytest
+from rclpy import _interfaces
 from rclpy._definitions import INTERFACES
 
 
@@ -99,3 +100,18 @@ deserialize(serialize(odometry), nav_msgs.msg.Odometry)
 print(before, sorted(after), 'numpy' in sys.modules)
 """
     assert run(code, shim) == "0 ['Twist', 'Vector3'] False\n"
+
+
+def test_rclpys_own_types_come_by_their_short_names(shim: str) -> None:
+    code = """
+from rclpy import _interfaces
+print(_interfaces.type_name(_interfaces.LogType), _interfaces.type_name(_interfaces.GetParameters))
+print(hasattr(_interfaces, 'Twist'))
+"""
+    assert run(code, shim) == "rcl_interfaces/msg/Log rcl_interfaces/srv/GetParameters\nFalse\n"
+
+
+def test_every_annotated_short_name_exists() -> None:
+    names = [name for name in _interfaces.__annotations__ if name[0].isupper()]
+    assert "ParameterValue" in names
+    assert all(hasattr(_interfaces, name) for name in names)
