@@ -250,12 +250,8 @@ class Episode:
         return now_ns >= limit_ns
 
     def _finish(self, violation: str | None) -> EpisodeResult:
+        end_ns, violation = self._come_to_rest(violation)
         turtle, journal = self._turtle, self._journal
-        end_ns = self._now_ns
-        try:
-            end_ns = self._world.settle(self._now_ns, self._spec.horizon_ns)
-        except ProtocolError as error:
-            violation = violation or str(error)
         turtle.finish(end_ns)
         trajectory = self._recorder.finish(end_ns)
         for contact in trajectory.contacts:
@@ -281,3 +277,14 @@ class Episode:
             sim_steps=turtle.steps_run,
             calls=self._calls.results,
         )
+
+    def _come_to_rest(self, violation: str | None) -> tuple[int, str | None]:
+        """Let the world go on without the script; return when it rests, and what was wrong by then."""
+        horizon_ns = self._spec.horizon_ns
+        if violation is None:
+            try:
+                return self._world.settle(self._now_ns, horizon_ns), None
+            except ProtocolError as error:
+                violation = str(error)
+        self._world.forget_requests()
+        return self._world.settle(self._now_ns, horizon_ns), violation

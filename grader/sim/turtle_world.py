@@ -98,6 +98,10 @@ class TurtleWorld:
         self._pending.append((service, request))
         return True
 
+    def forget_requests(self) -> None:
+        """Leave every waiting request unserved: their sender is not believed any more."""
+        self._pending.clear()
+
     def next_due(self) -> int | None:
         """Return the next instant at which something may become due for the script, None when never."""
         instants = [instant for instant in (self._feeds.next_ns(), self._next_tick()) if instant is not None]
