@@ -60,7 +60,8 @@ def measures(sides: int, drive: Drive, figure: PolygonFigure | None) -> dict[str
 def _settled(drive: Drive, figure: PolygonFigure | None) -> Measure:
     if figure is not None and figure.repeated:
         return Measure(1.0)
-    return Measure(0.0 if drive.moving_at_end or drive.commanded_at_end else 1.0)
+    under_way = drive.moving_at_end or drive.commanded_at_end
+    return Measure(0.0 if under_way or (figure is not None and figure.overrun) else 1.0)
 
 
 def _spread(figure: PolygonFigure) -> Measure:

@@ -82,9 +82,10 @@ def _corners(path: Path, segments: Segments, *, cut_short: bool) -> list[float]:
 
 
 def _lap(corners: list[float]) -> int | None:
-    """Return after how many corners the direction has come round once, or None."""
+    """Return after how many corners the direction has come round once, or None; spins at a corner aside."""
     total = 0.0
-    for count, corner in enumerate(corners, start=1):
+    for count, driven in enumerate(corners, start=1):
+        corner = math.remainder(driven, FULL_TURN_RAD)
         total += corner
         if abs(total) >= FULL_TURN_RAD - 0.5 * abs(corner):
             return count

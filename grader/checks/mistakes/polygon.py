@@ -62,8 +62,11 @@ def polygon_mistakes(run: Run, topic: str, sides: int, driven: DrivenPolygon | N
 
 
 def _wall(seen: _Seen) -> Iterator[Mistake]:
-    if seen.run.trajectory.contacts:
-        wall = seen.run.trajectory.contacts[0]
+    """A wall touched while the figure was driven; later ones did not spoil it."""
+    end = seen.figure.end if seen.figure is not None else len(seen.drive.path) - 1
+    contacts = seen.run.trajectory.contacts
+    if contacts and contacts[0].start_ns <= int(seen.drive.t_ns[end]):
+        wall = contacts[0]
         yield Mistake(
             "wall_hit",
             say("mistake.wall_hit", time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}")),
@@ -189,7 +192,8 @@ def _sides(figure: PolygonFigure) -> Iterator[Mistake]:
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:
     repeated = seen.figure is not None and seen.figure.repeated
-    if not repeated and (seen.drive.moving_at_end or seen.drive.commanded_at_end):
+    overrun = seen.figure is not None and seen.figure.overrun
+    if overrun or (not repeated and (seen.drive.moving_at_end or seen.drive.commanded_at_end)):
         yield Mistake("never_stops", say("mistake.never_stops"), ("settled", "sides", "gap_pct"))
 
 
