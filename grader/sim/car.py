@@ -12,7 +12,6 @@ properties of turtlesim's instant response:
 import math
 import random
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 from typing import Final, TypeAlias
 
@@ -74,11 +73,6 @@ PROFILES: Final[dict[Profile, CarParameters]] = {
         slip_spread=0.03,
     ),
 }
-
-
-def simulator_id() -> str:
-    """Name everything a trajectory depends on besides the commands: physics engine and car revision."""
-    return f"pybullet {version('pybullet')}, car {CAR_REVISION}"
 
 
 def twist_to_wheels(v_mps: float, w_radps: float) -> tuple[float, float]:
