@@ -5,14 +5,12 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from importlib.metadata import version
 from math import cos, sin
 from typing import Any, Final, Protocol
 
 from grader.contracts.assignment import Profile
 from grader.contracts.errors import InfrastructureError
 from grader.sim.car import (
-    CAR_REVISION,
     RIDE_HEIGHT_M,
     URDF,
     WHEEL_RADIUS_M,
@@ -50,10 +48,6 @@ _step_once: Final = _bullet.stepSimulation
 
 CAR_MODEL: Final = 1  # raised whenever the same commands may give another trajectory
 SIMULATOR: Final = f"turtle-car {CAR_MODEL}, Bullet {_bullet.getAPIVersion()}"
-
-SIMULATOR: Final = f"pybullet {version('pybullet')}, car {CAR_REVISION}"
-"""Everything a trajectory depends on besides the commands."""
-
 AREA_M: Final = 499.0 / 45.0  # turtlesim's window: 500 pixels at 45 pixels to the metre
 
 _GRAVITY_MPS2: Final = -9.81

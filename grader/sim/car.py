@@ -22,7 +22,6 @@ PlanarPose: TypeAlias = tuple[float, float, float]
 """x in metres, y in metres, heading in radians, in turtlesim's frame."""
 
 URDF: Final = Path(__file__).with_name("car.urdf")
-CAR_REVISION: Final = 1  # raised with every change of the car that can change a trajectory
 
 WHEEL_RADIUS_M: Final = 0.05
 TRACK_M: Final = 0.2
