@@ -50,6 +50,7 @@ class Zygote:
         """Start the process; it prepares itself while the caller goes on (see `wait_ready`)."""
         self._lock = threading.Lock()
         self._ready = False
+        self._broken = False
         self.namespaces = False
         self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
         self._control.settimeout(_ANSWER_LIMIT_S)
@@ -64,8 +65,8 @@ class Zygote:
 
     @property
     def alive(self) -> bool:
-        """Whether the process is running."""
-        return self._process.poll() is None
+        """Whether the process is running and has kept to its protocol."""
+        return not self._broken and self._process.poll() is None
 
     def wait_ready(self) -> None:
         """Return once the zygote has prepared itself.
@@ -125,6 +126,7 @@ class Zygote:
             raise SandboxError(f"the sandbox's process is gone: {error}") from error
 
     def _answer(self) -> tuple[dict[str, int], list[int]]:
+        self._broken = True  # a late answer would be taken for that to the next request
         try:
             header, descriptors, _, _ = socket.recv_fds(self._control, 4, 1)
             header += self._exactly(4 - len(header))
@@ -132,8 +134,9 @@ class Zygote:
             if size > _ANSWER_MAX_BYTES:
                 raise SandboxError("the sandbox's process answered nonsense")
             answer = json.loads(self._exactly(size))
-        except OSError as error:
+        except (OSError, ValueError) as error:
             raise SandboxError(f"the sandbox's process did not answer: {error}") from error
+        self._broken = False
         if "error" in answer:
             raise SandboxError(f"the sandbox's process could not do its part: {answer['error']}")
         return answer, descriptors

@@ -193,7 +193,7 @@ def test_a_dying_zygote_takes_its_runs_along_and_blames_nobody() -> None:
 
 
 def test_the_zygote_is_recycled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grader.sandbox._RUNS_PER_ZYGOTE", 3)
+    monkeypatch.setattr("grader.jail.box._RUNS_PER_ZYGOTE", 3)
     with make() as sandbox:
         processes = set()
         for _ in range(7):

@@ -1,0 +1,229 @@
+"""The sandbox as a whole: a zygote, the layers around its children, and one jail per run."""
+
+import json
+import os
+import socket
+from collections.abc import Set
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from pathlib import Path
+from types import TracebackType
+from typing import Final, Self
+
+from grader.contracts.errors import SandboxError, SandboxUnavailableError
+from grader.contracts.limits import Limits
+from grader.jail import layers
+from grader.jail.jail import Jail, start_byte
+from grader.jail.layers import Layer, Mode, Program
+from grader.jail.process import ProcessHandle
+from grader.jail.streams import Capture
+from grader.jail.supervisor import Zygote
+
+_CONFINE_LIMIT_S: Final = 20.0
+_RUNS_PER_ZYGOTE: Final = 500
+SHIM_PATH: Final = Path(__file__).parents[1] / "shim"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Proof:
+    """What a confined process saw when it tried to get out.
+
+    Attributes:
+        breaches: attempts that succeeded, as ``layer: what``; empty when all required layers hold.
+        uid: user id inside.
+        descriptors: open descriptors inside.
+        environment: environment inside.
+    """
+
+    breaches: tuple[str, ...]
+    uid: int
+    descriptors: tuple[int, ...]
+    environment: dict[str, str]
+
+
+class Sandbox:
+    """Owns one zygote, and forks one confined process per run from it.
+
+    Not for use by several threads at once. Several jails may be open at a time.
+    """
+
+    def __init__(  # noqa: PLR0913 - all but the first two have one right value outside tests
+        self,
+        mode: Mode = Mode.STRICT,
+        shim_path: Path = SHIM_PATH,
+        *,
+        preload_numpy: bool = False,
+        namespaces: bool = True,
+        entry: str = "rclpy._runner:run",
+        preload: tuple[str, ...] = (),
+        without: Set[Layer] = frozenset(),
+    ) -> None:
+        """Choose the layers and start the zygote, without waiting for it.
+
+        Args:
+            mode: what to do when a required layer is missing.
+            shim_path: directory that is all of a script's own import path.
+            preload_numpy: pay for numpy once instead of in each script that uses it.
+            namespaces: also use namespaces and a minimal root, where the host allows them.
+            entry: ``module:function`` that a confined process calls with the channel's descriptor.
+            preload: modules to import before the first fork.
+            without: layers to leave out.
+
+        Raises:
+            SandboxUnavailableError: STRICT, and this host lacks a required layer.
+            SandboxError: the zygote could not be started.
+        """
+        self._mode = mode
+        self._program = Program(
+            shim=shim_path, entry=entry, preload=(*preload, "numpy") if preload_numpy else preload
+        )
+        choice = layers.choose(mode, without if namespaces else without | {Layer.NAMESPACES})
+        self.missing_required = choice.missing_required
+        if mode is Mode.STRICT and choice.missing_required:
+            names = ", ".join(choice.missing_required)
+            raise SandboxUnavailableError(f"this host lacks a required layer of isolation: {names}")
+        self._active = choice.active
+        self._config = layers.configure(self._program, choice.active)
+        self._runs = 0
+        self._open_jails = 0
+        self._proven = mode is not Mode.STRICT
+        self._zygote = Zygote(self._config)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    @property
+    def isolation(self) -> str:
+        """Mode and active layers, such as ``strict: process+rlimits+seccomp+landlock``."""
+        self._wait_ready()
+        return f"{self._mode}: {'+'.join(self._active)}"
+
+    @property
+    def missing_layers(self) -> tuple[str, ...]:
+        """Names of the layers that are not active, required or not."""
+        self._wait_ready()
+        return tuple(layer.value for layer in Layer if layer not in self._active)
+
+    def open(self, limits: Limits) -> Jail:
+        """Fork and confine one process; it then waits for its first frame.
+
+        Raises:
+            SandboxUnavailableError: STRICT, and a required layer did not hold when tried.
+            SandboxError: it could not be forked or confined. Nothing has run; the next call starts afresh.
+        """
+        if not self._proven:
+            breaches = self.prove().breaches
+            if breaches:
+                raise SandboxUnavailableError(f"the sandbox does not hold: {'; '.join(breaches)}")
+            self._proven = True
+        if self._runs >= _RUNS_PER_ZYGOTE and not self._open_jails:
+            self.restart()
+        return self._open(limits, prove=False)
+
+    def prove(self) -> Proof:
+        """Have a confined process try to get out, and return what it saw. A few milliseconds.
+
+        Raises:
+            SandboxError: it could not be run, or did not report.
+        """
+        with self._open(Limits(cpu_s=5.0), prove=True) as jail:
+            body = jail.receive()
+            report = jail.close()
+        if body is None:
+            raise SandboxError(f"the confined process did not report: {report.verdict} {report.detail}")
+        seen = json.loads(body)
+        breaches = list(seen["breaches"])
+        expected = self._config.box_uid
+        if expected is not None and seen["uid"] != expected:
+            breaches.append(f"{Layer.OWN_UID}: run as user {seen['uid']}")
+        if seen["descriptors"] != [0, 1, 2, 3]:
+            breaches.append(f"{Layer.PROCESS}: inherit descriptors {seen['descriptors']}")
+        return Proof(
+            breaches=tuple(breaches),
+            uid=seen["uid"],
+            descriptors=tuple(seen["descriptors"]),
+            environment=seen["environment"],
+        )
+
+    def restart(self) -> None:
+        """Replace the zygote; runs in progress are ended."""
+        self._zygote.close()
+        self._zygote = Zygote(self._config)
+        self._runs = 0
+
+    def close(self) -> None:
+        """End the zygote and everything it started."""
+        self._zygote.close()
+
+    def _wait_ready(self) -> None:
+        """Wait for the zygote; do without namespaces where the host lets us only begin."""
+        if not self._zygote.alive:
+            self.restart()
+        try:
+            self._zygote.wait_ready()
+        except SandboxError:
+            if not self._config.namespaces:
+                raise
+            self._config = replace(self._config, namespaces=False)
+            self.restart()
+            self._zygote.wait_ready()
+        if not self._zygote.namespaces:
+            self._active = tuple(layer for layer in self._active if layer is not Layer.NAMESPACES)
+
+    def _open(self, limits: Limits, *, prove: bool) -> Jail:
+        try:
+            self._wait_ready()
+            jail = self._fork(limits, prove=prove)
+        except SandboxError:
+            self.restart()
+            raise
+        self._runs += 1
+        self._open_jails += 1
+        return jail
+
+    def _fork(self, limits: Limits, *, prove: bool) -> Jail:
+        zygote = self._zygote
+        with ExitStack() as undo:
+            ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+            undo.callback(ours.close)
+            with theirs:
+                captures, writers = _pipes(undo)
+                try:
+                    pid, pidfd = zygote.fork(
+                        (limits.cpu_s, limits.memory_bytes, limits.threads if self._counts_threads else None),
+                        (theirs.fileno(), *writers),
+                        prove=prove,
+                    )
+                finally:
+                    for writer in writers:
+                        os.close(writer)
+            process = ProcessHandle(pid, pidfd)
+            undo.callback(process.close)
+            start_byte(ours, _CONFINE_LIMIT_S)
+            undo.pop_all()
+
+        def reap() -> tuple[int, int, int]:
+            self._open_jails -= 1
+            return zygote.reap(pid)
+
+        return Jail(ours, process, captures, limits, reap)
+
+    @property
+    def _counts_threads(self) -> bool:
+        """Whether the kernel can count one run's threads: nobody else has its user id."""
+        return Layer.OWN_UID in self._active or (Layer.NAMESPACES in self._active and os.geteuid() != 0)
+
+
+def _pipes(undo: ExitStack) -> tuple[tuple[Capture, Capture], tuple[int, int]]:
+    """Return captures of two new pipes, to be closed by `undo`, and the pipes' writing ends."""
+    stdout, stdout_writer = os.pipe()
+    stderr, stderr_writer = os.pipe()
+    captures = Capture(stdout), Capture(stderr)
+    for capture in captures:
+        undo.callback(capture.close)
+    return captures, (stdout_writer, stderr_writer)

@@ -1,0 +1,55 @@
+"""The doctor reports what it tried."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from grader.jail import doctor, landlock, layers
+from grader.jail.doctor import State, run_doctor
+from grader.jail.layers import Layer
+from grader.jail.remarks import LEAVES_OPEN, STATES, TITLES
+
+pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
+
+RUNNER = Path(__file__).parents[2] / "hostile" / "runner"
+
+
+@pytest.fixture(autouse=True)
+def _few_runs(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(doctor, "_TIMED_RUNS", 2)
+
+
+def test_a_good_host_is_ready() -> None:
+    diagnosis = run_doctor(RUNNER, "bare_runner:run")
+    assert diagnosis.exit_code == 0
+    assert {finding.layer for finding in diagnosis.findings if finding.state is State.ACTIVE} >= {
+        Layer.PROCESS,
+        Layer.RLIMITS,
+        Layer.SECCOMP,
+        Layer.LANDLOCK,
+    }
+    assert json.loads(json.dumps(diagnosis.to_dict()))["exit_code"] == 0
+    assert "Ready for strict mode" in diagnosis.text("en")
+    assert "严格模式" in diagnosis.text("zh")
+
+
+def test_a_host_without_landlock_is_reduced_and_told_what_that_means(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(layers.landlock, "abi_version", lambda: 0)
+    diagnosis = run_doctor(RUNNER, "bare_runner:run")
+    assert diagnosis.exit_code == 1
+    (finding,) = [finding for finding in diagnosis.findings if finding.layer is Layer.LANDLOCK]
+    assert finding.state is State.MISSING
+    assert finding.leaves_open == LEAVES_OPEN[Layer.LANDLOCK]
+    assert "reference solutions" in diagnosis.text("en")
+
+
+def test_a_host_that_can_run_nothing() -> None:
+    diagnosis = run_doctor(RUNNER, "no_such_module:run")
+    assert diagnosis.exit_code == 2
+    assert "no_such_module" in diagnosis.text("en")
+
+
+def test_every_layer_and_state_has_words() -> None:
+    assert set(TITLES) == set(LEAVES_OPEN) == set(Layer)
+    assert set(STATES) == {state.value for state in State}
