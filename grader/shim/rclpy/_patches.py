@@ -25,6 +25,7 @@ LAZY = {
     "random": ("_patches_host", "patch_random"),
     "sched": ("_patches_time", "patch_sched"),
     "select": ("_patches_select", "patch_select"),
+    "selectors": ("_patches_select", "patch_selectors"),
     "signal": ("_patches_signal", "patch_signal"),
     "threading": ("_patches_threading", "patch_threading"),
     "uuid": ("_patches_host", "patch_uuid"),

@@ -28,7 +28,8 @@ def _await(ask: Callable[[], list[Any]], timeout: float | None, why: str) -> lis
         kernel.charge()
         ready()
     else:
-        kernel.wait(ready, deadline_after(timeout), why)
+        # Without a timeout only a signal ends it: an event loop at rest is no stall.
+        kernel.wait(ready, deadline_after(timeout), why, idle=True)
     return answer
 
 
@@ -86,3 +87,11 @@ def patch_select(module: ModuleType) -> None:
     target.select = virtual_select
     target.poll = VirtualPoll
     target.epoll = VirtualEpoll
+
+
+def patch_selectors(module: ModuleType) -> None:
+    """Renew what the selector classes took from `select` when they were defined."""
+    target: Any = module
+    target.PollSelector._selector_cls = VirtualPoll
+    target.EpollSelector._selector_cls = VirtualEpoll
+    target.SelectSelector._select = staticmethod(virtual_select)

@@ -1,0 +1,71 @@
+"""Loops that never block: they let others run, and time passes for those who wait."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+RunScript = Callable[..., Any]
+CLOCK = "import threading, time\ndef now(): return round(time.time() - 1.7e9, 2)\n"
+SET_LATER = "done = False\ndef later():\n    global done\n    time.sleep(2)\n    done = True\n    print('set', now())\n"
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        "while not done: pass",
+        "while True:\n    if done: break",
+        "while not done:\n    continue",
+        "n = 0\nwhile not done:\n    n += 1",
+        "while not done: time.time()",
+        "while not done: time.sleep(0)",
+        "while t.is_alive(): pass",
+        "lock = threading.Lock(); lock.acquire()\nwhile not done: lock.acquire(False)",
+        "def spin():\n    while not done: pass\nspin()",
+    ],
+)
+def test_a_loop_on_a_flag_ends_when_another_thread_sets_it(run_bare: RunScript, loop: str) -> None:
+    run = run_bare(CLOCK + SET_LATER + f"t = threading.Thread(target=later)\nt.start()\n{loop}\nprint('seen', now())\n")
+    assert run.stdout.splitlines()[0] == "set 2.0"
+    assert run.stdout.splitlines()[1] in ("seen 2.0", "seen 2.01")
+
+
+def test_two_spinning_threads_take_turns(run_bare: RunScript) -> None:
+    run = run_bare(
+        CLOCK + "turn = 0\ndef work(me):\n    global turn\n    for _ in range(3):\n"
+        "        while turn % 2 != me: pass\n        print(me, end=' ')\n        turn += 1\n"
+        "threading.Thread(target=work, args=(1,)).start()\nwork(0)\n"
+    )
+    assert run.stdout == "0 1 0 1 0 1 "
+
+
+def test_a_busy_thread_does_not_keep_another_from_its_deadlines(run_bare: RunScript) -> None:
+    run = run_bare(
+        CLOCK + "ticks = []\ndef tick():\n    for _ in range(5):\n        time.sleep(0.25)\n"
+        "        ticks.append(round(time.time() - 1.7e9, 4))\n"
+        "threading.Thread(target=tick).start()\nwhile len(ticks) < 5: pass\nprint(ticks)\n"
+    )
+    ticks = eval(run.stdout)
+    assert [round(t, 2) for t in ticks] == [0.25, 0.5, 0.75, 1.0, 1.25]
+
+
+def test_a_busy_clock_loop_beside_a_publisher_thread(run_bare: RunScript) -> None:
+    run = run_bare(
+        CLOCK + "count = 0\ndef work():\n    global count\n    while not done:\n        time.sleep(0.1)\n"
+        "        count += 1\ndone = False\nt = threading.Thread(target=work); t.start()\n"
+        "start = time.monotonic()\nwhile time.monotonic() - start < 3: pass\ndone = True\nt.join()\nprint(count)\n"
+    )
+    assert run.stdout in ("30\n", "31\n")
+
+
+def test_a_loop_that_computes_takes_no_time_when_alone(run_bare: RunScript) -> None:
+    run = run_bare("n = 0\nwhile n < 200_000: n += 1\nprint(n)\n")
+    assert (run.stdout, run.exit["t_ns"]) == ("200000\n", 0)
+
+
+def test_a_loop_that_blocks_costs_no_extra_time_beside_threads(run_bare: RunScript) -> None:
+    run = run_bare(
+        CLOCK + "threading.Thread(target=threading.Event().wait, daemon=True).start()\nn = 0\nstart = time.time_ns()\n"
+        "while n < 3000:\n    n += 1\n    time.sleep(0.01)\nprint(time.time_ns() - start)\n"
+    )
+    assert run.stdout == "30000001000\n"

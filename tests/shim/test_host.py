@@ -1,0 +1,36 @@
+"""Randomness and what a script can learn of its host: the same in each run of one seed."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+RunScript = Callable[..., Any]
+SOURCE = (
+    "import random, os, uuid, secrets, tempfile\n"
+    "print(random.random(), random.Random().random(), random.SystemRandom().random())\n"
+    "print(os.urandom(8), secrets.token_hex(), uuid.uuid4(), uuid.uuid1())\n"
+    "print(os.getpid(), os.getppid(), os.cpu_count(), os.sched_getaffinity(0), hash('x'))\n"
+    "random.seed(7)\nprint(random.random(), random.Random(7).random(), random.randint(1, 6))\n"
+)
+
+
+@pytest.mark.parametrize("preload", [(), ("random", "uuid", "secrets")])
+def test_one_seed_one_outcome(run_bare: RunScript, preload: tuple[str, ...]) -> None:
+    first, second = run_bare(SOURCE, seed=1, preload=preload), run_bare(SOURCE, seed=1, preload=preload)
+    assert first.stdout == second.stdout
+    assert first.stderr == ""
+    other = run_bare(SOURCE, seed=2, preload=preload)
+    assert first.stdout.splitlines()[0] != other.stdout.splitlines()[0]
+    assert first.stdout.splitlines()[-1] == other.stdout.splitlines()[-1] == "0.32383276483316237 0.32383276483316237 2"
+
+
+def test_reseeding_without_argument_is_repeatable(run_bare: RunScript) -> None:
+    source = "import random\nrandom.seed()\nprint(random.random())\n"
+    assert run_bare(source, seed=3).stdout == run_bare(source, seed=3).stdout
+
+
+def test_urandom_refuses_a_negative_size(run_bare: RunScript) -> None:
+    assert run_bare("import os\nprint(os.urandom(0))\nos.urandom(-1)\n").exit["message"] == (
+        "negative argument not allowed"
+    )

@@ -1,0 +1,203 @@
+"""What Python does around a script: `__main__`, streams, exceptions, exit codes."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+RunScript = Callable[..., Any]
+
+
+def test_the_script_is_main(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import sys, __main__, pickle\nprint(__name__, __file__, sys.argv, __main__.__dict__ is globals())\n"
+        "class A: pass\nprint(type(pickle.loads(pickle.dumps(A()))) is A, __doc__, __spec__)\n",
+        args=["--speed", "2"],
+        file_name="square.py",
+    )
+    assert run.stdout == "__main__ square.py ['square.py', '--speed', '2'] True\nTrue None None\n"
+    assert run.returncode == 0
+
+
+def test_nothing_of_the_grader_is_in_reach(run_bare: RunScript) -> None:
+    run = run_bare("import sys\nprint([m for m in sys.modules if m.split('.')[0] in ('grader', 'numpy')])\n")
+    assert run.stdout == "[]\n"
+
+
+@pytest.mark.parametrize("size", [1, 100, 30_000])
+def test_input_reads_stdin_and_ends(run_bare: RunScript, size: int) -> None:
+    text = "3\n" * size
+    run = run_bare(
+        "import sys\nn = int(input('边长? '))\nprint(n + 1, len(sys.stdin.read()))\ninput()\n", stdin=text
+    )
+    assert run.stdout == f"边长? 4 {len(text) - 2}\n"
+    assert (run.exit["type"], run.exit["line"]) == ("EOFError", 4)
+    assert run.exit["message"] == "EOF when reading a line"
+
+
+def test_without_stdin_input_ends_at_once(run_bare: RunScript) -> None:
+    assert run_bare("input()\n").exit["type"] == "EOFError"
+
+
+@pytest.mark.parametrize(
+    ("call", "code", "stderr"),
+    [
+        ("sys.exit()", 0, ""),
+        ("sys.exit(3)", 3, ""),
+        ("sys.exit('no\u2026')", 1, "no\u2026\n"),
+        ("raise SystemExit(True)", 1, ""),
+        ("exit(2)", 2, ""),
+        ("quit()", 0, ""),
+    ],
+)
+def test_exit_codes(run_bare: RunScript, call: str, code: int, stderr: str) -> None:
+    run = run_bare(f"import sys\nprint('x')\n{call}\n")
+    assert (run.exit["reason"], run.exit["code"], run.returncode) == (0, code, code)
+    assert (run.stdout, run.stderr) == ("x\n", stderr)
+
+
+def test_os_exit_ends_at_once_without_exit_handlers(run_bare: RunScript) -> None:
+    run = run_bare("import atexit, os\natexit.register(print, 'never')\nprint('x')\nos._exit(4)\n")
+    assert (run.stdout, run.exit["code"], run.returncode) == ("x\n", 4, 4)
+
+
+def test_exit_handlers_run_after_an_exception(run_bare: RunScript) -> None:
+    run = run_bare("import atexit, time\natexit.register(print, 'bye')\n1 / 0\n")
+    assert run.stdout == "bye\n"
+    assert run.exit["type"] == "ZeroDivisionError"
+
+
+def test_a_traceback_shows_the_students_frames_and_every_cause(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import json\ndef parse():\n    return json.loads('{')\ndef main():\n    try:\n        parse()\n"
+        "    except ValueError as e:\n        raise RuntimeError('bad') from e\nmain()\n"
+    )
+    assert run.exit["text"] == run.stderr
+    assert run.exit["line"] == 8
+    assert [line for line in run.stderr.splitlines() if line.startswith("  File")] == [
+        '  File "student.py", line 6, in main',
+        '  File "student.py", line 3, in parse',
+        '  File "student.py", line 9, in <module>',
+        '  File "student.py", line 8, in main',
+    ]
+    assert "direct cause" in run.stderr
+    assert "json.loads('{')" in run.stderr
+
+
+def test_a_syntax_error_is_reported_as_python_does(run_bare: RunScript) -> None:
+    run = run_bare("x = 1\nprint('a'\ny = 2\n")
+    end = run.exit
+    assert (end["reason"], end["type"], end["line"], end["message"]) == (3, "SyntaxError", 2, "'(' was never closed")
+    assert run.stderr == (
+        "  File \"student.py\", line 2\n    print('a'\n         ^\nSyntaxError: '(' was never closed\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("source", "kind", "line"),
+    [
+        (b"while True: pass\nreturn 1\n", "SyntaxError", 2),
+        (b"def f():\nreturn 1\n", "IndentationError", 2),
+        (b"if 1:\n\tx = 1\n        y = 2\n", "TabError", 3),
+        (b"x = 1\x00", ("SyntaxError", "ValueError"), None),
+        (b"x = '\xff'\n", "SyntaxError", None),
+        (b"# coding: nonsense\n", "SyntaxError", None),
+    ],
+)
+def test_other_syntax_errors(run_bare: RunScript, source: bytes, kind: Any, line: int | None) -> None:
+    end = run_bare(source).exit
+    assert end["reason"] == 3
+    assert end["type"] in (kind if isinstance(kind, tuple) else (kind,))
+    assert line is None or end["line"] == line
+
+
+def test_a_compiler_error_shows_its_line(run_bare: RunScript) -> None:
+    assert "\n    return 1\n" in run_bare("while True:\n    pass\nreturn 1\n").stderr
+
+
+def test_chinese_text_comes_out_as_utf8_whatever_the_source_is_in(run_bare: RunScript) -> None:
+    run = run_bare("# -*- coding: gbk -*-\nprint('正方形 🎉'[:3])\n1/0 # 错\n".replace("🎉", "圆").encode("gbk"))
+    assert run.stdout == "正方形\n"
+    assert "1/0 # 错" in run.stderr
+
+
+def test_a_lone_surrogate_cannot_be_printed_but_does_no_harm(run_bare: RunScript) -> None:
+    end = run_bare("raise ValueError('\\ud800')\n").exit
+    assert end["message"] == "?"
+
+
+def test_long_texts_are_cut(run_bare: RunScript) -> None:
+    end = run_bare("raise type('L' * 3000, (Exception,), {})('好' * 9000)\n").exit
+    assert len(end["type"].encode()) == 1024
+    assert 4093 <= len(end["message"].encode()) <= 4096
+    assert 16_380 <= len(end["text"].encode()) <= 16_384
+
+
+def test_an_exception_whose_str_fails(run_bare: RunScript) -> None:
+    end = run_bare("class E(Exception):\n    def __str__(self): raise OSError\nraise E\n").exit
+    assert (end["type"], end["message"], end["line"]) == ("E", "<exception str() failed>", 3)
+
+
+def test_recursion_without_end(run_bare: RunScript) -> None:
+    end = run_bare("def f(): f()\nf()\n").exit
+    assert (end["type"], end["line"]) == ("RecursionError", 1)
+    assert "more times" in end["text"]
+
+
+def test_an_exception_group_keeps_its_members(run_bare: RunScript) -> None:
+    text = run_bare("raise ExceptionGroup('two', [ValueError('a'), KeyError('b')])\n").exit["text"]
+    assert "ValueError: a" in text
+    assert "KeyError: 'b'" in text
+
+
+def test_the_scripts_own_excepthook(run_bare: RunScript) -> None:
+    run = run_bare("import sys\nsys.excepthook = lambda t, e, tb: print('mine', t.__name__)\n1 / 0\n")
+    assert (run.stdout, run.stderr, run.exit["type"]) == ("mine ZeroDivisionError\n", "", "ZeroDivisionError")
+
+
+def test_a_keyboard_interrupt_of_the_scripts_own_is_an_exception(run_bare: RunScript) -> None:
+    end = run_bare("raise KeyboardInterrupt\n").exit
+    assert (end["reason"], end["after_interrupt"], end["type"]) == (1, 0, "KeyboardInterrupt")
+
+
+def test_closed_and_replaced_streams_do_no_harm(run_bare: RunScript) -> None:
+    run = run_bare("import sys\nprint('x')\nsys.stdout.close()\nsys.stderr = None\n1 / 0\n")
+    assert (run.stdout, run.exit["type"]) == ("x\n", "ZeroDivisionError")
+
+
+def test_print_exc_and_inspect_find_the_source(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import traceback, inspect, sys\ndef f():\n    return 1\nprint(inspect.getsource(f), end='')\n"
+        "try:\n    1 / 0\nexcept Exception:\n    traceback.print_exc(file=sys.stdout)\n"
+    )
+    assert run.stdout.startswith("def f():\n    return 1\nTraceback")
+    assert "\n    1 / 0\n" in run.stdout
+
+
+def test_what_was_printed_survives_a_kill(run_bare: RunScript) -> None:
+    run = run_bare("print('before')\nfor _ in iter(int, 1): pass\n", cpu_s=1)
+    assert run.stdout == "before\n"
+    assert run.returncode < 0
+
+
+def test_a_lone_loop_on_a_constant_flag_runs_into_the_cpu_limit(run_bare: RunScript) -> None:
+    run = run_bare("done = False\nwhile not done:\n    pass\n", cpu_s=1)
+    assert run.returncode < 0
+    assert run.frames == []
+
+
+def test_forbidden_calls_are_noted_once(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import os, subprocess, socket\n"
+        "for _ in range(2):\n"
+        "    try: open('/nonexistent/x', 'w')\n    except OSError: pass\n"
+        "    try: subprocess.run(['/nonexistent/ls'])\n    except OSError: pass\n"
+        "    try: socket.socket().connect(('127.0.0.1', 1))\n    except OSError: pass\n"
+        "open('/dev/null', 'w').close(); open('/dev/null').close()\n"
+    )
+    assert [code for code, _ in run.notes] == ["forbidden"] * 3
+    assert [text.split(":")[0] for _, text in run.notes] == [
+        "open for writing",
+        "subprocess.Popen",
+        "socket.connect",
+    ]
