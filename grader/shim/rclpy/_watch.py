@@ -62,6 +62,8 @@ class Watch:
             if not waitable._doomed():
                 self._backlogs.extend(backlogs)
                 self._waitables.append((waitable, None, node))
+                if hasattr(waitable, "_timer"):
+                    self._add_timer(waitable._timer())
             return
         from rclpy.exceptions import InvalidHandle
 
