@@ -16,12 +16,12 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from grader.sim.bare_loop import BareLoop
 from rich.console import Console
 from rich.table import Table
 
 from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
-from grader.sim.bare_loop import BareLoop
 from grader.slot import Slot, SlotConfig
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -32,9 +32,7 @@ COLD_FLOOR = "from grader.sim.bare_loop import BareLoop; BareLoop().run({steps})
 
 def main() -> None:
     """Measure and print."""
-    job = GradingJob(
-        file_name=SQUARE.name, source=SQUARE.read_bytes(), assignment=Catalog().get("square")
-    )
+    job = GradingJob(file_name=SQUARE.name, source=SQUARE.read_bytes(), assignment=Catalog().get("square"))
     with Slot(SlotConfig()) as slot:
         first = slot.grade(job)
         steps = first.measurements.sim_steps
@@ -65,7 +63,9 @@ def _interleaved(first: Callable[[], object], second: Callable[[], object]) -> t
 
 
 def _print(steps: int, virtual_s: float, cold: tuple[float, float], warm: tuple[float, float]) -> None:
-    table = Table(title=f"lesson's square: {virtual_s:.1f} virtual s, {steps} physics steps, median of {ROUNDS}")
+    table = Table(
+        title=f"lesson's square: {virtual_s:.1f} virtual s, {steps} physics steps, median of {ROUNDS}"
+    )
     for heading in ("", "grading", "bare loop (floor)", "ratio", "virtual s per wall s"):
         table.add_column(heading, justify="right")
     for name, (grading, floor) in (("cold", cold), ("warm", warm)):

@@ -35,7 +35,9 @@ def run(argv: Sequence[str]) -> int:
         epilog="\n".join(f"  {name:<12} {text}" for name, text in COMMANDS.items()),
     )
     parser.add_argument("--version", action="version", version=f"grader {__version__}")
-    parser.add_argument("command", choices=list(COMMANDS), metavar="command", help="one of the commands below")
+    parser.add_argument(
+        "command", choices=list(COMMANDS), metavar="command", help="one of the commands below"
+    )
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     chosen = parser.parse_args(argv)
     module = importlib.import_module(f"grader.commands.{chosen.command}")

@@ -23,7 +23,7 @@ def main(arguments: list[str]) -> int:
         sandbox = build_sandbox(config)
     except GraderError as error:
         return _refuse(channel, error)
-    from grader.pipeline import Pipeline  # noqa: PLC0415  (imports the physics while the zygote starts)
+    from grader.pipeline import Pipeline
 
     with sandbox, Pipeline(sandbox) as pipeline:
         while (request := receive_message(channel)) is not None:

@@ -46,7 +46,13 @@ class SandboxPreflight:
 
 
 def _start_fields(file_name: str) -> dict[str, Any]:
-    world: dict[str, list[Any]] = {"publishes": [], "subscribes": [], "services": [], "nodes": [], "calls": []}
+    world: dict[str, list[Any]] = {
+        "publishes": [],
+        "subscribes": [],
+        "services": [],
+        "nodes": [],
+        "calls": [],
+    }
     return {
         "protocol": PROTOCOL,
         "compile_only": True,

@@ -61,7 +61,13 @@ class Slot:
         environment = {name: os.environ[name] for name in _KEPT_ENVIRONMENT if name in os.environ}
         with theirs:
             self._process = subprocess.Popen(
-                [sys.executable, "-m", "grader.grading", str(theirs.fileno()), json.dumps(asdict(self._config))],
+                [
+                    sys.executable,
+                    "-m",
+                    "grader.grading",
+                    str(theirs.fileno()),
+                    json.dumps(asdict(self._config)),
+                ],
                 pass_fds=(theirs.fileno(),),
                 env=environment,
                 stdin=subprocess.DEVNULL,
@@ -120,7 +126,9 @@ class Slot:
             answer = receive_message(self._channel)
         except (OSError, ValueError) as error:
             self.close()
-            raise InfrastructureError(f"the grading process failed: {error or type(error).__name__}") from error
+            raise InfrastructureError(
+                f"the grading process failed: {error or type(error).__name__}"
+            ) from error
         if answer is None:
             code = self._process.wait() if self._process else None
             self.close()

@@ -70,8 +70,8 @@ def _set_up() -> None:
 
 def _create_venv() -> None:
     try:
-        import ensurepip  # noqa: F401, PLC0415  (only asks whether this Python can make a venv with pip)
-        import venv  # noqa: F401, PLC0415
+        import ensurepip  # noqa: F401  (only asks whether this Python can make a venv with pip)
+        import venv  # noqa: F401
     except ImportError:
         _install_venv_package()
     subprocess.check_call([sys.executable, "-m", "venv", VENV])
@@ -81,7 +81,9 @@ def _install_venv_package() -> None:
     package = f"python{sys.version_info.major}.{sys.version_info.minor}-venv"
     sudo = [] if os.geteuid() == 0 else ["sudo"]
     if not shutil.which("apt-get") or (sudo and not shutil.which("sudo")):
-        raise SystemExit(f"bootstrap: this Python has no `venv`; install the package {package} and try again.")
+        raise SystemExit(
+            f"bootstrap: this Python has no `venv`; install the package {package} and try again."
+        )
     _say(f"This Python has no `venv`: installing {package} ...")
     subprocess.check_call([*sudo, "apt-get", "update", "-qq"])
     subprocess.check_call([*sudo, "apt-get", "install", "-y", "-qq", package])

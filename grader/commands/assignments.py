@@ -30,13 +30,13 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(catalog, arguments)
     if arguments.action == "show":
         return _show(catalog, arguments)
-    from grader.commands.validation import validate  # noqa: PLC0415  (starts a grading process)
+    from grader.commands.validation import validate
 
     return validate(catalog, arguments.ids or [each.id for each in catalog.all()], arguments.lang)
 
 
 def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:
-    from rich.table import Table  # noqa: PLC0415
+    from rich.table import Table
 
     table = Table(box=None)
     for heading in ("", "id", "", "", ""):
@@ -54,8 +54,8 @@ def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:
 
 
 def _show(catalog: Catalog, arguments: argparse.Namespace) -> int:
-    from grader.checks import published_rubric  # noqa: PLC0415
-    from grader.render.rubric import render_rubric  # noqa: PLC0415
+    from grader.checks import published_rubric
+    from grader.render.rubric import render_rubric
 
     assignment = catalog.get(arguments.id)
     console().print(render_rubric(assignment, published_rubric(assignment), language=arguments.lang))

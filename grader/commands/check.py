@@ -22,7 +22,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("file", type=Path, help="the script to grade / 要评分的脚本")
     parser.add_argument("-a", "--assignment", help="assignment id; guessed from the file name when left out")
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language of the feedback (default: zh)")
+    parser.add_argument(
+        "--lang", choices=LANGUAGES, default="zh", help="language of the feedback (default: zh)"
+    )
     parser.add_argument("--json", action="store_true", help="print the graded report as JSON")
     parser.add_argument("--plot", type=Path, metavar="OUT", help="draw the trajectory to OUT (.png or .svg)")
     parser.add_argument("--logs", action="store_true", help="show the script's logs and output as well")
@@ -31,7 +33,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def add_grading_options(parser: argparse.ArgumentParser) -> None:
     """Declare what every command that grades on this machine takes."""
-    parser.add_argument("--assignments", type=Path, metavar="DIR", help="folder of assignments (default: built in)")
+    parser.add_argument(
+        "--assignments", type=Path, metavar="DIR", help="folder of assignments (default: built in)"
+    )
     parser.add_argument(
         "--isolation",
         choices=("strict", "best-effort", "dev"),
@@ -58,7 +62,7 @@ def read_source(path: Path) -> bytes:
     Raises:
         SubmissionError: it cannot be read, or could not be uploaded either.
     """
-    from grader.contracts.upload import check_source  # noqa: PLC0415
+    from grader.contracts.upload import check_source
 
     try:
         source = path.read_bytes()
@@ -69,13 +73,13 @@ def read_source(path: Path) -> bytes:
 
 
 def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Assignment, GradingResult]:
-    from grader.catalog import Catalog  # noqa: PLC0415  (pydantic, while the slot imports the physics)
+    from grader.catalog import Catalog
 
     catalog = Catalog(arguments.assignments)
     assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file.name))
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
     if not arguments.json:
-        import grader.render.terminal  # noqa: F401, PLC0415
+        import grader.render.terminal  # noqa: F401
     try:
         return assignment, slot.grade(job)
     except SandboxUnavailableError as error:
@@ -96,7 +100,7 @@ def _guess(catalog: "Catalog", file_name: str) -> str:
 
 def _show(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     if arguments.json:
-        from grader.render.documents import json_report  # noqa: PLC0415
+        from grader.render.documents import json_report
 
         sys.stdout.write(json_report(result.report) + "\n")
     else:
@@ -106,7 +110,7 @@ def _show(arguments: argparse.Namespace, assignment: Assignment, result: Grading
 
 
 def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
-    from grader.render.terminal import console, render_report  # noqa: PLC0415
+    from grader.render.terminal import console, render_report
 
     language: Language = arguments.lang
     output = console()
@@ -128,14 +132,16 @@ def _check_plot_path(path: Path) -> None:
     if path.suffix not in (".png", ".svg"):
         raise SubmissionError("plot_format", f"--plot {path}: the name must end in .png or .svg")
     if not path.resolve().parent.is_dir():
-        raise SubmissionError("plot_folder", f"--plot {path}: the folder {path.resolve().parent} does not exist")
+        raise SubmissionError(
+            "plot_folder", f"--plot {path}: the folder {path.resolve().parent} does not exist"
+        )
 
 
 def _plot(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
-    from grader.plots import draw  # noqa: PLC0415
+    from grader.plots import Form, draw
 
     trajectory = result.trajectories[result.report.runs[0].case]
-    form = "png" if arguments.plot.suffix == ".png" else "svg"
+    form: Form = "png" if arguments.plot.suffix == ".png" else "svg"
     arguments.plot.write_bytes(draw(assignment, result.report, trajectory, arguments.lang, form))
     if not arguments.json:
         sys.stdout.write(f"→ {arguments.plot}\n")

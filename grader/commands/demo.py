@@ -38,7 +38,9 @@ class Upload:
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("--output", type=Path, default=Path("demo-output"), help="folder for plots and database")
+    parser.add_argument(
+        "--output", type=Path, default=Path("demo-output"), help="folder for plots and database"
+    )
     parser.add_argument("--lang", choices=LANGUAGES, default="zh")
 
 
@@ -138,7 +140,9 @@ def _await(client: httpx.Client, locations: list[str], output: Any) -> None:
         task = progress.add_task("grading", total=len(waiting))
         while waiting:
             if time.monotonic() > deadline:
-                raise InfrastructureError(f"{len(waiting)} submissions were not graded within {_GRADING_S:g} s")
+                raise InfrastructureError(
+                    f"{len(waiting)} submissions were not graded within {_GRADING_S:g} s"
+                )
             for location in sorted(waiting):
                 if client.get(location).raise_for_status().json()["status"] not in _OPEN_STATES:
                     waiting.discard(location)

@@ -55,9 +55,9 @@ def _sandpit(arguments: argparse.Namespace) -> Assignment:
 
 
 def _show(arguments: argparse.Namespace, result: GradingResult) -> None:
-    from grader.render.escape import visible  # noqa: PLC0415
-    from grader.render.terminal import console  # noqa: PLC0415
-    from grader.render.timeline import render_timeline  # noqa: PLC0415
+    from grader.render.escape import visible
+    from grader.render.terminal import console
+    from grader.render.timeline import render_timeline
 
     outcome = result.report.runs[0].outcome
     trajectory = trajectory_json.decode(result.trajectories[result.report.runs[0].case])
@@ -67,7 +67,9 @@ def _show(arguments: argparse.Namespace, result: GradingResult) -> None:
     output.print(render_timeline(outcome, trajectory, language=arguments.lang))
     x_m, y_m = trajectory.x_m[-1], trajectory.y_m[-1]
     heading_deg = math.degrees(math.remainder(trajectory.heading_rad[-1], math.tau))
-    output.print(f"x = {x_m:.3f} m   y = {y_m:.3f} m   θ = {heading_deg:.1f}°   t = {outcome.duration_ns / 1e9:.3f} s")
+    output.print(
+        f"x = {x_m:.3f} m   y = {y_m:.3f} m   θ = {heading_deg:.1f}°   t = {outcome.duration_ns / 1e9:.3f} s"
+    )
 
 
 def _seconds(text: str) -> float:

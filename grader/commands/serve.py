@@ -18,11 +18,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; running gradings finish first."""
-    import uvicorn  # noqa: PLC0415
+    import uvicorn
 
-    from grader.api import create_app  # noqa: PLC0415
-    from grader.service import running  # noqa: PLC0415
-    from grader.settings import load  # noqa: PLC0415
+    from grader.api import create_app
+    from grader.service import running
+    from grader.settings import load
 
     settings = load(**_overrides(arguments))
     app = create_app(lambda: running(settings))

@@ -93,7 +93,9 @@ def _misjudged(attempt: WrongAttempt, report: GradeReport) -> str:
     problems = []
     if not attempt.low <= score <= attempt.high:
         problems.append(f"score {score:g} is outside [{attempt.low:g}, {attempt.high:g}]")
-    if attempt.fails not in [item.id for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL)]:
+    if attempt.fails not in [
+        item.id for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL)
+    ]:
         problems.append(f"item {attempt.fails} loses nothing")
     if attempt.mistake and attempt.mistake not in report.mistakes[:1]:
         problems.append(f"recognised {', '.join(report.mistakes) or 'nothing'} instead of {attempt.mistake}")

@@ -52,7 +52,9 @@ def _reader(kind: Any) -> _Reader:
 def _dataclass_reader(cls: Any) -> _Reader:
     hints = typing.get_type_hints(cls)
     readers = {item.name: _reader(hints[item.name]) for item in fields(cls)}
-    required = {item.name for item in fields(cls) if item.default is MISSING and item.default_factory is MISSING}
+    required = {
+        item.name for item in fields(cls) if item.default is MISSING and item.default_factory is MISSING
+    }
 
     def read(data: Any) -> Any:
         if isinstance(data, cls):
