@@ -1,0 +1,172 @@
+"""Every assignment keeps its word: its own scripts, the lesson's, and right scripts in other styles."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from grader.commands.validation import examine
+from grader.contracts.grading import Grader
+from grader.slot import Slot, SlotConfig
+from tests.e2e.grading_slot import LESSON, catalog, grade
+
+CHECKLIST = [assignment.id for assignment in catalog().all()]
+
+
+@pytest.fixture(scope="module")
+def grader() -> Iterator[Grader]:
+    with Slot(SlotConfig()) as slot:
+        yield slot
+
+
+@pytest.mark.parametrize("name", CHECKLIST)
+def test_own_scripts_get_what_they_must(grader: Grader, name: str) -> None:
+    findings = list(examine(catalog(), name, grader))
+    assert len(findings) >= 7
+    assert not [finding for finding in findings if finding.problem]
+
+
+@pytest.mark.parametrize(
+    ("script", "name"), [("hello_node", "hello"), ("straight_mover", "straight"), ("square_mover", "square")]
+)
+def test_the_lessons_scripts_get_full_marks(grader: Grader, script: str, name: str) -> None:
+    source = (LESSON / f"{script}.py").read_bytes()
+    first = grade(grader, name, source, f"{script}.py")
+    assert first.score == 100
+    assert first.sha256() == grade(grader, name, source, f"{script}.py").sha256()
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("triangle", ("4 sides", "3 sides", "120°")), ("pentagon", ("4 sides", "5 sides", "72°"))],
+)
+def test_the_square_fails_the_other_figures_and_is_told_why(
+    grader: Grader, name: str, words: tuple[str, ...]
+) -> None:
+    report = grade(grader, name, (LESSON / "square_mover.py").read_bytes())
+    assert report.score is not None
+    assert report.score < 40
+    assert report.mistakes[0] == "other_figure"
+    assert all(word in report.hint.en for word in words)
+
+
+HEAD = """\
+import math, threading, time
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+from turtlesim.msg import Pose
+N, ANGLE = {sides}, 2.0 * math.pi / {sides}
+"""
+
+TIMER_STATES = """
+class Mover(Node):
+    def __init__(self):
+        super().__init__('mover')
+        self.pub = self.create_publisher(Twist, 'turtle1/cmd_vel', 1)
+        self.count, self.phase, self.since = 0, 'side', None
+        self.create_timer(0.02, self.tick)
+    def tick(self):
+        now = self.get_clock().now()
+        self.since = self.since or now
+        elapsed = (now - self.since).nanoseconds / 1e9
+        msg = Twist()
+        if self.count < N:
+            if self.phase == 'side':
+                msg.linear.x = 1.5
+                if elapsed >= 1.0:
+                    self.phase, self.since = 'turn', now
+            else:
+                msg.angular.z = -0.8
+                if elapsed >= ANGLE / 0.8:
+                    self.phase, self.since, self.count = 'side', now, self.count + 1
+        self.pub.publish(msg)
+rclpy.init()
+rclpy.spin(Mover())
+"""
+
+THREAD_AND_RATE = """
+rclpy.init()
+node = Node('mover')
+pub = node.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
+rate = node.create_rate(50)
+def drive(v, w, ticks):
+    msg = Twist()
+    msg.linear.x, msg.angular.z = v, w
+    for _ in range(ticks):
+        pub.publish(msg)
+        rate.sleep()
+for _ in range(N):
+    drive(1.0, 0.0, 75)
+    drive(0.0, ANGLE, 50)
+drive(0.0, 0.0, 5)
+rclpy.shutdown()
+"""
+
+CLOSED_LOOP = """
+class Mover(Node):
+    def __init__(self):
+        super().__init__('mover')
+        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.pose = None
+        self.create_subscription(Pose, '/turtle1/pose', self.on_pose, 10)
+    def on_pose(self, pose):
+        self.pose = pose
+def off(a, b):
+    return math.atan2(math.sin(a - b), math.cos(a - b))
+rclpy.init()
+node = Mover()
+while node.pose is None:
+    rclpy.spin_once(node)
+heading = node.pose.theta
+for _ in range(N):
+    x, y = node.pose.x, node.pose.y
+    msg = Twist()
+    while math.hypot(node.pose.x - x, node.pose.y - y) < 1.8:
+        msg.linear.x = 1.0
+        msg.angular.z = 2.0 * off(heading, node.pose.theta)
+        node.pub.publish(msg)
+        rclpy.spin_once(node)
+    heading += ANGLE
+    while abs(off(heading, node.pose.theta)) > 0.005:
+        msg = Twist()
+        msg.angular.z = 3.0 * off(heading, node.pose.theta)
+        node.pub.publish(msg)
+        rclpy.spin_once(node)
+node.pub.publish(Twist())
+rclpy.spin_once(node, timeout_sec=0.2)
+"""
+
+FOR_EVER = """
+rclpy.init()
+node = Node('mover')
+pub = node.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+def drive(v, w, seconds):
+    msg = Twist()
+    msg.linear.x, msg.angular.z = float(v), float(w)
+    start = time.monotonic()
+    while time.monotonic() - start < seconds:
+        pub.publish(msg)
+        time.sleep(0.05)
+while rclpy.ok():
+    drive(2, 0, 1.0)
+    drive(0, 0, 0.3)
+    drive(0, 1.2, ANGLE / 1.2)
+    drive(0, 0, 0.3)
+"""
+
+STYLES = {
+    "timer": TIMER_STATES,
+    "thread and rate": THREAD_AND_RATE,
+    "closed loop": CLOSED_LOOP,
+    "for ever": FOR_EVER,
+}
+
+
+@pytest.mark.parametrize("style", STYLES)
+@pytest.mark.parametrize(("name", "sides"), [("triangle", 3), ("square", 4), ("pentagon", 5)])
+def test_right_scripts_of_other_styles_get_full_marks(
+    grader: Grader, style: str, name: str, sides: int
+) -> None:
+    report = grade(grader, name, HEAD.format(sides=sides) + STYLES[style])
+    assert report.score == 100, [(item.id, item.measured, item.message.en) for item in report.items]
