@@ -1,10 +1,9 @@
 """The dashboard's JSON as tables: students by assignments, then one line per assignment.
 
-Unknown fields are ignored and missing ones shown as a dash, so that an older client can show a newer
-server's data.
+Unknown fields are ignored and missing ones shown as a dash, so that client and server may differ in age.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 
 from rich import box
 from rich.console import Group, RenderableType
@@ -18,117 +17,88 @@ from grader.render.labels import word
 
 _NAME_CHARACTERS = 24
 _HARDEST = 3
+_CELL_COLUMNS = 6
+
+Json = Mapping[str, object]
 
 
-def render_dashboard(data: Mapping[str, object], *, language: Language) -> RenderableType:
-    """Return the tables for ``GET /api/v1/dashboard``.
-
-    Args:
-        data: ``students``: list of ``{student, assignments}``, its assignments by id as ``{best_score,
-            status, attempts}``; ``assignments``: by id, or a list of objects with ``id``, as ``{title,
-            max_score, pass_rate, mean, submissions, most_failed}``; ``queue``: ``{state: count}``.
-        language: of headings and titles.
-    """
-    assignments = _by_id(data.get("assignments"))
-    students = [_mapping(entry) for entry in _list(data.get("students"))]
-    parts: list[RenderableType] = [_students(students, assignments, language)]
-    if any(_mapping(entry) for entry in assignments.values()):
-        parts.append(_assignments(assignments, language))
-    if queue := _mapping(data.get("queue")):
-        counts = "  ".join(f"{_shown(state)} {_shown(count)}" for state, count in queue.items())
-        parts.append(Text(f"{word('queue', language)}: {counts}"))
-    return Group(*parts)
+def render_dashboard(data: Json, *, language: Language) -> RenderableType:
+    """Return the document of ``GET /api/v1/dashboard`` as tables, headings in `language`."""
+    students = _objects(data.get("students"))
+    assignments = _objects(data.get("assignments"))
+    queue = _object(data.get("queue"))
+    counts = "  ".join(f"{_shown(state)} {_shown(count)}" for state, count in queue.items())
+    return Group(
+        _students(students, assignments, language),
+        _assignments(assignments, language),
+        Text(f"{word('queue', language)}: {counts or quantity.NOTHING}"),
+    )
 
 
-def _students(
-    students: Iterable[Mapping[str, object]], assignments: Mapping[str, object], language: Language
-) -> Table:
-    rows = [(entry.get("student"), _by_id(entry.get("assignments"))) for entry in students]
-    columns = list(assignments) or list(dict.fromkeys(key for _, cells in rows for key in cells))
-    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column(word("student", language), overflow="fold")
-    for key in columns:
-        table.add_column(
-            Text(_title(key, _mapping(assignments.get(key)), language)), justify="right", no_wrap=True
-        )
-    for student, cells in rows:
-        most = (_mapping(assignments.get(key)).get("max_score") for key in columns)
-        marks = (_cell(_mapping(cells.get(key)), m) for key, m in zip(columns, most, strict=True))
-        table.add_row(Text(visible_line(str(student), _NAME_CHARACTERS)), *marks)
+def _students(students: Sequence[Json], assignments: Sequence[Json], language: Language) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column(word("student", language), no_wrap=True)
+    for assignment in assignments:
+        table.add_column(Text(_name(assignment), overflow="fold"), justify="right", min_width=_CELL_COLUMNS)
+    table.add_column(word("total", language), justify="right", no_wrap=True)
+    for student in students:
+        cells = _object(student.get("assignments"))
+        marks = (_cell(_object(cells.get(str(assignment.get("id"))))) for assignment in assignments)
+        name = visible_line(str(student.get("student")), _NAME_CHARACTERS)
+        table.add_row(Text(name), *marks, Text(_shown(student.get("total_score"))))
     return table
 
 
-def _cell(entry: Mapping[str, object], most: object) -> Text:
+def _cell(entry: Json) -> Text:
+    """Return the best score, ``✓`` before full marks and ``×n`` after more than one attempt."""
     if not entry:
         return Text(quantity.NOTHING, style="dim")
-    best = entry.get("best_score")
+    best, most, attempts = entry.get("best_score"), entry.get("max_score"), entry.get("attempts")
     if not isinstance(best, int | float):
         return Text(_shown(entry.get("status")), style="yellow")
-    attempts = entry.get("attempts")
-    most = entry.get("max_score", most)
     full = isinstance(most, int | float) and best >= most
-    tries = f" ×{attempts}" if isinstance(attempts, int) and attempts > 1 else ""
-    return Text(f"{'✓ ' if full else ''}{quantity.score(best)}{tries}", style="green" if full else "yellow")
+    tries = f"×{attempts}" if isinstance(attempts, int) and attempts > 1 else ""
+    return Text(f"{'✓' if full else ''}{quantity.score(best)}{tries}", style="green" if full else "yellow")
 
 
-def _assignments(assignments: Mapping[str, object], language: Language) -> Table:
+def _assignments(assignments: Sequence[Json], language: Language) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    table.add_column(word("assignment", language), no_wrap=True)
+    table.add_column(word("assignment", language), overflow="fold")
     for key in ("submissions", "pass_rate", "mean"):
         table.add_column(word(key, language), justify="right", no_wrap=True)
     table.add_column(word("hardest", language), overflow="fold")
-    for key, value in assignments.items():
-        entry = _mapping(value)
+    for assignment in assignments:
+        hardest = _objects(assignment.get("most_failed_items"))[:_HARDEST]
         table.add_row(
-            Text(_title(key, entry, language)),
-            Text(_shown(entry.get("submissions"))),
-            Text(_percent(entry.get("pass_rate"))),
-            Text(_shown(entry.get("mean", entry.get("mean_score")))),
-            Text(_hardest(_list(entry.get("most_failed", entry.get("most_failed_items"))), language)),
+            Text(_name(assignment)),
+            Text(_shown(assignment.get("submissions"))),
+            Text(_percent(assignment.get("pass_rate"))),
+            Text(_shown(assignment.get("mean_score"))),
+            Text(
+                ", ".join(f"{_name(item)} ×{_shown(item.get('count'))}" for item in hardest)
+                or quantity.NOTHING
+            ),
         )
     return table
 
 
-def _hardest(items: list[object], language: Language) -> str:
-    return ", ".join(_failed_item(item, language) for item in items[:_HARDEST]) or quantity.NOTHING
-
-
-def _failed_item(item: object, language: Language) -> str:
-    if not isinstance(item, Mapping):
-        return _shown(item)
-    count = item.get("count", item.get("failed"))
-    name = _title(_shown(item.get("id", item.get("item"))), item, language)
-    return name if count is None else f"{name} ({_shown(count)})"
-
-
-def _title(key: str, entry: Mapping[str, object], language: Language) -> str:
-    title = entry.get("title")
-    if isinstance(title, Mapping):
-        title = title.get(language)
-    return visible_line(title if isinstance(title, str) and title else key, _NAME_CHARACTERS)
+def _name(entry: Json) -> str:
+    return visible_line(str(entry.get("title") or entry.get("id") or quantity.NOTHING), _NAME_CHARACTERS)
 
 
 def _shown(value: object) -> str:
     if value is None:
         return quantity.NOTHING
-    return quantity.score(value) if isinstance(value, float) else visible_line(str(value), 60)
+    return quantity.score(value) if isinstance(value, float) else visible_line(str(value), _NAME_CHARACTERS)
 
 
 def _percent(value: object) -> str:
     return f"{value * 100:.0f} %" if isinstance(value, int | float) else quantity.NOTHING
 
 
-def _mapping(value: object) -> Mapping[str, object]:
+def _object(value: object) -> Json:
     return value if isinstance(value, Mapping) else {}
 
 
-def _list(value: object) -> list[object]:
-    return value if isinstance(value, list) else []
-
-
-def _by_id(value: object) -> Mapping[str, object]:
-    """Return a mapping by id of either shape: the mapping itself, or a list of objects with ``id``."""
-    if isinstance(value, list):
-        entries = [_mapping(entry) for entry in value]
-        return {str(entry.get("id", entry.get("assignment"))): entry for entry in entries}
-    return _mapping(value)
+def _objects(value: object) -> Sequence[Json]:
+    return [_object(entry) for entry in value] if isinstance(value, list) else []

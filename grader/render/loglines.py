@@ -2,7 +2,7 @@
 
 from matplotlib.axes import Axes
 
-from grader.contracts.outcome import LogRecord
+from grader.contracts.outcome import Blame, LogRecord
 from grader.render import palette
 from grader.render.labels import LOG_LEVEL, RUN_STATUS
 from grader.render.scene import Scene
@@ -33,7 +33,9 @@ def draw_log(axes: Axes, scene: Scene) -> None:
     axes.set_xlabel(scene.word("time_axis"))
     axes.grid(axis="x", color=palette.GRID, lw=0.8)
     axes.spines["left"].set_visible(False)
-    axes.barh(0.35, end_s, height=0.5, color="#dcebf5", edgecolor=palette.PASSED, lw=1.0, zorder=2)
+    normal = outcome.blame is Blame.NOBODY
+    fill, edge = (palette.PASSED_TINT, palette.PASSED) if normal else (palette.FAILED_TINT, palette.FAILED)
+    axes.barh(0.35, end_s, height=0.5, color=fill, edgecolor=edge, lw=1.0, zorder=2)
     names = ", ".join(outcome.nodes) or scene.word("running")
     text = f"{names}  {RUN_STATUS[outcome.status].get(scene.language)}"
     axes.text(

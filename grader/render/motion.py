@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from grader.contracts.trajectory import Command, Floats, Trajectory
-from grader.render import palette, quantity
+from grader.render import palette
 from grader.render.scene import Scene
 
 _NANO = 1e-9
@@ -69,7 +69,7 @@ def draw_turned(axes: Axes, scene: Scene) -> None:
             color=palette.MUTED,
             lw=1.4,
             ls=(0, (5, 3)),
-            label=f"{scene.word('one_turn')} {quantity.signed(level, 0)}°",
+            label=f"{scene.word('one_turn')} {abs(level):g}°",
         )
         axes.margins(y=0.12)
     axes.legend(

@@ -12,6 +12,8 @@ PAPER = "#ffffff"
 
 PASSED = "#0072B2"  # blue
 FAILED = "#D55E00"  # vermillion
+PASSED_TINT = "#dcebf5"
+FAILED_TINT = "#fbe6d9"
 START = "#009E73"  # bluish green
 COMMAND = "#E69F00"  # orange
 IDEAL = "#d6d6d6"

@@ -1,0 +1,54 @@
+"""The rubric as a student reads it before submitting: `grader assignments show`."""
+
+from collections.abc import Iterator
+
+from rich import box
+from rich.console import Group, RenderableType
+from rich.padding import Padding
+from rich.table import Table
+from rich.text import Text
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.rubric import PublishedItem, PublishedRubric
+from grader.contracts.text import Language
+from grader.render import quantity
+from grader.render.escape import visible, visible_line
+from grader.render.labels import word
+
+
+def render_rubric(assignment: Assignment, rubric: PublishedRubric, *, language: Language) -> RenderableType:
+    """Return title, task, one row for each rubric item, and how the motion is looked at."""
+    return Group(*_parts(assignment, rubric, language))
+
+
+def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) -> Iterator[RenderableType]:
+    most = quantity.score(rubric.max_score)
+    title = Text.assemble(
+        (visible_line(rubric.title.get(language)), "bold"), f"  {assignment.id}  ", style=""
+    )
+    yield title.append(word("worth", language, points=most, seconds=quantity.score(rubric.horizon_s)), "cyan")
+    if brief := rubric.brief.get(language):
+        yield Padding(Text(visible(brief).strip()), (1, 0, 0, 0))
+    table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False)
+    table.add_column(word("item", language), ratio=1, overflow="fold")
+    table.add_column(word("points", language), justify="right", no_wrap=True)
+    table.add_column(word("wanted", language), overflow="fold")
+    table.add_column(word("partial_credit", language), overflow="fold")
+    for item in rubric.items:
+        table.add_row(
+            _item(item, language),
+            quantity.score(item.points),
+            Text(visible_line(item.wanted.get(language))),
+            Text(visible_line(item.partial.get(language))),
+        )
+    yield table
+    if remarks := rubric.remarks.get(language):
+        yield Text(visible(remarks).strip(), style="dim")
+
+
+def _item(item: PublishedItem, language: Language) -> Text:
+    text = Text(visible_line(item.title.get(language)))
+    for line in (item.measure.get(language), item.needs.get(language)):
+        if line:
+            text.append(f"\n{visible_line(line)}", style="dim")
+    return text
