@@ -157,14 +157,15 @@ class Episode:
             self._graph_change(frame)
 
     def _publish(self, frame: Publish) -> None:
-        self._check_time(frame.t_ns)
-        self._now_ns = frame.t_ns
-        if frame.t_ns > self._spec.horizon_ns:
+        identity, t_ns, payload = frame
+        self._check_time(t_ns)
+        self._now_ns = t_ns
+        if t_ns > self._spec.horizon_ns:
             return
-        self._graph.get(frame.id, PUBLISHER)
-        sink = self._sinks.get(frame.id)
+        self._graph.get(identity, PUBLISHER)
+        sink = self._sinks.get(identity)
         if sink is not None:
-            sink(frame.t_ns, frame.payload)
+            sink(t_ns, payload)
 
     def _check_time(self, t_ns: int) -> None:
         if t_ns < self._now_ns:

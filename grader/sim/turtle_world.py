@@ -86,7 +86,7 @@ class TurtleWorld:
 
     def command(self, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
         """Take a message on the command topic."""
-        if self._busy:
+        if self._pending or self._action.busy:
             self.advance(t_ns)
             self._action.interrupt()
         self.turtle.receive(t_ns, linear_x, linear_y, angular_z)
@@ -132,6 +132,7 @@ class TurtleWorld:
 
     @property
     def _busy(self) -> bool:
+        """Whether the next tick has something to do."""
         return bool(self._pending) or self._action.busy
 
     def _next_tick(self) -> int | None:

@@ -1,0 +1,39 @@
+from grader.sim.frames import Event, Request
+from grader.sim.outbox import MAX_EVENTS, MAX_QUEUED, Outbox
+
+
+def test_a_message_reaches_every_listener_until_it_leaves() -> None:
+    outbox = Outbox()
+    outbox.subscribe("/a", 1)
+    outbox.subscribe("/a", 2)
+    outbox.subscribe("/b", 3)
+    outbox.publish("/a", 5, b"x")
+    outbox.unsubscribe(1)
+    outbox.unsubscribe(9)
+    outbox.publish("/a", 5, b"y")
+    assert outbox.take() == (5, [Event(1, 1, 0, 5, b"x"), Event(1, 2, 0, 5, b"x"), Event(1, 2, 0, 5, b"y")])
+    outbox.unsubscribe(2)
+    assert not outbox.has_listeners("/a")
+    assert not outbox
+
+
+def test_one_instant_is_taken_at_a_time() -> None:
+    outbox = Outbox()
+    outbox.reply(Request(4, 8, 0, b""), 5, b"x")
+    outbox.reply(Request(4, 9, 0, b""), 6, b"y")
+    assert outbox.take() == (5, [Event(2, 4, 8, 5, b"x")])
+    assert outbox.take() == (6, [Event(2, 4, 9, 6, b"y")])
+
+
+def test_answers_and_queue_are_bounded() -> None:
+    outbox = Outbox()
+    for _ in range(MAX_QUEUED + 3):
+        outbox.add(Event(1, 1, 0, 7, b""))
+    assert outbox.dropped == 3
+    taken = 0
+    while outbox:
+        now_ns, events = outbox.take()
+        assert now_ns == 7
+        assert 0 < len(events) <= MAX_EVENTS
+        taken += len(events)
+    assert taken == MAX_QUEUED
