@@ -43,7 +43,7 @@ _LATER = {
     "rcl_publisher_event_type_t": ("rclpy.qos_event", "QoSPublisherEventType"),
     "rcl_subscription_event_type_t": ("rclpy.qos_event", "QoSSubscriptionEventType"),
     "GoalEvent": ("rclpy._actions", "GoalEvent"),
-    "TransitionCallbackReturnType": ("rclpy.lifecycle", "TransitionCallbackReturn"),
+    "TransitionCallbackReturnType": ("rclpy._lifecycle_machine", "TransitionCallbackReturnType"),
 }
 
 
