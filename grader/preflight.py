@@ -3,6 +3,7 @@
 Source text can attack a compiler (deep nesting, codecs, giant lines), so even this happens in the jail.
 """
 
+import re
 import threading
 from typing import Any, Final
 
@@ -14,6 +15,7 @@ from grader.sim.frames import SYNTAX_ERROR, Exit
 from grader.sim.wire import PROTOCOL, decode, encode_start
 
 _LIMITS: Final = Limits(cpu_s=2.0, wall_s=20.0)
+_SHOWN_INDENT: Final = 4
 _TOO_MUCH: Final = "this file is too much for the Python compiler (nested too deeply, or too large)"
 
 
@@ -40,9 +42,30 @@ class SandboxPreflight:
             return SyntaxProblem(message=_TOO_MUCH, line=None)
         if ending.reason != SYNTAX_ERROR:
             return None
+        line = _line_of(source, ending.line)
         return SyntaxProblem(
-            message=f"{ending.exception_type}: {ending.message}", line=ending.line or None, text=ending.detail
+            message=f"{ending.exception_type}: {ending.message}",
+            line=ending.line or None,
+            column=_column(ending.detail, line),
+            text=line,
         )
+
+
+def _line_of(source: bytes, number: int) -> str:
+    lines = re.split(r"\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
+    return lines[number - 1] if 1 <= number <= len(lines) else ""
+
+
+def _column(message: str, line: str) -> int | None:
+    """Return the 1-based column that the caret in Python's own `message` points at, or None.
+
+    Python prints the line without its indentation, four spaces in, and the caret below.
+    """
+    carets = [shown for shown in message.splitlines() if "^" in shown and not shown.strip(" ^")]
+    if not carets:
+        return None
+    column = carets[-1].index("^") - _SHOWN_INDENT + len(line) - len(line.lstrip()) + 1
+    return column if 1 <= column <= len(line) + 1 else None
 
 
 def _start_fields(file_name: str) -> dict[str, Any]:

@@ -1,11 +1,15 @@
 """`grader serve`: the HTTP service with its local workers."""
 
 import argparse
+import socket
 import sys
 from pathlib import Path
 from typing import Any
 
 from grader.contracts.errors import SettingsError
+
+EXIT_COULD_NOT = 2
+_BACKLOG = 512  # a class that hands in within the same second
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -26,9 +30,27 @@ def run(arguments: argparse.Namespace) -> int:
 
     settings = load(**_overrides(arguments))
     app = create_app(lambda: running(settings))
-    sys.stderr.write(f"grader: http://{settings.host}:{settings.port}/api/v1/assignments\n")
-    uvicorn.run(app, host=settings.host, port=settings.port, log_level="warning")
-    return 0
+    with _listening(settings.host, settings.port) as listener:
+        sys.stderr.write(f"grader: {_url(listener)}/api/v1/assignments\n")
+        sys.stderr.flush()
+        server = uvicorn.Server(uvicorn.Config(app, log_level="warning", server_header=False))
+        server.run(sockets=[listener])
+    return 0 if server.started else EXIT_COULD_NOT
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    """Take the address before anything is opened, so that a second server fails at once and readably."""
+    address = host.strip("[]")
+    family = socket.AF_INET6 if ":" in address else socket.AF_INET
+    try:
+        return socket.create_server((address, port), family=family, backlog=_BACKLOG)
+    except OSError as error:
+        raise SettingsError(f"cannot listen on {host}, port {port}: {error.strerror or error}") from error
+
+
+def _url(listener: socket.socket) -> str:
+    host, port = listener.getsockname()[:2]
+    return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
 
 
 def _overrides(arguments: argparse.Namespace) -> dict[str, Any]:
