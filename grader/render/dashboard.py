@@ -13,7 +13,7 @@ from rich.text import Text
 from grader.contracts.text import Language
 from grader.render import quantity
 from grader.render.escape import visible_line
-from grader.render.labels import word
+from grader.render.labels import SUBMISSION_STATE, word
 
 _NAME_CHARACTERS = 24
 _HARDEST = 3
@@ -27,7 +27,7 @@ def render_dashboard(data: Json, *, language: Language) -> RenderableType:
     students = _objects(data.get("students"))
     assignments = _objects(data.get("assignments"))
     queue = _object(data.get("queue"))
-    counts = "  ".join(f"{_shown(state)} {_shown(count)}" for state, count in queue.items())
+    counts = "  ".join(f"{_state(state, language)} {_shown(count)}" for state, count in queue.items())
     return Group(
         _students(students, assignments, language),
         _assignments(assignments, language),
@@ -40,22 +40,22 @@ def _students(students: Sequence[Json], assignments: Sequence[Json], language: L
     table.add_column(word("student", language), no_wrap=True)
     for assignment in assignments:
         table.add_column(Text(_name(assignment), overflow="fold"), justify="right", min_width=_CELL_COLUMNS)
-    table.add_column(word("total", language), justify="right", no_wrap=True)
+    table.add_column(word("total", language), justify="right", no_wrap=True, min_width=_CELL_COLUMNS)
     for student in students:
         cells = _object(student.get("assignments"))
-        marks = (_cell(_object(cells.get(str(assignment.get("id"))))) for assignment in assignments)
+        marks = (_cell(_object(cells.get(str(assignment.get("id")))), language) for assignment in assignments)
         name = visible_line(str(student.get("student")), _NAME_CHARACTERS)
         table.add_row(Text(name), *marks, Text(_shown(student.get("total_score"))))
     return table
 
 
-def _cell(entry: Json) -> Text:
+def _cell(entry: Json, language: Language) -> Text:
     """Return the best score, ``✓`` before full marks and ``×n`` after more than one attempt."""
     if not entry:
         return Text(quantity.NOTHING, style="dim")
     best, most, attempts = entry.get("best_score"), entry.get("max_score"), entry.get("attempts")
     if not isinstance(best, int | float):
-        return Text(_shown(entry.get("status")), style="yellow")
+        return Text(_state(entry.get("status"), language), style="yellow")
     full = isinstance(most, int | float) and best >= most
     tries = f"×{attempts}" if isinstance(attempts, int) and attempts > 1 else ""
     return Text(f"{'✓' if full else ''}{quantity.score(best)}{tries}", style="green" if full else "yellow")
@@ -80,6 +80,11 @@ def _assignments(assignments: Sequence[Json], language: Language) -> Table:
             ),
         )
     return table
+
+
+def _state(state: object, language: Language) -> str:
+    known = SUBMISSION_STATE.get(str(state))
+    return known.get(language) if known else _shown(state)
 
 
 def _name(entry: Json) -> str:

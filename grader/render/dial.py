@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Circle
 
+from grader.contracts.figure import FigureSketch
 from grader.contracts.trajectory import Floats
 from grader.render import palette, quantity
 from grader.render.scene import Scene
@@ -13,6 +14,7 @@ from grader.render.typeface import drawable
 _INNER = 0.62
 _PER_TURN = 0.17
 _MOST_OUTER = 1.0
+_REMARK_CHARACTERS = 40
 _ARC_STEP_RAD = np.deg2rad(2.0)
 
 
@@ -25,37 +27,21 @@ def draw_dial(axes: Axes, scene: Scene) -> None:
     track = scene.trajectory
     if track is None:
         return
-    turned = track.heading_rad - track.heading_rad[0]
+    sketch = scene.sketch or FigureSketch(view="heading")
     start = float(track.heading_rad[0])
-    _spokes(axes, start)
+    turned = track.heading_rad - start
     pitch = _pitch(turned)
-    wanted = scene.sketch.wanted_turn_deg if scene.sketch else None
-    if wanted is not None:
-        _wanted(axes, scene, start, np.sign(turned[np.abs(turned).argmax()]) * np.deg2rad(wanted), pitch)
-    ok = scene.sketch.corners[0].ok if scene.sketch and scene.sketch.corners else None
-    colour = palette.PASSED if ok is None else palette.verdict(ok)
+    _spokes(axes, start)
+    if sketch.wanted_turn_deg is not None:
+        sense = np.sign(turned[np.abs(turned).argmax()])
+        _wanted(axes, scene, start, sense * np.deg2rad(sketch.wanted_turn_deg), pitch)
+    ok = sketch.corners[0].ok if sketch.corners else None
+    style = palette.FAILED_DASHES if ok is False else "-"
     xs, ys = _spiral(start, turned, pitch)
-    axes.plot(xs, ys, color=colour, lw=2.8, zorder=4, ls=palette.FAILED_DASHES if ok is False else "-",
-              label=scene.word("turned"))  # fmt: skip
+    axes.plot(xs, ys, color=_colour(ok), lw=2.8, ls=style, zorder=4, label=scene.word("turned"))
     draw_end(axes, (float(xs[-1]), float(ys[-1])), scene)
     draw_start(axes, (float(xs[0]), float(ys[0])), start, scene)
-    total_deg = float(np.rad2deg(turned[-1]))
-    if scene.sketch and scene.sketch.corners:
-        total_deg = scene.sketch.corners[0].angle_deg
-    mark = "✗ " if ok is False else ""
-    axes.text(
-        0,
-        0.08,
-        f"{mark}{quantity.signed(total_deg, 1)}°",
-        ha="center",
-        va="center",
-        fontsize=19,
-        color=colour,
-    )
-    axes.text(0, -0.12, scene.word("turned"), ha="center", va="center", fontsize=10, color=palette.MUTED)
-    for i, label in enumerate(scene.sketch.labels if scene.sketch else ()):
-        text = drawable(label.text.get(scene.language), 40)
-        axes.text(0, -0.32 - 0.12 * i, text, ha="center", fontsize=10, color=palette.verdict(label.ok))
+    _words(axes, scene, sketch, float(np.rad2deg(turned[-1])))
     axes.legend(
         loc="upper center",
         bbox_to_anchor=(0.5, -0.04),
@@ -64,6 +50,22 @@ def draw_dial(axes: Axes, scene: Scene) -> None:
         fontsize=9.5,
         handlelength=2.2,
     )
+
+
+def _colour(ok: bool | None) -> str:
+    return palette.PASSED if ok is None else palette.verdict(ok)
+
+
+def _words(axes: Axes, scene: Scene, sketch: FigureSketch, turned_deg: float) -> None:
+    """Write the turn that was judged, else the last heading's, and the sketch's remarks into the middle."""
+    ok = sketch.corners[0].ok if sketch.corners else None
+    total_deg = sketch.corners[0].angle_deg if sketch.corners else turned_deg
+    total = f"{'✗ ' if ok is False else ''}{quantity.signed(total_deg, 1)}°"
+    axes.text(0, 0.08, total, ha="center", va="center", fontsize=19, color=_colour(ok))
+    axes.text(0, -0.12, scene.word("turned"), ha="center", va="center", fontsize=10, color=palette.MUTED)
+    for i, label in enumerate(sketch.labels):
+        text = drawable(label.text.get(scene.language), _REMARK_CHARACTERS)
+        axes.text(0, -0.32 - 0.12 * i, text, ha="center", fontsize=10, color=palette.verdict(label.ok))
 
 
 def _pitch(turned: Floats) -> float:

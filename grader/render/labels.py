@@ -58,6 +58,13 @@ RUN_STATUS: Mapping[RunStatus, Text] = {
     RunStatus.INFRASTRUCTURE: GRADE_STATUS[GradeStatus.INFRASTRUCTURE_ERROR],
 }
 
+SUBMISSION_STATE: Mapping[str, Text] = {
+    "queued": _t("排队", "queued"),
+    "running": _t("评分中", "running"),
+    "graded": _t("已评分", "graded"),
+    "infrastructure_error": _t("故障", "fault"),
+}
+
 LOG_LEVEL: Mapping[int, str] = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 
 WALL: Mapping[str, Text] = {
@@ -108,7 +115,6 @@ WORDS: Mapping[str, Text] = {
     "mean": _t("平均分", "Mean"),
     "total": _t("总分", "Total"),
     "worth": _t("满分 {points},时限 {seconds} 虚拟秒", "{points} points, {seconds} virtual seconds"),
-    "partial_credit": _t("部分得分", "Partial credit"),
     "submissions": _t("提交", "Submissions"),
     "hardest": _t("最常失分的评分项", "Most-failed rubric items"),
     "queue": _t("队列", "Queue"),

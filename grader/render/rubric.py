@@ -15,6 +15,8 @@ from grader.render import quantity
 from grader.render.escape import visible, visible_line
 from grader.render.labels import word
 
+_WANTED_COLUMNS = 24
+
 
 def render_rubric(assignment: Assignment, rubric: PublishedRubric, *, language: Language) -> RenderableType:
     """Return title, task, one row for each rubric item, and how the motion is looked at."""
@@ -32,14 +34,12 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
     table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False)
     table.add_column(word("item", language), ratio=1, overflow="fold")
     table.add_column(word("points", language), justify="right", no_wrap=True)
-    table.add_column(word("wanted", language), overflow="fold")
-    table.add_column(word("partial_credit", language), overflow="fold")
+    table.add_column(word("wanted", language), overflow="fold", max_width=_WANTED_COLUMNS)
     for item in rubric.items:
         table.add_row(
             _item(item, language),
             quantity.score(item.points),
             Text(visible_line(item.wanted.get(language))),
-            Text(visible_line(item.partial.get(language))),
         )
     yield table
     if remarks := rubric.remarks.get(language):
@@ -48,7 +48,7 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
 
 def _item(item: PublishedItem, language: Language) -> Text:
     text = Text(visible_line(item.title.get(language)))
-    for line in (item.measure.get(language), item.needs.get(language)):
+    for line in (item.measure.get(language), item.partial.get(language), item.needs.get(language)):
         if line:
             text.append(f"\n{visible_line(line)}", style="dim")
     return text

@@ -21,12 +21,12 @@ TITLES = {
     "triangle": "等边三角形",
     "pentagon": "正五边形",
 }
-FULL = {"best_score": 10.0, "max_score": 10.0, "status": "graded", "attempts": 2}
+FULL = {"best_score": 100.0, "max_score": 100.0, "status": "graded", "attempts": 2}
 DATA = {
     "students": [
         {
             "student": "20230101 张三",
-            "total_score": 67.25,
+            "total_score": 607.25,
             "assignments": dict.fromkeys(TITLES, FULL) | {"hello": {"best_score": 7.25, "attempts": 1}},
         },
         {"student": "李四", "assignments": {"square": {"best_score": None, "status": "running"}}},
@@ -64,8 +64,8 @@ def row(text: str, start: str) -> list[str]:
 def test_students_by_assignments() -> None:
     text = shown(DATA)
     assert row(text, "学生") == ["学生", "你好", "ROS", "2", *list(TITLES.values())[1:], "总分"]
-    assert row(text, "20230101") == ["20230101", "张三", "7.25", *["✓10×2"] * 6, "67.25"]
-    assert row(text, "李四") == ["李四", "—", "—", "—", "—", "running", "—", "—", "—"]
+    assert row(text, "20230101") == ["20230101", "张三", "7.25", *["✓100×2"] * 6, "607.25"]
+    assert row(text, "李四") == ["李四", "—", "—", "—", "—", "评分中", "—", "—", "—"]
 
 
 def test_assignments_and_queue() -> None:
@@ -77,7 +77,7 @@ def test_assignments_and_queue() -> None:
 def test_a_whole_course_fits_eighty_columns() -> None:
     text = shown(DATA, width=80)
     assert max(cell_len(line) for line in text.split("\n")) <= 80
-    assert row(text, "20230101")[2:] == ["7.25", *["✓10×2"] * 6, "67.25"]
+    assert row(text, "20230101")[2:] == ["7.25", *["✓100×2"] * 6, "607.25"]
 
 
 def test_names_are_escaped() -> None:

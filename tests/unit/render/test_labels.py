@@ -7,11 +7,22 @@ import pytest
 from grader.contracts.outcome import RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
+from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Text
-from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, RUN_STATUS, WORDS, word
+from grader.render.labels import (
+    GRADE_STATUS,
+    ITEM_MARK,
+    ITEM_STATUS,
+    RUN_STATUS,
+    SUBMISSION_STATE,
+    WORDS,
+    word,
+)
 
 STATUSES = {
-    repr(status): text for table in (ITEM_STATUS, GRADE_STATUS, RUN_STATUS) for status, text in table.items()
+    repr(status): text
+    for table in (ITEM_STATUS, GRADE_STATUS, RUN_STATUS, SUBMISSION_STATE)
+    for status, text in table.items()
 }
 ALL = {**WORDS, **STATUSES}
 
@@ -36,6 +47,7 @@ def test_every_status_has_its_words() -> None:
     assert set(ITEM_STATUS) == set(ITEM_MARK) == set(ItemStatus)
     assert set(GRADE_STATUS) == set(GradeStatus)
     assert set(RUN_STATUS) == set(RunStatus)
+    assert set(SUBMISSION_STATE) == set(SubmissionState)
 
 
 def test_marks_differ_without_colour() -> None:
