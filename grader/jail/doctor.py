@@ -18,7 +18,7 @@ from grader.contracts.text import Language, Text
 from grader.jail import landlock, libc
 from grader.jail.box import SHIM_PATH, Proof, Sandbox
 from grader.jail.layers import REQUIRED, Layer, Mode
-from grader.jail.remarks import CANNOT_RUN, LEAVES_OPEN, READY, REDUCED, STATES, TITLES
+from grader.jail.remarks import CANNOT_RUN, COST, LEAVES_OPEN, READY, REDUCED, STATES, TITLES
 
 _TIMED_RUNS: Final = 40
 _BARE: Final = frozenset(Layer) - {Layer.PROCESS, Layer.RLIMITS}
@@ -84,11 +84,7 @@ class Diagnosis:
             if finding.leaves_open.en:
                 lines.append(f"    {finding.leaves_open.get(language)}")
         if self.start_ms is not None and self.bare_start_ms is not None:
-            cost = Text(
-                zh=f"启动一次受限进程 {self.start_ms:.1f} ms（不设限 {self.bare_start_ms:.1f} ms）",
-                en=f"one confined start takes {self.start_ms:.1f} ms ({self.bare_start_ms:.1f} ms unconfined)",
-            )
-            lines += ["", cost.get(language)]
+            lines += ["", COST.get(language).format(self.start_ms, self.bare_start_ms)]
         verdict = (READY, REDUCED, CANNOT_RUN)[self.exit_code].get(language)
         return "\n".join([*lines, "", f"{verdict} {self.error}".rstrip()])
 

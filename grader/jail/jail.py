@@ -10,9 +10,10 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Final, Self
 
-from grader.contracts.errors import SandboxError
+from grader.contracts.errors import ProtocolError, SandboxError
 from grader.contracts.limits import Limits
 from grader.jail import policy
+from grader.jail.frames import FrameReader, pack
 from grader.jail.process import ProcessHandle
 from grader.jail.report import JailReport, Verdict
 from grader.jail.streams import Capture
@@ -20,7 +21,6 @@ from grader.jail.streams import Capture
 _TICK_NS: Final = 5_000_000
 _RECEIVE_BYTES: Final = 65_536
 _BACKLOG_MAX_BYTES: Final = 8 * policy.FRAME_MAX_BYTES
-_HEADER: Final = struct.Struct("<I")
 _TICK_TIMEVAL: Final = struct.pack("@ll", 0, _TICK_NS // 1000)
 
 
@@ -45,10 +45,7 @@ class Jail:
         self._stdout, self._stderr = captures
         self._limits = limits
         self._reap = reap
-        self._buffer = bytearray()
-        self._position = 0
-        self._frames = 0
-        self._received_bytes = 0
+        self._reader = FrameReader()
         self._channel_ended = False
         self._verdict: Verdict | None = None
         self._detail = ""
@@ -78,7 +75,7 @@ class Jail:
 
     def send(self, body: bytes) -> None:
         """Send one frame. When the process has ended, or ends meanwhile, the frame is dropped silently."""
-        data = memoryview(_HEADER.pack(len(body)) + body)
+        data = memoryview(pack(body))
         self._idle_since_ns = None
         while data and self._verdict is None and not self._channel_ended:
             try:
@@ -95,7 +92,11 @@ class Jail:
         Frames that arrived before a limit struck are still returned first.
         """
         while True:
-            frame = self._next_frame()
+            try:
+                frame = self._reader.next()
+            except ProtocolError as error:
+                self._end(Verdict.PROTOCOL, str(error))
+                return None
             if frame is not None:
                 return frame
             if self._verdict is not None:
@@ -110,23 +111,6 @@ class Jail:
         deadline_ns = self._process.cpu_ns() + int(extra_s * 1e9)
         self._cpu_deadline_ns = min(self._cpu_deadline_ns, deadline_ns)
 
-    def _next_frame(self) -> bytes | None:
-        start = self._position + _HEADER.size
-        if len(self._buffer) < start:
-            return None
-        (length,) = _HEADER.unpack_from(self._buffer, self._position)
-        if not 1 <= length <= policy.FRAME_MAX_BYTES:
-            self._end(Verdict.PROTOCOL, f"a frame announced a length of {length} bytes")
-            return None
-        if len(self._buffer) < start + length:
-            return None
-        self._position = start + length
-        self._frames += 1
-        if self._frames > policy.FRAMES_MAX:
-            self._end(Verdict.PROTOCOL, f"more than {policy.FRAMES_MAX} messages were sent")
-            return None
-        return bytes(self._buffer[start : self._position])
-
     def _take(self) -> None:
         """Receive once; look after everything else when there is nothing to receive."""
         try:
@@ -140,18 +124,19 @@ class Jail:
         if not data:
             self._channel_ended = True
             return
-        del self._buffer[: self._position]
-        self._position = 0
-        self._buffer += data
+        self._keep(data)
         self._idle_since_ns = None
-        self._received_bytes += len(data)
-        if self._received_bytes > policy.CHANNEL_MAX_BYTES:
-            self._end(Verdict.PROTOCOL, f"more than {policy.CHANNEL_MAX_BYTES} bytes were sent")
         self._check_clocks()
+
+    def _keep(self, data: bytes) -> None:
+        try:
+            self._reader.feed(data)
+        except ProtocolError as error:
+            self._end(Verdict.PROTOCOL, str(error))
 
     def _take_while_sending(self) -> None:
         """Make room for a process that cannot read because it waits to write."""
-        if len(self._buffer) - self._position > _BACKLOG_MAX_BYTES:
+        if self._reader.pending_bytes > _BACKLOG_MAX_BYTES:
             self._end(Verdict.PROTOCOL, "the script sends without reading what it asked for")
             return
         try:
@@ -159,7 +144,7 @@ class Jail:
         except OSError:
             return
         self._channel_ended = not data
-        self._buffer += data
+        self._keep(data)
 
     # ------------------------------------------------------------------------------------------- limits
 
@@ -262,13 +247,13 @@ class Jail:
             self._poll.poll(1)
             self._drain()
 
-    def _judge(  # noqa: PLR0911 - one return per way to end
+    def _judge(
         self, wait_status: int, ended_itself: bool, cpu_ns: int
     ) -> tuple[Verdict, int | None, str | None, str]:
         if self._verdict is not None:
             return self._verdict, None, None, self._detail
         if os.WIFEXITED(wait_status):
-            if self._channel_ended and len(self._buffer) > self._position:
+            if self._channel_ended and self._reader.pending_bytes:
                 return Verdict.PROTOCOL, os.WEXITSTATUS(wait_status), None, "the last frame is incomplete"
             return Verdict.FINISHED, os.WEXITSTATUS(wait_status), None, ""
         number = os.WTERMSIG(wait_status)

@@ -60,3 +60,8 @@ REDUCED: Final = Text(
     en="Reduced isolation only (best-effort): do not run strangers' code.",
 )
 CANNOT_RUN: Final = Text(zh="无法运行脚本：", en="No script can be run:")
+
+COST: Final = Text(
+    zh="启动一次受限进程 {:.1f} ms（不设限 {:.1f} ms）",
+    en="one confined start takes {:.1f} ms ({:.1f} ms unconfined)",
+)

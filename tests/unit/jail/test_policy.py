@@ -12,7 +12,8 @@ from grader.jail.supervisor import FILTER_DIRECTORY
 
 UNCONDITIONAL = (
     "read readv pread64 preadv write writev pwrite64 lseek close fstat newfstatat statx openat open stat "
-    "lstat access faccessat faccessat2 readlink readlinkat getdents64 getcwd chdir dup dup2 dup3 pipe pipe2 fsync "
+    "lstat access faccessat faccessat2 "
+    " readlink readlinkat getdents64 getcwd chdir dup dup2 dup3 pipe pipe2 fsync "
     "mmap mprotect munmap mremap madvise brk futex rseq set_robust_list set_tid_address exit exit_group "
     "rt_sigaction rt_sigprocmask rt_sigreturn rt_sigpending sigaltstack restart_syscall sched_yield "
     "sched_getaffinity getcpu membarrier clock_gettime clock_getres gettimeofday time times nanosleep "
