@@ -53,7 +53,7 @@ def main() -> None:
     try:
         request, _ = _receive(control)
         layers, entry = _prepare(request)
-    except EOFError:
+    except (EOFError, ConnectionError):  # the supervisor is gone
         return
     except Exception as error:  # whatever it is, the supervisor must hear of it
         _send(control, {"error": f"{type(error).__name__}: {error}"})
@@ -66,7 +66,7 @@ def _serve(control: _socket.socket, layers: Layers, entry: Entry) -> None:
     while True:
         try:
             request, descriptors = _receive(control)
-        except EOFError:
+        except (EOFError, ConnectionError):
             return
         if request["do"] == "reap":
             _send(control, _reap(request["pid"]))
@@ -110,6 +110,7 @@ def _reap(pid: int) -> Json:
 def _prepare(config: Json) -> tuple[Layers, Entry]:
     """Preload what scripts need and build what confinement needs."""
     program = seccomp.read_filter(str(config["filters"])) if config["seccomp"] else None
+    _offer_to_oom_killer()
     separate = bool(config["namespaces"]) and namespaces.enter(config["shown"], config["masked"])
     if sys.platform == "linux":
         libc.prctl(libc.PR_SET_DUMPABLE, 0)
@@ -131,6 +132,15 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
     gc.freeze()
     box_uid: int | None = config["box_uid"]
     return Layers(ruleset, program, box_uid, config["keep_read"] and not separate, separate), entry
+
+
+def _offer_to_oom_killer() -> None:
+    """Make the kernel end a student's process first when the host runs out of memory."""
+    try:
+        with open("/proc/self/oom_score_adj", "w", encoding="ascii") as file:
+            file.write("1000")
+    except OSError:
+        return
 
 
 def _drop_launcher() -> None:

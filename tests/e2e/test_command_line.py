@@ -1,0 +1,94 @@
+"""`grader` as a person at a terminal meets it."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.grading_slot import LESSON, catalog
+
+
+def grader(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "grader", *map(str, arguments)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+
+
+def test_full_marks_end_with_0_and_a_table_in_chinese(tmp_path: Path) -> None:
+    done = grader("check", LESSON / "square_mover.py", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "得分 100 / 100" in done.stdout
+    assert "回到起点" in done.stdout
+    assert not done.stderr
+
+
+def test_less_than_full_marks_ends_with_1_and_the_next_step(tmp_path: Path) -> None:
+    done = grader("check", LESSON / "square_mover.py", "-a", "triangle", "--lang", "en", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "Next step" in done.stdout
+    assert "120°" in done.stdout
+
+
+def test_the_students_own_traceback_and_nothing_else(tmp_path: Path) -> None:
+    script = tmp_path / "square.py"
+    script.write_text("from geometry_msgs.msg import Twist\nmsg = Twist()\nmsg.linear.x = 1\n")
+    done = grader("check", script, "--lang", "en", cwd=tmp_path)
+    assert done.returncode == 1
+    assert "line 3, in <module>" in done.stdout
+    assert "The 'x' field must be of type 'float'" in done.stdout
+    assert "site-packages" not in done.stdout
+    assert str(Path(sys.prefix)) not in done.stdout
+
+
+def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path) -> None:
+    done = grader("check", LESSON / "square_mover.py", "--json", "--plot", "out.png", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    report = json.loads(done.stdout)
+    assert (report["assignment"], report["score"]) == ("square", 100.0)
+    assert (tmp_path / "out.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["check", "missing_square.py"], "missing_square.py: No such file"),
+        (["check", "mystery.py"], "--assignment"),
+        (["check", "mystery.py", "-a", "circle"], "circle"),
+        (["check", "empty_square.py"], "empty"),
+        (["check", "gbk_square.py"], "line 2 contains a byte that is not UTF-8"),
+        (["check", "mystery.py", "-a", "square", "--plot", "out.gif"], ".png or .svg"),
+        (["assignments", "show", "circle"], "circle"),
+        (["check", "mystery.py", "-a", "square", "--assignments", "nowhere"], "nowhere"),
+        (["serve", "--host", "0.0.0.0", "--port", "0"], "reachable from other machines"),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_bad_input_is_one_readable_message_and_2(tmp_path: Path, arguments: list[str], words: str) -> None:
+    (tmp_path / "mystery.py").write_text("print(1)\n")
+    (tmp_path / "empty_square.py").write_text("")
+    (tmp_path / "gbk_square.py").write_bytes("x = 1\ns = '方'\n".encode("gbk"))
+    done = grader(*arguments, cwd=tmp_path)
+    assert done.returncode == 2
+    assert words in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not done.stdout
+
+
+def test_run_shows_logs_timeline_and_end_pose_without_grading(tmp_path: Path) -> None:
+    done = grader("run", LESSON / "square_mover.py", "--lang", "en", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "[INFO] [1700000001.000000000] [square_mover]: 🏁 开始走正方形!" in done.stderr
+    assert "t = 16.123 s" in done.stdout
+
+
+@pytest.mark.parametrize("name", [assignment.id for assignment in catalog().all()])
+def test_the_published_rubric_names_every_item(tmp_path: Path, name: str) -> None:
+    done = grader("assignments", "show", name, "--lang", "en", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert all(item.title.en in done.stdout for item in catalog().get(name).items)
