@@ -30,7 +30,7 @@ def _import_quietly() -> Any:
     try:
         for stream, _ in saved:
             os.dup2(null, stream)
-        import pybullet  # noqa: PLC0415 - the banner is the reason for this function
+        import pybullet
     finally:
         for stream, copy in saved:
             os.dup2(copy, stream)

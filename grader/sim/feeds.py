@@ -31,7 +31,9 @@ class Pen:
 
 
 def fold(angle_rad: float) -> float:
-    """Fold an angle to [-pi, pi), as turtlesim does."""
+    """Fold an angle to [-pi, pi), as turtlesim does; an infinite one is no angle."""
+    if math.isinf(angle_rad):
+        return math.nan
     folded = math.remainder(angle_rad, math.tau)
     return -math.pi if folded >= math.pi else folded
 

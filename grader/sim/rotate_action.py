@@ -95,7 +95,7 @@ class RotateAction:
                 self._publish("feedback", t_ns, feedback)
                 if abs(remaining) < NEAR_RAD:
                     self._end(goal, _SUCCEEDED)
-            turn = 0.0 if self._active is None else TURN_RADPS if remaining >= 0.0 else -TURN_RADPS
+            turn = 0.0 if self._active is None else -TURN_RADPS if remaining < 0.0 else TURN_RADPS
             self._turtle.drive(t_ns, 0.0, turn)
         if self._changed:
             self._announce(t_ns)

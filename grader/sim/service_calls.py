@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Any
 
-from grader.contracts.errors import ProtocolError
+from grader.contracts.errors import AssignmentError, ProtocolError
 from grader.sim.cdr import Values, decode, encode
 from grader.sim.frames import REQUEST_EVENT, Event, Response
 from grader.sim.script_graph import ScriptGraph
@@ -41,11 +41,15 @@ class ServiceResult:
 
 
 class ServiceCalls:
-    """The calls of one episode; sequence numbers are their places in the list, from 1."""
+    """The calls of one episode; sequence numbers are their places in the list, from 1.
+
+    Raises:
+        AssignmentError: a call has an unknown type or values that do not fit it.
+    """
 
     def __init__(self, calls: tuple[ServiceCall, ...], graph: ScriptGraph) -> None:
         self._results = [ServiceResult(call=call) for call in calls]
-        self._requests = [encode(f"{call.type}_Request", call.values) for call in calls]
+        self._requests = [_request(call) for call in calls]
         self._graph = graph
 
     @property
@@ -95,3 +99,10 @@ class ServiceCalls:
                 if identity is not None:
                     ready.append((result, identity))
         return ready
+
+
+def _request(call: ServiceCall) -> bytes:
+    try:
+        return encode(f"{call.type}_Request", call.values)
+    except ProtocolError as error:
+        raise AssignmentError(f"call of {call.service}: {error}") from None

@@ -18,6 +18,7 @@ NODE_NAME: Final = "/turtlesim"
 TWIST: Final = "geometry_msgs/msg/Twist"
 MAX_PENDING: Final = 1_000
 MAX_TURTLES: Final = 100
+FAR_M: Final = 1e6  # as far as a teleport goes in a world without walls
 
 _LOCAL_SERVICES: Final = {
     "/clear": "std_srvs/srv/Empty",
@@ -199,8 +200,10 @@ class TurtleWorld:
 
     def _teleport_relative(self, values: Values, t_ns: int) -> Values:
         x, y, heading = self.turtle.pose_at(t_ns)
-        heading += values["angular"]
-        reach = values["linear"]
+        reach, turn = values["linear"], values["angular"]
+        if not (math.isfinite(reach) and math.isfinite(turn)):
+            return {}
+        heading += turn
         self._jump((x + reach * math.cos(heading), y + reach * math.sin(heading), heading), t_ns)
         return {}
 
@@ -209,7 +212,8 @@ class TurtleWorld:
         if not all(map(math.isfinite, pose)) or not (self.turtle.alive or revive):
             return
         before = self.turtle.pose_at(t_ns)
-        after = (pose[0], pose[1], fold(pose[2]))
+        x, y = (min(max(position, -FAR_M), FAR_M) for position in pose[:2])
+        after = (x, y, fold(pose[2]))
         if revive:
             self.turtle.revive(after)
         else:

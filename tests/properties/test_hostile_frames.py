@@ -39,12 +39,14 @@ TYPES = st.sampled_from(
         "turtlesim/srv/Spawn",
     ]
 )
-TELEPORT = "turtlesim/srv/TeleportAbsolute_Request"
+TELEPORT = "turtlesim/srv/TeleportAbsolute"
+SHIFT = "turtlesim/srv/TeleportRelative"
+GOAL = "turtlesim/action/RotateAbsolute_SendGoal"
 FLOATS32 = st.floats(width=32)
 PAYLOADS = st.one_of(
     st.binary(max_size=30),
     st.builds(jail.twist, FLOATS, FLOATS, FLOATS),
-    st.builds(lambda x, y: encode(TELEPORT, {"x": x, "y": y}), FLOATS32, FLOATS32),
+    st.builds(lambda x, y: encode(f"{TELEPORT}_Request", {"x": x, "y": y}), FLOATS32, FLOATS32),
 )
 FRAMES = st.one_of(
     st.builds(
@@ -69,20 +71,42 @@ OPENING = [
     jail.node(1),
     jail.driver(2),
     jail.entity(3, 3, name="/turtle1/pose", type="turtlesim/msg/Pose"),
-    jail.entity(4, 5, name="/turtle1/teleport_absolute", type="turtlesim/srv/TeleportAbsolute"),
+    jail.entity(4, 5, name="/turtle1/teleport_absolute", type=TELEPORT),
+    jail.entity(5, 5, name="/turtle1/teleport_relative", type=SHIFT),
+    jail.entity(6, 5, name="/turtle1/rotate_absolute/_action/send_goal", type=GOAL),
 ]
+
+
+def timed(identity: int, payloads: st.SearchStrategy[bytes]) -> st.SearchStrategy[tuple[int, bytes]]:
+    make = (
+        jail.publish if identity == 2 else lambda identity, t, payload: jail.request(identity, 1, t, payload)
+    )
+    return st.builds(lambda t, payload: (t, make(identity, t, payload)), TIMES, payloads)
+
+
+def service(type: str, *fields: str) -> st.SearchStrategy[bytes]:
+    return st.builds(
+        lambda values: encode(f"{type}_Request", dict(zip(fields, values, strict=True))),
+        st.tuples(*[FLOATS32] * len(fields)),
+    )
+
+
 ORDERED = st.one_of(
-    st.builds(lambda t, payload: (t, jail.publish(2, t, payload)), TIMES, PAYLOADS),
-    st.builds(lambda t, payload: (t, jail.request(4, 1, t, payload)), TIMES, PAYLOADS),
+    timed(2, PAYLOADS),
+    timed(4, service(TELEPORT, "x", "y", "theta")),
+    timed(4, PAYLOADS),
+    timed(5, service(SHIFT, "linear", "angular")),
+    timed(6, st.builds(lambda theta: encode(f"{GOAL}_Request", {"goal": {"theta": theta}}), FLOATS32)),
+    TIMES.map(lambda t: (t, jail.advance(t))),
 )
 
 
-def play(car: BulletCar, frames: list[bytes]) -> EpisodeResult:
-    spec = EpisodeSpec(world=World(), horizon_ns=HORIZON_NS, source=b"", file_name="a.py")
+def play(car: BulletCar, frames: list[bytes], *, walls: bool = True) -> EpisodeResult:
+    spec = EpisodeSpec(world=World(walls=walls), horizon_ns=HORIZON_NS, source=b"", file_name="a.py")
     return Episode(spec, car).run(FakeLink(frames))
 
 
-def check(result: EpisodeResult) -> None:
+def check(result: EpisodeResult, *, walls: bool = True) -> None:
     path = result.trajectory
     assert len(path) >= 1
     assert (np.diff(path.t_ns) > 0).all()
@@ -90,8 +114,9 @@ def check(result: EpisodeResult) -> None:
     assert result.duration_ns <= HORIZON_NS
     for column in (path.x_m, path.y_m, path.heading_rad, path.v_mps, path.w_radps):
         assert np.isfinite(column).all()
-    assert 0.0 <= path.x_m.min() <= path.x_m.max() <= 499 / 45
-    assert 0.0 <= path.y_m.min() <= path.y_m.max() <= 499 / 45
+    if walls:
+        assert 0.0 <= path.x_m.min() <= path.x_m.max() <= 499 / 45
+        assert 0.0 <= path.y_m.min() <= path.y_m.max() <= 499 / 45
 
 
 @settings(max_examples=150)
@@ -100,14 +125,15 @@ def test_any_frames_make_an_episode(car: BulletCar, frames: list[bytes]) -> None
     check(play(car, frames))
 
 
-@settings(max_examples=100)
-@given(st.lists(ORDERED, max_size=12))
+@settings(max_examples=200)
+@given(st.lists(ORDERED, max_size=12), st.booleans())
 def test_any_commands_and_requests_make_the_same_episode_twice(
-    car: BulletCar, timed: list[tuple[int, bytes]]
+    car: BulletCar, timed: list[tuple[int, bytes]], walls: bool
 ) -> None:
-    frames = [*OPENING, *[body for _, body in sorted(timed)], jail.ended(SECOND)]
-    first, second = play(car, frames), play(car, frames)
-    check(first)
+    in_order = [body for _, body in sorted(timed, key=lambda item: item[0])]
+    frames = [*OPENING, *in_order, jail.ended(SECOND)]
+    first, second = play(car, frames, walls=walls), play(car, frames, walls=walls)
+    check(first, walls=walls)
     assert first.violation == second.violation
     assert first.notes == second.notes
     for name in ("t_ns", "x_m", "y_m", "heading_rad", "v_mps", "w_radps"):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from grader.contracts.assignment import StartPose, World
+from grader.contracts.errors import AssignmentError
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
@@ -359,6 +360,12 @@ def test_an_assignment_calls_the_scripts_service(car: BulletCar) -> None:
     assert (flag.sent_ns, flag.answered_ns) == (SECOND, SECOND + 5)
     assert flag.values == {"success": True, "message": "好"}
     assert (missing.sent_ns, missing.values) == (None, None)
+
+
+def test_a_call_that_does_not_fit_its_type_is_the_assignments_fault(car: BulletCar) -> None:
+    call = ServiceCall(at_ns=0, service="/flag", type="std_srvs/srv/SetBool", values={"colour": 1})
+    with pytest.raises(AssignmentError, match=r"/flag.*colour"):
+        play(car, [], calls=(call,))
 
 
 def test_resting_costs_no_steps_and_few_samples(car: BulletCar) -> None:
