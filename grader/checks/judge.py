@@ -64,7 +64,9 @@ def _judged(check: Check, spec: ItemSpec, blank: RubricItem, findings: Findings)
         blank,
         earned=earned,
         status=credit.status(earned, part),
-        measured=round(measure.value, 4) if math.isfinite(measure.value) else None,
+        measured=round(measure.value, 4) + 0.0
+        if math.isfinite(measure.value)
+        else None,  # + 0.0: no minus zero
         message=_seen(check, spec, measure),
         hint=EMPTY if part >= 1.0 else _hint(check, spec, findings.mistakes),
     )

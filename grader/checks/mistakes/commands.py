@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 from grader.checks.drive import COMMAND_TIMEOUT_NS, is_motion
 from grader.checks.measure import Mistake
+from grader.checks.mistakes.script import noted
 from grader.checks.quantity import number
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
 from grader.contracts.trajectory import Trajectory
@@ -22,6 +23,8 @@ def command_mistakes(run: Run, topic: str) -> tuple[Mistake, ...]:
         return _silence(outcome, topic)
     if outcome.nonfinite_commands:
         return (_mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
+    if noted(outcome, "lateral_command") is not None:
+        return (_mistake("sideways"),)
     commands = run.trajectory.commands
     if commands and not any(is_motion(command) for command in commands):
         return (_mistake("zero_commands"),)
@@ -38,17 +41,21 @@ def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
     right = [publisher for publisher in publishers if publisher.name == topic]
     twists = [publisher for publisher in publishers if publisher.type == TWIST]
     if set(right) & set(twists):
-        return _unused_publisher(outcome)
+        return _unused_publisher(outcome, topic)
     if right:
         return (_mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
     if publishers:
         return (_mistake("wrong_topic", used=_names(twists or publishers), topic=topic),)
     if outcome.status not in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         return ()
+    if (call := noted(outcome, "forbidden")) is not None:
+        return (_mistake("forbidden", detail=call),)
     return (_mistake("no_publisher", topic=topic) if outcome.nodes else _mistake("nothing_ran"),)
 
 
-def _unused_publisher(outcome: RunOutcome) -> tuple[Mistake, ...]:
+def _unused_publisher(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
+    if noted(outcome, "incompatible_qos") == topic:
+        return (_mistake("incompatible_qos", topic=topic),)
     if outcome.status is RunStatus.FINISHED:
         return (_mistake("never_spun", ended=number(outcome.duration_ns / 1e9, "s")),)
     if outcome.status is RunStatus.INTERRUPTED:

@@ -9,6 +9,7 @@ from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import number
 from grader.contracts.verdict import Run
+from grader.geometry.segmentation import segment
 from grader.messages import say
 
 FULL_TURN_DEG = 355.0
@@ -26,16 +27,23 @@ def rotation_mistakes(
         return tuple(found)
     turned = measures.get("turned_deg", UNMEASURED).value
     drift = measures.get("drift_m", UNMEASURED).value
-    if drift > STRAYED_M and turned > MIN_TURN_DEG:
-        radius_m = float(drive.path.along_m[-1]) / math.radians(turned)
-        text = say("mistake.circling", radius=number(radius_m, "m"), drift=number(drift, "m"))
-        found.append(Mistake("circling", text, ("drift_m",)))
-    elif drift > STRAYED_M:
-        found.append(Mistake("only_drove", say("mistake.only_drove", distance=number(drift, "m"))))
+    if drift > STRAYED_M:
+        found.append(_strayed(turned, drift, drive))
     found += command_mistakes(run, topic)
     if MIN_TURN_DEG < turned < FULL_TURN_DEG:
         found += _short_turn(turned, drive)
     return tuple(found)
+
+
+def _strayed(turned: float, drift: float, drive: Drive) -> Mistake:
+    """Say how the car left its place: without turning, on straight runs, or in a circle."""
+    distance = number(drift, "m")
+    if not turned > MIN_TURN_DEG:
+        return Mistake("only_drove", say("mistake.only_drove", distance=distance))
+    if segment(drive.path).runs:
+        return Mistake("left_place", say("mistake.left_place", drift=distance), ("drift_m",))
+    radius = number(float(drive.path.along_m[-1]) / math.radians(turned), "m")
+    return Mistake("circling", say("mistake.circling", radius=radius, drift=distance), ("drift_m",))
 
 
 def _short_turn(turned: float, drive: Drive) -> Iterator[Mistake]:

@@ -22,7 +22,7 @@ _ENDINGS = {
 
 
 def script_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
-    """Return the mistake that ended the script before its time, if any."""
+    """Return the mistake that ended the script, or one of its threads, before its time, if any."""
     if outcome.status is RunStatus.CRASHED:
         return (_crash(outcome),)
     if outcome.status in _ENDINGS:
@@ -31,7 +31,14 @@ def script_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
         problem = outcome.error.message if outcome.error is not None else ""
         text = say(f"mistake.{code}", line=line or "?", problem=problem, detail=outcome.detail)
         return (Mistake(code, text),)
+    if (thread := noted(outcome, "thread_exception")) is not None:
+        return (Mistake("thread_crashed", say("mistake.thread_crashed", detail=thread)),)
     return ()
+
+
+def noted(outcome: RunOutcome, code: str) -> str | None:
+    """Return the text of the first note of that code, or None."""
+    return next((note.text for note in outcome.notes if note.code == code), None)
 
 
 def _crash(outcome: RunOutcome) -> Mistake:

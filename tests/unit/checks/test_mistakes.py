@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from grader.checks import evaluate, mistakes
-from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
+from grader.contracts.outcome import Endpoint, Note, RunOutcome, RunStatus, StudentError
 from grader.contracts.trajectory import Command, Trajectory
 from grader.contracts.verdict import Run, Verdict
 from tests.unit.checks.ideal_turtle import drive, outcome_of, polygon_legs, run_of
@@ -99,6 +99,27 @@ def test_silence(status: RunStatus, changes: dict[str, object], code: str, word:
     assert verdict.mistakes == (code,)
     assert word in verdict.hint.zh
     assert word in verdict.hint.en
+
+
+@pytest.mark.parametrize(
+    ("note", "changes", "code"),
+    [
+        (Note(code="thread_exception", text="Thread-1, line 9: boom"), {}, "thread_crashed"),
+        (Note(code="forbidden", text="os.system: ros2"), {}, "forbidden"),
+        (
+            Note(code="incompatible_qos", text="/turtle1/cmd_vel"),
+            {"endpoints": (publisher(),)},
+            "incompatible_qos",
+        ),
+    ],
+)
+def test_notes(note: Note, changes: dict[str, object], code: str) -> None:
+    verdict = silent(notes=(note,), **changes)
+    assert verdict.mistakes[0] == code
+
+
+def test_sideways() -> None:
+    assert graded("square", AT_REST, notes=(Note(code="lateral_command"),)).mistakes == ("sideways",)
 
 
 def test_zero_and_infinite_commands() -> None:

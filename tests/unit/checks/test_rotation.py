@@ -7,7 +7,7 @@ import pytest
 from grader.checks import sketch
 from grader.contracts.outcome import RunStatus
 from grader.contracts.rubric import ItemStatus
-from tests.unit.checks.ideal_turtle import drive, run_of
+from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
 
 FULL_S = 2 * math.pi
@@ -44,6 +44,12 @@ def test_a_circle_turns_but_does_not_stay() -> None:
     assert item(verdict, "place").status is ItemStatus.FAILED
     assert verdict.mistakes == ("circling",)
     assert "1 m" in verdict.hint.en
+
+
+def test_driving_away_besides_turning() -> None:
+    verdict = graded("spin", drive(polygon_legs(4)))
+    assert verdict.mistakes == ("left_place",)
+    assert item(verdict, "place").status is ItemStatus.FAILED
 
 
 def test_straight_on_is_no_turn() -> None:
