@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from grader.contracts.outcome import RunStatus
+from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language, Text
@@ -74,6 +74,34 @@ WALL: Mapping[str, Text] = {
     "bottom": _t("下墙", "the bottom wall"),
 }
 
+NOTES: Mapping[str, Text] = {
+    "wall": _t("小车撞到了{text}", "the car touched {text}"),
+    "lateral_command": _t(
+        "速度命令里有 linear.y,这辆车不能横着走,已忽略",
+        "some commands set linear.y, which this car cannot follow: ignored",
+    ),
+    "clamped_command": _t(
+        "有速度命令超过了小车的极限,按极限执行", "some commands exceeded what the car can do and were clamped"
+    ),
+    "type_mismatch": _t(
+        "{text} 上的消息类型不对,连接不上", "the message type on {text} is a different one: not connected"
+    ),
+    "incompatible_qos": _t(
+        "{text} 的 QoS 不兼容,连接不上", "the QoS on {text} is incompatible: not connected"
+    ),
+    "unreadable_message": _t("{text} 上有读不懂的消息,已丢弃", "unreadable messages on {text} were dropped"),
+    "too_many_requests": _t(
+        "对 {text} 的请求太多,已丢弃一部分", "too many requests to {text}: some were dropped"
+    ),
+    "discovery": _t(
+        "{text} 的发布者刚创建就发消息,真机上最早的几条可能丢失",
+        "{text} was published to right after creation; on a real robot the first messages may be lost",
+    ),
+    "thread_exception": _t("线程出错:{text}", "a thread failed: {text}"),
+    "forbidden": _t("不允许的操作:{text}", "not allowed: {text}"),
+}
+"""Notes of a run by their code (see `grader.contracts.outcome.Note`)."""
+
 WORDS: Mapping[str, Text] = {
     "score": _t("得分", "Score"),
     "full_marks": _t("满分", "full marks"),
@@ -140,6 +168,15 @@ WORDS: Mapping[str, Text] = {
     "running": _t("节点运行中", "script running"),
     "more_logs": _t("… 另有 {count} 条日志", "… {count} more log messages"),
 }
+
+
+def note_sentence(note: Note, language: Language) -> str:
+    """Return what a note says; its raw text, not yet escaped, when the code is not known."""
+    known = NOTES.get(note.code)
+    if known is None:
+        return note.text or note.code
+    wall = WALL.get(note.text) if note.code == "wall" else None
+    return known.get(language).format(text=wall.get(language) if wall else note.text)
 
 
 def word(key: str, language: Language, **values: object) -> str:

@@ -22,7 +22,7 @@ from grader.contracts.text import Language
 from grader.contracts.text import Text as Sentence
 from grader.render import quantity
 from grader.render.escape import visible, visible_line
-from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, LOG_LEVEL, word
+from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, LOG_LEVEL, note_sentence, word
 
 _STYLE = {
     ItemStatus.PASSED: "green",
@@ -179,7 +179,7 @@ def _run_notes(outcome: RunOutcome, language: Language) -> Iterator[str]:
     if outcome.nonfinite_commands:
         yield word("nonfinite", language, count=outcome.nonfinite_commands)
     for note in outcome.notes:
-        yield visible(note.text or note.code)
+        yield visible(note_sentence(note, language))
 
 
 def _in_short(error: StudentError, language: Language) -> str:

@@ -4,7 +4,7 @@ from string import Formatter
 
 import pytest
 
-from grader.contracts.outcome import RunStatus
+from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
@@ -13,9 +13,11 @@ from grader.render.labels import (
     GRADE_STATUS,
     ITEM_MARK,
     ITEM_STATUS,
+    NOTES,
     RUN_STATUS,
     SUBMISSION_STATE,
     WORDS,
+    note_sentence,
     word,
 )
 
@@ -24,7 +26,7 @@ STATUSES = {
     for table in (ITEM_STATUS, GRADE_STATUS, RUN_STATUS, SUBMISSION_STATE)
     for status, text in table.items()
 }
-ALL = {**WORDS, **STATUSES}
+ALL = {**WORDS, **NOTES, **STATUSES}
 
 
 def fields(sentence: str) -> set[str | None]:
@@ -52,6 +54,20 @@ def test_every_status_has_its_words() -> None:
 
 def test_marks_differ_without_colour() -> None:
     assert len(set(ITEM_MARK.values())) == len(ItemStatus)
+
+
+@pytest.mark.parametrize(
+    ("note", "zh"),
+    [
+        (Note(code="wall", text="right"), "小车撞到了右墙"),
+        (Note(code="type_mismatch", text="/turtle1/cmd_vel"), "/turtle1/cmd_vel 上的消息类型不对,连接不上"),
+        (Note(code="forbidden", text="{0} {evil}"), "不允许的操作:{0} {evil}"),
+        (Note(code="new_code", text="said so"), "said so"),
+        (Note(code="new_code"), "new_code"),
+    ],
+)
+def test_notes(note: Note, zh: str) -> None:
+    assert note_sentence(note, "zh") == zh
 
 
 def test_values_are_filled_in() -> None:
