@@ -60,11 +60,11 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     drive = drive_of(run, until_contact=True)
     if drive is None or drive.path.extent_m < 0.01:
         return FigureSketch()
-    path = drive.path
-    start, end = (float(path.x_m[0]), float(path.y_m[0])), (float(path.x_m[-1]), float(path.y_m[-1]))
+    trajectory, last = run.trajectory, len(drive.path) - 1
+    start, end = ((float(trajectory.x_m[i]), float(trajectory.y_m[i])) for i in (0, last))
     length_m = math.dist(start, end)
     sign = -1.0 if assignment.options["direction"] == "backward" else 1.0
-    heading = float(path.heading_rad[0])
+    heading = float(trajectory.heading_rad[0])
     goal = (start[0] + sign * length_m * math.cos(heading), start[1] + sign * length_m * math.sin(heading))
     return FigureSketch(
         view="path",

@@ -96,7 +96,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     driven = driven_polygon(run)
     if driven is None or driven.figure is None:
         return FigureSketch()
-    return polygon_sketch(assignment, driven.drive, driven.figure)
+    return polygon_sketch(assignment, run.trajectory, driven.figure)
 
 
 def _problem_with_sides(value: Option) -> str | None:

@@ -5,23 +5,26 @@ import math
 
 import numpy as np
 
-from grader.checks.drive import Drive
 from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
+from grader.contracts.trajectory import Trajectory
 from grader.geometry.figure import PolygonFigure
 
 
-def polygon_sketch(assignment: Assignment, drive: Drive, figure: PolygonFigure) -> FigureSketch:
-    """Return sides, corners and gap with their verdicts, and the wanted figure fitted to the driven one."""
+def polygon_sketch(assignment: Assignment, trajectory: Trajectory, figure: PolygonFigure) -> FigureSketch:
+    """Return sides, corners and gap with their verdicts, and the wanted figure fitted to the driven one.
+
+    Points are where the car was recorded, so that they lie on the drawn path even after a teleport.
+    """
     count = int(assignment.options["sides"])
-    points = [(float(drive.path.x_m[i]), float(drive.path.y_m[i])) for i in figure.vertices]
+    points = [_point(trajectory, i) for i in figure.vertices]
     return FigureSketch(
         view="path",
         sides=_sides(points, figure, _band(assignment, "side_spread_pct")),
         corners=_corners(points, figure, _band(assignment, "corner_deg")),
         ideal_m=ideal_polygon(points, figure, count),
-        gap=_gap(drive, figure, _band(assignment, "gap_pct")),
-        end_ns=int(drive.t_ns[figure.end]),
+        gap=_gap(trajectory, figure, _band(assignment, "gap_pct")),
+        end_ns=int(trajectory.t_ns[figure.end]),
     )
 
 
@@ -54,17 +57,20 @@ def _corners(points: list[Point], figure: PolygonFigure, band: ItemSpec | None) 
     return tuple(corners)
 
 
-def _gap(drive: Drive, figure: PolygonFigure, band: ItemSpec | None) -> SketchSide:
-    path, start = drive.path, figure.vertices[0]
+def _gap(trajectory: Trajectory, figure: PolygonFigure, band: ItemSpec | None) -> SketchSide:
     ok = None
     if band is not None and band.high is not None:
         ok = 100.0 * figure.gap_m <= band.high * figure.perimeter_m
     return SketchSide(
-        start_m=(float(path.x_m[start]), float(path.y_m[start])),
-        end_m=(float(path.x_m[figure.end]), float(path.y_m[figure.end])),
+        start_m=_point(trajectory, figure.vertices[0]),
+        end_m=_point(trajectory, figure.end),
         length_m=figure.gap_m,
         ok=ok,
     )
+
+
+def _point(trajectory: Trajectory, index: int) -> Point:
+    return float(trajectory.x_m[index]), float(trajectory.y_m[index])
 
 
 def ideal_polygon(points: list[Point], figure: PolygonFigure, count: int) -> tuple[Point, ...]:
@@ -77,7 +83,8 @@ def ideal_polygon(points: list[Point], figure: PolygonFigure, count: int) -> tup
         return ()
     sense = -1.0 if sum(figure.corners_rad) < 0.0 else 1.0
     unit = np.exp(1j * sense * 2.0 * math.pi * np.arange(count) / count)
-    driven = np.array([complex(*point) for point in points[:-1]])
+    begun_in_a_side = len(points) == len(figure.sides_m) + 2  # then start and end are no vertices
+    driven = np.array([complex(*point) for point in (points[1:-1] if begun_in_a_side else points[:-1])])
     if len(driven) == count:
         centre = complex(np.mean(driven))
         scale = complex(np.vdot(unit, driven - centre) / count)

@@ -210,6 +210,15 @@ def test_the_fitted_figure_lies_on_a_right_one() -> None:
         assert math.dist(wanted, side.start_m) < 0.02
 
 
+def test_the_fitted_figure_of_one_begun_in_the_middle_of_a_side() -> None:
+    turn: Leg = (math.pi / 2, 0.0, 1.0)
+    legs = [(1.0, 1.0, 0.0), turn, *[(2.0, 1.0, 0.0), turn] * 3, (1.0, 1.0, 0.0)]
+    shown = sketch(assignment("square"), run_of(drive(legs)))
+    assert len(shown.sides) == 5
+    assert math.dist(shown.ideal_m[0], shown.ideal_m[1]) == pytest.approx(2.0, abs=0.02)
+    assert math.dist(shown.ideal_m[0], shown.sides[0].end_m) < 0.02
+
+
 def test_a_wall_is_named() -> None:
     trajectory = drive(polygon_legs(4, 7.0))
     touched = type(trajectory)(
