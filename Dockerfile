@@ -1,6 +1,6 @@
 # The grading service in an ordinary unprivileged container (default seccomp profile, no added capabilities).
 # Build:  docker build -t grader .
-# Run:    docker run --rm --read-only --tmpfs /tmp --init -p 127.0.0.1:8000:8000 -v grader-data:/data \
+# Run:    docker run --rm --read-only --tmpfs /tmp --init -p 127.0.0.1:8080:8080 -v grader-data:/data \
 #             --memory 2g --pids-limit 512 --security-opt no-new-privileges grader
 FROM python:3.11-slim-bookworm AS build
 WORKDIR /src
@@ -22,8 +22,8 @@ USER 1000
 WORKDIR /data
 ENV PATH=/opt/grader/bin:$PATH PYTHONDONTWRITEBYTECODE=1
 VOLUME /data
-EXPOSE 8000
+EXPOSE 8080
 HEALTHCHECK --interval=10s --timeout=5s --start-period=20s \
-    CMD ["python", "-c", "import urllib.request as u; u.urlopen('http://127.0.0.1:8000/healthz', timeout=4)"]
+    CMD ["python", "-c", "import urllib.request as u; u.urlopen('http://127.0.0.1:8080/healthz', timeout=4)"]
 ENTRYPOINT ["grader"]
 CMD ["serve", "--host", "0.0.0.0", "--data", "/data"]
