@@ -5,10 +5,11 @@
         assert run.stdout == "1700000001.000001\n"
         assert run.exit["t_ns"] == 1_000_001_000
 
-The script runs in a fresh isolated `python -s -P -S` (`-I` would ignore PYTHONHASHSEED) with nothing but the shim on its path; the test is the episode at
-the other end of the channel. Everything is virtual, so times compare exactly.
+The script runs in a fresh interpreter, isolated as in the jail (`-s -P -S`; `-I` would ignore PYTHONHASHSEED),
+with nothing but the shim on its path; the test is the episode at the other end of the channel. Everything is virtual, so times compare exactly.
 """
 
+import contextlib
 import json
 import os
 import socket
@@ -67,7 +68,8 @@ class Run:
     @property
     def exit(self) -> dict[str, Any]:
         """Return the fields of EXIT, which must be there and be the last frame."""
-        assert self.frames and self.frames[-1]["kind"] == "EXIT", self.stderr
+        assert self.frames, self.stderr
+        assert self.frames[-1]["kind"] == "EXIT", self.stderr
         return self.frames[-1]
 
     @property
@@ -115,7 +117,13 @@ def decode(body: bytes) -> dict[str, Any]:
     r = Reader(body)
     kind = r.take("B")
     if kind == 0x10:
-        frame = {"kind": "ENTITY", "id": r.take("H"), "what": r.take("B"), "t_ns": r.take("q"), "node": r.text()}
+        frame = {
+            "kind": "ENTITY",
+            "id": r.take("H"),
+            "what": r.take("B"),
+            "t_ns": r.take("q"),
+            "node": r.text(),
+        }
         frame |= {"name": r.text(), "type": r.text(), "reliability": r.take("B"), "durability": r.take("B")}
         frame |= {"depth": r.take("H")}
     elif kind == 0x11:
@@ -123,7 +131,11 @@ def decode(body: bytes) -> dict[str, Any]:
     elif kind == 0x12:
         frame = {"kind": "PUBLISH", "id": r.take("H"), "t_ns": r.take("q"), "cdr": r.rest()}
     elif kind in (0x13, 0x14):
-        frame = {"kind": "REQUEST" if kind == 0x13 else "RESPONSE", "id": r.take("H"), "sequence": r.take("I")}
+        frame = {
+            "kind": "REQUEST" if kind == 0x13 else "RESPONSE",
+            "id": r.take("H"),
+            "sequence": r.take("I"),
+        }
         frame |= {"t_ns": r.take("q"), "cdr": r.rest()}
     elif kind == 0x15:
         frame = {"kind": "ADVANCE", "t_ns": r.take("q")}
@@ -170,7 +182,9 @@ class Episode:
             self.responses.append((when, frame["id"], frame["sequence"], service(frame["cdr"])))
 
     def answer(self, target_ns: int) -> bytes:
-        instants = [t for t, *_ in self.due if t <= target_ns] + [t for t, *_ in self.responses if t <= target_ns]
+        instants = [t for t, *_ in self.due if t <= target_ns] + [
+            t for t, *_ in self.responses if t <= target_ns
+        ]
         now_ns = min(instants, default=target_ns)
         events = b""
         count = 0
@@ -245,10 +259,8 @@ def run_script_text(
             )
         reader = threading.Thread(target=episode.serve)
         reader.start()
-        try:
+        with contextlib.suppress(OSError):  # a child that died early tells why on stderr
             ours.sendall(struct.pack("<I", len(body)) + body)
-        except OSError:
-            pass  # the child died early; its stderr tells why
         try:
             episode.run.returncode = child.wait(HANG_S)
         finally:

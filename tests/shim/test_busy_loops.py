@@ -7,7 +7,10 @@ import pytest
 
 RunScript = Callable[..., Any]
 CLOCK = "import threading, time\ndef now(): return round(time.time() - 1.7e9, 2)\n"
-SET_LATER = "done = False\ndef later():\n    global done\n    time.sleep(2)\n    done = True\n    print('set', now())\n"
+SET_LATER = (
+    "done = False\ndef later():\n    global done\n"
+    "    time.sleep(2)\n    done = True\n    print('set', now())\n"
+)
 
 
 @pytest.mark.parametrize(
@@ -25,7 +28,9 @@ SET_LATER = "done = False\ndef later():\n    global done\n    time.sleep(2)\n   
     ],
 )
 def test_a_loop_on_a_flag_ends_when_another_thread_sets_it(run_bare: RunScript, loop: str) -> None:
-    run = run_bare(CLOCK + SET_LATER + f"t = threading.Thread(target=later)\nt.start()\n{loop}\nprint('seen', now())\n")
+    run = run_bare(
+        CLOCK + SET_LATER + f"t = threading.Thread(target=later)\nt.start()\n{loop}\nprint('seen', now())\n"
+    )
     assert run.stdout.splitlines()[0] == "set 2.0"
     assert run.stdout.splitlines()[1] in ("seen 2.0", "seen 2.01")
 
@@ -65,7 +70,8 @@ def test_a_loop_that_computes_takes_no_time_when_alone(run_bare: RunScript) -> N
 
 def test_a_loop_that_blocks_costs_no_extra_time_beside_threads(run_bare: RunScript) -> None:
     run = run_bare(
-        CLOCK + "threading.Thread(target=threading.Event().wait, daemon=True).start()\nn = 0\nstart = time.time_ns()\n"
+        CLOCK
+        + "threading.Thread(target=threading.Event().wait, daemon=True).start()\nn = 0\nstart = time.time_ns()\n"
         "while n < 3000:\n    n += 1\n    time.sleep(0.01)\nprint(time.time_ns() - start)\n"
     )
     assert run.stdout == "30000001000\n"

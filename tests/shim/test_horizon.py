@@ -75,7 +75,8 @@ def test_replacing_the_handler_replaces_what_rclpy_does(run_bare: RunScript) -> 
 
 def test_ignoring_ctrl_c_for_ever_is_ended(run_bare: RunScript) -> None:
     run = run_bare(
-        "import time\nwhile True:\n    try: time.sleep(1)\n    except KeyboardInterrupt: print('no')\n", horizon_s=5
+        "import time\nwhile True:\n    try: time.sleep(1)\n    except KeyboardInterrupt: print('no')\n",
+        horizon_s=5,
     )
     assert run.stdout == "no\nno\n"
     end = run.exit
@@ -134,7 +135,7 @@ def test_a_stall_names_each_thread_its_line_and_its_call(run_bare: RunScript) ->
     ("source", "text"),
     [
         ("import threading\nthreading.Event().wait()", "main thread, line 2: Event.wait() waits for ever"),
-        ("import threading\nl = threading.Lock()\nwith l:\n    with l: pass", "line 4: Lock.__enter__()"),
+        ("import threading as t\nl = t.Lock()\nwith l:\n    with l: pass", "line 4: Lock.__enter__()"),
         (
             "import threading\na, b = threading.Lock(), threading.Lock()\ndef f():\n    with b:\n        e.wait(1)\n"
             "        a.acquire()\ne = threading.Event()\nthreading.Thread(target=f, name='f').start()\nwith a:\n"

@@ -22,7 +22,11 @@ def test_one_seed_one_outcome(run_bare: RunScript, preload: tuple[str, ...]) -> 
     assert first.stderr == ""
     other = run_bare(SOURCE, seed=2, preload=preload)
     assert first.stdout.splitlines()[0] != other.stdout.splitlines()[0]
-    assert first.stdout.splitlines()[-1] == other.stdout.splitlines()[-1] == "0.32383276483316237 0.32383276483316237 2"
+    assert (
+        first.stdout.splitlines()[-1]
+        == other.stdout.splitlines()[-1]
+        == "0.32383276483316237 0.32383276483316237 2"
+    )
 
 
 def test_reseeding_without_argument_is_repeatable(run_bare: RunScript) -> None:

@@ -87,7 +87,12 @@ def test_a_traceback_shows_the_students_frames_and_every_cause(run_bare: RunScri
 def test_a_syntax_error_is_reported_as_python_does(run_bare: RunScript) -> None:
     run = run_bare("x = 1\nprint('a'\ny = 2\n")
     end = run.exit
-    assert (end["reason"], end["type"], end["line"], end["message"]) == (3, "SyntaxError", 2, "'(' was never closed")
+    assert (end["reason"], end["type"], end["line"], end["message"]) == (
+        3,
+        "SyntaxError",
+        2,
+        "'(' was never closed",
+    )
     assert run.stderr == (
         "  File \"student.py\", line 2\n    print('a'\n         ^\nSyntaxError: '(' was never closed\n"
     )
@@ -116,7 +121,9 @@ def test_a_compiler_error_shows_its_line(run_bare: RunScript) -> None:
 
 
 def test_chinese_text_comes_out_as_utf8_whatever_the_source_is_in(run_bare: RunScript) -> None:
-    run = run_bare("# -*- coding: gbk -*-\nprint('正方形 🎉'[:3])\n1/0 # 错\n".replace("🎉", "圆").encode("gbk"))
+    run = run_bare(
+        "# -*- coding: gbk -*-\nprint('正方形 🎉'[:3])\n1/0 # 错\n".replace("🎉", "圆").encode("gbk")
+    )
     assert run.stdout == "正方形\n"
     assert "1/0 # 错" in run.stderr
 

@@ -16,9 +16,12 @@ def lines(run: Any) -> list[str]:
 
 
 @pytest.mark.parametrize("preload", [(), ("signal",)])
-def test_alarm_interrupts_a_sleep_and_the_sleep_goes_on(run_bare: RunScript, preload: tuple[str, ...]) -> None:
+def test_alarm_interrupts_a_sleep_and_the_sleep_goes_on(
+    run_bare: RunScript, preload: tuple[str, ...]
+) -> None:
     run = run_bare(
-        CLOCK + "signal.signal(signal.SIGALRM, lambda n, f: print('alarm', n == signal.SIGALRM, f.f_lineno, now()))\n"
+        CLOCK
+        + "signal.signal(signal.SIGALRM, lambda n, f: print('alarm', n == signal.SIGALRM, f.f_lineno, now()))\n"
         "print(signal.alarm(2), signal.alarm(3))\ntime.sleep(5)\nprint(now())\n",
         preload=preload,
     )

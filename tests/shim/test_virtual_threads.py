@@ -182,7 +182,8 @@ def test_a_thread_may_join_the_main_thread(run_bare: RunScript) -> None:
 
 def test_threads_started_while_others_are_blocked(run_bare: RunScript) -> None:
     run = run_bare(
-        CLOCK + "def outer():\n    time.sleep(1)\n    t = threading.Thread(target=inner); t.start(); t.join()\n"
+        CLOCK
+        + "def outer():\n    time.sleep(1)\n    t = threading.Thread(target=inner); t.start(); t.join()\n"
         "    print('outer', now())\ndef inner():\n    time.sleep(1)\n    print('inner', now())\n"
         "t = threading.Thread(target=outer); t.start()\ntime.sleep(1.5)\nprint('main', now())\nt.join()\n"
     )
@@ -237,7 +238,8 @@ def test_a_run_with_many_threads_is_repeatable(run_bare: RunScript) -> None:
 
 def test_logging_and_imports_work_in_threads(run_bare: RunScript) -> None:
     run = run_bare(
-        CLOCK + "import logging, sys\nlogging.basicConfig(stream=sys.stdout, format='%(relativeCreated)d %(message)s')\n"
+        CLOCK
+        + "import logging, sys\nlogging.basicConfig(stream=sys.stdout, format='%(relativeCreated)d %(message)s')\n"
         "class Slow(logging.Handler):\n    def emit(self, record): time.sleep(1)\n"
         "logging.getLogger().addHandler(Slow())\n"
         "def work(n):\n    import json, decimal\n    logging.warning('%s', n)\n"

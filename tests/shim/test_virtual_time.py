@@ -47,7 +47,8 @@ def test_sleep_refuses_what_python_refuses(run_bare: RunScript, argument: str, e
 
 
 @pytest.mark.parametrize(
-    ("argument", "ns"), [("True", S), ("0.07", 70_000_000), ("0.3", 300_000_000), ("1e-9", 50_000), ("0", 1_000)]
+    ("argument", "ns"),
+    [("True", S), ("0.07", 70_000_000), ("0.3", 300_000_000), ("1e-9", 50_000), ("0", 1_000)],
 )
 def test_sleep_rounds_to_whole_nanoseconds(run_bare: RunScript, argument: str, ns: int) -> None:
     assert run_bare(f"import time\ntime.sleep({argument})\n").exit["t_ns"] == ns

@@ -99,7 +99,9 @@ class Link:
         """
         ident = self._next_id
         if ident > MAX_ENTITIES:
-            raise RuntimeError(f"more than {MAX_ENTITIES} nodes, publishers, subscriptions, services and clients")
+            raise RuntimeError(
+                f"more than {MAX_ENTITIES} nodes, publishers, subscriptions, services and clients"
+            )
         self._next_id += 1
         quality = (1 if reliable else 2, 1 if transient else 2, depth)
         self._send(_wire.entity(ident, _WHAT[what], self._kernel.now_ns, (node, name, type), quality))

@@ -7,11 +7,11 @@ since threads switch only in the kernel. Each turn of a `while` loop therefore b
 
 import _ast
 from types import CodeType
+from typing import Any
 
 CHECKPOINT = "__while_checkpoint__"
 """Name of the function called; the runner puts it among the builtins."""
 
-_PyCF_ONLY_AST = 0x400
 _BODIES = ("body", "orelse", "finalbody", "handlers", "cases")
 
 
@@ -24,7 +24,7 @@ def compile_script(source: bytes, file_name: str) -> CodeType:
     if b"while" not in source:
         return _compile(source, file_name)
     try:
-        tree = compile(source, file_name, "exec", _PyCF_ONLY_AST, dont_inherit=True)
+        tree: Any = compile(source, file_name, "exec", _ast.PyCF_ONLY_AST, dont_inherit=True)
         _mark(tree)
         return _compile(tree, file_name)
     except RecursionError:
@@ -32,9 +32,8 @@ def compile_script(source: bytes, file_name: str) -> CodeType:
         return _compile(source, file_name)
 
 
-def _compile(source: bytes | _ast.AST, file_name: str) -> CodeType:
-    code: CodeType = compile(source, file_name, "exec", dont_inherit=True)  # type: ignore[call-overload]
-    return code
+def _compile(source: bytes | _ast.Module, file_name: str) -> CodeType:
+    return compile(source, file_name, "exec", dont_inherit=True)
 
 
 def _mark(tree: _ast.AST) -> None:
@@ -51,12 +50,10 @@ def _mark(tree: _ast.AST) -> None:
 
 
 def _checkpoint(head: _ast.expr) -> _ast.Expr:
-    place = {
-        "lineno": head.lineno,
-        "col_offset": head.col_offset,
-        "end_lineno": head.end_lineno,
-        "end_col_offset": head.end_col_offset,
-    }
-    name = _ast.Name(id=CHECKPOINT, ctx=_ast.Load(), **place)
-    call = _ast.Call(func=name, args=[], keywords=[], **place)
-    return _ast.Expr(value=call, **place)
+    name = _ast.Name(CHECKPOINT, _ast.Load())
+    call = _ast.Call(name, [], [])
+    statement = _ast.Expr(call)
+    for node in (name, call, statement):
+        node.lineno, node.col_offset = head.lineno, head.col_offset
+        node.end_lineno, node.end_col_offset = head.end_lineno, head.end_col_offset
+    return statement

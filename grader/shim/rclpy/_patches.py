@@ -32,7 +32,7 @@ LAZY = {
 }
 """Module -> (our module, function called with it once it is there)."""
 
-_OURS = ("rclpy._kernel", "rclpy._patches", "rclpy._runner")
+_OURS = ("rclpy._kernel", "rclpy._scheduler", "rclpy._patches", "rclpy._runner")
 
 
 def install(seed: int) -> None:
@@ -97,7 +97,8 @@ class PostImport:
         finally:
             self._busy.discard(name)
         if spec is not None and spec.loader is not None:
-            spec.loader = PatchingLoader(spec.loader)
+            loader: Any = PatchingLoader(spec.loader)
+            spec.loader = loader
         return spec
 
     def _find(self, name: str, path: Sequence[str] | None) -> ModuleSpec | None:

@@ -56,7 +56,7 @@ def kill(pid: int, number: int, /) -> None:
     if pid not in (PID, 0):
         _kill(pid, number)
     elif number:
-        import signal  # noqa: PLC0415 - installs the table of handlers
+        import signal
 
         signal.raise_signal(number)
 

@@ -10,7 +10,8 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
-from rclpy._kernel import Thread, kernel
+from rclpy._kernel import kernel
+from rclpy._scheduler import Thread
 
 _start_os_thread = _thread.start_new_thread
 _os_ident = _thread.get_ident
@@ -259,8 +260,8 @@ def _call(work: list[tuple[Callable[..., object], tuple[Any, ...], dict[str, Any
         function(*args, **kwargs)
     except SystemExit:
         pass
-    except BaseException as error:  # noqa: BLE001 - the last stop before the end of the thread
-        from rclpy._report import print_exception  # noqa: PLC0415
+    except BaseException as error:
+        from rclpy._report import print_exception
 
         print(f"Exception ignored in thread started by: {function!r}", file=sys.stderr)  # noqa: T201
         print_exception(error)

@@ -61,8 +61,8 @@ def _charged(question: Callable[[Any], bool]) -> Callable[[Any], bool]:
 
 def excepthook(args: Any, /) -> None:
     """Report the exception that ended a thread, as `threading.excepthook` does."""
-    from rclpy import _report  # noqa: PLC0415
-    from rclpy._link import link  # noqa: PLC0415
+    from rclpy import _report
+    from rclpy._link import link
 
     if args.exc_type is SystemExit:
         return

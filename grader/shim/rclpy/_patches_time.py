@@ -98,6 +98,7 @@ def asctime(t: Any = None, /) -> str:
 
 time_s.__name__ = time_s.__qualname__ = "time"
 
+
 def patch_sched(sched: ModuleType) -> None:
     """Renew the clock and the sleep that `scheduler` takes by default."""
     module: Any = sched

@@ -4,7 +4,8 @@ import sys
 from types import FrameType, TracebackType
 from typing import Any
 
-from rclpy._kernel import Kernel, Thread
+from rclpy._kernel import Kernel
+from rclpy._scheduler import Thread
 
 
 class Script:
@@ -16,8 +17,8 @@ class Script:
 
     def lines(self) -> list[str]:
         """Return the source lines, decoded as Python does; empty when they cannot be decoded."""
-        import tokenize  # noqa: PLC0415 - only when something went wrong
-        from io import BytesIO, TextIOWrapper  # noqa: PLC0415
+        import tokenize
+        from io import BytesIO, TextIOWrapper
 
         try:
             encoding, _ = tokenize.detect_encoding(BytesIO(self.source).readline)
@@ -56,7 +57,7 @@ def message_of(error: BaseException) -> str:
     """Return `str(error)`, whatever the class does."""
     try:
         return error.msg if isinstance(error, SyntaxError) else str(error)
-    except Exception:  # noqa: BLE001 - a student's __str__ may do anything
+    except Exception:
         return "<exception str() failed>"
 
 
@@ -69,12 +70,12 @@ def one_line(error: BaseException) -> str:
 def format_exception(error: BaseException) -> str:
     """Return the traceback as Python prints it, with the student's frames only."""
     try:
-        import traceback  # noqa: PLC0415 - costs milliseconds, needed once
+        import traceback
 
         exception = traceback.TracebackException(type(error), error, error.__traceback__, compact=True)
         _strip(exception, set())
         return "".join(exception.format())
-    except Exception:  # noqa: BLE001 - never lose the error over its presentation
+    except Exception:
         return f"{one_line(error)}\n"
 
 

@@ -93,7 +93,7 @@ ending = Ending()
 def run(channel: int = 3) -> NoReturn:
     """Run the script that START brings over descriptor `channel`."""
     text, source = link.receive_start(Descriptor(channel))
-    import json  # noqa: PLC0415 - preloaded by the zygote
+    import json
 
     start: dict[str, Any] = json.loads(text)
     _report.script.file_name = start["file_name"]
@@ -119,7 +119,7 @@ def _prepare(start: dict[str, Any]) -> ModuleType:
     """Make the process look as Python makes it for ``python3 student.py``."""
     _patches.install(start["seed"])
     kernel.end = end_now
-    os._exit = exit_now
+    setattr(os, "_exit", exit_now)  # noqa: B010 - mypy compares the names of parameters
     sys.dont_write_bytecode = True
     sys.argv = [start["file_name"], *start["args"]]
     sys.excepthook = sys.__excepthook__ = _report.excepthook
@@ -130,7 +130,7 @@ def _prepare(start: dict[str, Any]) -> ModuleType:
     names: dict[str, Any] = {"__file__": start["file_name"], "__builtins__": builtins, "__cached__": None}
     module.__dict__.update(names)
     sys.modules["__main__"] = module
-    from rclpy import _patches_audit  # noqa: PLC0415 - last: it watches everything after it
+    from rclpy import _patches_audit
 
     _patches_audit.watch()
     return module
@@ -145,23 +145,25 @@ def _open_streams(stdin: str) -> None:
         os.close(writing)
         os.dup2(reading, 0)
         os.close(reading)
+    stream: Any
     if len(data) > PIPE_BYTES:
-        from io import StringIO  # noqa: PLC0415
+        from io import StringIO
 
-        sys.stdin = StringIO(stdin)
+        stream = StringIO(stdin)
     else:
-        sys.stdin = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
-    sys.__stdin__ = sys.stdin  # type: ignore[misc]
+        stream = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stdin = stream
+    setattr(sys, "__stdin__", stream)  # noqa: B010 - declared final
     # Line by line, as on a terminal: what was printed survives a kill at the CPU limit.
-    for stream, errors in ((sys.stdout, "strict"), (sys.stderr, "backslashreplace")):
-        reconfigure: Any = getattr(stream, "reconfigure", None)
+    for output, errors in ((sys.stdout, "strict"), (sys.stderr, "backslashreplace")):
+        reconfigure: Any = getattr(output, "reconfigure", None)
         if reconfigure is not None:
             reconfigure(encoding="utf-8", errors=errors, line_buffering=True)
 
 
 def _add_site_builtins() -> None:
     """Add `exit`, `quit` and `help`, which the module `site` provides on a PC."""
-    import _sitebuiltins  # noqa: PLC0415
+    import _sitebuiltins
 
     end_of_file = "Ctrl-D (i.e. EOF)"
     for name in ("quit", "exit"):
@@ -173,7 +175,7 @@ def _compile(source: bytes) -> CodeType | None:
     """Compile the script; None, with the error as the run's ending, when it is not Python."""
     try:
         return _loops.compile_script(source, _report.script.file_name)
-    except BaseException as error:  # noqa: BLE001 - whatever the compiler says is the student's to read
+    except BaseException as error:
         ending.set_error(error, _wire.BAD_SYNTAX)
         _report.print_exception(error)
         return None
@@ -198,7 +200,7 @@ def _guard(step: Any, main: bool = False) -> None:
             ending.code = 130
         else:
             _fail(error)
-    except BaseException as error:  # noqa: BLE001 - the script may raise anything
+    except BaseException as error:
         _fail(error)
 
 
@@ -216,7 +218,7 @@ def _fail(error: BaseException) -> None:
     ending.set_error(error)
     try:
         sys.excepthook(type(error), error, error.__traceback__)
-    except BaseException as second:  # noqa: BLE001 - a student's hook may raise anything
+    except BaseException as second:
         print("Error in sys.excepthook:", file=sys.stderr)  # noqa: T201
         _report.print_exception(second)
 
@@ -226,7 +228,7 @@ def _join_threads() -> None:
     threading: Any = sys.modules.get("threading")
     if threading is None:
         return
-    from rclpy import _patches_threading  # noqa: PLC0415 - there is no threading without it
+    from rclpy import _patches_threading
 
     _patches_threading.end_main_thread(threading)
     if not kernel.interrupted:
@@ -240,7 +242,7 @@ def _only_daemons() -> bool:
 
 
 def _run_exit_handlers() -> None:
-    import atexit  # noqa: PLC0415
+    import atexit
 
     atexit._run_exitfuncs()
 

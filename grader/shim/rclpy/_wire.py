@@ -124,7 +124,7 @@ def read_start(body: bytes) -> tuple[str, bytes]:
     """Return START's JSON text and the source.
 
     Raises:
-        ValueError: `body` is not START.
+        ValueError, struct.error: `body` is not START.
     """
     kind, length = struct.unpack_from("<BI", body)
     if kind != START or 5 + length > len(body):
@@ -136,7 +136,7 @@ def read_events(body: bytes) -> tuple[int, list[Event]]:
     """Return the instant reached and what is due at it.
 
     Raises:
-        ValueError: `body` is not EVENTS.
+        ValueError, struct.error: `body` is not EVENTS.
     """
     kind, now_ns, count = struct.unpack_from("<BqH", body)
     if kind != EVENTS:
