@@ -8,6 +8,7 @@ import fcntl
 import os
 import resource
 import signal
+import sys
 from typing import NamedTuple
 
 from . import landlock, libc, policy, seccomp
@@ -51,7 +52,7 @@ def confine(layers: Layers, budget: Budget, channel: int, stdout: int, stderr: i
     os.umask(0o077)
     _place_descriptors(channel, stdout, stderr)
     _limit_resources(budget)
-    if os.uname().sysname == "Linux":
+    if sys.platform == "linux":
         _drop_privileges(layers)
         libc.prctl(libc.PR_SET_DUMPABLE, 0)
         libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
@@ -82,7 +83,11 @@ def _limit_resources(budget: Budget) -> None:
     for name, value in policy.resource_limits(*budget).items():
         _, hard = resource.getrlimit(name)
         bound = value if hard == resource.RLIM_INFINITY else min(value, hard)
-        resource.setrlimit(name, (bound, bound))
+        try:
+            resource.setrlimit(name, (bound, bound))
+        except (OSError, ValueError):
+            if sys.platform == "linux":
+                raise  # macOS, in dev mode, lacks some of them
 
 
 def _drop_privileges(layers: Layers) -> None:

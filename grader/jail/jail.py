@@ -53,15 +53,17 @@ class Jail:
         self._start_ns = time.monotonic_ns()
         self._wall_deadline_ns = self._start_ns + int(limits.wall_s * 1e9)
         self._cpu_deadline_ns = process.cpu_ns() + int(limits.cpu_s * 1e9)
-        self._idle_since_ns: int | None = None
-        self._idle_cpu_ns = -1
+        self._last_look_ns: int | None = None
+        self._idle_ns = 0
         channel.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _TICK_TIMEVAL)
         channel.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, _TICK_TIMEVAL)
         self._poll = select.poll()
         for capture in captures:
             self._poll.register(capture.descriptor, select.POLLIN)
+        self._end_poll = select.poll()
         if process.pidfd is not None:
             self._poll.register(process.pidfd, select.POLLIN)
+            self._end_poll.register(process.pidfd, select.POLLIN)
 
     def __enter__(self) -> Self:
         return self
@@ -76,7 +78,7 @@ class Jail:
     def send(self, body: bytes) -> None:
         """Send one frame. When the process has ended, or ends meanwhile, the frame is dropped silently."""
         data = memoryview(pack(body))
-        self._idle_since_ns = None
+        self._last_look_ns = None
         while data and self._verdict is None and not self._channel_ended:
             try:
                 data = data[self._channel.send(data) :]
@@ -125,7 +127,7 @@ class Jail:
             self._channel_ended = True
             return
         self._keep(data)
-        self._idle_since_ns = None
+        self._last_look_ns = None
         self._check_clocks()
 
     def _keep(self, data: bytes) -> None:
@@ -173,7 +175,7 @@ class Jail:
     def _has_ended(self) -> bool:
         if self._process.pidfd is None:
             return self._stdout.ended and self._stderr.ended
-        return bool(select.select([self._process.pidfd], [], [], 0)[0])
+        return bool(self._end_poll.poll(0))
 
     def _drain(self) -> None:
         for capture in (self._stdout, self._stderr):
@@ -191,10 +193,12 @@ class Jail:
             self._end(Verdict.INFRASTRUCTURE, f"no end after {self._limits.wall_s:g} s")
 
     def _check_idle(self) -> None:
-        now_ns, cpu_ns = time.monotonic_ns(), self._process.cpu_ns()
-        if self._idle_since_ns is None or cpu_ns != self._idle_cpu_ns or not self._process.sleeps():
-            self._idle_since_ns, self._idle_cpu_ns = now_ns, cpu_ns
-        elif now_ns - self._idle_since_ns > policy.IDLE_LIMIT_NS and not self._has_ended():
+        """Add up how long the script was seen asleep although the episode waits for it."""
+        now_ns = time.monotonic_ns()
+        if self._last_look_ns is not None and self._process.sleeps():
+            self._idle_ns += now_ns - self._last_look_ns
+        self._last_look_ns = now_ns
+        if self._idle_ns > policy.IDLE_LIMIT_NS and not self._has_ended():
             self._end(Verdict.STALLED, "the script waits in a call that nothing can end")
 
     def _end(self, verdict: Verdict, detail: str) -> None:
@@ -258,6 +262,8 @@ class Jail:
             return Verdict.FINISHED, os.WEXITSTATUS(wait_status), None, ""
         number = os.WTERMSIG(wait_status)
         name = signal.Signals(number).name
+        if number == signal.SIGXCPU:
+            return Verdict.CPU_LIMIT, None, None, f"more than {self._limits.cpu_s:g} s of CPU time were used"
         if number == signal.SIGSYS:
             return Verdict.FORBIDDEN, None, name, "a system call of another architecture was made"
         if number != signal.SIGKILL:

@@ -2,6 +2,7 @@
 
 import ctypes
 import os
+import sys
 from collections.abc import Iterable
 
 from .libc import (
@@ -35,6 +36,8 @@ class _PathBeneathAttr(ctypes.Structure):
 
 def abi_version() -> int:
     """Return the version of Landlock's interface, 0 when the kernel has none or refuses it."""
+    if sys.platform != "linux":
+        return 0
     try:
         return syscall(
             "landlock_create_ruleset", NR_LANDLOCK_CREATE_RULESET, None, 0, _CREATE_RULESET_VERSION

@@ -53,7 +53,21 @@ def _outside_stdlib(packages: dict[str, str]) -> list[str]:
     for name, directory in packages.items():
         parent = os.path.dirname(directory)
         paths += [os.path.join(parent, part) for part in policy.ALLOWED_PACKAGES[name]]
-    return [*paths, *policy.SHARED_LIBRARY_DIRECTORIES]
+    return [*paths, *_library_directories()]
+
+
+def _library_directories() -> list[str]:
+    """Return the directories of shared libraries; entry by entry where one holds Python packages as well."""
+    paths: list[str] = []
+    for directory in filter(os.path.isdir, policy.SHARED_LIBRARY_DIRECTORIES):
+        names = os.listdir(directory) if directory.endswith("/lib64") else []
+        if any(name.startswith("python") for name in names):
+            paths += [
+                os.path.join(directory, name) for name in sorted(names) if not name.startswith("python")
+            ]
+        else:
+            paths.append(directory)
+    return paths
 
 
 def _existing(paths: list[str]) -> list[str]:

@@ -87,8 +87,9 @@ REFUSED_ERRNO: Final = errno.EPERM
 
 # ---------------------------------------------------------------------------------------------- resources
 
-ADDRESS_SPACE_OVERHEAD_BYTES: Final = 1024 * MIB
-"""Room for mappings that are no use of memory: shared libraries, thread stacks, guard areas."""
+ADDRESS_SPACE_OVERHEAD_BYTES: Final = 384 * MIB
+"""Room for mappings that are no use of memory: shared libraries, guard areas. It also bounds what a script
+can hold in shared mappings, which the limit on private memory does not count."""
 
 THREAD_STACK_BYTES: Final = 4 * MIB
 CPU_BACKSTOP_S: Final = 2
@@ -171,5 +172,7 @@ CHANNEL_MAX_BYTES: Final = 128 * MIB
 STREAM_HEAD_BYTES: Final = 64 * 1024
 STREAM_TAIL_BYTES: Final = 64 * 1024
 IDLE_LIMIT_NS: Final = 3_000_000_000
-"""A process whose every thread sleeps in the kernel that long, while it owes the next frame, is stalled."""
+"""A process whose every thread sleeps in the kernel that long in all, while it owes a frame, is stalled.
+
+The shim never sleeps in real time. A thread that an overloaded host keeps waiting is not asleep but ready."""
 DRAIN_LIMIT_NS: Final = 50_000_000

@@ -1,6 +1,8 @@
 """The sandbox as the episode uses it."""
 
 import os
+import subprocess
+import sys
 import time
 from collections.abc import Iterator
 from dataclasses import replace
@@ -192,6 +194,43 @@ def test_a_dying_zygote_takes_its_runs_along_and_blames_nobody() -> None:
             jail.close()
 
 
+ABANDONED = """
+import sys
+from pathlib import Path
+from grader.contracts.limits import Limits
+from grader.sandbox import Sandbox
+
+sandbox = Sandbox(shim_path=Path(sys.argv[1]), entry="bare_runner:run", namespaces=sys.argv[2] == "1")
+jail = sandbox.open(Limits(cpu_s=300.0))
+jail.send(b"while True: pass")
+print(sandbox._zygote._process.pid, jail._process.pid, flush=True)
+sys.stdin.read()
+"""
+
+
+@pytest.mark.parametrize("namespaces", ["0", "1"])
+def test_killing_the_grading_process_ends_everything(namespaces: str) -> None:
+    command = [sys.executable, "-c", ABANDONED, str(RUNNER), namespaces]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as grading:
+        assert grading.stdout
+        pids = grading.stdout.readline().split()
+        assert len(pids) == 2
+        assert all(is_alive(pid) for pid in pids)
+        grading.kill()
+    for _ in range(1000):
+        if not any(is_alive(pid) for pid in pids):
+            return
+        time.sleep(0.01)
+    pytest.fail("a process outlived the grading process")
+
+
+def is_alive(pid: str) -> bool:
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
 def test_the_zygote_is_recycled(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("grader.jail.box._RUNS_PER_ZYGOTE", 3)
     with make() as sandbox:
@@ -259,6 +298,14 @@ def test_a_failing_step_of_confinement_runs_nothing(tmp_path: Path) -> None:
         sandbox.restart()
         with pytest.raises(SandboxError, match=r"could not be confined.*seccomp"):
             sandbox.open(Limits())
+
+
+def test_a_host_that_allows_only_half_of_the_namespaces_is_used_without_them() -> None:
+    with make() as sandbox:
+        sandbox._config = replace(sandbox._config, shown=["/no/such/directory"])
+        sandbox.restart()
+        assert "namespaces" in sandbox.missing_layers
+        assert run(sandbox, "frame(b'x')")[0] == [b"x", b"end"]
 
 
 def test_an_entry_that_cannot_be_imported_is_reported() -> None:

@@ -1,0 +1,56 @@
+"""What a confined process may read."""
+
+import os
+from pathlib import Path
+
+import pytest
+
+from grader.jail import layout, policy
+
+SHIM = Path(__file__).parents[2] / "hostile" / "runner"
+
+
+def test_readable_paths_hold_no_packages_but_the_allowed() -> None:
+    packages = layout.allowed_packages()
+    paths = layout.readable_paths(SHIM, packages)
+    allowed = {part for name in packages for part in policy.ALLOWED_PACKAGES[name]}
+    for path in paths:
+        parts = Path(path).parts
+        assert not {"site-packages", "dist-packages"} & {parts[-1]}
+        assert "site-packages" not in parts or parts[-1] in allowed or path == str(SHIM.resolve())
+        for inner in ("site-packages", "dist-packages"):
+            assert not os.path.exists(os.path.join(path, inner))
+
+
+def test_readable_paths_do_not_hold_the_grader_or_the_assignments() -> None:
+    root = Path(layout.__file__).parents[2]
+    paths = [Path(path) for path in layout.readable_paths(SHIM, layout.allowed_packages())]
+    for secret in (root / "grader" / "sandbox.py", root / "assignments", root / "pyproject.toml"):
+        assert not any(path == secret or path in secret.parents for path in paths)
+
+
+def test_the_shim_and_the_standard_library_are_readable() -> None:
+    paths = layout.readable_paths(SHIM, {})
+    assert paths[0] == str(SHIM.resolve())
+    assert os.path.join(layout.standard_library(), "json") in paths
+
+
+def test_library_directory_with_packages_is_listed_entry_by_entry(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    directory = tmp_path / "lib64"
+    (directory / "python3.12" / "site-packages").mkdir(parents=True)
+    (directory / "libc.so.6").touch()
+    monkeypatch.setattr(policy, "SHARED_LIBRARY_DIRECTORIES", (str(directory),))
+    paths = layout.readable_paths(SHIM, {})
+    assert str(directory / "libc.so.6") in paths
+    assert not any("python3.12" in path and path.startswith(str(tmp_path)) for path in paths)
+
+
+def test_reachable_by_others(tmp_path: Path) -> None:
+    for directory in (tmp_path, *tmp_path.parents[:2]):
+        directory.chmod(0o711)
+    inner = tmp_path / "inner"
+    inner.mkdir(mode=0o700)
+    assert layout.reachable_by_others([str(inner)])
+    assert not layout.reachable_by_others([str(inner / "file")])
