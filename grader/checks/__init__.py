@@ -42,7 +42,7 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Verdict:
         prefix = f"{run.case}/" if len(runs) > 1 else ""
         items += judge(check, assignment.items, findings, parts=len(runs), prefix=prefix)
         seen.append(findings)
-    return summarise(items, seen)
+    return summarise(items, seen, [run.outcome for run in runs])
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

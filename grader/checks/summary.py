@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from grader.checks.measure import Findings, Mistake
 from grader.checks.quantity import plain
+from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.verdict import Verdict
@@ -12,11 +13,13 @@ from grader.messages import join, say
 _LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
-def summarise(items: Sequence[RubricItem], findings: Sequence[Findings]) -> Verdict:
+def summarise(
+    items: Sequence[RubricItem], findings: Sequence[Findings], outcomes: Sequence[RunOutcome]
+) -> Verdict:
     """Put summary, hint and recognised mistakes to the items; none of the latter when all is right."""
     wrong = [item for item in items if item.status is not ItemStatus.PASSED]
     if not wrong:
-        return Verdict(items=tuple(items), summary=say("summary.full"))
+        return Verdict(items=tuple(items), summary=_all_passed(outcomes))
     mistakes = _distinct(findings)
     hint = mistakes[0].text if mistakes else next((item.hint for item in wrong if item.hint != EMPTY), EMPTY)
     return Verdict(
@@ -25,6 +28,14 @@ def summarise(items: Sequence[RubricItem], findings: Sequence[Findings]) -> Verd
         hint=hint,
         mistakes=tuple(mistake.code for mistake in mistakes),
     )
+
+
+def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
+    """Praise, and mention an error that ended the script after everything was right: it costs nothing."""
+    error = next((each.error for each in outcomes if each.status is RunStatus.CRASHED and each.error), None)
+    if error is None:
+        return say("summary.full")
+    return say("summary.full_then_crashed", line=error.line or "?", type=error.type)
 
 
 def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:

@@ -194,12 +194,14 @@ def test_a_script_that_ends_without_a_stop() -> None:
 
 
 def test_no_mistake_is_claimed_when_all_is_right() -> None:
-    """A crash after the figure was complete costs nothing here; the outcome says it."""
+    """A crash after the figure was complete costs nothing; the summary mentions it."""
     trajectory = drive(polygon_legs(4))
     outcome = outcome_of(trajectory, RunStatus.CRASHED, error=error("RCLError", "late"))
     verdict = evaluate(assignment("square"), [Run(trajectory=trajectory, outcome=outcome)])
     assert score(verdict) == 100
     assert verdict.mistakes == ()
+    assert "17" in verdict.summary.zh
+    assert "RCLError" in verdict.summary.en
 
 
 def test_the_hint_of_an_item_is_the_mistake_that_spoilt_it() -> None:
