@@ -7,6 +7,7 @@ warms up on the other core meanwhile.
 from __future__ import annotations
 
 import json
+import os
 import socket
 import sys
 
@@ -19,6 +20,7 @@ def main(arguments: list[str]) -> int:
     """Serve the parent on the inherited socket `arguments[0]` until it closes."""
     channel = socket.socket(fileno=int(arguments[0]))
     config = SlotConfig(**json.loads(arguments[1]))
+    os.nice(config.niceness)
     try:
         sandbox = build_sandbox(config)
     except GraderError as error:

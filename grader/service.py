@@ -35,7 +35,7 @@ from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
 _FRESH_S = 2.0
-_ISOLATION = SlotConfig(mode="strict")  # the service has no weaker mode
+_ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
 
 
 class RememberedAssignments:

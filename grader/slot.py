@@ -37,11 +37,13 @@ class SlotConfig:
         mode: ``strict``, ``best-effort`` or ``dev`` (see docs/design.md).
         preload_numpy: whether the zygote imports numpy once, for scripts that use it.
         namespaces: whether to add namespaces when the host offers them.
+        niceness: added to the process's priority number, so that a service answers while it grades.
     """
 
     mode: str = "strict"
     preload_numpy: bool = False
     namespaces: bool = True
+    niceness: int = 0
 
 
 class Slot:

@@ -43,7 +43,11 @@ def _listening(host: str, port: int) -> socket.socket:
     address = host.strip("[]")
     family = socket.AF_INET6 if ":" in address else socket.AF_INET
     try:
-        return socket.create_server((address, port), family=family, backlog=_BACKLOG)
+        listener = socket.create_server((address, port), family=family, backlog=_BACKLOG)
+        # inherited by connections; asyncio sets it only on sockets whose protocol was named when created, and
+        # without it every answer waits 40 ms for a delayed acknowledgement
+        listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        return listener
     except OSError as error:
         raise SettingsError(f"cannot listen on {host}, port {port}: {error.strerror or error}") from error
 
