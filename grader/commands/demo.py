@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import httpx
+from rich.console import Console
 from rich.progress import Progress
 
 from grader.catalog import Catalog
@@ -50,10 +50,10 @@ def run(arguments: argparse.Namespace) -> int:
     plots = arguments.output / "plots"
     plots.mkdir(parents=True, exist_ok=True)
     uploads = list(_class())
-    with _server(arguments.output) as client:
+    with serving(arguments.output) as client:
         start = time.monotonic()
-        locations = [_upload(client, upload) for upload in uploads]
-        _await(client, locations, output)
+        locations = [hand_in(client, upload) for upload in uploads]
+        await_grades(client, locations, output)
         spent_s = time.monotonic() - start
         output.print(f"{len(uploads)} submissions, {spent_s:.1f} s")
         for upload, location in zip(uploads, locations, strict=True):
@@ -88,7 +88,7 @@ def _lesson_folder(catalog: Catalog) -> Path | None:
 
 
 @contextmanager
-def _server(output: Path) -> Iterator[httpx.Client]:
+def serving(output: Path) -> Iterator[httpx.Client]:
     """Run `grader serve` on a free port with an empty database; yield a client with the instructor's token."""
     for old in output.glob("grader.db*"):
         old.unlink()
@@ -122,7 +122,8 @@ def _await_start(client: httpx.Client, server: subprocess.Popen[bytes]) -> None:
     raise InfrastructureError(f"the server was not ready within {_START_S:g} s")
 
 
-def _upload(client: httpx.Client, upload: Upload) -> str:
+def hand_in(client: httpx.Client, upload: Upload) -> str:
+    """Upload one file; return where its submission is found."""
     response = client.post(
         "/api/v1/submissions",
         data={"student": upload.student, "assignment": upload.assignment},
@@ -133,7 +134,8 @@ def _upload(client: httpx.Client, upload: Upload) -> str:
     return str(response.headers["Location"])
 
 
-def _await(client: httpx.Client, locations: list[str], output: Any) -> None:
+def await_grades(client: httpx.Client, locations: list[str], output: Console) -> None:
+    """Wait, showing progress, until every submission has been graded."""
     waiting = set(locations)
     deadline = time.monotonic() + _GRADING_S
     with Progress(console=output, transient=True) as progress:

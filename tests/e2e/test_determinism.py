@@ -1,0 +1,42 @@
+"""The same submission gets the same bytes: again, beside others on a loaded machine, after anything before it."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+from grader.contracts.grading import Grader
+from grader.slot import Slot, SlotConfig
+from tests.e2e.grading_slot import LESSON, catalog, grade
+
+SQUARE = (LESSON / "square_mover.py").read_bytes()
+TIMES = 4
+
+
+def digests(grader: Grader, others: list[bytes]) -> list[str]:
+    """Grade the square again and again, with another script in between."""
+    found = []
+    for turn in range(TIMES):
+        found.append(grade(grader, "square", SQUARE).sha256())
+        grade(grader, "spin", others[turn % len(others)])
+    return found
+
+
+def test_one_report_whatever_else_the_machine_does() -> None:
+    folder = catalog().folder("spin")
+    others = [path.read_bytes() for path in sorted((folder / "wrong").iterdir())]
+    slots = [Slot(SlotConfig()) for _ in range(3)]
+    try:
+        with ThreadPoolExecutor(len(slots)) as pool:
+            found = list(pool.map(lambda slot: digests(slot, others), slots))
+    finally:
+        for slot in slots:
+            slot.close()
+    assert len({digest for each in found for digest in each}) == 1
+
+
+def test_what_differs_in_the_file_differs_in_the_report() -> None:
+    with Slot(SlotConfig()) as slot:
+        first = grade(slot, "hello", (LESSON / "hello_node.py").read_bytes())
+        other = grade(
+            slot, "hello", (LESSON / "hello_node.py").read_bytes().replace("我是".encode(), "这是".encode())
+        )
+    assert first.score == other.score == 100
+    assert first.sha256() != other.sha256()
