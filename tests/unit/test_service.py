@@ -1,0 +1,114 @@
+"""How the service is put together, without its workers."""
+
+import logging
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from grader import service
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import AssignmentError, SandboxUnavailableError, UnknownAssignmentError
+from grader.settings import Settings
+from tests.fakes.grading import FakeAssignments, FakePreflight
+
+
+class Editor:
+    """Assignments that somebody edits, under a clock that only the test moves."""
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+        self.reads = 0
+        self.saved: tuple[Assignment, ...] = FakeAssignments().all()
+        self.broken = False
+
+    def all(self) -> tuple[Assignment, ...]:
+        self.reads += 1
+        if self.broken:
+            raise AssignmentError("square/assignment.yaml: line 3: points must be a number")
+        return self.saved
+
+    def get(self, assignment_id: str) -> Assignment:
+        raise AssertionError("read all of them at once")
+
+    def remembered(self) -> service.RememberedAssignments:
+        return service.RememberedAssignments(self, lambda: self.now_s)
+
+
+def test_assignments_are_read_once_in_a_while() -> None:
+    editor = Editor()
+    assignments = editor.remembered()
+    for _ in range(50):
+        assert assignments.get("square").version == 3
+    assert editor.reads == 1
+
+
+def test_an_edited_assignment_is_seen_without_a_restart() -> None:
+    editor = Editor()
+    assignments = editor.remembered()
+    editor.saved = tuple(replace(one, version=4) for one in editor.saved)
+    assert assignments.get("square").version == 3
+    editor.now_s += 2.0
+    assert assignments.get("square").version == 4
+
+
+def test_a_broken_file_does_not_stop_the_class(caplog: pytest.LogCaptureFixture) -> None:
+    editor = Editor()
+    assignments = editor.remembered()
+    editor.broken = True
+    editor.now_s += 2.0
+    assert assignments.get("square").version == 3
+    assert "line 3" in caplog.text
+    editor.broken = False
+    editor.saved = editor.saved[:1]
+    editor.now_s += 2.0
+    with pytest.raises(UnknownAssignmentError, match="square"):
+        assignments.get("square")
+
+
+def test_a_broken_file_stops_the_start() -> None:
+    editor = Editor()
+    editor.broken = True
+    with pytest.raises(AssignmentError):
+        editor.remembered()
+
+
+def settings(folder: Path, **changes: object) -> Settings:
+    return Settings(database_url=f"sqlite:///{folder / 'grader.db'}", slots=0, **changes)
+
+
+def test_a_token_is_made_and_told_once(tmp_path: Path) -> None:
+    told: list[str] = []
+    with service.running(settings(tmp_path), told.append, FakePreflight()) as services:
+        (token,) = told
+        assert len(token) >= 32
+        assert services.gate.admits(token)
+        assert not services.gate.admits(token[:-1])
+    with service.running(settings(tmp_path), told.append, FakePreflight()):
+        assert len(set(told)) == 2
+
+
+def test_the_operators_token_is_not_told(tmp_path: Path) -> None:
+    told: list[str] = []
+    mine = settings(tmp_path, instructor_token="3q9fKx72LmVb0pTzQQ")
+    with service.running(mine, told.append, FakePreflight()) as services:
+        assert services.gate.admits("3q9fKx72LmVb0pTzQQ")
+    assert told == []
+
+
+def test_by_default_the_token_goes_to_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with service.running(settings(tmp_path), preflight=FakePreflight()) as services:
+        token = capsys.readouterr().err.split()[-1]
+        assert services.gate.admits(token)
+
+
+def test_a_host_without_a_sandbox_takes_uploads_and_says_so(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def refuse(_: object) -> None:
+        raise SandboxUnavailableError("this host lacks seccomp")
+
+    monkeypatch.setattr(service, "build_sandbox", refuse)
+    with caplog.at_level(logging.ERROR), service.running(settings(tmp_path), lambda _: None) as services:
+        assert services.preflight.check(b"def broken(", "a.py") is None
+    assert "lacks seccomp" in caplog.text
