@@ -5,8 +5,9 @@
         assert run.stdout == "1700000001.000001\n"
         assert run.exit["t_ns"] == 1_000_001_000
 
-The script runs in a fresh interpreter, isolated as in the jail (`-s -P -S`; `-I` would ignore PYTHONHASHSEED),
-with nothing but the shim on its path; the test is the episode at the other end of the channel. Everything is virtual, so times compare exactly.
+The script runs in a fresh interpreter, isolated as in the jail (`-s -P -S`; `-I` would ignore
+PYTHONHASHSEED), with nothing but the shim on its path; the test is the episode at the other end of the
+channel. Everything is virtual, so times compare exactly.
 """
 
 import contextlib
@@ -39,6 +40,9 @@ _BARE = (
     "import sys; sys.path.insert(0, {shim!r}); p = type(sys)('rclpy'); p.__path__ = [{shim!r} + '/rclpy'];"
     " sys.modules['rclpy'] = p; from rclpy import _runner; _runner.run({fd})"
 )
+
+PYTHON = os.environ.get("SHIM_PYTHON", sys.executable)
+"""Interpreter of the scripts; to try the shim on another version of Python."""
 
 HANG_S = 10.0
 """A script that still runs after this long is blocked outside virtual time: a bug of the shim."""
@@ -214,7 +218,7 @@ def run_script_text(
     feed: Feed = (),
     services: Services | None = None,
     bare: bool = False,
-    python: str = sys.executable,
+    python: str = PYTHON,
     preload: Sequence[str] = (),
     cpu_s: float = 30.0,
 ) -> Run:
