@@ -129,7 +129,7 @@ def overview(  # noqa: PLR0913
         students=[_student(student, cells) for student, cells in students.items()],
         assignments=[_statistics(id_, known.get(id_), told[id_], pass_fraction, language) for id_ in ids],
         queue=QueueView(
-            queued=queue.queued, running=queue.running, infrastructure_errors=queue.infrastructure_errors
+            queued=queue.queued, running=queue.running, infrastructure_error=queue.infrastructure_errors
         ),
         oldest_queued_at=queue.oldest_queued_at,
         workers=workers,

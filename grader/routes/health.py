@@ -28,7 +28,7 @@ class QueueView(BaseModel):
 
     queued: int = Field(examples=[0])
     running: int = Field(examples=[1])
-    infrastructure_errors: int = Field(description="Given up by the service's own fault.", examples=[0])
+    infrastructure_error: int = Field(description="Given up by the service's own fault.", examples=[0])
 
 
 class WorkerView(BaseModel):
@@ -75,7 +75,7 @@ def read(services: ServicesDep, response: Response) -> Health:
         version=__version__,
         sandbox=_sandbox(ready or workers),
         queue=QueueView(
-            queued=state.queued, running=state.running, infrastructure_errors=state.infrastructure_errors
+            queued=state.queued, running=state.running, infrastructure_error=state.infrastructure_errors
         ),
         oldest_queued_at=state.oldest_queued_at,
         workers=workers,

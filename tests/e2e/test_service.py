@@ -118,6 +118,7 @@ uvicorn.Server(uvicorn.Config(application_in(sys.argv[1]), log_config=None)).run
 
 def application_in(folder: str):
     """Return an application whose workers live in this very process, to be killed with it."""
+
     @contextmanager
     def services() -> Iterator[Services]:
         settings = Settings(database_url=f"sqlite:///{folder}/grader.db")

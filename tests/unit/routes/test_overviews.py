@@ -98,7 +98,7 @@ def test_the_dashboard(
     ]
     assert square["most_common_mistakes"][0]["students"] == 2
     assert straight["pass_rate"] == 1.0
-    assert document["queue"] == {"queued": 1, "running": 0, "infrastructure_errors": 0}
+    assert document["queue"] == {"queued": 1, "running": 0, "infrastructure_error": 0}
     assert document["oldest_queued_at"] == "2026-03-02T08:01:00Z"
 
 
