@@ -1,3 +1,5 @@
+from pathlib import Path
+
 import pytest
 
 from grader.contracts.errors import SettingsError
@@ -82,3 +84,10 @@ def test_the_environment_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     settings = load()
     assert (settings.port, settings.database_url) == (9000, "sqlite:////var/lib/grader.db")
     assert load(port=1).port == 1
+
+
+def test_the_service_page_lists_every_setting_as_it_is() -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "service.md").read_text()
+    for name, field in Settings.model_fields.items():
+        assert f"| `GRADER_{name.upper()}` |" in page
+        assert f"| {field.description} |" in page
