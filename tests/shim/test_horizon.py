@@ -92,6 +92,17 @@ def test_ctrl_c_inside_an_except_block(run_bare: RunScript) -> None:
     assert run.stdout == "ZeroDivisionError\non\n"
 
 
+def test_ctrl_c_in_a_condition_leaves_its_lock_in_order(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import threading, time\nc = threading.Condition()\ndef hold():\n    time.sleep(4)\n"
+        "    with c: time.sleep(3)\nthreading.Thread(target=hold, daemon=True).start()\n"
+        "try:\n    with c: c.wait(4.5)\nexcept KeyboardInterrupt: print('ctrl-c', time.time())\n",
+        horizon_s=5,
+    )
+    assert run.stdout.startswith("ctrl-c 1700000007.0")
+    assert run.stderr == ""
+
+
 def test_threads_left_over_after_ctrl_c_do_not_hang_the_run(run_bare: RunScript) -> None:
     run = run_bare(
         "import threading, time\ndef work():\n    while True: time.sleep(0.1)\n"
@@ -137,8 +148,9 @@ def test_a_stall_names_each_thread_its_line_and_its_call(run_bare: RunScript) ->
         ("import threading\nthreading.Event().wait()", "main thread, line 2: Event.wait() waits for ever"),
         ("import threading as t\nl = t.Lock()\nwith l:\n    with l: pass", "line 4: Lock.__enter__()"),
         (
-            "import threading\na, b = threading.Lock(), threading.Lock()\ndef f():\n    with b:\n        e.wait(1)\n"
-            "        a.acquire()\ne = threading.Event()\nthreading.Thread(target=f, name='f').start()\nwith a:\n"
+            "import threading\na, b = threading.Lock(), threading.Lock()\n"
+            "def f():\n    with b:\n        e.wait(1)\n        a.acquire()\ne = threading.Event()\n"
+            "threading.Thread(target=f, name='f').start()\nwith a:\n"
             "    e.wait(2)\n    b.acquire()",
             "main thread, line 11: Lock.acquire() waits for ever; f, line 6: Lock.acquire() waits for ever",
         ),

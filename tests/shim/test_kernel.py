@@ -225,6 +225,15 @@ def test_a_coupled_busy_loop_asks_the_world_once_a_slice() -> None:
     assert len(world.asked) <= 4
 
 
+def test_polling_meets_the_world_as_soon_as_waiting() -> None:
+    kernel = make()
+    world = FakeWorld(16 * MS, 32 * MS)
+    kernel.connect(world)
+    while world.arrived < 2:
+        kernel.wait(lambda: False, kernel.now_ns, "spin_once(timeout_sec=0)")
+    assert 32 * MS <= kernel.now_ns <= 34 * MS
+
+
 def test_the_world_is_never_asked_for_a_time_beyond_the_horizon() -> None:
     kernel = make(2)
     world = FakeWorld()

@@ -202,9 +202,7 @@ def test_forbidden_calls_are_noted_once(run_bare: RunScript) -> None:
         "    try: socket.socket().connect(('127.0.0.1', 1))\n    except OSError: pass\n"
         "open('/dev/null', 'w').close(); open('/dev/null').close()\n"
     )
-    assert [code for code, _ in run.notes] == ["forbidden"] * 3
-    assert [text.split(":")[0] for _, text in run.notes] == [
-        "open for writing",
-        "subprocess.Popen",
-        "socket.connect",
-    ]
+    assert {code for code, _ in run.notes} == {"forbidden"}
+    calls = [text.split(":")[0] for _, text in run.notes]
+    assert {"open for writing", "subprocess.Popen", "socket.connect"} <= set(calls)
+    assert len(calls) == len(set(calls))

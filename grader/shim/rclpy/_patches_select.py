@@ -10,7 +10,7 @@ from types import ModuleType
 from typing import Any
 
 from rclpy._kernel import kernel
-from rclpy._patches_thread import deadline_after
+from rclpy._locks import deadline_after
 
 _select, _poll, _epoll = select.select, select.poll, select.epoll
 

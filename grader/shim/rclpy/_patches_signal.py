@@ -47,7 +47,12 @@ class Signals:
             kernel.end(f"signal {number}")
 
     def _rearm(self) -> None:
-        self.set_timer(self.interval_ns or None, self.interval_ns)
+        """Keep to the timer's own raster, whatever the time of delivery."""
+        if self.interval_ns and self.alarm_ns is not None:
+            late_ns = kernel.now_ns - self.alarm_ns
+            self.set_timer(self.interval_ns - late_ns % self.interval_ns, self.interval_ns)
+        else:
+            self.set_timer(None, 0)
 
     def set_timer(self, delay_ns: int | None, interval_ns: int) -> None:
         """Let SIGALRM arrive after `delay_ns` (None: never) and then every `interval_ns` (0: once)."""

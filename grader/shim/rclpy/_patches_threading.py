@@ -5,28 +5,28 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from rclpy import _patches_thread
+from rclpy import _locks, _patches_thread
 from rclpy._kernel import kernel
 
 
 def patch_threading(threading: ModuleType) -> None:
     """Renew the module's own locks, give the main thread its virtual identifier, charge for questions."""
     module: Any = threading
-    module.Lock = _patches_thread.Lock
-    module._allocate_lock = _patches_thread.Lock
-    module._CRLock = _patches_thread.RLock
-    module._active_limbo_lock = _patches_thread.RLock()
+    module.Lock = _locks.Lock
+    module._allocate_lock = _locks.Lock
+    module._CRLock = _locks.RLock
+    module._active_limbo_lock = _locks.RLock()
     if hasattr(module, "_shutdown_locks_lock"):
-        module._shutdown_locks_lock = _patches_thread.Lock()
+        module._shutdown_locks_lock = _locks.Lock()
     main = module.main_thread()
     active = module._active
     active.pop(main._ident, None)
     main._ident = kernel.main.ident
     main._native_id = _patches_thread.get_native_id()
     active[main._ident] = main
-    main._started._cond = module.Condition(_patches_thread.Lock())
+    main._started._cond = module.Condition(_locks.Lock())
     if hasattr(main, "_tstate_lock"):
-        main._tstate_lock = _patches_thread.Lock()
+        main._tstate_lock = _locks.Lock()
         main._tstate_lock.acquire()
     else:
         main._handle = _patches_thread.make_thread_handle(main._ident)
@@ -86,7 +86,7 @@ def patch_queue(queue: ModuleType) -> None:
 def patch_logging(logging: ModuleType) -> None:
     """Renew the locks of the module and of its handlers."""
     module: Any = logging
-    module._lock = _patches_thread.RLock()
+    module._lock = _locks.RLock()
     for reference in module._handlerList:
         handler = reference()
         if handler is not None:
@@ -96,4 +96,4 @@ def patch_logging(logging: ModuleType) -> None:
 def patch_futures_thread(thread: ModuleType) -> None:
     """Renew the lock that guards the start and end of all pools."""
     module: Any = thread
-    module._global_shutdown_lock = _patches_thread.Lock()
+    module._global_shutdown_lock = _locks.Lock()

@@ -183,13 +183,13 @@ def _compile(source: bytes) -> CodeType | None:
 
 def _execute(module: ModuleType, code: CodeType) -> None:
     """Run the script up to the end of its main thread, with its other threads and exit handlers."""
-    gc.collect(0)
-    _guard(lambda: exec(code, module.__dict__), main=True)  # noqa: S102
+    gc.collect()  # from here on the collector runs at the same points in each run
+    _guard(lambda: exec(code, module.__dict__))  # noqa: S102
     _guard(_join_threads)
     _guard(_run_exit_handlers)
 
 
-def _guard(step: Any, main: bool = False) -> None:
+def _guard(step: Any) -> None:
     """Run one step; let whatever it raises end the script as Python would."""
     try:
         step()

@@ -152,6 +152,7 @@ class Scheduler:
         self._spins = SPINS_PER_SLICE
         self._quiet_until_ns = FOREVER_NS
         self._preempt_ns = FOREVER_NS
+        self._slice_end_ns = 0
 
     def replan(self) -> None:
         """Recompute up to when the running thread may go on without a look at the others."""
@@ -161,7 +162,7 @@ class Scheduler:
         if self._coupled() is not None or len(self.threads) > 1:
             self._quiet_until_ns = 0
             others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=limit_ns)
-            self._preempt_ns = min(limit_ns, self.now_ns + SLICE_NS, max(others_ns, self.now_ns + 1))
+            self._preempt_ns = min(limit_ns, self._slice_end_ns, max(others_ns, self.now_ns + 1))
         else:
             self._quiet_until_ns = self._preempt_ns = limit_ns
 
@@ -216,6 +217,7 @@ class Scheduler:
         if world is not None:
             target_ns = world.advance(max(target_ns, self.now_ns))
         self.now_ns = max(self.now_ns, target_ns)
+        self._slice_end_ns = self.now_ns + SLICE_NS
         self._on_time()
 
     def _on_time(self) -> None:
@@ -245,6 +247,7 @@ class Scheduler:
             target_ns = min(self.now_ns, self.horizon_ns)
             while world.advance(target_ns) < target_ns:
                 pass
+        self._slice_end_ns = self.now_ns + SLICE_NS
         self._on_time()
         self._yield()
 
