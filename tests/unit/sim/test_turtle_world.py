@@ -390,3 +390,36 @@ def test_a_rotation_goes_on_when_the_script_has_ended(car: BulletCar) -> None:
     result = run(car, student, story())
     assert result.trajectory.heading_rad[-1] == pytest.approx(2.0, abs=0.02)
     assert result.trajectory.end_ns < 3 * SECOND
+
+
+def test_a_teleport_beyond_all_measure_ends_far_away(car: BulletCar) -> None:
+    student = Student()
+
+    def story() -> Script:
+        yield from student.subscribe("/turtle1/pose", "turtlesim/msg/Pose")
+        for _ in range(2):
+            yield from student.call("/turtle1/teleport_relative", linear=3e38, angular=0.0)
+        yield from student.call("/turtle1/teleport_absolute", x=math.inf, y=0.0, theta=0.0)
+        yield from student.call("/turtle1/teleport_relative", linear=0.0, angular=math.inf)
+        yield from student.wait(SECOND // 2)
+
+    path = run(car, student, story(), walls=False).trajectory
+    assert len(path.jumps) == 2
+    assert path.x_m[-1] == 1e6
+    assert student.messages("/turtle1/pose", "turtlesim/msg/Pose")[-1][1]["x"] == 1e6
+
+
+@pytest.mark.parametrize("theta", [math.nan, math.inf])
+def test_a_goal_that_is_no_angle_turns_until_it_is_cancelled(car: BulletCar, theta: float) -> None:
+    student = Student()
+    replies: list[dict[str, Any]] = []
+
+    def story() -> Script:
+        yield from goal(student, theta)
+        yield from student.wait(2 * SECOND)
+        yield from student.call(f"{ACTION}/cancel_goal", goal_info={"goal_id": {"uuid": list(UUID)}})
+        replies.append((yield from result_of(student)))
+
+    path = run(car, student, story()).trajectory
+    assert replies[0]["status"] == 5
+    assert path.heading_rad[-1] == pytest.approx(2.0, abs=0.05)
