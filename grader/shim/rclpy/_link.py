@@ -105,8 +105,13 @@ class Link:
         self._next_id += 1
         quality = (1 if reliable else 2, 1 if transient else 2, depth)
         self._send(_wire.entity(ident, _WHAT[what], self._kernel.now_ns, (node, name, type), quality))
-        topic = (name, type)
-        if what == "publisher" and (name == "/rosout" or topic in self._names.get("subscribes", ())):
+        self._sort_in(ident, what, (name, type))
+        self._couple()
+        return ident
+
+    def _sort_in(self, ident: int, what: str, topic: tuple[str, str]) -> None:
+        """Remember whether the world has to do with the entity, by its topic or service and type."""
+        if what == "publisher" and (topic[0] == "/rosout" or topic in self._names.get("subscribes", ())):
             self._wanted.add(ident)
         elif what == "subscription" and topic in self._names.get("publishes", ()):
             self._listening.add(ident)
@@ -114,8 +119,6 @@ class Link:
             self._services.add(ident)
         elif what == "client" and topic in self._names.get("services", ()):
             self._clients.add(ident)
-        self._couple()
-        return ident
 
     def unregister(self, ident: int) -> None:
         """Tell that the entity is gone."""
