@@ -192,7 +192,7 @@ class Sandbox:
             ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
             undo.callback(ours.close)
             with theirs:
-                captures, writers = _pipes(undo)
+                captures, writers = _pipes(undo, limits.output_bytes)
                 try:
                     pid, pidfd = zygote.fork(
                         (limits.cpu_s, limits.memory_bytes, limits.threads if self._counts_threads else None),
@@ -219,11 +219,11 @@ class Sandbox:
         return Layer.OWN_UID in self._active or (Layer.NAMESPACES in self._active and os.geteuid() != 0)
 
 
-def _pipes(undo: ExitStack) -> tuple[tuple[Capture, Capture], tuple[int, int]]:
+def _pipes(undo: ExitStack, limit_bytes: int) -> tuple[tuple[Capture, Capture], tuple[int, int]]:
     """Return captures of two new pipes, to be closed by `undo`, and the pipes' writing ends."""
     stdout, stdout_writer = os.pipe()
     stderr, stderr_writer = os.pipe()
-    captures = Capture(stdout), Capture(stderr)
+    captures = Capture(stdout, limit_bytes), Capture(stderr, limit_bytes)
     for capture in captures:
         undo.callback(capture.close)
     return captures, (stdout_writer, stderr_writer)

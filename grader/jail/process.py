@@ -23,7 +23,11 @@ class ProcessHandle:
 
     def __init__(self, pid: int, pidfd: int | None) -> None:
         self.pidfd = pidfd
-        self.pid = pid if pidfd is None else _pid_in_this_namespace(pidfd)
+        try:
+            self.pid = pid if pidfd is None else _pid_in_this_namespace(pidfd)
+        except SandboxError:
+            self.close()
+            raise
         self._clock_id = (~self.pid << 3) | _CPUCLOCK_SCHED
 
     def cpu_ns(self) -> int:

@@ -13,13 +13,17 @@ _READS_PER_DRAIN = 8
 class Capture:
     """Reads one pipe without blocking and keeps its first and last 64 KiB.
 
+    What comes after `limit_bytes` is counted but not kept: where a flood is cut then depends on the script,
+    not on how fast it was read.
+
     Attributes:
         total_bytes: everything read so far.
         ended: every writer has closed its end.
     """
 
-    def __init__(self, descriptor: int) -> None:
+    def __init__(self, descriptor: int, limit_bytes: int) -> None:
         self.descriptor = descriptor
+        self._limit_bytes = limit_bytes
         self.total_bytes = 0
         self.ended = False
         self._head = bytearray()
@@ -41,7 +45,9 @@ class Capture:
         return True
 
     def _keep(self, data: bytes) -> None:
+        within_limit = max(0, self._limit_bytes - self.total_bytes)
         self.total_bytes += len(data)
+        data = data[:within_limit]
         room = policy.STREAM_HEAD_BYTES - len(self._head)
         self._head += data[:room]
         rest = data[room:] if room else data
@@ -59,7 +65,7 @@ class Capture:
     def stream(self) -> Stream:
         """Return the captured text, decoded with replacement."""
         tail = b"".join(self._tail)[-policy.STREAM_TAIL_BYTES :]
-        dropped = self.total_bytes - len(self._head) - len(tail)
+        dropped = min(self.total_bytes, self._limit_bytes) - len(self._head) - len(tail)
         head = bytes(self._head)
         if not dropped:
             return Stream(text=(head + tail).decode(errors="replace"))

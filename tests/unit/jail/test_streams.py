@@ -11,9 +11,9 @@ from grader.jail.streams import Capture
 HEAD, TAIL = policy.STREAM_HEAD_BYTES, policy.STREAM_TAIL_BYTES
 
 
-def capture(blocks: list[bytes]) -> Capture:
+def capture(blocks: list[bytes], limit_bytes: int = 1 << 22) -> Capture:
     reading, writing = os.pipe()
-    captured = Capture(reading)
+    captured = Capture(reading, limit_bytes)
     for block in blocks:
         for at in range(0, len(block), 32_768):
             os.write(writing, block[at : at + 32_768])
@@ -44,3 +44,10 @@ def test_head_and_tail_are_kept_and_the_rest_counted(sizes: list[int]) -> None:
 @given(st.binary(max_size=2000))
 def test_any_bytes_become_text(data: bytes) -> None:
     assert capture([data]).stream().text == data.decode(errors="replace")
+
+
+@given(st.integers(0, 300_000))
+def test_a_flood_is_cut_at_the_limit_whenever_it_was_noticed(noticed_after: int) -> None:
+    data = b"0123456789" * 20_000
+    cut = capture([data, b"x" * noticed_after], limit_bytes=len(data)).stream()
+    assert cut == capture([data], limit_bytes=len(data)).stream()

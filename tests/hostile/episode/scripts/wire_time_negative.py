@@ -1,0 +1,29 @@
+"""Attack: commands at negative and enormous times.
+
+Expected: protocol
+"""
+
+import os
+import struct
+
+CHANNEL = 3
+
+
+def frame(kind, body=b""):
+    data = struct.pack("<IB", 1 + len(body), kind) + body
+    while data:
+        data = data[os.write(CHANNEL, data) :]
+
+
+def text(value):
+    return struct.pack("<H", len(value)) + value
+
+
+def entity(identifier, what=2, t=0, node=b"/n", name=b"/turtle1/cmd_vel", kind=b"geometry_msgs/msg/Twist"):
+    frame(0x10, struct.pack("<HBq", identifier, what, t) + text(node) + text(name) + text(kind)
+          + struct.pack("<BBH", 1, 2, 10))
+
+
+entity(500)
+for t in (-1, -(2**63)):
+    frame(0x12, struct.pack("<Hq", 500, t) + b"\0\1\0\0" + struct.pack("<6d", 1, 0, 0, 0, 0, 0))
