@@ -151,13 +151,43 @@ def spin_until_future_complete(
             executor.remove_node(node)
 
 
+_WITH_RCLPY = ("exceptions", "impl")
+_WITH_NODE = (
+    "callback_groups",
+    "client",
+    "clock",
+    "duration",
+    "executors",
+    "expand_topic_name",
+    "logging",
+    "parameter_service",
+    "publisher",
+    "qos",
+    "qos_event",
+    "qos_overriding_options",
+    "service",
+    "subscription",
+    "time",
+    "time_source",
+    "timer",
+    "topic_endpoint_info",
+    "type_support",
+    "validate_full_topic_name",
+    "validate_namespace",
+    "validate_node_name",
+    "validate_parameter_name",
+    "validate_topic_name",
+    "waitable",
+)
+"""Submodules that upstream imports on the way to `rclpy` and `rclpy.node`, so that scripts may rely on them."""
+
+
 def __getattr__(name: str) -> Any:
-    """Import submodules that upstream's `import rclpy` would have imported on the way."""
-    if name in _SUBMODULES:
+    """Import a submodule that is an attribute of upstream's package already."""
+    import sys
+
+    if name in _WITH_RCLPY or (name in _WITH_NODE and "rclpy.node" in sys.modules):
         from importlib import import_module
 
         return import_module(f"rclpy.{name}")
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-
-
-_SUBMODULES: frozenset[str] = frozenset()

@@ -42,11 +42,11 @@ _rosout: dict[str, PublisherHandle] = {}
 _rosout_open = False
 
 
-def configure(levels: dict[str, int]) -> None:
+def configure(levels: dict[str, int], *, rosout: bool) -> None:
     """Begin logging for a context with the levels of its command line."""
     global _settings, _rosout_open
     _settings = _settings or _Settings()
-    _rosout_open = True
+    _rosout_open = rosout
     for name, level in levels.items():
         _levels[name] = level
 
@@ -66,7 +66,7 @@ def reset() -> None:
 
 def set_level(name: str, level: int) -> None:
     """Set the level of a logger; 0 makes it follow its parents; the empty name is the root."""
-    if level:
+    if level or not name:
         _levels[name] = level
     else:
         _levels.pop(name, None)
@@ -236,9 +236,7 @@ def severity_of(name: str) -> int:
     for number, known in ((0, "UNSET"), *NAMES.items()):
         if known == name.upper():
             return number
-    raise RuntimeError(
-        f"Failed to get log severity from name: {name}, at ./src/logging.c:406"
-    )
+    raise RuntimeError(f"Failed to get log severity from name: {name}, at ./src/logging.c:406")
 
 
 def directory() -> str:

@@ -35,6 +35,7 @@ class RosArgs:
     Attributes:
         remaps: rules in order; the first that matches wins.
         parameters: values by pattern of node names, in order of first mention; later patterns win.
+        levels: log levels by logger name. rosout: whether logs go to /rosout.
         other: arguments that are not for ROS.
     """
 
@@ -42,6 +43,7 @@ class RosArgs:
         self.remaps: list[Remap] = []
         self.parameters: dict[str, dict[str, Any]] = {}
         self.levels: dict[str, int] = {}
+        self.rosout = True
         self.unknown: list[str] = []
         self.other: list[str] = []
 
@@ -109,7 +111,8 @@ def _parse_one(arg: str, rest: Any, parsed: RosArgs) -> None:
             raise ValueError(f"Couldn't parse trailing {arg} flag. No value provided.")
         handler(arg, value, parsed)
     elif arg in _SWITCHES:
-        return
+        if arg.endswith("rosout-logs"):
+            parsed.rosout = arg.startswith("--enable")
     elif ":=" in arg and not arg.startswith("-"):
         _add_remap("-r", arg, parsed)
     else:
@@ -188,7 +191,9 @@ def _walk_parameters(mapping: dict[str, Any], prefix: str, pattern: str, parsed:
 def _add_level(flag: str, rule: str, parsed: RosArgs) -> None:
     name, _, level = rule.rpartition(":=")
     if level.upper() not in _LEVELS:
-        raise ValueError(f"Couldn't parse log level: '{flag} {rule}'. Error: Argument does not use a valid severity level")
+        raise ValueError(
+            f"Couldn't parse log level: '{flag} {rule}'. Error: Argument does not use a valid severity level"
+        )
     parsed.levels[name] = _LEVELS[level.upper()]
 
 

@@ -55,7 +55,7 @@ class Context:
         if initialize_logging and not self._logging_initialized:
             g_logging_ref_count += 1
             if g_logging_ref_count == 1:
-                _logs.configure(handle.ros_args.levels)
+                _logs.configure(handle.ros_args.levels, rosout=handle.ros_args.rosout)
             self._logging_initialized = True
 
     def _valid(self) -> bool:

@@ -78,7 +78,7 @@ class QoSRequestedIncompatibleQoSInfo(_Info):
 
     def __init__(self) -> None:
         super().__init__()
-        self.last_policy_kind = 0
+        self.last_policy_kind = 1
 
 
 QoSOfferedIncompatibleQoSInfo = QoSRequestedIncompatibleQoSInfo
@@ -119,7 +119,7 @@ class QoSEventHandle(Handle):
         info = QoSRequestedIncompatibleQoSInfo()
         info.total_count = self._parent.incompatible
         info.total_count_change = len(self.backlog)
-        info.last_policy_kind = self._parent.last_policy
+        info.last_policy_kind = self._parent.last_policy or 1
         self.backlog.clear()
         return info
 
