@@ -26,6 +26,7 @@ import resource
 import signal
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from importlib.machinery import ModuleSpec
 from importlib.util import spec_from_file_location
 from io import TextIOWrapper
@@ -50,11 +51,14 @@ def main() -> None:
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(_NUMBER_OF_FILES, hard), hard))
     control = _socket.socket(_socket.AF_UNIX, _socket.SOCK_STREAM, 0, int(sys.argv.pop()))
+    with suppress(EOFError, ConnectionError):  # the supervisor is gone, and so is the reason to be here
+        _answer_all(control)
+
+
+def _answer_all(control: _socket.socket) -> None:
+    request, _ = _receive(control)
     try:
-        request, _ = _receive(control)
         layers, entry = _prepare(request)
-    except (EOFError, ConnectionError):  # the supervisor is gone
-        return
     except Exception as error:  # whatever it is, the supervisor must hear of it
         _send(control, {"error": f"{type(error).__name__}: {error}"})
         return
@@ -64,10 +68,7 @@ def main() -> None:
 
 def _serve(control: _socket.socket, layers: Layers, entry: Entry) -> None:
     while True:
-        try:
-            request, descriptors = _receive(control)
-        except (EOFError, ConnectionError):
-            return
+        request, descriptors = _receive(control)
         if request["do"] == "reap":
             _send(control, _reap(request["pid"]))
             continue
