@@ -196,7 +196,8 @@ class Jail:
         """Add up how long the script was seen asleep although the episode waits for it."""
         now_ns = time.monotonic_ns()
         if self._last_look_ns is not None and self._process.sleeps():
-            self._idle_ns += now_ns - self._last_look_ns
+            # No more than a few ticks at a time: this process, or the whole machine, may have been paused.
+            self._idle_ns += min(now_ns - self._last_look_ns, 4 * _TICK_NS)
         self._last_look_ns = now_ns
         if self._idle_ns > policy.IDLE_LIMIT_NS and not self._has_ended():
             self._end(Verdict.STALLED, "the script waits in a call that nothing can end")
