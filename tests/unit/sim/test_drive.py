@@ -100,6 +100,13 @@ def test_a_circle_closes_on_itself(car: BulletCar) -> None:
     assert np.ptp(path.x_m) == pytest.approx(2.0, rel=1e-3)
 
 
+def test_a_fast_half_circle_ends_abeam(car: BulletCar) -> None:
+    # Moving along the step's first heading instead of its chord would end 12 mm off.
+    along, across = moved(drive(car, [(0.5, 3.0, 2.0 * math.pi)]))
+    assert abs(along) < 1e-3
+    assert across == pytest.approx(3.0 / math.pi, abs=1e-3)
+
+
 ORDINARY = st.tuples(st.floats(0.2, 1.5), st.floats(-2.0, 2.0), st.floats(-3.0, 3.0))
 
 
