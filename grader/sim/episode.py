@@ -146,11 +146,11 @@ class Episode:
         if isinstance(frame, NoteFrame):
             self._journal.note(frame.code, frame.text)
             return
-        self._check_time(frame.t_ns)
         if isinstance(frame, Advance):
+            self._check_time(frame.t_ns)
             self._advance(frame.t_ns, link)
             return
-        self._now_ns = frame.t_ns
+        self._pass_time(frame.t_ns)
         if isinstance(frame, Exit):
             self._exit = frame
         elif frame.t_ns <= self._spec.horizon_ns:
@@ -158,14 +158,18 @@ class Episode:
 
     def _publish(self, frame: Publish) -> None:
         identity, t_ns, payload = frame
-        self._check_time(t_ns)
-        self._now_ns = t_ns
+        self._pass_time(t_ns)
         if t_ns > self._spec.horizon_ns:
             return
         self._graph.get(identity, PUBLISHER)
         sink = self._sinks.get(identity)
         if sink is not None:
             sink(t_ns, payload)
+
+    def _pass_time(self, t_ns: int) -> None:
+        """Go on to `t_ns`; what a script does after Ctrl+C happens at the horizon, as its EXIT does."""
+        self._check_time(t_ns)
+        self._now_ns = min(t_ns, self._spec.horizon_ns)
 
     def _check_time(self, t_ns: int) -> None:
         if t_ns < self._now_ns:

@@ -115,6 +115,14 @@ def test_nothing_moves_beyond_the_horizon(car: BulletCar) -> None:
     assert result.duration_ns == SECOND
 
 
+def test_commands_after_ctrl_c_do_not_put_the_exit_into_the_past(car: BulletCar) -> None:
+    # A script with its own SIGINT handler goes on for a moment; its EXIT carries the horizon.
+    frames = [jail.node(), jail.driver(), jail.publish(2, 0, jail.twist(1.0))]
+    frames += [jail.publish(2, SECOND + 80_000, jail.twist()), jail.ended(SECOND, after_interrupt=1)]
+    result = play(car, frames, horizon_s=1.0)
+    assert (result.violation, result.duration_ns, result.command_count) == (None, SECOND, 1)
+
+
 def test_frames_after_exit_are_not_read(car: BulletCar) -> None:
     result = play(car, [jail.ended(SECOND, code=3), b"\xff"])
     assert result.violation is None
