@@ -7,7 +7,14 @@ deviation from DDS, where it takes 50 to 500 ms and messages published before ar
 from __future__ import annotations
 
 from rclpy._link import link
-from rclpy._qos_native import NativeQos, incompatible_policy
+from rclpy._qos_native import (
+    KEEP_LAST,
+    RELIABLE,
+    TRANSIENT_LOCAL,
+    VOLATILE,
+    NativeQos,
+    incompatible_policy,
+)
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -55,13 +62,19 @@ def next_gid() -> int:
 
 
 class WorldEndpoint:
-    """A topic end or service of the simulated world; turtlesim uses reliable, volatile, depth 7."""
+    """A topic end or service of the simulated world: reliable, volatile, depth 7, as turtlesim's are.
+
+    The status of an action is kept for late listeners (rcl_action/default_qos.h).
+    """
 
     def __init__(self, name: str, type_name: str, owner: tuple[str, str]) -> None:
         self.name = name
         self.type_name = type_name
         self.owner = owner
-        self.qos = NativeQos(1, 7, 1, 2)
+        keeps_last = name.endswith("/_action/status")
+        self.qos = NativeQos(
+            KEEP_LAST, 1 if keeps_last else 7, RELIABLE, TRANSIENT_LOCAL if keeps_last else VOLATILE
+        )
         self.gid = next_gid()
 
     def match(self, reader: Reader) -> None:

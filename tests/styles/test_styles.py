@@ -1,0 +1,147 @@
+"""Ordinary rclpy scripts in every style: each drives the car where an ideal turtle would go, every time.
+
+The expectations are written by hand, from what the script says; none is taken from a run.
+"""
+
+import hashlib
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from grader.contracts import trajectory_json
+from grader.contracts.assignment import Assignment, Case
+from grader.contracts.grading import Grader, GradingJob, GradingResult
+from grader.contracts.outcome import RunOutcome
+from grader.contracts.text import EMPTY
+from grader.contracts.trajectory import Trajectory
+from grader.slot import Slot, SlotConfig
+from tests.styles import expected_endings, expected_feedback, expected_threads, expected_timers
+from tests.styles.expectation import Expectation
+from tests.styles.ideal import IdealTurtle, Jump
+
+SCRIPTS = Path(__file__).with_name("scripts")
+EXPECTED: dict[str, Expectation] = {
+    **expected_timers.EXPECTED,
+    **expected_threads.EXPECTED,
+    **expected_feedback.EXPECTED,
+    **expected_endings.EXPECTED,
+}
+
+LAG_S = 1.0 / 60.0  # the car is a turtle behind a first-order lag: at a steady speed it is this late
+MAX_PATH_ERROR = 0.03  # of the length of the path
+MIN_TOLERANCE_M = 0.01  # for turns on the spot
+MAX_HEADING_ERROR_RAD = np.radians(3.0)
+UNWELCOME = {"incompatible_qos", "type_mismatch", "unreadable_message"}  # no script here deserves these notes
+RUNS = 3
+
+
+@pytest.fixture(scope="module")
+def grader() -> Iterator[Grader]:
+    with Slot(SlotConfig()) as slot:
+        yield slot
+
+
+def job_of(name: str) -> GradingJob:
+    """Return a job that runs the script in turtlesim's window and asks for nothing."""
+    expected = EXPECTED[name]
+    assignment = Assignment(
+        id="styles",
+        version=1,
+        order=0,
+        title=EMPTY,
+        brief=EMPTY,
+        check="node",
+        items=(),
+        horizon_s=expected.horizon_s,
+        cases=(Case(stdin=expected.stdin, args=expected.args),),
+    )
+    path = SCRIPTS / f"{name}.py"
+    return GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
+
+
+@cache
+def graded(grader: Grader, name: str) -> GradingResult:
+    return grader.grade(job_of(name))
+
+
+def test_every_script_has_its_expectation() -> None:
+    assert sorted(EXPECTED) == sorted(path.stem for path in SCRIPTS.glob("*.py"))
+    assert len(EXPECTED) >= 60
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_the_car_goes_where_an_ideal_turtle_goes(grader: Grader, name: str) -> None:
+    expected = EXPECTED[name]
+    trajectory = trajectory_json.decode(graded(grader, name).trajectories["default"])
+    ideal = IdealTurtle(expected.plan)
+    distances_m, turns_rad = _deviations(trajectory, ideal, expected)
+    assert distances_m.max() <= max(MAX_PATH_ERROR * ideal.path_length_m, MIN_TOLERANCE_M)
+    assert abs(turns_rad[-1]) <= MAX_HEADING_ERROR_RAD
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_the_script_ends_and_speaks_as_at_home(grader: Grader, name: str) -> None:
+    expected = EXPECTED[name]
+    outcome = graded(grader, name).report.runs[0].outcome
+    assert outcome.status == expected.status, (outcome.detail, outcome.stderr.text)
+    assert _error_types(outcome) == (expected.error, expected.cleanup)
+    if expected.stdout is not None:
+        assert outcome.stdout.text == expected.stdout
+    if expected.exit_code is not None:
+        assert outcome.exit_code == expected.exit_code
+    assert _in_order(expected.says, outcome.stderr.text), outcome.stderr.text
+    codes = {note.code for note in outcome.notes}
+    assert set(expected.notes) <= codes
+    assert not codes & UNWELCOME, outcome.notes
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_every_run_is_the_same(grader: Grader, name: str) -> None:
+    first = fingerprint(graded(grader, name))
+    assert [fingerprint(grader.grade(job_of(name))) for _ in range(RUNS - 1)] == [first] * (RUNS - 1)
+
+
+def fingerprint(result: GradingResult) -> tuple[str, str, str]:
+    """Return the digests of the command log, the trajectory and the report."""
+    trajectory = trajectory_json.decode(result.trajectories["default"])
+    commands = hashlib.sha256(repr(trajectory.commands).encode()).hexdigest()
+    return commands, result.report.runs[0].trajectory_sha256, result.report.sha256()
+
+
+def _deviations(
+    trajectory: Trajectory, ideal: IdealTurtle, expected: Expectation
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return how far the car is from the ideal turtle and how much it is turned, at every sample.
+
+    The samples next to a jump are left out: it happens between two of them.
+    """
+    times_s = trajectory.t_ns / 1e9
+    wanted = ideal.poses(times_s - LAG_S)
+    distances_m = np.hypot(trajectory.x_m - wanted[:, 0], trajectory.y_m - wanted[:, 1])
+    away = trajectory.heading_rad - wanted[:, 2]
+    turns_rad = np.arctan2(np.sin(away), np.cos(away))
+    steady = np.ones(len(times_s), dtype=bool)
+    for jump in (part for part in expected.plan if isinstance(part, Jump)):
+        steady &= abs(times_s - jump.start_s) > 2.0 * LAG_S
+    return distances_m[steady], turns_rad[steady]
+
+
+def _error_types(outcome: RunOutcome) -> tuple[str, str]:
+    return (
+        outcome.error.type if outcome.error else "",
+        outcome.cleanup_error.type if outcome.cleanup_error else "",
+    )
+
+
+def _in_order(texts: tuple[str, ...], where: str) -> bool:
+    """Whether every text occurs, each after the one before."""
+    at = 0
+    for text in texts:
+        found = where.find(text, at)
+        if found < 0:
+            return False
+        at = found + len(text)
+    return True
