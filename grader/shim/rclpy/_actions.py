@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from rclpy import _interfaces
 from rclpy._clocks import TimerHandle
-from rclpy._endpoints import ClientHandle, PublisherHandle, ServiceHandle, SubscriptionHandle
+from rclpy._endpoints import PublisherHandle, SubscriptionHandle
 from rclpy._enums import NativeEnum
 from rclpy._errors import RCLError
 from rclpy._handles import Handle
 from rclpy._kernel import kernel
+from rclpy._service_endpoints import ClientHandle, ServiceHandle
 from rclpy.constants import S_TO_NS
 
 TYPE_CHECKING = False
@@ -160,7 +161,9 @@ class ActionServerHandle(_Members):
         """Take over a new goal; RCLError when its id is known."""
         key = uuid_bytes(goal.info.goal_id)
         if key in self.goals:
-            raise RCLError("Failed to accept new goal: goal ID already exists, at ./src/rcl_action/action_server.c:410")
+            raise RCLError(
+                "Failed to accept new goal: goal ID already exists, at ./src/rcl_action/action_server.c:410"
+            )
         self.goals[key] = goal
 
     def goal_exists(self, info: Any) -> bool:
@@ -248,4 +251,3 @@ def new_goal_id() -> Any:
     data[6] = data[6] & 0x0F | 0x40
     data[8] = data[8] & 0x3F | 0x80
     return _interfaces.UUID(uuid=list(data))
-

@@ -123,7 +123,9 @@ class Dispatcher:
             future._set_executor(self)
         await waitable.execute(data)
 
-    def _means(self, kind: int) -> tuple[Callable[[Any], Any], Callable[[Any, Any], Coroutine[Any, Any, None]]]:
+    def _means(
+        self, kind: int
+    ) -> tuple[Callable[[Any], Any], Callable[[Any, Any], Coroutine[Any, Any, None]]]:
         if kind == TIMER:
             return self._take_timer, self._execute_timer
         if kind == SUBSCRIPTION:
@@ -161,6 +163,6 @@ class Dispatcher:
                     entity.callback_group.ending_execution(entity)
                     self.wake()
 
-        task = Task(handler, (entity, self._is_shutdown), executor=self)
+        task = Task(handler, (entity, self._is_shutdown), executor=self)  # type: ignore[arg-type]
         self._tasks.append((task, entity, node))
         return task

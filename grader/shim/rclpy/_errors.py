@@ -45,7 +45,7 @@ class UnsupportedEventTypeError(RCLError):
     __module__ = _MODULE
 
 
-class NotImplementedError_(RuntimeError):
+class NativeNotImplementedError(RuntimeError):
     """The C module's own NotImplementedError."""
 
     __module__ = _MODULE

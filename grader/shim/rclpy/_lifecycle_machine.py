@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from rclpy import _interfaces
-from rclpy._endpoints import PublisherHandle, ServiceHandle
+from rclpy._endpoints import PublisherHandle
 from rclpy._enums import NativeEnum
 from rclpy._errors import RCLError
 from rclpy._qos_native import NativeQos
+from rclpy._service_endpoints import ServiceHandle
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
-
     from rclpy._node_handle import NodeHandle
 
 STATES = {

@@ -100,29 +100,37 @@ def topic_name_fault(name: str) -> Fault | None:
 
 
 def _character_fault(name: str) -> Fault | None:
+    """Return the first character that must not stand where it is; ``{`` opens a substitution, ``}`` ends it."""
     opened = -1
     for i, character in enumerate(name):
         if opened >= 0 and character != "}":
-            if character in _DIGITS and i == opened + 1:
-                return "substitution name must not start with a number", i
-            if character not in _WORD and not (character == "~" and i == 0):
-                return "substitution name must not contain characters other than alphanumerics or '_'", i
-        elif character == "{":
-            opened = i
-        elif character == "}":
-            if opened < 0:
-                return "topic name must not have unmatched (unbalanced) curly braces '{}'", i
-            opened = -1
-        elif character == "~" and i:
-            return "topic name must not have tilde '~' unless it is the first character", i
-        elif character not in _WORD and character not in "/~":
-            return (
-                "topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}'",
-                i,
-            )
+            fault = _substitution_fault(character, first=i == opened + 1)
+        else:
+            fault = _plain_fault(character, first=i == 0, inside=opened >= 0)
+            opened = i if character == "{" else -1
+        if fault:
+            return fault, i
     if opened >= 0:
         return "topic name must not have unmatched (unbalanced) curly braces '{}'", opened
     return None
+
+
+def _substitution_fault(character: str, *, first: bool) -> str:
+    if first and character in _DIGITS:
+        return "substitution name must not start with a number"
+    if character not in _WORD:
+        return "substitution name must not contain characters other than alphanumerics or '_'"
+    return ""
+
+
+def _plain_fault(character: str, *, first: bool, inside: bool) -> str:
+    if character == "}" and not inside:
+        return "topic name must not have unmatched (unbalanced) curly braces '{}'"
+    if character == "~" and not first:
+        return "topic name must not have tilde '~' unless it is the first character"
+    if character not in _WORD and character not in "/~{}":
+        return "topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}'"
+    return ""
 
 
 def expand(name: str, node_name: str, namespace: str) -> str:

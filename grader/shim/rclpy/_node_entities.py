@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from rclpy._endpoints import ClientHandle, PublisherHandle, ServiceHandle, SubscriptionHandle
+from rclpy._endpoints import PublisherHandle, SubscriptionHandle
 from rclpy._names import expand
+from rclpy._node_destruction import DestructionMixin
+from rclpy._service_endpoints import ClientHandle, ServiceHandle
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.client import Client
 from rclpy.constants import S_TO_NS
@@ -34,19 +36,13 @@ if TYPE_CHECKING:
     from rclpy.waitable import Waitable
 
 
-class EntityMixin:
+class EntityMixin(DestructionMixin):
     """Creates publishers, subscriptions, timers and the rest, and destroys them."""
 
     _clock: Clock
 
     def __init__(self) -> None:
-        self._publishers: list[Publisher] = []
-        self._subscriptions: list[Subscription] = []
-        self._clients: list[Client] = []
-        self._services: list[Service] = []
-        self._timers: list[Timer] = []
-        self._guards: list[GuardCondition] = []
-        self._waitables: list[Waitable] = []
+        super().__init__()
         self._rate_group = ReentrantCallbackGroup()
 
     @property
@@ -60,9 +56,6 @@ class EntityMixin:
 
     @property
     def default_callback_group(self) -> CallbackGroup:
-        raise NotImplementedError()
-
-    def _wake_executor(self) -> None:
         raise NotImplementedError()
 
     def _validate_topic_or_service_name(self, name: str, *, is_service: bool = False) -> None:
@@ -296,43 +289,3 @@ class EntityMixin:
             raise ValueError("frequency must be > 0")
         timer = self.create_timer(1.0 / frequency, None, self._rate_group, clock)
         return Rate(timer, context=self.context)
-
-    def _destroy(self, members: list[Any], entity: Any) -> bool:
-        if entity not in members:
-            return False
-        members.remove(entity)
-        for handler in getattr(entity, "event_handlers", ()):
-            self._waitables.remove(handler)
-        entity.destroy()
-        self._wake_executor()
-        return True
-
-    def destroy_publisher(self, publisher: Publisher) -> bool:
-        """Destroy a publisher of this node; whether it was one."""
-        return self._destroy(self._publishers, publisher)
-
-    def destroy_subscription(self, subscription: Subscription) -> bool:
-        """Destroy a subscription of this node; whether it was one."""
-        return self._destroy(self._subscriptions, subscription)
-
-    def destroy_client(self, client: Client) -> bool:
-        """Destroy a client of this node; whether it was one."""
-        return self._destroy(self._clients, client)
-
-    def destroy_service(self, service: Service) -> bool:
-        """Destroy a service of this node; whether it was one."""
-        return self._destroy(self._services, service)
-
-    def destroy_timer(self, timer: Timer) -> bool:
-        """Destroy a timer of this node; whether it was one."""
-        return self._destroy(self._timers, timer)
-
-    def destroy_guard_condition(self, guard: GuardCondition) -> bool:
-        """Destroy a guard condition of this node; whether it was one."""
-        return self._destroy(self._guards, guard)
-
-    def destroy_rate(self, rate: Rate) -> bool:
-        """Destroy a rate of this node and wake its sleepers; whether it was one."""
-        success = self.destroy_timer(rate._timer)
-        rate.destroy()
-        return success

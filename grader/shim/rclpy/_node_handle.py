@@ -110,9 +110,9 @@ class NodeHandle(Handle):
         """Apply the first remapping rule for an absolute name."""
         for args in self._args:
             for rule in args.remaps:
-                if rule.kind in (kind, "any") and rule.node in (None, self.name):
-                    if expand(rule.match, self.name, self.namespace) == expanded:
-                        return expand(rule.replacement, self.name, self.namespace)
+                concerned = rule.kind in (kind, "any") and rule.node in (None, self.name)
+                if concerned and expand(rule.match, self.name, self.namespace) == expanded:
+                    return expand(rule.replacement, self.name, self.namespace)
         return expanded
 
     def resolve(self, name: str, only_expand: bool, service: bool) -> str:

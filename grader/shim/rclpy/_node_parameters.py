@@ -192,8 +192,11 @@ class ParameterMixin:
         allow_not_set_type: bool = False,
     ) -> Any:
         """Check, ask the callbacks, store and publish the change; NOT_SET undeclares unless allowed."""
-        result = self._apply_descriptors(
-            parameter_list, self._descriptors if descriptors is None else descriptors, descriptors is None
+        result = check_descriptors(
+            parameter_list,
+            self._descriptors if descriptors is None else descriptors,
+            self._parameters,
+            check_read_only=descriptors is None,
         )
         if not result.successful:
             return result
@@ -249,11 +252,6 @@ class ParameterMixin:
         self._parameters_callbacks.remove(callback)
 
     # Descriptors ---------------------------------------------------------------------------------
-
-    def _apply_descriptors(
-        self, parameter_list: list[Parameter], descriptors: Mapping[str, Any], check_read_only: bool = True
-    ) -> Any:
-        return check_descriptors(parameter_list, descriptors, self._parameters, check_read_only)
 
     def _apply_descriptor(
         self, parameter: Parameter, descriptor: Any = None, check_read_only: bool = True

@@ -38,7 +38,6 @@ _FIELDS = (
     "avoid_ros_namespace_conventions",
 )
 
-# history, depth, reliability, durability (rmw/qos_profiles.h, rcl_action/default_qos.h)
 _PREDEFINED = {
     "qos_profile_default": (KEEP_LAST, 10, RELIABLE, VOLATILE),
     "qos_profile_unknown": (3, 0, 3, 3),
@@ -49,6 +48,7 @@ _PREDEFINED = {
     "qos_profile_parameter_events": (KEEP_LAST, 1000, RELIABLE, VOLATILE),
     "rcl_action_qos_profile_status_default": (KEEP_LAST, 1, RELIABLE, TRANSIENT_LOCAL),
 }
+"""Name -> history, depth, reliability and durability (rmw/qos_profiles.h, rcl_action/default_qos.h)."""
 
 
 class NativeQos:

@@ -64,10 +64,7 @@ class WaitSet:
     def settle(self) -> bool:
         """Note which entities are ready now, consuming triggers; whether any is."""
         self._ready = {
-            kind: [
-                handle.is_timer_ready() if kind == "timer" else bool(handle.backlog)
-                for handle in members
-            ]
+            kind: [handle.is_timer_ready() if kind == "timer" else bool(handle.backlog) for handle in members]
             for kind, members in self._members.items()
         }
         for handle in self._members["guard_condition"]:
@@ -86,7 +83,7 @@ class WaitSet:
     def get_ready_entities(self, kind: str) -> list[int]:
         """Return the pointers of the ready entities of a kind."""
         flags = self._ready.get(kind, ())
-        return [handle.pointer for handle, flag in zip(self._members[kind], flags) if flag]
+        return [handle.pointer for handle, flag in zip(self._members[kind], flags, strict=False) if flag]
 
     def wait(self, timeout_ns: int) -> None:
         """Block until an entity is ready or the timeout (-1: never) has passed."""

@@ -106,7 +106,9 @@ class Watch:
                     if not entity.handle.backlog:
                         self._others.discard(id(entity))
         self._waitables = [
-            entry for entry in self._waitables if (entry[0]._poll() if entry[1] is None else _is_ready(*entry))
+            (waitable, waits, node)
+            for waitable, waits, node in self._waitables
+            if (waitable._poll() if waits is None else _is_ready(waitable, waits))
         ]
 
     def served(self) -> Iterator[tuple[int, Any, Node]]:
@@ -115,26 +117,35 @@ class Watch:
         Each is looked at again when its turn comes: a callback may have cancelled or destroyed it.
         """
         for waitable, _, node in self._waitables:
-            if waitable.callback_group.can_execute(waitable):
+            if _free(waitable):
                 yield WAITABLE, waitable, node
         for node in self._nodes:
-            for timer in tuple(node._timers):
-                if self._timers.get(id(timer)) and timer.handle.is_timer_ready():
-                    if timer.callback_group.can_execute(timer):
-                        yield TIMER, timer, node
+            for timer in _entities(node._timers):
+                if self._timers.get(id(timer)) and timer.handle.is_timer_ready() and _free(timer):
+                    yield TIMER, timer, node
             yield from self._of(SUBSCRIPTION, node._subscriptions, node)
-            for guard in tuple(node._guards):
-                if guard._executor_triggered and guard.callback_group.can_execute(guard):
+            for guard in _entities(node._guards):
+                if guard._executor_triggered and _free(guard):
                     yield GUARD, guard, node
             yield from self._of(CLIENT, node._clients, node)
             yield from self._of(SERVICE, node._services, node)
 
     def _of(self, kind: int, entities: Sequence[Any], node: Node) -> Iterator[tuple[int, Any, Node]]:
-        for entity in tuple(entities):
-            if id(entity) in self._others and entity.callback_group.can_execute(entity):
+        for entity in _entities(entities):
+            if id(entity) in self._others and _free(entity):
                 yield kind, entity, node
 
 
-def _is_ready(waitable: Any, waits: WaitSet, _node: Node) -> bool:
+def _entities(members: Sequence[Any]) -> tuple[Any, ...]:
+    """Return the members as they are now: callbacks create and destroy some."""
+    return tuple(members)
+
+
+def _free(entity: Any) -> bool:
+    """Whether the entity's callback group lets it run."""
+    return bool(entity.callback_group.can_execute(entity))
+
+
+def _is_ready(waitable: Any, waits: WaitSet) -> bool:
     waits.settle()
     return bool(waitable.is_ready(waits))

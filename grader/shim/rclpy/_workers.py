@@ -47,5 +47,5 @@ class WorkerPool:
                 work = self._work.popleft()
                 try:
                     work()
-                except BaseException:  # noqa: BLE001, S112
+                except BaseException:  # noqa: S112
                     continue

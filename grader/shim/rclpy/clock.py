@@ -174,7 +174,9 @@ class Clock:
                 event.set()
 
         context.on_shutdown(event.set)
-        threshold = JumpThreshold(min_forward=Duration(nanoseconds=1), min_backward=None, on_clock_change=True)
+        threshold = JumpThreshold(
+            min_forward=Duration(nanoseconds=1), min_backward=None, on_clock_change=True
+        )
         with self.create_jump_callback(threshold, post_callback=on_jump):
             event.wait_until(self.__clock, until.nanoseconds)
         if not context._valid() or changed:

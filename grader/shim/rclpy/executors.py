@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
-from rclpy._kernel import kernel
 from rclpy._dispatch import Dispatcher
 from rclpy._dispatch import await_or_execute as await_or_execute
+from rclpy._executor_states import (
+    ConditionReachedException,
+    ExternalShutdownException,
+    ShutdownException,
+    Spinning,
+    TimeoutException,
+    TimeoutObject,
+)
+from rclpy._kernel import kernel
 from rclpy._watch import Watch
 from rclpy._workers import WorkerPool
 from rclpy.exceptions import InvalidHandle as InvalidHandle
@@ -15,7 +23,6 @@ from rclpy.utilities import get_default_context, timeout_sec_to_nsec
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Sequence
-    from types import TracebackType
     from typing import Any
 
     from rclpy.context import Context
@@ -23,39 +30,21 @@ if TYPE_CHECKING:
 
     Ready = tuple[Task, Any, Node]
 
+__all__ = [
+    "ConditionReachedException",
+    "Executor",
+    "ExternalShutdownException",
+    "InvalidHandle",
+    "MultiThreadedExecutor",
+    "ShutdownException",
+    "SingleThreadedExecutor",
+    "TimeoutException",
+    "TimeoutObject",
+    "await_or_execute",
+]
+
 CPU_COUNT = 4
 """Threads of a MultiThreadedExecutor that is not told a number: the same on every grading host."""
-
-
-class TimeoutException(Exception):
-    """A wait timed out."""
-
-
-class ShutdownException(Exception):
-    """The executor was shut down."""
-
-
-class ExternalShutdownException(Exception):
-    """The context was shut down from elsewhere."""
-
-
-class ConditionReachedException(Exception):
-    """The future waited for is done."""
-
-
-class TimeoutObject:
-    """A timeout that its owner updates between waits."""
-
-    def __init__(self, timeout: float) -> None:
-        self._timeout = timeout
-
-    @property
-    def timeout(self) -> float:
-        return self._timeout
-
-    @timeout.setter
-    def timeout(self, timeout: float) -> None:
-        self._timeout = timeout
 
 
 def _never() -> bool:
@@ -132,13 +121,13 @@ class Executor(Dispatcher):
 
     def spin(self) -> None:
         """Run callbacks until shutdown."""
-        with _Spinning(self):
+        with Spinning(self):
             while self._context._valid() and not self._is_shutdown:
                 self.spin_once()
 
     def _spin_while_valid(self) -> None:
         """Run callbacks until the context is shut down: what `rclpy.spin` does."""
-        with _Spinning(self):
+        with Spinning(self):
             while self._context._valid():
                 self.spin_once()
 
@@ -196,7 +185,7 @@ class Executor(Dispatcher):
             for task, entity, node in reversed(tuple(self._tasks)):
                 if not task.executing() and not task.done() and (node is None or node in using):
                     yielded = True
-                    yield task, entity, node  # type: ignore[misc]
+                    yield task, entity, node
             self._tasks = [item for item in self._tasks if not item[0].done()]
             watch = Watch(self, using)
             self._block(watch, guard, deadline_ns)
@@ -242,21 +231,6 @@ class Executor(Dispatcher):
                 return next(self._cb_iter)
             except StopIteration:
                 self._cb_iter = None
-
-
-class _Spinning:
-    """While inside, an executor waits for ever by nature: an idle node is no deadlock."""
-
-    def __init__(self, executor: Executor) -> None:
-        self._executor = executor
-
-    def __enter__(self) -> None:
-        self._executor._spinning += 1
-
-    def __exit__(
-        self, t: type[BaseException] | None, v: BaseException | None, tb: TracebackType | None
-    ) -> None:
-        self._executor._spinning -= 1
 
 
 class SingleThreadedExecutor(Executor):

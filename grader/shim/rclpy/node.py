@@ -131,7 +131,7 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
 
         kind = LazyType("rcl_interfaces/msg/ParameterEvent")
         qos = qos_profile_parameter_events
-        impl = PublisherHandle(self.__node, kind, "/parameter_events", qos.get_c_qos_profile())  # type: ignore[arg-type]
+        impl = PublisherHandle(self.__node, kind, "/parameter_events", qos.get_c_qos_profile())
         return self._add_publisher(
             Publisher, impl, (kind, "/parameter_events", qos), None, self.default_callback_group
         )
@@ -229,15 +229,16 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
     def destroy_node(self) -> None:
         """Destroy the node and what it consists of; a second time does nothing."""
         self._parameter_event_publisher = None
-        for members, destroy in (
-            (self._publishers, self.destroy_publisher),
-            (self._subscriptions, self.destroy_subscription),
-            (self._clients, self.destroy_client),
-            (self._services, self.destroy_service),
-            (self._timers, self.destroy_timer),
-            (self._guards, self.destroy_guard_condition),
-        ):
+        kinds: tuple[list[Any], ...] = (
+            self._publishers,
+            self._subscriptions,
+            self._clients,
+            self._services,
+            self._timers,
+            self._guards,
+        )
+        for members in kinds:
             while members:
-                destroy(members[0])  # type: ignore[operator]
+                self._destroy(members, members[0])
         self.__node.destroy_when_not_in_use()
         self._wake_executor()

@@ -68,9 +68,7 @@ class Parameter:
             for number, kind in _ELEMENTS.items():
                 if _all(parameter_value, kind):
                     return cls(number)
-            raise TypeError(
-                f"The given value is not a list of one of the allowed types '{parameter_value}'."
-            )
+            raise TypeError(f"The given value is not a list of one of the allowed types '{parameter_value}'.")
 
         def check(self, parameter_value: Any) -> bool:
             """Whether a value has this type."""

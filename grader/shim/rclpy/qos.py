@@ -162,7 +162,7 @@ class QoSProfile:
         InvalidQoSProfileException: neither history nor depth, or KEEP_LAST without depth.
     """
 
-    __slots__ = [
+    __slots__ = [  # noqa: RUF023 - the order of upstream's str()
         "_history",
         "_depth",
         "_reliability",
@@ -175,14 +175,14 @@ class QoSProfile:
     ]
 
     def __init__(self, **kwargs: Any) -> None:
-        assert all(
-            "_" + key in self.__slots__ for key in kwargs
-        ), f"Invalid arguments passed to constructor: {kwargs.keys()!r}"
+        assert all("_" + key in self.__slots__ for key in kwargs), (
+            f"Invalid arguments passed to constructor: {kwargs.keys()!r}"
+        )
         if "history" not in kwargs:
             if "depth" not in kwargs:
                 raise InvalidQoSProfileException("History and/or depth settings are required.")
             kwargs["history"] = QoSHistoryPolicy.KEEP_LAST
-        self.history = kwargs["history"]
+        self.history = kwargs["history"]  # noqa: PLE0237 - a property
         if self.history == QoSHistoryPolicy.KEEP_LAST and "depth" not in kwargs:
             raise InvalidQoSProfileException("History set to KEEP_LAST without a depth setting.")
         for slot in self.__slots__[1:]:

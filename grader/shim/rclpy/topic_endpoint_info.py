@@ -35,21 +35,21 @@ class TopicEndpointInfo:
     """One endpoint of a topic; AssertionError for unknown keywords or values of wrong types."""
 
     __slots__ = [
+        "_endpoint_gid",
+        "_endpoint_type",
         "_node_name",
         "_node_namespace",
-        "_topic_type",
-        "_endpoint_type",
-        "_endpoint_gid",
         "_qos_profile",
+        "_topic_type",
     ]
 
     def __init__(self, **kwargs: Any) -> None:
-        assert all(
-            "_" + key in self.__slots__ for key in kwargs
-        ), f"Invalid arguments passed to constructor: {kwargs.keys()!r}"
-        self.node_name = kwargs.get("node_name", "")
-        self.node_namespace = kwargs.get("node_namespace", "")
-        self.topic_type = kwargs.get("topic_type", "")
+        assert all("_" + key in self.__slots__ for key in kwargs), (
+            f"Invalid arguments passed to constructor: {kwargs.keys()!r}"
+        )
+        self.node_name = kwargs.get("node_name", "")  # noqa: PLE0237 - a property
+        self.node_namespace = kwargs.get("node_namespace", "")  # noqa: PLE0237 - a property
+        self.topic_type = kwargs.get("topic_type", "")  # noqa: PLE0237 - a property
         self.endpoint_type = kwargs.get("endpoint_type", TopicEndpointTypeEnum.INVALID)
         self.endpoint_gid = kwargs.get("endpoint_gid", [])
         self.qos_profile = kwargs.get("qos_profile", QoSPresetProfiles.UNKNOWN.value)

@@ -11,7 +11,14 @@ if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
     from rclpy.task import Future
 
-_COUNTS = ("num_subscriptions", "num_guard_conditions", "num_timers", "num_clients", "num_services", "num_events")
+_COUNTS = (
+    "num_subscriptions",
+    "num_guard_conditions",
+    "num_timers",
+    "num_clients",
+    "num_services",
+    "num_events",
+)
 
 
 class NumberOfEntities:
@@ -39,7 +46,7 @@ class NumberOfEntities:
         return [getattr(self, name) for name in _COUNTS]
 
     def __add__(self, other: NumberOfEntities) -> NumberOfEntities:
-        return type(self)(*(a + b for a, b in zip(self._values(), other._values())))
+        return type(self)(*(a + b for a, b in zip(self._values(), other._values(), strict=True)))
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__}({', '.join(map(str, self._values()))})>"

@@ -11,7 +11,7 @@ from rclpy.impl.logging_severity import LoggingSeverity
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from types import FrameType
-    from typing import Any
+    from typing import Any, ClassVar
 
 _OWN_FILES = (__file__, __file__.replace("impl/rcutils_logger.py", "logging.py"))
 
@@ -44,7 +44,7 @@ class CallerId:
 class LoggingFilter:
     """Decides at one call site whether to log; `params` are its keywords, None marking required ones."""
 
-    params: dict[str, Any] = {}
+    params: ClassVar[dict[str, Any]] = {}
 
     @classmethod
     def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
@@ -65,7 +65,7 @@ class LoggingFilter:
 class Once(LoggingFilter):
     """Log the first call only."""
 
-    params = {"once": None}
+    params: ClassVar[dict[str, Any]] = {"once": None}
 
     @classmethod
     def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
@@ -82,7 +82,7 @@ class Once(LoggingFilter):
 class Throttle(LoggingFilter):
     """Log at most once per period."""
 
-    params = {"throttle_duration_sec": None, "throttle_time_source_type": Clock()}
+    params: ClassVar[dict[str, Any]] = {"throttle_duration_sec": None, "throttle_time_source_type": Clock()}
 
     @classmethod
     def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
@@ -106,7 +106,7 @@ class Throttle(LoggingFilter):
 class SkipFirst(LoggingFilter):
     """Log all calls but the first."""
 
-    params = {"skip_first": None}
+    params: ClassVar[dict[str, Any]] = {"skip_first": None}
 
     @classmethod
     def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
@@ -130,9 +130,7 @@ supported_filters: dict[str, type[LoggingFilter]] = {
 def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
     """Return the names of the filters the keywords ask for; TypeError for unknown or missing ones."""
     known = [name for cls in supported_filters.values() for name in cls.params]
-    detected = [
-        key for key, cls in supported_filters.items() if any(kwargs.get(name) for name in cls.params)
-    ]
+    detected = [key for key, cls in supported_filters.items() if any(kwargs.get(name) for name in cls.params)]
     for key in detected:
         for name, default in supported_filters[key].params.items():
             if name not in kwargs and default is None:
@@ -142,9 +140,7 @@ def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
                 )
     for name in kwargs:
         if name not in known:
-            raise TypeError(
-                f'parameter "{name}" is not one of the recognized logging options "{known}"'
-            )
+            raise TypeError(f'parameter "{name}" is not one of the recognized logging options "{known}"')
     return detected
 
 

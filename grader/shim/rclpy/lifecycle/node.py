@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     Callback = Callable[[Any], TransitionCallbackReturn]
 
-LifecycleState = namedtuple("LifecycleState", ("label", "state_id"))  # noqa: PYI024 - typing is dear
+LifecycleState = namedtuple("LifecycleState", ("label", "state_id"))
 
 _SHUTDOWNS = {"unconfigured": 5, "inactive": 6, "active": 7}
 
