@@ -16,10 +16,10 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from grader.sim.bare_loop import BareLoop
 from rich.console import Console
 from rich.table import Table
 
+from benchmarks.floor import BareLoop
 from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
 from grader.slot import Slot, SlotConfig
@@ -27,7 +27,6 @@ from grader.slot import Slot, SlotConfig
 ROOT = Path(__file__).resolve().parent.parent
 SQUARE = ROOT / "lesson" / "square_mover.py"
 ROUNDS = int(os.environ.get("BENCH_ROUNDS", "9"))
-COLD_FLOOR = "from grader.sim.bare_loop import BareLoop; BareLoop().run({steps})"
 
 
 def main() -> None:
@@ -38,9 +37,8 @@ def main() -> None:
         steps = first.measurements.sim_steps
         virtual_s = first.report.runs[0].outcome.duration_ns / 1e9
         bare = BareLoop()
-        bare.run(steps)
         warm, warm_floor = _interleaved(lambda: slot.grade(job), lambda: bare.run(steps))
-    cold, cold_floor = _interleaved(_check, lambda: _python("-c", COLD_FLOOR.format(steps=steps)))
+    cold, cold_floor = _interleaved(_check, lambda: _python("-m", "benchmarks.floor", str(steps)))
     _print(steps, virtual_s, (cold, cold_floor), (warm, warm_floor))
 
 

@@ -30,7 +30,7 @@ COMMANDS: dict[str, list[list[str]]] = {
         ["-m", "mypy"],
         ["tools/lint_layers.py"],
     ],
-    "bench": [["benchmarks/bench.py"]],
+    "bench": [["-m", "benchmarks.bench"]],
     "messages": [["tools/compile_messages.py"]],
     "interfaces": [["tools/generate_interfaces.py"]],
 }
