@@ -77,11 +77,8 @@ class Sandbox:
         self._program = Program(
             shim=shim_path, entry=entry, preload=(*preload, "numpy") if preload_numpy else preload
         )
-        choice = layers.choose(mode, without if namespaces else without | {Layer.NAMESPACES})
+        choice = _choose(mode, without if namespaces else without | {Layer.NAMESPACES})
         self.missing_required = choice.missing_required
-        if mode is Mode.STRICT and choice.missing_required:
-            names = ", ".join(choice.missing_required)
-            raise SandboxUnavailableError(f"this host lacks a required layer of isolation: {names}")
         self._active = choice.active
         self._config = layers.configure(self._program, choice.active)
         self._runs = 0
@@ -217,6 +214,14 @@ class Sandbox:
     def _counts_threads(self) -> bool:
         """Whether the kernel can count one run's threads: nobody else has its user id."""
         return Layer.OWN_UID in self._active or (Layer.NAMESPACES in self._active and os.geteuid() != 0)
+
+
+def _choose(mode: Mode, without: Set[Layer]) -> layers.Choice:
+    choice = layers.choose(mode, without)
+    if mode is Mode.STRICT and choice.missing_required:
+        names = ", ".join(choice.missing_required)
+        raise SandboxUnavailableError(f"this host lacks a required layer of isolation: {names}")
+    return choice
 
 
 def _pipes(undo: ExitStack, limit_bytes: int) -> tuple[tuple[Capture, Capture], tuple[int, int]]:

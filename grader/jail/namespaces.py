@@ -55,6 +55,12 @@ def enter(shown: Iterable[str], masked: Sequence[str]) -> bool:
         _map_identity(uid, gid)
     _continue_in_child()
     sources = [(path, os.open(path, os.O_PATH | os.O_CLOEXEC)) for path in shown]
+    _change_root(sources, masked)
+    return True
+
+
+def _change_root(sources: list[tuple[str, int]], masked: Sequence[str]) -> None:
+    """Build the new root out of `sources` (path, descriptor of it) and make it the only file system."""
     libc.mount("none", "/", "", _MS_REC | _MS_PRIVATE)
     libc.mount("tmpfs", _STAGE, "tmpfs", _MS_NOSUID, "size=1m,nr_inodes=4096,mode=755")
     for path, descriptor in sources:
@@ -67,7 +73,6 @@ def enter(shown: Iterable[str], masked: Sequence[str]) -> bool:
     libc.syscall("pivot_root", libc.NR_PIVOT_ROOT[libc.MACHINE], b".", b".")
     libc.umount_lazily(".")
     os.chdir("/")
-    return True
 
 
 def _map_identity(uid: int, gid: int) -> None:
