@@ -21,10 +21,12 @@ class Watch:
 
     Attributes:
         deadline_ns: earliest virtual instant at which a timer is due, None when none is running.
+        open: whether something may come from outside unasked: waiting for it for ever is no deadlock.
     """
 
     def __init__(self, executor: Executor, nodes: Sequence[Node]) -> None:
         self.deadline_ns: int | None = None
+        self.open = any(entity.handle.link_id for n in nodes for entity in (*n._subscriptions, *n._services))
         self._backlogs: list[Any] = []
         self._checked: list[Any] = []
         self._timers: dict[int, bool] = {}
@@ -62,6 +64,7 @@ class Watch:
             if not waitable._doomed():
                 self._backlogs.extend(backlogs)
                 self._waitables.append((waitable, None, node))
+                self.open = self.open or hasattr(waitable, "_timer")
                 if hasattr(waitable, "_timer"):
                     self._add_timer(waitable._timer())
             return

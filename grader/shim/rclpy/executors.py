@@ -209,7 +209,7 @@ class Executor(Dispatcher):
             return bool(guard) or self._is_shutdown or not context._valid() or watch.ready()
 
         deadlines = [at for at in (watch.deadline_ns, deadline_ns) if at is not None]
-        kernel.wait(ready, min(deadlines, default=None), self._why(), idle=bool(self._spinning))
+        kernel.wait(ready, min(deadlines, default=None), self._why(), idle=bool(self._spinning) or watch.open)
         if self._is_shutdown:
             raise ShutdownException()
         if not context._valid():
