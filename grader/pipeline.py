@@ -5,9 +5,9 @@ from types import TracebackType
 from typing import Self
 
 from grader import __version__
-from grader.checks import evaluate
+from grader.checks import evaluate, evaluate_text
 from grader.contracts import trajectory_json
-from grader.contracts.assignment import Assignment, Case
+from grader.contracts.assignment import BY_PERSON, Assignment, Case
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.report import CaseRun, GradeReport, GradeStatus, Measurements
@@ -62,15 +62,25 @@ class Pipeline:
         self._car.close()
 
     def grade(self, job: GradingJob) -> GradingResult:
-        """Run and judge one submission.
+        """Run and judge one submission; a text is only read.
 
         Raises:
             InfrastructureError, SandboxError: a fault of the grader or its host; nothing was judged.
             AssignmentError: the assignment does not fit its check.
         """
+        if job.assignment.input == "text":
+            verdict = evaluate_text(job.assignment, job.source.decode("utf-8-sig", "replace"))
+            return GradingResult(
+                report=_report(job, [], verdict, {}), trajectories={}, measurements=self._measurements([])
+            )
         accounts = [self._run(job, case) for case in job.assignment.cases]
         runs = [
-            Run(case=case.id, trajectory=episode.trajectory, outcome=merge(episode, jail))
+            Run(
+                case=case.id,
+                trajectory=episode.trajectory,
+                outcome=merge(episode, jail),
+                calls=episode.calls,
+            )
             for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
         ]
         trajectories = {run.case: trajectory_json.encode(run.trajectory) for run in runs}
@@ -90,7 +100,7 @@ class Pipeline:
         return Measurements(
             wall_s=sum(jail.wall_ns for _, jail in accounts) / 1e9,
             jail_cpu_s=sum(jail.cpu_ns for _, jail in accounts) / 1e9,
-            jail_peak_bytes=max(jail.peak_bytes for _, jail in accounts),
+            jail_peak_bytes=max((jail.peak_bytes for _, jail in accounts), default=0),
             sim_steps=sum(episode.sim_steps for episode, _ in accounts),
             isolation=self._sandbox.isolation,
             missing_layers=tuple(self._sandbox.missing_layers),
@@ -105,6 +115,7 @@ def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
         file_name=job.file_name,
         args=case.args,
         stdin=case.stdin,
+        calls=job.assignment.calls,
     )
 
 
@@ -112,6 +123,8 @@ def _report(
     job: GradingJob, runs: list[Run], verdict: Verdict, trajectories: dict[str, bytes]
 ) -> GradeReport:
     assignment: Assignment = job.assignment
+    status = _grade_status(assignment, [run.outcome for run in runs])
+    score = round(sum(item.earned for item in verdict.items), 2)
     return GradeReport(
         submission_sha256=hashlib.sha256(job.source).hexdigest(),
         assignment=assignment.id,
@@ -119,8 +132,8 @@ def _report(
         grader_version=__version__,
         simulator=SIMULATOR,
         seed=assignment.world.seed,
-        status=_grade_status([run.outcome for run in runs]),
-        score=round(sum(item.earned for item in verdict.items), 2),
+        status=status,
+        score=None if status is GradeStatus.NEEDS_MANUAL else score,
         max_score=assignment.max_score,
         items=verdict.items,
         runs=tuple(
@@ -137,7 +150,12 @@ def _report(
     )
 
 
-def _grade_status(outcomes: list[RunOutcome]) -> GradeStatus:
-    """Return the first unusual end among the runs; scripts that ended, or idled to the horizon, are graded."""
+def _grade_status(assignment: Assignment, outcomes: list[RunOutcome]) -> GradeStatus:
+    """Return the first unusual end among the runs; scripts that ended, or idled to the horizon, are graded.
+
+    With items that a person has to judge nothing is final, however the script ended.
+    """
+    if any(item.measure == BY_PERSON for item in assignment.items):
+        return GradeStatus.NEEDS_MANUAL
     unusual = (_UNUSUAL[outcome.status] for outcome in outcomes if outcome.status in _UNUSUAL)
     return next(unusual, GradeStatus.GRADED)

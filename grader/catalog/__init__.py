@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path, PurePath
 
 from grader.catalog.document import Document
-from grader.contracts.assignment import Assignment, WrongAttempt
+from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 
 SPEC_NAME = "assignment.yaml"
@@ -71,18 +71,33 @@ class Catalog:
         return attempts
 
     def guess_assignment(self, file_name: str) -> str | None:
-        """Return the id of the first assignment on the checklist that `file_name` tells, or None."""
+        """Return the id of the assignment that `file_name` tells, or None.
+
+        Of several the one with the longest matching pattern (``*square_input*.py`` before ``*square*.py``),
+        then the first on the checklist.
+        """
         name = PurePath(file_name).name.lower()
-        documents = sorted(
-            (self._document(folder) for folder in self._folders()), key=lambda each: each.order
-        )
-        for document in documents:
-            if any(fnmatchcase(name, pattern.lower()) for pattern in document.file_patterns):
-                return document.path.parent.name
-        return None
+        matches = [
+            (-len(pattern), document.order, document.path.parent.name)
+            for document in (self._document(folder) for folder in self._folders())
+            for pattern in document.file_patterns
+            if fnmatchcase(name, pattern.lower())
+        ]
+        return min(matches)[2] if matches else None
+
+    def own_file(self, assignment: Assignment, name: str) -> Path:
+        """Return the path of an assignment's own file: ``solution.py``, or ``solution.txt`` for a text.
+
+        Raises:
+            AssignmentError: it is not there.
+        """
+        path = self.folder(assignment.id) / (name + SUFFIXES[assignment.input][0])
+        if not path.is_file():
+            raise AssignmentError(f"{path}: this file is missing; add it")
+        return path
 
     def folder(self, assignment_id: str) -> Path:
-        """Return the folder of an assignment: starter.py, solution.py and wrong/ stand there.
+        """Return the folder of an assignment: starter, solution and wrong/ stand there.
 
         Raises:
             UnknownAssignmentError: there is none of that name.

@@ -13,12 +13,26 @@ from pydantic import (
     model_validator,
 )
 
-from grader.contracts.assignment import Assignment, Case, ItemSpec, Profile, StartPose, World, WrongAttempt
+from grader.contracts.assignment import (
+    BY_PERSON,
+    SUFFIXES,
+    Answer,
+    Assignment,
+    Case,
+    Input,
+    ItemSpec,
+    Profile,
+    StartPose,
+    World,
+    WrongAttempt,
+)
 from grader.contracts.limits import MIB, Limits
+from grader.contracts.services import ServiceCall
 from grader.contracts.text import Text
 
 Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
 Topic = Annotated[str, Field(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
+Interface = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$")]
 Options = dict[str, StrictBool | StrictInt | StrictFloat | StrictStr]
 MAX_HORIZON_S = 600.0
 
@@ -52,7 +66,10 @@ class ItemModel(_Model):
 
     @model_validator(mode="after")
     def _has_band(self) -> Self:
-        if self.low is None and self.high is None:
+        if self.measure == BY_PERSON:
+            if self.low is not None or self.high is not None or self.ramp:
+                raise ValueError(f"a person judges {BY_PERSON!r}: remove low, high and ramp")
+        elif self.low is None and self.high is None:
             raise ValueError("give low, high or both: the band of full credit")
         if self.low is not None and self.high is not None and self.low > self.high:
             raise ValueError(f"low ({self.low}) is above high ({self.high}); swap them")
@@ -122,10 +139,38 @@ class CaseModel(_Model):
         return Case(**{**dict(self), "title": title})
 
 
-class WrongModel(_Model):
-    """A wrong script and the verdict it must get."""
+class CallModel(_Model):
+    """A request to a service of the script, `at_s` seconds after its start or as soon as it is offered."""
 
-    file: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*\.py$")]
+    at_s: Annotated[float, Field(ge=0.0, le=MAX_HORIZON_S)] = 1.0
+    service: Topic
+    type: Interface
+    values: Options = {}
+
+    def to_contract(self) -> ServiceCall:
+        """Return the contract."""
+        return ServiceCall(
+            at_ns=round(self.at_s * 1e9), service=self.service, type=self.type, values=dict(self.values)
+        )
+
+
+class AnswerModel(_Model):
+    """A number that students are known to answer."""
+
+    value: float
+    tolerance: Annotated[float, Field(ge=0.0)]
+    right: bool
+    remark: TextModel
+
+    def to_contract(self) -> Answer:
+        """Return the contract."""
+        return Answer(**{**dict(self), "remark": self.remark.to_contract()})
+
+
+class WrongModel(_Model):
+    """A wrong file and the verdict it must get."""
+
+    file: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*\.(py|txt|md)$")]
     score: tuple[float, float]
     fails: str
     mistake: str = ""
@@ -151,12 +196,15 @@ class AssignmentModel(_Model):
     title: TextModel
     brief: TextModel
     check: str
+    input: Input = "script"
     options: Options = {}
     file_patterns: tuple[str, ...] = ()
     horizon_s: Annotated[float, Field(gt=0.0, le=MAX_HORIZON_S)] = 60.0
     limits: LimitsModel = LimitsModel()
     world: WorldModel = WorldModel()
     cases: Annotated[tuple[CaseModel, ...], Field(min_length=1)] = (CaseModel(),)
+    calls: tuple[CallModel, ...] = ()
+    answers: tuple[AnswerModel, ...] = ()
     items: Annotated[tuple[ItemModel, ...], Field(min_length=1)]
     wrong: tuple[WrongModel, ...] = ()
 
@@ -174,6 +222,9 @@ class AssignmentModel(_Model):
         for wrong in self.wrong:
             if wrong.fails not in seen:
                 raise ValueError(f"wrong/{wrong.file}: fails names no item: {wrong.fails!r}")
+            if not wrong.file.endswith(SUFFIXES[self.input]):
+                endings = " or ".join(SUFFIXES[self.input])
+                raise ValueError(f"wrong/{wrong.file}: with input {self.input} its name ends in {endings}")
         return self
 
     def to_contract(self) -> Assignment:
@@ -191,6 +242,9 @@ class AssignmentModel(_Model):
             limits=self.limits.to_contract(),
             world=self.world.to_contract(),
             cases=tuple(case.to_contract() for case in self.cases),
+            input=self.input,
+            calls=tuple(call.to_contract() for call in self.calls),
+            answers=tuple(answer.to_contract() for answer in self.answers),
             items=tuple(item.to_contract() for item in self.items),
         )
 

@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from grader.checks import credit
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, Mistake
+from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake
 from grader.checks.quantity import number_beside, plain
 from grader.checks.rubric_text import wanted
-from grader.contracts.assignment import ItemSpec
+from grader.contracts.assignment import BY_PERSON, ItemSpec
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
@@ -18,7 +18,7 @@ _LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
 def judge(
-    check: Check, specs: Sequence[ItemSpec], findings: Findings, *, parts: int, prefix: str
+    check: Kind, specs: Sequence[ItemSpec], findings: Findings, *, parts: int, prefix: str
 ) -> list[RubricItem]:
     """Judge every item on one run.
 
@@ -36,13 +36,16 @@ def judge(
         if blockers:
             message = say("item.not_checked", items=join(blockers, _LIST_SEPARATOR))
             judged[spec.id] = replace(blank, message=message)
+        elif spec.measure == BY_PERSON:
+            judged[spec.id] = replace(blank, message=say("item.by_person"))
         else:
             judged[spec.id] = _judged(check, spec, blank, findings)
     return list(judged.values())
 
 
-def _blank(check: Check, spec: ItemSpec, points: float, prefix: str) -> RubricItem:
+def _blank(check: Kind, spec: ItemSpec, points: float, prefix: str) -> RubricItem:
     target, tolerance = _target(spec)
+    kind = check.measures.get(spec.measure, MeasureKind())  # what a person judges is no measure
     return RubricItem(
         id=prefix + spec.id,
         title=spec.title,
@@ -51,12 +54,12 @@ def _blank(check: Check, spec: ItemSpec, points: float, prefix: str) -> RubricIt
         status=ItemStatus.NOT_CHECKED,
         target=target,
         tolerance=tolerance,
-        unit=check.measures[spec.measure].unit,
-        wanted=wanted(check.measures[spec.measure], spec),
+        unit=kind.unit,
+        wanted=wanted(kind, spec),
     )
 
 
-def _judged(check: Check, spec: ItemSpec, blank: RubricItem, findings: Findings) -> RubricItem:
+def _judged(check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings) -> RubricItem:
     measure = findings.measures.get(spec.measure, UNMEASURED)
     part = credit.share(spec, measure.value)
     earned = credit.earned(blank.points, part)
@@ -74,12 +77,14 @@ def _judged(check: Check, spec: ItemSpec, blank: RubricItem, findings: Findings)
 
 def _target(spec: ItemSpec) -> tuple[float | None, float | None]:
     """Return target and tolerance of a band; a band open on one side has only the end that counts."""
+    if spec.measure == BY_PERSON:
+        return None, None
     if spec.low is not None and spec.high is not None:
         return (spec.low + spec.high) / 2.0, (spec.high - spec.low) / 2.0
     return (spec.low, None) if spec.low is not None else (0.0, spec.high)
 
 
-def _seen(check: Check, spec: ItemSpec, measure: Measure) -> Text:
+def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
     kind = check.measures[spec.measure]
     if not math.isfinite(measure.value):
         return say("item.unmeasured")
@@ -93,7 +98,7 @@ def _seen(check: Check, spec: ItemSpec, measure: Measure) -> Text:
     return say(f"{check.kind}.{spec.measure}.seen", value=value, **measure.details)
 
 
-def _hint(check: Check, spec: ItemSpec, mistakes: Sequence[Mistake]) -> Text:
+def _hint(check: Kind, spec: ItemSpec, mistakes: Sequence[Mistake]) -> Text:
     for mistake in mistakes:
         if mistake.explains(spec.measure):
             return mistake.text

@@ -69,18 +69,46 @@ class Findings:
     mistakes: tuple[Mistake, ...] = ()
 
 
+Options = Mapping[str, Callable[[Option], str | None]]
+"""Names of options, with what is wrong about a value (or None)."""
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Check:
-    """A kind of check: an entry of the table in `grader.checks`.
+class Kind:
+    """What checks of scripts and of texts have in common.
 
     Attributes:
-        options: names of the options an assignment must give, with what is wrong about a value (or None).
-        examine: measures one run and recognises mistakes in it; never raises for what a student did.
-        sketch: what a plot of the run shows beside the bare path.
+        options: those an assignment must give. optional: those it may give.
+        consult: what else about an assignment does not fit, as (field, problem).
     """
 
     kind: str
     measures: Mapping[str, MeasureKind]
+    options: Options = field(default_factory=dict)
+    optional: Options = field(default_factory=dict)
+    consult: Callable[[Assignment], tuple[tuple[str, str], ...]] = lambda assignment: ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Check(Kind):
+    """A check of what a script did: an entry of the table in `grader.checks`.
+
+    Attributes:
+        examine: measures one run and recognises mistakes in it; never raises for what a student did. The
+            case's options have taken the place of the assignment's.
+        sketch: what a plot of the run shows beside the bare path.
+    """
+
     examine: Callable[[Assignment, Run], Findings]
     sketch: Callable[[Assignment, Run], FigureSketch]
-    options: Mapping[str, Callable[[Option], str | None]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TextCheck(Kind):
+    """A check of a handed-in text: an entry of the other table in `grader.checks`.
+
+    Attributes:
+        examine: as a `Check`'s, on the text.
+    """
+
+    examine: Callable[[Assignment, str], Findings]

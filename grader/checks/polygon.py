@@ -1,4 +1,4 @@
-"""Check ``polygon``: a closed regular figure with a given number of sides."""
+"""Check ``polygon``: a closed figure of equal corners; its sides are equal, or of given lengths."""
 
 import math
 
@@ -10,6 +10,7 @@ from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureK
 from grader.checks.mistakes.polygon import polygon_mistakes
 from grader.checks.polygon_sketch import polygon_sketch
 from grader.checks.quantity import listed, number
+from grader.checks.wanted_polygon import WantedPolygon, wanted_polygon
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.verdict import Run
@@ -20,6 +21,7 @@ MEASURES = {
     "sides": MeasureKind(form="count"),
     "corner_deg": MeasureKind("deg"),
     "side_spread_pct": MeasureKind("%"),
+    "side_error_pct": MeasureKind("%"),
     "curved_pct": MeasureKind("%"),
     "opposite_corners": MeasureKind(form="count"),
     "gap_pct": MeasureKind("%"),
@@ -29,16 +31,16 @@ MEASURES = {
 
 def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure the figure that the car drove in `run`."""
-    sides = int(assignment.options["sides"])
+    wanted = wanted_polygon(assignment.options)
     driven = driven_polygon(run)
-    mistakes = polygon_mistakes(run, assignment.world.cmd_vel_topic, sides, driven)
+    mistakes = polygon_mistakes(run, assignment.world.cmd_vel_topic, wanted, driven)
     if driven is None:
         return Findings(mistakes=mistakes)
-    return Findings(measures(sides, driven.drive, driven.figure), mistakes)
+    return Findings(measures(wanted, driven.drive, driven.figure), mistakes)
 
 
-def measures(sides: int, drive: Drive, figure: PolygonFigure | None) -> dict[str, Measure]:
-    """Return the check's measures of a figure with `sides` sides wanted."""
+def measures(wanted: WantedPolygon, drive: Drive, figure: PolygonFigure | None) -> dict[str, Measure]:
+    """Return the check's measures of a driven figure."""
     taken = {
         "distance_m": Measure(float(drive.path.along_m[-1])),
         "sides": Measure(0.0, {"lengths": "—"}),
@@ -48,12 +50,14 @@ def measures(sides: int, drive: Drive, figure: PolygonFigure | None) -> dict[str
         return taken
     taken["sides"] = Measure(float(len(figure.sides_m)), {"lengths": listed(figure.sides_m, "m")})
     taken["side_spread_pct"] = _spread(figure)
+    if wanted.lengths_m is not None:
+        taken["side_error_pct"] = _side_error(wanted, figure)
     taken["curved_pct"] = Measure(100.0 * figure.curved_share)
     taken["gap_pct"] = Measure(
         100.0 * figure.gap_m / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan,
         {"gap": number(figure.gap_m, "m"), "perimeter": number(figure.perimeter_m, "m")},
     )
-    taken |= _corner_measures(sides, figure)
+    taken |= _corner_measures(wanted, figure)
     return taken
 
 
@@ -73,12 +77,20 @@ def _spread(figure: PolygonFigure) -> Measure:
     )
 
 
-def _corner_measures(sides: int, figure: PolygonFigure) -> dict[str, Measure]:
+def _side_error(wanted: WantedPolygon, figure: PolygonFigure) -> Measure:
+    aligned = wanted.aligned(figure.sides_m)
+    return Measure(
+        wanted.side_error_pct(figure.sides_m),
+        {"lengths": listed(figure.sides_m, "m"), "wanted": listed(aligned, "m")},
+    )
+
+
+def _corner_measures(wanted: WantedPolygon, figure: PolygonFigure) -> dict[str, Measure]:
     if not figure.corners_rad:
         return {"corner_deg": UNMEASURED, "opposite_corners": UNMEASURED}
     corners = np.degrees(figure.corners_rad)
     sense = math.copysign(1.0, float(np.sum(corners)))
-    ideal = 360.0 / sides
+    ideal = wanted.corner_deg
     worst = corners[int(np.argmax(np.abs(sense * corners - ideal)))]
     opposite = int(np.count_nonzero(sense * corners < 0.0))
     details = {"corners": listed(np.abs(corners), "deg"), "ideal": number(ideal, "deg")}
@@ -105,10 +117,29 @@ def _problem_with_sides(value: Option) -> str | None:
     return None
 
 
+def _problem_with_length(value: Option) -> str | None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.1 <= value <= 10.0:
+        return "must be a length from 0.1 to 10 m"
+    return None
+
+
+def _consult(assignment: Assignment) -> tuple[tuple[str, str], ...]:
+    found = []
+    for case in assignment.cases:
+        options = {**assignment.options, **case.options}
+        if "other_side_m" in options and (options.get("sides") != 4 or "side_m" not in options):
+            found.append(("options.other_side_m", "only for 4 sides, beside side_m; remove it"))
+        if "side_m" not in options and any(item.measure == "side_error_pct" for item in assignment.items):
+            found.append(("options.side_m", "missing; the measure 'side_error_pct' compares with it"))
+    return tuple(found)
+
+
 CHECK = Check(
     kind="polygon",
     measures=MEASURES,
     options={"sides": _problem_with_sides},
+    optional={"side_m": _problem_with_length, "other_side_m": _problem_with_length},
+    consult=_consult,
     examine=examine,
     sketch=sketch,
 )

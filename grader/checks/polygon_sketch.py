@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 
+from grader.checks.wanted_polygon import WantedPolygon, wanted_polygon
 from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
 from grader.contracts.trajectory import Trajectory
@@ -16,13 +17,13 @@ def polygon_sketch(assignment: Assignment, trajectory: Trajectory, figure: Polyg
 
     Points are where the car was recorded, so that they lie on the drawn path even after a teleport.
     """
-    count = int(assignment.options["sides"])
+    wanted = wanted_polygon(assignment.options)
     points = [_point(trajectory, i) for i in figure.vertices]
     return FigureSketch(
         view="path",
-        sides=_sides(points, figure, _band(assignment, "side_spread_pct")),
+        sides=_sides(points, figure, wanted, assignment),
         corners=_corners(points, figure, _band(assignment, "corner_deg")),
-        ideal_m=ideal_polygon(points, figure, count),
+        ideal_m=ideal_polygon(points, figure, wanted),
         gap=_gap(trajectory, figure, _band(assignment, "gap_pct")),
         end_ns=int(trajectory.t_ns[figure.end]),
     )
@@ -32,16 +33,20 @@ def _band(assignment: Assignment, measure: str) -> ItemSpec | None:
     return next((item for item in assignment.items if item.measure == measure), None)
 
 
-def _sides(points: list[Point], figure: PolygonFigure, band: ItemSpec | None) -> tuple[SketchSide, ...]:
-    """Judge each side by its distance from the median side, as the spread of all is judged."""
+def _sides(
+    points: list[Point], figure: PolygonFigure, wanted: WantedPolygon, assignment: Assignment
+) -> tuple[SketchSide, ...]:
+    """Judge each side by its distance from its wanted length, or from the median side as the spread is."""
     lengths = [math.dist(start, end) for start, end in itertools.pairwise(points)]
-    middle = float(np.median(figure.sides_m))
+    band = _band(assignment, "side_error_pct") or _band(assignment, "side_spread_pct")
+    judged = band is not None and band.high is not None and len(lengths) == len(figure.sides_m)
+    targets = wanted.aligned(figure.sides_m) or (float(np.median(figure.sides_m)),) * len(figure.sides_m)
     sides = []
-    for start, end, length in zip(points[:-1], points[1:], lengths, strict=True):
-        whole = len(lengths) == len(figure.sides_m)
-        off_pct = 100.0 * abs(length - middle) / middle if middle > 0.0 else math.inf
-        ok = None if band is None or band.high is None or not whole else off_pct <= band.high
-        sides.append(SketchSide(start_m=start, end_m=end, length_m=length, ok=ok))
+    for i, (start, end) in enumerate(itertools.pairwise(points)):
+        ok = None
+        if judged and band is not None and band.high is not None:
+            ok = 100.0 * abs(lengths[i] - targets[i]) <= band.high * targets[i]
+        sides.append(SketchSide(start_m=start, end_m=end, length_m=lengths[i], ok=ok))
     return tuple(sides)
 
 
@@ -73,24 +78,32 @@ def _point(trajectory: Trajectory, index: int) -> Point:
     return float(trajectory.x_m[index]), float(trajectory.y_m[index])
 
 
-def ideal_polygon(points: list[Point], figure: PolygonFigure, count: int) -> tuple[Point, ...]:
-    """Fit a regular polygon of `count` sides with the driven sense of turning.
+def ideal_polygon(points: list[Point], figure: PolygonFigure, wanted: WantedPolygon) -> tuple[Point, ...]:
+    """Fit the wanted polygon with the driven sense of turning.
 
     With as many sides driven as wanted it is the least-squares fit over the vertices (a similarity, solved
     as one complex ratio); otherwise it stands on the first driven side.
     """
     if len(points) < 2 or points[0] == points[1]:
         return ()
-    sense = -1.0 if sum(figure.corners_rad) < 0.0 else 1.0
-    unit = np.exp(1j * sense * 2.0 * math.pi * np.arange(count) / count)
     begun_in_a_side = len(points) == len(figure.sides_m) + 2  # then start and end are no vertices
     driven = np.array([complex(*point) for point in (points[1:-1] if begun_in_a_side else points[:-1])])
-    if len(driven) == count:
+    shape = np.array(wanted.vertices(_first_length_m(figure, wanted, later=begun_in_a_side)))
+    if sum(figure.corners_rad) < 0.0:
+        shape = np.conj(shape)
+    if len(driven) == wanted.sides:
+        shape = shape - np.mean(shape)
         centre = complex(np.mean(driven))
-        scale = complex(np.vdot(unit, driven - centre) / count)
+        scale = complex(np.vdot(shape, driven - centre) / np.vdot(shape, shape))
     else:
         scale = complex((driven[1] if len(driven) > 1 else complex(*points[1])) - driven[0]) / complex(
-            unit[1] - unit[0]
+            shape[1] - shape[0]
         )
-        centre = complex(driven[0]) - scale * complex(unit[0])
-    return tuple((float(vertex.real), float(vertex.imag)) for vertex in centre + scale * unit)
+        centre = complex(driven[0]) - scale * complex(shape[0])
+    return tuple((float(vertex.real), float(vertex.imag)) for vertex in centre + scale * shape)
+
+
+def _first_length_m(figure: PolygonFigure, wanted: WantedPolygon, *, later: bool) -> float | None:
+    """Return the wanted length of the side after the first vertex; `later`: the path began in a side."""
+    aligned = wanted.aligned(figure.sides_m)
+    return aligned[1 if later and len(aligned) > 1 else 0] if aligned else None

@@ -1,8 +1,8 @@
 """The rubric as a student reads it before submitting, from the same data that is scored by."""
 
-from grader.checks.measure import Check, MeasureKind
+from grader.checks.measure import Kind, MeasureKind
 from grader.checks.quantity import SUFFIX, plain
-from grader.contracts.assignment import Assignment, ItemSpec
+from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
 from grader.contracts.rubric import PublishedItem, PublishedRubric
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
@@ -13,6 +13,8 @@ _MOST_DIGITS = 4
 
 def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
     """Say what earns full credit: ``90° ± 3°``, ``at least 0.5 m``, ``yes``."""
+    if spec.measure == BY_PERSON:
+        return say("wanted.by_person")
     if kind.form == "flag":
         return say("wanted.yes")
     low, high = _number(spec.low, kind.unit), _number(spec.high, kind.unit)
@@ -26,7 +28,7 @@ def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
     return say("wanted.band", middle=_number(middle, kind.unit), half=_number(half, kind.unit))
 
 
-def published(check: Check, assignment: Assignment) -> PublishedRubric:
+def published(check: Kind, assignment: Assignment) -> PublishedRubric:
     """Return the assignment's rubric in both languages."""
     titles = {item.id: item.title for item in assignment.items}
     return PublishedRubric(
@@ -35,19 +37,22 @@ def published(check: Check, assignment: Assignment) -> PublishedRubric:
         brief=assignment.brief,
         horizon_s=assignment.horizon_s,
         max_score=assignment.max_score,
-        items=tuple(
-            PublishedItem(
-                id=spec.id,
-                title=spec.title,
-                points=spec.points,
-                measure=say(f"{check.kind}.{spec.measure}.name"),
-                wanted=wanted(check.measures[spec.measure], spec),
-                partial=_partial(check.measures[spec.measure], spec),
-                needs=_needs(spec, titles),
-            )
-            for spec in assignment.items
-        ),
+        items=tuple(_item(check, spec, titles) for spec in assignment.items),
         remarks=say(f"{check.kind}.remarks"),
+    )
+
+
+def _item(check: Kind, spec: ItemSpec, titles: dict[str, Text]) -> PublishedItem:
+    kind = check.measures.get(spec.measure, MeasureKind())
+    by_person = spec.measure == BY_PERSON
+    return PublishedItem(
+        id=spec.id,
+        title=spec.title,
+        points=spec.points,
+        measure=say("rubric.by_person") if by_person else say(f"{check.kind}.{spec.measure}.name"),
+        wanted=wanted(kind, spec),
+        partial=EMPTY if by_person else _partial(kind, spec),
+        needs=_needs(spec, titles),
     )
 
 

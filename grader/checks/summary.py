@@ -30,6 +30,15 @@ def summarise(
     )
 
 
+def summarise_text(items: Sequence[RubricItem], findings: Findings, *, waiting: bool) -> Verdict:
+    """Put summary, hint and mistakes to the items of a text; `waiting`: a person has still to judge some."""
+    if not waiting:
+        return summarise(items, [findings], [])
+    short = next((item for item in items if item.status is ItemStatus.FAILED), None)
+    hint = EMPTY if short is None else short.hint
+    return Verdict(items=tuple(items), summary=say("summary.waiting"), hint=hint)
+
+
 def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
     """Praise, and mention an error that ended the script after everything was right: it costs nothing."""
     error = next((each.error for each in outcomes if each.status is RunStatus.CRASHED and each.error), None)

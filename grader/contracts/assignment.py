@@ -1,12 +1,19 @@
-"""An assignment as data: what is run, in which world, and how the motion earns points."""
+"""An assignment as data: what is handed in, in which world it runs, and how it earns points."""
 
 from dataclasses import dataclass, field
 from typing import Literal
 
 from grader.contracts.limits import Limits
+from grader.contracts.services import ServiceCall
 from grader.contracts.text import EMPTY, Text
 
 Profile = Literal["nominal", "rough"]
+Input = Literal["script", "text"]
+SUFFIXES: dict[Input, tuple[str, ...]] = {"script": (".py",), "text": (".txt", ".md")}
+"""How names of handed-in files end, by what is handed in; the first is the assignment's own files'."""
+
+BY_PERSON = "by_person"
+"""The measure of rubric items that a person judges. They have no band and earn nothing until then."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -38,7 +45,11 @@ class World:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Case:
-    """One run of the script: what it is given. Most assignments have the single case ``default``."""
+    """One run of the script: what it is given. Most assignments have the single case ``default``.
+
+    Attributes:
+        options: take the place of the assignment's options in this run.
+    """
 
     id: str = "default"
     title: Text = EMPTY
@@ -55,7 +66,7 @@ class ItemSpec:
     zero from e = ramp on.
 
     Attributes:
-        measure: name of a quantity that the assignment's check computes.
+        measure: name of a quantity that the assignment's check computes, or `BY_PERSON`.
         low, high: band of full credit (None: unbounded on that side).
         ramp: width outside the band over which credit falls to zero (0: all or nothing).
         needs: ids of items that must not have failed; otherwise this one is ``not_checked``.
@@ -72,15 +83,33 @@ class ItemSpec:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Answer:
+    """A number that students are known to answer, and what it tells about their thinking.
+
+    Attributes:
+        right: whether it earns the points. There may be several, for different readings of the question.
+        remark: which reading or mistake leads to this number.
+    """
+
+    value: float
+    tolerance: float
+    right: bool
+    remark: Text
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Assignment:
     """A validated assignment.
 
     Attributes:
+        input: what is handed in: a ``script`` that is run, or a ``text`` that is only read.
         check: kind of check, a key of the table in `grader.checks`.
         options: the check's own options, validated by it.
         file_patterns: shell patterns of file names that tell this assignment.
         horizon_s: virtual seconds after which the script sees Ctrl+C.
         order: position on the checklist.
+        calls: requests sent to the script's services in every run.
+        answers: of a question whose answer is a number.
     """
 
     id: str
@@ -96,6 +125,9 @@ class Assignment:
     limits: Limits = field(default_factory=Limits)
     world: World = field(default_factory=World)
     cases: tuple[Case, ...] = field(default_factory=lambda: (Case(),))
+    input: Input = "script"
+    calls: tuple[ServiceCall, ...] = ()
+    answers: tuple[Answer, ...] = ()
 
     @property
     def max_score(self) -> float:

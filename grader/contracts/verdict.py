@@ -4,17 +4,24 @@ from dataclasses import dataclass
 
 from grader.contracts.outcome import RunOutcome
 from grader.contracts.rubric import RubricItem
+from grader.contracts.services import ServiceResult
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Trajectory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Run:
-    """One run of the script, as the checks see it. `case` is the id of one of the assignment's cases."""
+    """One run of the script, as the checks see it.
+
+    Attributes:
+        case: id of one of the assignment's cases.
+        calls: what became of the assignment's calls, in its order.
+    """
 
     trajectory: Trajectory
     outcome: RunOutcome
     case: str = "default"
+    calls: tuple[ServiceResult, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -96,10 +96,15 @@ def _halves(lengths: list[float], lap: int) -> bool:
     """Whether the path begins in the middle of a side, which its last run completes."""
     if len(lengths) != lap + 1 or lap < 3:
         return False
-    whole = float(np.median(lengths[1:-1]))
+    like = [float(np.median(lengths[1:-1]))]
+    if lap % 2 == 0:
+        like.append(lengths[lap // 2])  # a rectangle's side is as long as the one across
     first, last = lengths[0], lengths[-1]
-    fits = abs(first + last - whole) <= MERGE_TOLERANCE * whole
-    return fits and max(first, last) < (1.0 - 0.5 * MERGE_TOLERANCE) * whole
+    return any(
+        abs(first + last - whole) <= MERGE_TOLERANCE * whole
+        and max(first, last) < (1.0 - 0.5 * MERGE_TOLERANCE) * whole
+        for whole in like
+    )
 
 
 def _vertex(path: Path, turn: Turn) -> int:
@@ -152,10 +157,13 @@ def _figure(
 
 def _with_rest(figure: PolygonFigure, later: list[float], *, cut_short: bool) -> PolygonFigure:
     """Judge what follows the figure: the same over again, or something else."""
-    side = float(np.median(figure.sides_m))
-    whole = later[:-1] if cut_short else later
-    same = all(abs(length - side) <= REPEAT_TOLERANCE * side for length in whole)
-    same = same and later[-1] <= (1.0 + REPEAT_TOLERANCE) * side
+    before = list(itertools.islice(itertools.cycle(figure.sides_m), len(later)))
+    whole = len(later) - 1 if cut_short else len(later)
+    same = all(
+        abs(length - side) <= REPEAT_TOLERANCE * side
+        for length, side in zip(later[:whole], before[:whole], strict=True)
+    )
+    same = same and later[-1] <= (1.0 + REPEAT_TOLERANCE) * before[-1]
     return PolygonFigure(
         vertices=figure.vertices,
         sides_m=figure.sides_m,

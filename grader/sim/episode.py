@@ -8,6 +8,7 @@ from typing import Any, Final
 from grader.contracts.assignment import World
 from grader.contracts.errors import ProtocolError
 from grader.contracts.outcome import Endpoint, LogRecord, Note
+from grader.contracts.services import ServiceCall, ServiceResult
 from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import HEADER
@@ -29,7 +30,7 @@ from grader.sim.frames import (
 from grader.sim.journal import LOG, Journal
 from grader.sim.recorder import Recorder
 from grader.sim.script_graph import ScriptGraph
-from grader.sim.service_calls import ServiceCall, ServiceCalls, ServiceResult
+from grader.sim.service_calls import ServiceCalls
 from grader.sim.turtle import Turtle
 from grader.sim.turtle_world import TWIST, TurtleWorld
 from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start

@@ -1,43 +1,10 @@
 """Requests that an assignment sends to the script's own services, as `ros2 service call` would."""
 
-from dataclasses import dataclass, field
-from typing import Any
-
 from grader.contracts.errors import AssignmentError, ProtocolError
-from grader.sim.cdr import Values, decode, encode
+from grader.contracts.services import ServiceCall, ServiceResult
+from grader.sim.cdr import decode, encode
 from grader.sim.frames import REQUEST_EVENT, Event, Response
 from grader.sim.script_graph import ScriptGraph
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ServiceCall:
-    """A request due at `at_ns`, or as soon after as the script offers the service.
-
-    Attributes:
-        type: of the service, e.g. ``std_srvs/srv/Trigger``.
-        values: fields of the request; the others have their defaults.
-    """
-
-    at_ns: int
-    service: str
-    type: str
-    values: dict[str, Any] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ServiceResult:
-    """What became of a call.
-
-    Attributes:
-        sent_ns: when the script was asked; None: it never offered the service.
-        answered_ns: when it answered; None: it never did.
-        values: the response.
-    """
-
-    call: ServiceCall
-    sent_ns: int | None = None
-    answered_ns: int | None = None
-    values: Values | None = None
 
 
 class ServiceCalls:

@@ -12,6 +12,7 @@ from grader.checks.measure import Mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import listed, number
+from grader.checks.wanted_polygon import FULL_TURN_DEG, WantedPolygon
 from grader.contracts.trajectory import Floats
 from grader.contracts.verdict import Run
 from grader.geometry.figure import PolygonFigure
@@ -21,11 +22,12 @@ from grader.messages import say
 ONE_RADIAN_DEG = math.degrees(1.0)
 SAME_DEG = 4.0  # corners this close to a telling value are taken to be it
 FAST_TURN_RADPS = 12.0  # nobody means to turn this fast: a number of degrees
-FULL_TURN_DEG = 360.0
 CORNER_OFF_DEG = 3.0
 CURVED_SHARE = 0.1
 UNEQUAL_SHARE = 0.04
-_SHAPE = ("sides", "corner_deg", "side_spread_pct", "gap_pct", "curved_pct", "opposite_corners", "settled")
+LENGTH_OFF_PCT = 4.0
+_LENGTHS = ("side_spread_pct", "side_error_pct")
+_SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,26 +35,32 @@ class _Seen:
     """What a recogniser looks at. `corners_deg` is positive in the sense most corners have."""
 
     run: Run
-    sides: int
+    wanted: WantedPolygon
     drive: Drive
     segments: Segments
     figure: PolygonFigure | None
     corners_deg: Floats
 
     @property
+    def sides(self) -> int:
+        return self.wanted.sides
+
+    @property
     def ideal_deg(self) -> float:
-        return FULL_TURN_DEG / self.sides
+        return self.wanted.corner_deg
 
 
-def polygon_mistakes(run: Run, topic: str, sides: int, driven: DrivenPolygon | None) -> tuple[Mistake, ...]:
-    """Return what probably went wrong in a figure that should have had `sides` equal sides."""
+def polygon_mistakes(
+    run: Run, topic: str, wanted: WantedPolygon, driven: DrivenPolygon | None
+) -> tuple[Mistake, ...]:
+    """Return what probably went wrong in a figure that should have been `wanted`."""
     found = [*script_mistakes(run.outcome)]
     if driven is None:
         return tuple(found)
     figure = driven.figure
     corners = np.degrees(figure.corners_rad) if figure is not None else np.empty(0)
     corners = corners * (-1.0 if float(np.sum(corners)) < 0.0 else 1.0)
-    seen = _Seen(run, sides, driven.drive, driven.segments, figure, corners)
+    seen = _Seen(run, wanted, driven.drive, driven.segments, figure, corners)
     found += _wall(seen)
     found += _degrees(seen)
     found += command_mistakes(run, topic)
@@ -104,8 +112,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     yield from _count(seen, figure)
     if figure.curved_share > CURVED_SHARE:
         share = number(100.0 * figure.curved_share, "%")
-        yield Mistake("arcs", say("mistake.arcs", share=share), ("curved_pct", "side_spread_pct", "gap_pct"))
-    yield from _sides(figure)
+        yield Mistake("arcs", say("mistake.arcs", share=share), ("curved_pct", *_LENGTHS, "gap_pct"))
+    yield from _sides(figure) if seen.wanted.lengths_m is None else _lengths(seen.wanted, figure)
 
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
@@ -158,7 +166,7 @@ def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
         "mistake.other_figure",
         count=len(figure.sides_m),
         corners=_degree(float(np.mean(seen.corners_deg))),
-        figure=say(f"figure.{seen.sides}"),
+        figure=say(seen.wanted.figure),
         sides=seen.sides,
         ideal=_degree(seen.ideal_deg),
     )
@@ -188,6 +196,19 @@ def _sides(figure: PolygonFigure) -> Iterator[Mistake]:
         lengths=listed(sides, "m"),
     )
     yield Mistake("unequal_sides", text, ("side_spread_pct", "gap_pct"))
+
+
+def _lengths(wanted: WantedPolygon, figure: PolygonFigure) -> Iterator[Mistake]:
+    """Sides of other lengths than the assignment fixes."""
+    error_pct = wanted.side_error_pct(figure.sides_m)
+    if len(figure.sides_m) != wanted.sides or error_pct <= LENGTH_OFF_PCT:
+        return
+    text = say(
+        "mistake.wrong_lengths",
+        lengths=listed(figure.sides_m, "m"),
+        wanted=listed(wanted.aligned(figure.sides_m), "m"),
+    )
+    yield Mistake("wrong_lengths", text, ("side_error_pct", "gap_pct"))
 
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:

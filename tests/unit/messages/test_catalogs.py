@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import grader.checks
-from grader.checks import CHECKS
+from grader.checks import KINDS
 from grader.contracts.text import LANGUAGES, Language, Text
 from grader.messages import DOMAIN, FOLDER, MissingMessageError, join, say, sentence
 from grader.messages.compile import compiled
@@ -35,8 +35,8 @@ def literal_ids() -> set[str]:
 
 def measure_ids() -> set[str]:
     """Every id that follows from the table of checks."""
-    ids = {f"{kind}.remarks" for kind in CHECKS}
-    for kind, check in CHECKS.items():
+    ids = {f"{kind}.remarks" for kind in KINDS}
+    for kind, check in KINDS.items():
         for name, measure in check.measures.items():
             seen = ("yes", "no") if measure.form == "flag" else ("seen",)
             ids |= {f"{kind}.{name}.{part}" for part in ("name", "hint", *seen)}

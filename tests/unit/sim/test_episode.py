@@ -8,10 +8,10 @@ import pytest
 
 from grader.contracts.assignment import StartPose, World
 from grader.contracts.errors import AssignmentError
+from grader.contracts.services import ServiceCall
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
-from grader.sim.service_calls import ServiceCall
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink, Script
 

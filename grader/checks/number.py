@@ -1,0 +1,64 @@
+"""Check ``number``: a question whose answer is a number with a unit."""
+
+from grader.checks.measure import UNMEASURED, Findings, Measure, MeasureKind, Option, TextCheck
+from grader.checks.mistakes.number import number_mistakes
+from grader.checks.quantity import plain
+from grader.checks.spoken_quantity import UNITS, SpokenQuantity, quantities
+from grader.contracts.assignment import Answer, Assignment
+from grader.contracts.text import EMPTY
+
+MEASURES = {"correct": MeasureKind(form="flag"), "with_unit": MeasureKind(form="flag")}
+_DECIMALS = 3
+
+
+def examine(assignment: Assignment, text: str) -> Findings:
+    """Compare the given number with the known answers."""
+    unit = str(assignment.options["unit"])
+    given = given_answer(text, unit)
+    if given is None:
+        return Findings({"correct": UNMEASURED, "with_unit": UNMEASURED}, number_mistakes(None, None, unit))
+    value = given.in_unit(unit)
+    answer = None if value is None else _known(assignment, value)
+    right = answer is not None and answer.right
+    values = {
+        "given": f"{plain(given.value, _DECIMALS)} {given.unit}".strip(),
+        "remark": EMPTY if answer is None else answer.remark,
+    }
+    measures = {
+        "correct": Measure(1.0 if right else 0.0, values),
+        "with_unit": Measure(1.0 if given.unit and value is not None else 0.0, {"unit": unit}),
+    }
+    return Findings(measures, number_mistakes(given, answer, unit))
+
+
+def given_answer(text: str, unit: str) -> SpokenQuantity | None:
+    """Return the quantity that answers: the last one in a fitting unit, else the last number of all."""
+    found = list(quantities(text))
+    fitting = [each for each in found if each.unit and each.in_unit(unit) is not None]
+    chosen = fitting or found
+    return chosen[-1] if chosen else None
+
+
+def _known(assignment: Assignment, value: float) -> Answer | None:
+    """Return the known answer that `value` is within tolerance of; a right one before a wrong one."""
+    near = [answer for answer in assignment.answers if abs(value - answer.value) <= answer.tolerance]
+    return min(near, key=lambda answer: not answer.right, default=None)
+
+
+def _problem_with_unit(value: Option) -> str | None:
+    return None if value in UNITS else f"must be one of {', '.join(UNITS)}"
+
+
+def _consult(assignment: Assignment) -> tuple[tuple[str, str], ...]:
+    if any(answer.right for answer in assignment.answers):
+        return ()
+    return (("answers", "missing; give at least one with `right: true`"),)
+
+
+CHECK = TextCheck(
+    kind="number",
+    measures=MEASURES,
+    options={"unit": _problem_with_unit},
+    consult=_consult,
+    examine=examine,
+)

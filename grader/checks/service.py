@@ -1,0 +1,83 @@
+"""Check ``service``: the script offers services and answers the assignment's calls."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
+from grader.checks.mistakes.service import service_mistakes
+from grader.checks.quantity import number
+from grader.contracts.assignment import Assignment
+from grader.contracts.figure import FigureSketch
+from grader.contracts.outcome import RunStatus
+from grader.contracts.services import ServiceResult
+from grader.contracts.verdict import Run
+
+MEASURES = {
+    "nodes": MeasureKind(form="count"),
+    "offered": MeasureKind(form="flag"),
+    "answered": MeasureKind(form="flag"),
+    "entries": MeasureKind(form="count"),
+    "alive": MeasureKind(form="flag"),
+}
+_LISTED = 6
+_LONGEST = 40
+
+
+def examine(assignment: Assignment, run: Run) -> Findings:
+    """See whether each call found its service and was answered, and what the answers hold."""
+    offered = bool(run.calls) and all(result.sent_ns is not None for result in run.calls)
+    answered = offered and all(result.answered_ns is not None for result in run.calls)
+    names = ", ".join(dict.fromkeys(result.call.service for result in run.calls))
+    alive = run.outcome.status is RunStatus.INTERRUPTED
+    nodes = run.outcome.nodes
+    measures = {
+        "nodes": Measure(float(len(nodes)), {"names": ", ".join(nodes[:4]) or "—"}),
+        "offered": Measure(float(offered), {"names": names}),
+        "answered": Measure(float(answered), {"names": names}),
+        "entries": _entries(assignment, run.calls) if answered else UNMEASURED,
+        "alive": Measure(float(alive), {"seconds": number(run.outcome.duration_ns / 1e9, "s")}),
+    }
+    return Findings(measures, service_mistakes(run, str(assignment.options.get("list_field", ""))))
+
+
+def listed_entries(values: Mapping[str, Any] | None, field: str) -> list[str]:
+    """Return the distinct texts, blank ones left out, of the list `field` of a response."""
+    found = (values or {}).get(field)
+    texts = [str(each).strip() for each in found] if isinstance(found, list) else []
+    return list(dict.fromkeys(text for text in texts if text))
+
+
+def _entries(assignment: Assignment, calls: tuple[ServiceResult, ...]) -> Measure:
+    """Count the entries of the answer that has fewest."""
+    field = str(assignment.options.get("list_field", ""))
+    fewest = min((listed_entries(result.values, field) for result in calls), key=len)
+    shown = ", ".join(text[:_LONGEST] for text in fewest[:_LISTED]) or "—"
+    return Measure(float(len(fewest)), {"field": field, "texts": shown})
+
+
+def sketch(assignment: Assignment, run: Run) -> FigureSketch:
+    """Return the view of log lines over time."""
+    return FigureSketch(view="log")
+
+
+def _problem_with_list_field(value: Option) -> str | None:
+    return None if isinstance(value, str) and value.isidentifier() else "must be the name of a field"
+
+
+def _consult(assignment: Assignment) -> tuple[tuple[str, str], ...]:
+    if not assignment.calls:
+        return (("calls", "missing; say which services are called"),)
+    counts = any(item.measure == "entries" for item in assignment.items)
+    if counts and "list_field" not in assignment.options:
+        return (("options.list_field", "missing; the measure 'entries' counts the entries of this field"),)
+    return ()
+
+
+CHECK = Check(
+    kind="service",
+    measures=MEASURES,
+    optional={"list_field": _problem_with_list_field},
+    consult=_consult,
+    examine=examine,
+    sketch=sketch,
+)
