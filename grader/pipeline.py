@@ -1,6 +1,7 @@
 """From a submission to a graded report: run every case, judge the motion, put the report together."""
 
 import hashlib
+from dataclasses import replace
 from types import TracebackType
 from typing import Self
 
@@ -108,8 +109,9 @@ class Pipeline:
 
 
 def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
+    world = job.assignment.world
     return EpisodeSpec(
-        world=job.assignment.world,
+        world=world if case.seed is None else replace(world, seed=case.seed),
         horizon_ns=round(job.assignment.horizon_s * 1_000_000_000),
         source=job.source,
         file_name=job.file_name,

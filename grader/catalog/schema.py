@@ -132,6 +132,7 @@ class CaseModel(_Model):
     stdin: str = ""
     args: tuple[str, ...] = ()
     options: Options = {}
+    seed: Annotated[int, Field(ge=0)] | None = None
 
     def to_contract(self) -> Case:
         """Return the contract."""

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from grader.checks import essay, motion, node, number, polygon, rotation, service
-from grader.checks.judge import judge
+from grader.checks.judge import WHOLE, Portion, judge
 from grader.checks.measure import Check, Findings, Kind, Options, TextCheck
 from grader.checks.rubric_text import published
 from grader.checks.summary import summarise, summarise_text
@@ -38,10 +38,10 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Verdict:
     check = _script_check(assignment)
     seen: list[Findings] = []
     items = []
-    for run in runs:
+    for part, run in enumerate(runs):
         findings = check.examine(_in_case(assignment, run.case), run)
-        prefix = f"{run.case}/" if len(runs) > 1 else ""
-        items += judge(check, assignment.items, findings, parts=len(runs), prefix=prefix)
+        portion = Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE
+        items += judge(check, assignment.items, findings, portion)
         seen.append(findings)
     return summarise(items, seen, [run.outcome for run in runs])
 
@@ -57,7 +57,7 @@ def evaluate_text(assignment: Assignment, text: str) -> Verdict:
     if check is None:
         raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} judges scripts, not texts")
     findings = check.examine(assignment, text)
-    items = judge(check, assignment.items, findings, parts=1, prefix="")
+    items = judge(check, assignment.items, findings)
     waiting = any(spec.measure == BY_PERSON for spec in assignment.items)
     return summarise_text(items, findings, waiting=waiting)
 

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from grader.checks import credit
 from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake
@@ -17,8 +17,30 @@ _BLOCKING = (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
 _LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
+@dataclass(frozen=True, slots=True)
+class Portion:
+    """One of the runs among which each item's points are divided.
+
+    Attributes:
+        prefix: put before each item's id (``case/``), or empty.
+        part, parts: which of how many runs.
+    """
+
+    prefix: str = ""
+    part: int = 0
+    parts: int = 1
+
+    def of(self, points: float) -> float:
+        """Return this run's share of an item's points in whole hundredths; the shares sum up exactly."""
+        each, rest = divmod(round(points * 100), self.parts)
+        return (each + (self.part < rest)) / 100
+
+
+WHOLE = Portion()
+
+
 def judge(
-    check: Kind, specs: Sequence[ItemSpec], findings: Findings, *, parts: int, prefix: str
+    check: Kind, specs: Sequence[ItemSpec], findings: Findings, portion: Portion = WHOLE
 ) -> list[RubricItem]:
     """Judge every item on one run.
 
@@ -26,12 +48,11 @@ def judge(
         check: the kind of check that made the findings.
         specs: the rubric.
         findings: what was seen in the run.
-        parts: number of runs among which each item's points are divided.
-        prefix: put before each item's id (``case/``), or empty.
+        portion: which of several runs it was.
     """
     judged: dict[str, RubricItem] = {}
     for spec in specs:
-        blank = _blank(check, spec, round(spec.points / parts, 2), prefix)
+        blank = _blank(check, spec, portion.of(spec.points), portion.prefix)
         blockers = [judged[need].title for need in spec.needs if judged[need].status in _BLOCKING]
         if blockers:
             message = say("item.not_checked", items=join(blockers, _LIST_SEPARATOR))

@@ -51,7 +51,7 @@ def _item(check: Kind, spec: ItemSpec, titles: dict[str, Text]) -> PublishedItem
         points=spec.points,
         measure=say("rubric.by_person") if by_person else say(f"{check.kind}.{spec.measure}.name"),
         wanted=wanted(kind, spec),
-        partial=EMPTY if by_person else _partial(kind, spec),
+        partial=say("rubric.partial_by_person") if by_person else _partial(kind, spec),
         needs=_needs(spec, titles),
     )
 

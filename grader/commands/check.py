@@ -20,7 +20,7 @@ EXIT_NOT_FULL = 1
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("file", type=Path, help="the script to grade / 要评分的脚本")
+    parser.add_argument("file", type=Path, help="the script or answer to grade / 要评分的脚本或答案")
     parser.add_argument("-a", "--assignment", help="assignment id; guessed from the file name when left out")
     parser.add_argument(
         "--lang", choices=LANGUAGES, default="zh", help="language of the feedback (default: zh)"
@@ -77,6 +77,7 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
 
     catalog = Catalog(arguments.assignments)
     assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file.name))
+    _check_input(arguments, assignment)
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
     if not arguments.json:
         import grader.render.terminal  # noqa: F401
@@ -86,6 +87,25 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
         raise SandboxUnavailableError(
             f"{error}\nRun `grader doctor` for details. For your own code, `--isolation dev` runs it unprotected."
         ) from error
+
+
+def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
+    """Refuse a script where a text is asked for, and the other way round, as an upload would be.
+
+    Raises:
+        SubmissionError: the file's name or ``--plot`` does not go with the assignment.
+    """
+    from grader.contracts.assignment import SUFFIXES
+
+    endings = SUFFIXES[assignment.input]
+    if not arguments.file.name.lower().endswith(endings):
+        raise SubmissionError(
+            "wrong_file_type",
+            f"{arguments.file.name}: {assignment.id} takes a {assignment.input} whose name ends in "
+            f"{' or '.join(endings)}",
+        )
+    if arguments.plot is not None and assignment.input == "text":
+        raise SubmissionError("plot_text", f"{assignment.id} is answered by a text: there is nothing to plot")
 
 
 def _guess(catalog: "Catalog", file_name: str) -> str:

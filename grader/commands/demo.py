@@ -57,6 +57,8 @@ def run(arguments: argparse.Namespace) -> int:
         spent_s = time.monotonic() - start
         output.print(f"{len(uploads)} submissions, {spent_s:.1f} s")
         for upload, location in zip(uploads, locations, strict=True):
+            if upload.path.suffix != ".py":
+                continue  # a text has no motion to draw
             plot = client.get(f"{location}/plot.png", params={"lang": arguments.lang}).raise_for_status()
             (plots / f"{upload.student}-{upload.assignment}-{upload.path.stem}.png").write_bytes(plot.content)
         dashboard = client.get("/api/v1/dashboard").raise_for_status().json()
@@ -75,11 +77,11 @@ def _class() -> Iterator[Upload]:
         yield Upload("lesson", "square", lesson / "square_mover.py")
     for assignment in catalog.all():
         folder = catalog.folder(assignment.id)
-        yield Upload("ada", assignment.id, folder / "solution.py")
+        yield Upload("ada", assignment.id, catalog.own_file(assignment, "solution"))
         wrong = [folder / "wrong" / attempt.file for attempt in catalog.wrong_attempts(assignment.id)]
         for student, path in zip(("bo", "chen", "dai"), wrong, strict=False):
             yield Upload(student, assignment.id, path)
-        yield Upload("chen", assignment.id, folder / "solution.py")
+        yield Upload("chen", assignment.id, catalog.own_file(assignment, "solution"))
 
 
 def _lesson_folder(catalog: Catalog) -> Path | None:

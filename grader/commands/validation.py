@@ -10,7 +10,7 @@ from rich.text import Text
 from grader.catalog import Catalog
 from grader.contracts.assignment import Assignment, WrongAttempt
 from grader.contracts.grading import Grader, GradingJob
-from grader.contracts.report import GradeReport
+from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language
 from grader.render.terminal import console
@@ -57,15 +57,23 @@ def examine(catalog: Catalog, assignment_id: str, grader: Grader) -> Iterator[Fi
     """
     assignment = catalog.get(assignment_id)
     folder = catalog.folder(assignment_id)
-    solution = _grade(grader, assignment, folder / "solution.py")
-    full = solution.score == solution.max_score
-    yield _finding(assignment, "solution.py", solution, "" if full else _lost(solution))
-    starter = _grade(grader, assignment, folder / "starter.py")
-    gift = "the starter already has full marks" if starter.score == starter.max_score else ""
-    yield _finding(assignment, "starter.py", starter, gift)
+    path = catalog.own_file(assignment, "solution")
+    solution = _grade(grader, assignment, path)
+    yield _finding(assignment, path.name, solution, "" if _all_passed(solution) else _lost(solution))
+    path = catalog.own_file(assignment, "starter")
+    starter = _grade(grader, assignment, path)
+    gift = "the starter already has full marks" if _all_passed(starter) else ""
+    yield _finding(assignment, path.name, starter, gift)
     for attempt in catalog.wrong_attempts(assignment_id):
         report = _grade(grader, assignment, folder / "wrong" / attempt.file)
         yield _finding(assignment, f"wrong/{attempt.file}", report, _misjudged(attempt, report))
+
+
+def _all_passed(report: GradeReport) -> bool:
+    """Whether nothing was lost; what waits for a person has not been lost."""
+    if report.status is GradeStatus.NEEDS_MANUAL:
+        return all(item.status is not ItemStatus.FAILED for item in report.items)
+    return report.score == report.max_score
 
 
 def _grade(grader: Grader, assignment: Assignment, path: Path) -> GradeReport:
@@ -93,9 +101,8 @@ def _misjudged(attempt: WrongAttempt, report: GradeReport) -> str:
     problems = []
     if not attempt.low <= score <= attempt.high:
         problems.append(f"score {score:g} is outside [{attempt.low:g}, {attempt.high:g}]")
-    if attempt.fails not in [
-        item.id for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL)
-    ]:
+    lost = (item for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL))
+    if attempt.fails not in [item.id.rpartition("/")[2] for item in lost]:
         problems.append(f"item {attempt.fails} loses nothing")
     if attempt.mistake and attempt.mistake not in report.mistakes[:1]:
         problems.append(f"recognised {', '.join(report.mistakes) or 'nothing'} instead of {attempt.mistake}")

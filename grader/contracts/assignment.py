@@ -49,6 +49,7 @@ class Case:
 
     Attributes:
         options: take the place of the assignment's options in this run.
+        seed: takes the place of the world's seed in this run, unless None.
     """
 
     id: str = "default"
@@ -56,6 +57,7 @@ class Case:
     stdin: str = ""
     args: tuple[str, ...] = ()
     options: dict[str, float | int | str | bool] = field(default_factory=dict)
+    seed: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -37,6 +37,11 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             en="Send the header Authorization: Bearer, followed by the token shown when the service started.",
         ),
     ),
+    "foreign_form": ProblemType(
+        status=403,
+        title=Text(zh="这个表单已经失效", en="This form is no longer valid"),
+        fix=Text(zh="返回上一页，刷新后再提交一次。", en="Go back, reload the page and send it again."),
+    ),
     "not_found": ProblemType(
         status=404,
         title=Text(zh="没有这个地址", en="There is nothing at this address"),
@@ -97,8 +102,11 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     ),
     "wrong_file_type": ProblemType(
         status=415,
-        title=Text(zh="不是 Python 脚本", en="This is not a Python script"),
-        fix=Text(zh="上传扩展名为 .py 的脚本。", en="Upload the script whose name ends in .py."),
+        title=Text(zh="文件类型不对", en="This is the wrong kind of file"),
+        fix=Text(
+            zh="上传扩展名为 .py 的脚本；问答题上传 .txt 或 .md 文本。",
+            en="Upload the script whose name ends in .py; for a question, a text ending in .txt or .md.",
+        ),
     ),
     "invalid_request": ProblemType(
         status=422,

@@ -4,6 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, File, Form, Path, Response, UploadFile
 
+from grader.contracts.assignment import Input
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.contracts.text import Language, Text
@@ -54,19 +55,21 @@ _RETRY_AFTER_S = 5
 def upload(
     services: ServicesDep,
     response: Response,
-    file: Annotated[UploadFile, File(description="The script, as it runs at home: UTF-8, at most 256 KiB.")],
+    file: Annotated[
+        UploadFile, File(description="The script as it runs at home, or a text; at most 256 KiB.")
+    ],
     assignment: Annotated[str, Form(description="Id of the assignment.", examples=["square"])],
     student: Annotated[str, Form(description="Student id.", examples=["20260123"])],
 ) -> Receipt:
-    """Check a script's form, store it and queue it for grading.
+    """Check a file's form, store it and queue it for grading.
 
     Nothing of it is executed by the service itself; its syntax is checked in a confined process.
     """
     student = checked_student(student)
-    _check_assignment(services, assignment)
-    name = checked_name(file.filename)
+    kind = _input_of(services, assignment)
+    name = checked_name(file.filename, kind)
     source = file.file.read(services.settings.max_upload_bytes + 1)
-    check_content(services, source, name)
+    check_content(services, source, name, kind)
     if services.submissions.open_count(student) >= services.settings.max_open_submissions:
         raise ProblemError("too_many_open", headers={"Retry-After": str(_RETRY_AFTER_S)}, field="student")
     new = NewSubmission(student=student, assignment=assignment, file_name=name, source=source)
@@ -138,9 +141,9 @@ def graded(services: Services, submission_id: str) -> StoredReport:
     return report
 
 
-def _check_assignment(services: Services, assignment: str) -> None:
+def _input_of(services: Services, assignment: str) -> Input:
     try:
-        services.assignments.get(assignment)
+        return services.assignments.get(assignment).input
     except UnknownAssignmentError:
         allowed = [known.id for known in services.assignments.all()]
         raise ProblemError("unknown_assignment", field="assignment", allowed=allowed) from None

@@ -8,6 +8,7 @@ from fastapi import Request, Response
 from fastapi.routing import APIRoute
 from starlette.types import Message
 
+from grader.contracts.assignment import SUFFIXES, Input
 from grader.contracts.errors import InfrastructureError, SandboxError, SubmissionError
 from grader.contracts.grading import SyntaxProblem
 from grader.contracts.text import Text
@@ -18,7 +19,6 @@ from grader.routes.services import Services
 
 STUDENT_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._@-]{0,63}$"
 _STUDENT = re.compile(STUDENT_PATTERN)
-_SUFFIX = ".py"
 _LONGEST_NAME = 100
 _LONGEST_LINE = 200
 _ENVELOPE_BYTES = 16 * 1024  # boundaries, part headers and the two short fields
@@ -92,24 +92,28 @@ def checked_student(student: str) -> str:
     return student
 
 
-def checked_name(file_name: str | None) -> str:
+def checked_name(file_name: str | None, kind: Input) -> str:
     """Return the last part of the name the student's browser sent, one printable line.
 
     Raises:
-        ProblemError: it is not the name of a Python script.
+        ProblemError: it is not the name of what the assignment asks for, a Python script or a text.
     """
     name = visible_line(re.split(r"[/\\]", file_name or "")[-1].strip(), _LONGEST_NAME)
-    if not name.lower().endswith(_SUFFIX) or len(name) == len(_SUFFIX):
+    endings = SUFFIXES[kind]
+    if not name.lower().endswith(endings) or name.lower() in endings:
         shown = name or "—"
         raise ProblemError(
             "wrong_file_type",
-            Text(zh=f"收到的文件名是 {shown}。", en=f"The file is called {shown}."),
+            Text(
+                zh=f"收到的文件名是 {shown}，这个作业要交的文件以 {' 或 '.join(endings)} 结尾。",
+                en=f"The file is called {shown}; this assignment takes names that end in {' or '.join(endings)}.",
+            ),
             field="file",
         )
     return name
 
 
-def check_content(services: Services, source: bytes, file_name: str) -> None:
+def check_content(services: Services, source: bytes, file_name: str, kind: Input) -> None:
     """Refuse what could not run at all.
 
     Raises:
@@ -122,6 +126,8 @@ def check_content(services: Services, source: bytes, file_name: str) -> None:
         check_source(source, limit)
     except SubmissionError as error:
         raise ProblemError(error.code, str(error), field="file") from error
+    if kind == "text":
+        return
     try:
         problem = services.preflight.check(source, file_name)
     except (InfrastructureError, SandboxError):

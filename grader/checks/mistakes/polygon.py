@@ -132,6 +132,9 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         yield Mistake("zigzag", say("mistake.zigzag", **values), spoilt)
     elif not off.any():
         return
+    elif figure.repeated and _telling_angle(seen, mean) == "interior_angle":
+        # a hexagon's interior angle drives a triangle, as often as the loop was meant for the hexagon
+        yield Mistake("interior_angle", say("mistake.interior_angle", mean=_degree(mean), **values), spoilt)
     elif _is_other_figure(seen, figure, mean) and uniform:
         yield _other_figure(seen, figure)
     elif uniform and (telling := _telling_angle(seen, mean)) is not None:

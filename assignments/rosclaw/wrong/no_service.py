@@ -1,0 +1,28 @@
+"""忘了创建服务。"""
+
+import rclpy
+from rclpy.node import Node
+from rosclaw_msgs.srv import GetCapabilities
+
+
+class Discovery(Node):
+    def __init__(self):
+        super().__init__('rosclaw_discovery')
+        self.get_logger().info('RosClaw Discovery Node 已启动')
+
+    def handle_get_capabilities(self, request, response):
+        """返回机器人的能力列表。"""
+        response.capabilities = ['navigation', 'camera', 'speak', 'battery']
+        return response
+
+
+def main():
+    rclpy.init()
+    node = Discovery()
+    rclpy.spin(node)
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()
