@@ -47,10 +47,8 @@ def test_library_directory_with_packages_is_listed_entry_by_entry(
     assert not any("python3.12" in path and path.startswith(str(tmp_path)) for path in paths)
 
 
-def test_reachable_by_others(tmp_path: Path) -> None:
-    for directory in (tmp_path, *tmp_path.parents[:2]):
-        directory.chmod(0o711)
-    inner = tmp_path / "inner"
+def test_reachable_by_others(open_path: Path) -> None:
+    inner = open_path / "inner"
     inner.mkdir(mode=0o700)
     assert layout.reachable_by_others([str(inner)])
     assert not layout.reachable_by_others([str(inner / "file")])
