@@ -1,0 +1,169 @@
+"""Executors: what one spin_once does, threads, tasks, futures, custom executors, deadlocks."""
+
+from textwrap import dedent
+
+PREFIX = """
+import time
+import rclpy
+from rclpy.node import Node
+from rclpy.executors import *
+from rclpy.callback_groups import *
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+rclpy.init()
+node = Node("n")
+def at(*what):
+    print(round((time.time() - 1_700_000_000) * 1000), *what)
+"""
+
+
+def run_lines(run_script, source, **options):
+    run = run_script(PREFIX + dedent(source), **options)
+    assert run.exit["type"] == "", run.stderr
+    assert run.exit["reason"] == 0, run.exit["text"]
+    return run.stdout.splitlines()
+
+
+def test_spin_once_runs_at_most_one_callback(run_script):
+    source = """
+        node.create_timer(0.1, lambda: at("a"))
+        node.create_timer(0.1, lambda: at("b"))
+        rclpy.spin_once(node)
+        rclpy.spin_once(node)
+        rclpy.spin_once(node, timeout_sec=0.05)
+        at("timeout")
+        rclpy.spin_once(node, timeout_sec=0)
+        at("poll")
+    """
+    assert run_lines(run_script, source) == ["100 a", "100 b", "150 timeout", "150 poll"]
+
+
+def test_an_exception_leaves_the_spin(run_script):
+    run = run_script(PREFIX + "node.create_timer(0.1, lambda: 1 / 0)\nrclpy.spin(node)\n")
+    assert (run.exit["type"], run.exit["line"], run.exit["code"]) == ("ZeroDivisionError", 13, 1)
+    assert run.exit["text"].count("File ") == 2  # the script's frames, not ours
+
+
+def test_an_executor_of_threads_overlaps_reentrant_callbacks(run_script):
+    source = """
+        group = {group}()
+        def slow(name):
+            at(name, "begins")
+            time.sleep(0.3)
+            at(name, "ends")
+        node.create_timer(0.1, lambda: (a.cancel(), slow("a")), callback_group=group)
+        node.create_timer(0.2, lambda: (b.cancel(), slow("b")), callback_group=group)
+        a, b = node.timers
+        executor = MultiThreadedExecutor(2)
+        executor.add_node(node)
+        for _ in range(40):
+            executor.spin_once(timeout_sec=0.02)
+    """
+    reentrant = run_lines(run_script, source.format(group="ReentrantCallbackGroup"))
+    assert reentrant == ["100 a begins", "200 b begins", "400 a ends", "500 b ends"]
+    exclusive = run_lines(run_script, source.format(group="MutuallyExclusiveCallbackGroup"))
+    assert exclusive == ["100 a begins", "400 a ends", "400 b begins", "700 b ends"]
+
+
+def test_coroutines_wait_for_futures(run_script):
+    source = """
+        node.create_service(Trigger, "s", lambda q, a: (at("asked"), setattr(a, "message", "yes"), a)[2])
+        client = node.create_client(Trigger, "s", callback_group=ReentrantCallbackGroup())
+        other = ReentrantCallbackGroup()
+        async def tick():
+            timer.cancel()
+            at("calls")
+            answer = await client.call_async(Trigger.Request())
+            at(answer.message)
+            rclpy.shutdown()
+        timer = node.create_timer(1.0, tick, callback_group=other)
+        rclpy.spin(node)
+    """
+    assert run_lines(run_script, source) == ["1000 calls", "1000 asked", "1000 yes"]
+
+
+def test_spin_until_future_complete(run_script):
+    source = """
+        future = rclpy.Future()
+        node.create_timer(0.5, lambda: future.set_result(42) if not future.done() else None)
+        print(rclpy.spin_until_future_complete(node, future), future.result())
+        at()
+        never = rclpy.Future()
+        print(rclpy.spin_until_future_complete(node, never, timeout_sec=1.0), never.done())
+        at()
+    """
+    assert run_lines(run_script, source) == ["None 42", "500", "None False", "1500"]
+
+
+def test_tasks_and_done_callbacks(run_script):
+    source = """
+        executor = SingleThreadedExecutor()
+        task = executor.create_task(lambda x: x * 2, 21)
+        task.add_done_callback(lambda done: print("done", done.result()))
+        print(task.done(), task.result())
+        executor.spin_until_future_complete(task)
+        print(task.done(), task.result())
+        executor.spin_once(timeout_sec=0)
+        executor.spin_once(timeout_sec=0)
+    """
+    assert run_lines(run_script, source) == ["False None", "True 42", "done 42"]
+
+
+def test_nodes_move_between_executors(run_script):
+    source = """
+        one, two = SingleThreadedExecutor(), SingleThreadedExecutor()
+        print(one.add_node(node), one.add_node(node), two.add_node(node))
+        print(len(one.get_nodes()), two.get_nodes() == [node], node.executor is two)
+        two.shutdown()
+        print(two.get_nodes())
+    """
+    assert run_lines(run_script, source) == ["True False True", "0 True True", "[]"]
+
+
+def test_a_custom_executor(run_script):
+    source = """
+        class Urgent(Executor):
+            def can_execute(self, entity):
+                return super().can_execute(entity) and entity is not blocked
+            def spin_once(self, timeout_sec=None):
+                try:
+                    handler, entity, served = self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
+                except TimeoutException:
+                    return at("timeout")
+                print(type(entity).__name__, served is node)
+                handler()
+        blocked = node.create_timer(0.1, lambda: at("never"))
+        node.create_timer(0.3, lambda: at("served"))
+        executor = Urgent()
+        executor.add_node(node)
+        executor.spin_once(1.0)
+        executor.spin_once(0.1)
+    """
+    assert run_lines(run_script, source) == ["Timer True", "300 served", "400 timeout"]
+
+
+def test_calling_a_service_in_a_callback_is_a_deadlock(run_script):
+    run = run_script(
+        PREFIX
+        + dedent("""
+            node.create_service(Trigger, "s", lambda q, a: a)
+            client = node.create_client(Trigger, "s")
+            node.create_timer(1.0, lambda: client.call(Trigger.Request()))
+            rclpy.spin(node)
+        """)
+    )
+    assert run.exit["reason"] == 2
+    assert "client.call() of 's' waits for an answer" in run.exit["text"]
+    assert run.exit["t_ns"] < 1_100_000_000
+
+
+def test_spin_once_with_nothing_to_wait_for_is_a_deadlock(run_script):
+    run = run_script(PREFIX + "node.create_publisher(String, 'a', 1)\nrclpy.spin_once(node)\n")
+    assert run.exit["reason"] == 2
+    assert "spin_once() waits for a timer, a message or a request" in run.exit["text"]
+
+
+def test_a_listener_without_talkers_idles_until_the_horizon(run_script):
+    source = "node.create_subscription(String, 'a', print, 1)\nwhile rclpy.ok():\n    rclpy.spin_once(node)\n"
+    run = run_script(PREFIX + source, horizon_s=5)
+    assert (run.exit["reason"], run.exit["t_ns"], run.exit["after_interrupt"]) == (0, 5_000_000_000, 1)

@@ -1,0 +1,151 @@
+"""Nodes: names, remapping, creation, destruction, the graph."""
+
+from textwrap import dedent
+
+PREFIX = """
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+from turtlesim.msg import Pose
+def attempt(call):
+    try:
+        print(call())
+    except Exception as error:
+        print(type(error).__name__ + ":", error)
+"""
+
+
+def lines(run_script, source, **options):
+    run = run_script(PREFIX + dedent(source), **options)
+    assert run.exit["reason"] == 0, run.stderr
+    return run.stdout.splitlines()
+
+
+def test_names(run_script):
+    source = """
+        rclpy.init()
+        node = Node("walker", namespace="team/red")
+        print(node.get_name(), node.get_namespace(), node.get_fully_qualified_name(), node.get_logger().name)
+        print(node.resolve_topic_name("a"), node.resolve_topic_name("~/a"), node.resolve_topic_name("/a"))
+        node.destroy_node()
+        node.destroy_node()
+        attempt(node.get_name)
+    """
+    assert lines(run_script, source) == [
+        "walker /team/red /team/red/walker team.red.walker",
+        "/team/red/a /team/red/walker/a /a",
+        "InvalidHandle: cannot use Destroyable because destruction was requested",
+    ]
+
+
+def test_invalid_names_point_at_the_character(run_script):
+    source = """
+        rclpy.init()
+        attempt(lambda: Node("my node"))
+        attempt(lambda: Node("n", namespace="a-b"))
+        node = Node("n")
+        attempt(lambda: node.create_publisher(Twist, "/turtle 1/cmd_vel", 10))
+        attempt(lambda: node.create_service(Twist, "x", None))
+        attempt(lambda: node.create_publisher("Twist", "x", 10))
+    """
+    assert (
+        "\n".join(lines(run_script, source))
+        == dedent("""\
+        InvalidNodeNameException: Invalid node name: node name must not contain characters other than alphanumerics or '_':
+          'my node'
+             ^
+        InvalidNamespaceException: Invalid namespace: namespace must not contain characters other than alphanumerics, '_', or '/':
+          '/a-b'
+             ^
+        InvalidTopicNameException: Invalid topic name: topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}':
+          '/turtle 1/cmd_vel'
+                  ^
+        RuntimeError: The service type provided is not valid (<class 'geometry_msgs.msg._twist.Twist'>), this might be a message or action
+        AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 message type but it should be a ROS 2 message type. Make sure to source your ROS 2 workspace after your ROS 1 workspace.""")
+    )
+
+
+def test_remapping_and_parameters_of_the_command_line(run_script):
+    source = """
+        rclpy.init()
+        node = Node("walker")
+        print(node.get_fully_qualified_name(), node.resolve_topic_name("cmd_vel"))
+        print(node.declare_parameter("speed", 1.0).value, node.declare_parameter("name", "x").value)
+        print(node.declare_parameter("sides", [1]).value, node.declare_parameter("own", True).value)
+        attempt(lambda: node.declare_parameter("count", "text"))
+        print(rclpy.utilities.remove_ros_args())
+    """
+    args = "one --ros-args -r __node:=runner -r __ns:=/team -r cmd_vel:=/turtle1/cmd_vel -p speed:=2.5 "
+    args += "-p name:='007' -p sides:=[3,5] -p /team/runner:own:=off -p count:=3 -- two"
+    out = lines(run_script, source, args=args.split())
+    assert out == [
+        "/team/runner /turtle1/cmd_vel",
+        "2.5 007",
+        "[3, 5] False",
+        "InvalidParameterTypeException: Trying to set parameter 'count' to '3' of type 'INTEGER', "
+        "expecting type 'STRING'",
+        "['student.py', 'one', 'two']",
+    ]
+
+
+def test_graph_shows_the_world(run_script):
+    source = """
+        rclpy.init()
+        node = Node("watcher", enable_rosout=False, start_parameter_services=False)
+        publisher = node.create_publisher(Twist, "/turtle1/cmd_vel", 10)
+        node.create_subscription(Pose, "turtle1/pose", print, 10)
+        print(node.get_node_names(), publisher.get_subscription_count())
+        print(node.get_topic_names_and_types())
+        print(node.get_service_names_and_types())
+        print(node.count_publishers("turtle1/pose"), node.count_subscribers("/turtle1/cmd_vel"))
+        info = node.get_publishers_info_by_topic("/turtle1/pose")[0]
+        print(info.node_name, info.topic_type, info.qos_profile.reliability.name, len(info.endpoint_gid))
+        print(node.get_subscriber_names_and_types_by_node("turtlesim", "/"))
+        attempt(lambda: node.get_publisher_names_and_types_by_node("nobody", "/"))
+    """
+    assert lines(run_script, source)[:-1] == [
+        "['turtlesim', 'watcher'] 1",
+        "[('/parameter_events', ['rcl_interfaces/msg/ParameterEvent']), "
+        "('/turtle1/cmd_vel', ['geometry_msgs/msg/Twist']), ('/turtle1/pose', ['turtlesim/msg/Pose'])]",
+        "[('/reset', ['std_srvs/srv/Empty'])]",
+        "1 1",
+        "turtlesim turtlesim/msg/Pose RELIABLE 24",
+        "[('/turtle1/cmd_vel', ['geometry_msgs/msg/Twist'])]",
+    ]
+
+
+def test_destroyed_entities_cannot_be_used(run_script):
+    source = """
+        rclpy.init()
+        node = Node("n")
+        publisher = node.create_publisher(Twist, "a", 10)
+        timer = node.create_timer(1, print)
+        print(node.destroy_publisher(publisher), node.destroy_publisher(publisher))
+        attempt(lambda: publisher.publish(Twist()))
+        node.destroy_node()
+        attempt(timer.cancel)
+        attempt(lambda: node.create_publisher(Twist, "b", 10))
+    """
+    refused = "InvalidHandle: cannot use Destroyable because destruction was requested"
+    assert lines(run_script, source) == ["True False", refused, refused, refused]
+
+
+def test_episode_is_told_of_the_students_endpoints_only(run_script):
+    run = run_script(
+        PREFIX
+        + dedent("""
+            rclpy.init()
+            node = Node("walker")
+            node.create_publisher(Twist, "turtle1/cmd_vel", 7)
+            node.create_subscription(Pose, "/turtle1/pose", print, rclpy.qos.qos_profile_sensor_data)
+            node.destroy_node()
+        """)
+    )
+    told = [(e["what"], e["name"], e["type"], e["reliability"], e["depth"]) for e in run.of("ENTITY")]
+    assert told == [
+        (1, "", "", 1, 10),
+        (2, "/rosout", "rcl_interfaces/msg/Log", 1, 1000),
+        (2, "/turtle1/cmd_vel", "geometry_msgs/msg/Twist", 1, 7),
+        (3, "/turtle1/pose", "turtlesim/msg/Pose", 2, 5),
+    ]
+    assert sorted(frame["id"] for frame in run.of("GONE")) == [1, 2, 3, 4]

@@ -1,0 +1,157 @@
+"""Publishers and subscriptions: copies, queues, QoS matching, the world's topics."""
+
+import struct
+from textwrap import dedent
+
+PREFIX = """
+import time
+import rclpy
+from rclpy.node import Node
+from rclpy.qos import *
+from std_msgs.msg import String, Float64MultiArray
+from geometry_msgs.msg import Twist
+rclpy.init()
+node = Node("n")
+def spin(times):
+    for _ in range(times):
+        rclpy.spin_once(node, timeout_sec=0.01)
+"""
+
+
+def run_lines(run_script, source, **options):
+    run = run_script(PREFIX + dedent(source), **options)
+    assert run.exit["reason"] == 0, run.stderr
+    return run.stdout.splitlines()
+
+
+def test_a_message_is_copied_when_it_is_published(run_script):
+    source = """
+        publisher = node.create_publisher(Float64MultiArray, "t", 10)
+        node.create_subscription(Float64MultiArray, "t", lambda m: (print(m.data), m.data.append(9.0)), 10)
+        node.create_subscription(Float64MultiArray, "t", lambda m: print(m.data), 10)
+        message = Float64MultiArray(data=[1.0])
+        publisher.publish(message)
+        message.data[0] = 2.0
+        spin(4)
+    """
+    assert run_lines(run_script, source) == ["array('d', [1.0])"] * 2
+
+
+def test_the_queue_keeps_the_latest(run_script):
+    source = """
+        publisher = node.create_publisher(String, "t", 10)
+        node.create_subscription(String, "t", lambda m: print(m.data), 2)
+        for text in "abcd":
+            publisher.publish(String(data=text))
+        spin(8)
+    """
+    assert run_lines(run_script, source) == ["c", "d"]
+
+
+def test_types_and_relative_names_must_agree(run_script):
+    source = """
+        other = Node("other", namespace="ns")
+        publisher = node.create_publisher(String, "t", 10)
+        node.create_subscription(Float64MultiArray, "t", lambda m: print("wrong type"), 10)
+        other.create_subscription(String, "t", lambda m: print("wrong name"), 10)
+        other.create_subscription(String, "/t", lambda m: print("right"), 10)
+        publisher.publish(String())
+        spin(2)
+        rclpy.spin_once(other, timeout_sec=0.01)
+        print(publisher.get_subscription_count(), publisher.topic_name)
+    """
+    assert run_lines(run_script, source) == ["right", "1 /t"]
+
+
+def test_latched_messages_reach_late_listeners(run_script):
+    source = """
+        latched = QoSProfile(depth=2, durability=DurabilityPolicy.TRANSIENT_LOCAL)
+        publisher = node.create_publisher(String, "t", latched)
+        for text in "abc":
+            publisher.publish(String(data=text))
+        node.create_subscription(String, "t", lambda m: print("latched", m.data), latched)
+        node.create_subscription(String, "t", lambda m: print("volatile", m.data), 10)
+        spin(6)
+    """
+    assert run_lines(run_script, source) == ["latched b", "latched c"]
+
+
+def test_raw_subscriptions_and_serialised_messages(run_script):
+    source = """
+        from rclpy.serialization import serialize_message
+        publisher = node.create_publisher(String, "t", 10)
+        node.create_subscription(String, "t", print, 10, raw=True)
+        publisher.publish(serialize_message(String(data="a")))
+        spin(2)
+    """
+    assert run_lines(run_script, source) == [r"b'\x00\x01\x00\x00\x02\x00\x00\x00a\x00'"]
+
+
+def test_incompatible_qos_delivers_nothing_and_warns_both_sides(run_script):
+    run = run_script(
+        PREFIX
+        + dedent("""
+            best_effort = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+            publisher = node.create_publisher(String, "t", best_effort)
+            node.create_subscription(String, "t", print, 10)
+            publisher.publish(String())
+            spin(4)
+            print(publisher.get_subscription_count())
+        """)
+    )
+    assert run.stdout == "0\n"
+    warnings = [line.partition("]: ")[2] for line in run.stderr.splitlines()]
+    assert sorted(warnings) == [
+        "New publisher discovered on topic 't', offering incompatible QoS. No messages will be received "
+        "from it. Last incompatible policy: RELIABILITY",
+        "New subscription discovered on topic 't', requesting incompatible QoS. No messages will be sent "
+        "to it. Last incompatible policy: RELIABILITY",
+    ]
+
+
+def test_the_turtle_does_not_hear_best_effort_commands(run_script):
+    run = run_script(
+        PREFIX
+        + dedent("""
+            publisher = node.create_publisher(Twist, "/turtle1/cmd_vel", qos_profile_sensor_data)
+            time.sleep(1)
+            publisher.publish(Twist())
+            print(publisher.get_subscription_count())
+        """)
+    )
+    assert (run.stdout, run.published("/turtle1/cmd_vel")) == ("0\n", [])
+    assert run.notes == [("incompatible_qos", "/turtle1/cmd_vel")]
+
+
+def test_commands_reach_the_episode_at_their_instant(run_script):
+    run = run_script(
+        PREFIX
+        + dedent("""
+            publisher = node.create_publisher(Twist, "turtle1/cmd_vel", 10)
+            message = Twist()
+            message.angular.z = 2.0
+            node.create_timer(0.5, lambda: publisher.publish(message))
+            rclpy.spin(node)
+        """),
+        horizon_s=1.2,
+    )
+    command = b"\0\1\0\0" + struct.pack("<6d", 0, 0, 0, 0, 0, 2)
+    sent = [(t_ns // 1_000_000, cdr) for t_ns, cdr in run.published("/turtle1/cmd_vel")]
+    assert sent == [(500, command), (1000, command)]
+
+
+def test_the_worlds_messages_arrive_at_their_instant(run_script):
+    run = run_script(
+        PREFIX
+        + dedent("""
+            from turtlesim.msg import Pose
+            node.create_subscription(Pose, "/turtle1/pose", lambda p: print(round(time.time() % 100, 3), p.x), 10)
+            rclpy.spin(node)
+        """),
+        horizon_s=1,
+        feed=[
+            (16_000_000, "/turtle1/pose", b"\0\1\0\0" + struct.pack("<5f", 5.5, 0, 0, 0, 0)),
+            (32_000_000, "/turtle1/pose", b"\0\1\0\0" + struct.pack("<5f", 6.5, 0, 0, 0, 0)),
+        ],
+    )
+    assert run.stdout == "0.016 5.5\n0.032 6.5\n"
