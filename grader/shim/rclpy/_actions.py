@@ -52,6 +52,13 @@ def uuid_bytes(message: Any) -> bytes:
     return bytes(message._uuid)
 
 
+def uuid_text(message: Any) -> str:
+    """Return the bytes of a UUID as numpy prints an array of them, without importing numpy."""
+    numbers = [str(byte) for byte in message._uuid]
+    width = max(map(len, numbers))
+    return f"[{' '.join(number.rjust(width) for number in numbers)}]"
+
+
 class _Members(Handle):
     """Handles that live and die together."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._actions import uuid_bytes
+from rclpy._actions import uuid_bytes, uuid_text
 from rclpy._interfaces import GoalStatus
 from rclpy.task import Future
 
@@ -31,7 +31,9 @@ class ClientGoalHandle:
         return bool(self._goal_id != other.goal_id)  # type: ignore[attr-defined]
 
     def __repr__(self) -> str:
-        return f"ClientGoalHandle <id={self.goal_id.uuid}, accepted={self.accepted}, status={self.status}>"
+        return (
+            f"ClientGoalHandle <id={uuid_text(self.goal_id)}, accepted={self.accepted}, status={self.status}>"
+        )
 
     @property
     def goal_id(self) -> Any:

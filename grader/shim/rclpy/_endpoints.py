@@ -109,7 +109,8 @@ class PublisherHandle(EndpointHandle):
         self._created_ns = kernel.now_ns
         self._fresh = True
         node.graph.add_writer(self)
-        self._carried = self._carried and (bool(self._world) or name == "/rosout")
+        wanted, self._carried = self._carried, self._carried and (bool(self._world) or name == "/rosout")
+        self._counted = bool(self.link_id) and not wanted
 
     def match(self, reader: Reader) -> None:
         """Send to `reader` from now on, and what is kept if it wants that."""
@@ -133,7 +134,7 @@ class PublisherHandle(EndpointHandle):
             raise RCLError("Failed to publish: " + PUBLISHER_CONTEXT)
         if self.readers or self._carried or self._kept is not None:
             self.send(serialize(message))
-        elif self.link_id:
+        elif self._counted:
             link.publish(self.link_id, b"")
 
     def publish_raw(self, data: bytes) -> None:
@@ -159,7 +160,7 @@ class PublisherHandle(EndpointHandle):
                 if kernel.now_ns - self._created_ns < DISCOVERY_NS and self.name != "/rosout":
                     link.note("discovery", self.name)
             link.publish(self.link_id, data)
-        elif self.link_id and not self._world:
+        elif self._counted:
             link.publish(self.link_id, b"")
 
     def get_subscription_count(self) -> int:

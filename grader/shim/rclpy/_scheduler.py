@@ -149,6 +149,7 @@ class Scheduler:
         self._started = 0
         self._on_interrupt: list[Callable[[], None]] = []
         self._streak = 0
+        self._spent_ns = 0
         self._spins = SPINS_PER_SLICE
         self._quiet_until_ns = FOREVER_NS
         self._preempt_ns = FOREVER_NS

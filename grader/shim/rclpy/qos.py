@@ -221,7 +221,7 @@ class QoSProfile:
     __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
-        return f"{type(self).__name__}({', '.join(f'{s[1:]}={getattr(self, s)}' for s in self.__slots__)})"
+        return f"{type(self).__name__}({', '.join(f'{s[1:]}={getattr(self, s)!s}' for s in self.__slots__)})"
 
 
 _defaults: dict[str, Any] = NativeQos.predefined("qos_profile_default").to_dict()

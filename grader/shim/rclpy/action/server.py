@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._actions import ActionServerHandle, uuid_bytes
+from rclpy._actions import ActionServerHandle, uuid_bytes, uuid_text
 from rclpy._actions import GoalEvent as GoalEvent
 from rclpy._dispatch import await_or_execute
 from rclpy._errors import RCLError as RCLError
@@ -111,7 +111,7 @@ class ActionServer(Waitable):
             try:
                 goal_handle = ServerGoalHandle(self, info, request.goal)
             except RuntimeError as error:
-                logger.error(f"Failed to accept new goal with ID {info.goal_id.uuid}: {error}")
+                logger.error(f"Failed to accept new goal with ID {uuid_text(info.goal_id)}: {error}")
                 accepted = False
             else:
                 self._goal_handles[key] = goal_handle
@@ -135,7 +135,7 @@ class ActionServer(Waitable):
             logger.error(f"Error raised in execute callback: {error}")
             traceback.print_exc()
         if goal_handle.is_active:
-            logger.warning(f"Goal state not set, assuming aborted. Goal ID: {goal_handle.goal_id.uuid}")
+            logger.warning(f"Goal state not set, assuming aborted. Goal ID: {uuid_text(goal_handle.goal_id)}")
             goal_handle.abort()
         response = self._action_type.Impl.GetResultService.Response()
         response.status = goal_handle.status
