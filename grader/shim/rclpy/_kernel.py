@@ -53,10 +53,27 @@ class Kernel(Scheduler):
         self._spins = SPINS_PER_SLICE
         if streak <= 1_000:
             self.now_ns += CHARGE_NS
+            self._spent_ns += CHARGE_NS
         else:
             self.now_ns += charge_of(streak)
         if self.now_ns >= self._preempt_ns:
             self._pause()
+
+    def be_late(self, most_ns: int) -> None:
+        """Let the time pass by which a periodic wake-up is late: as much as looks and publishes have cost so far.
+
+        A script that begins a phase in one tick and asks `elapsed >= 2.0` in a later one compares a look at
+        the clock with one that came later within its tick. If every tick began exactly in phase, the
+        difference would always be some microseconds short, and every phase one period too long; at home
+        chance decides. With ticks that are ever later, a whole number of periods is never short.
+
+        Args:
+            most_ns: where the lateness begins again at nothing; 0: never late.
+        """
+        if most_ns:
+            self.now_ns += self._spent_ns % most_ns
+            if self.now_ns >= self._preempt_ns:
+                self._pause()
 
     def sleep_ns(self, duration_ns: int) -> None:
         """Block the calling thread for `duration_ns`; not positive: only a charge.

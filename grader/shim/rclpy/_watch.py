@@ -21,11 +21,13 @@ class Watch:
 
     Attributes:
         deadline_ns: earliest virtual instant at which a timer is due, None when none is running.
+        period_ns: that timer's period.
         open: whether something may come from outside unasked: waiting for it for ever is no deadlock.
     """
 
     def __init__(self, executor: Executor, nodes: Sequence[Node]) -> None:
         self.deadline_ns: int | None = None
+        self.period_ns = 0
         self.open = any(entity.handle.link_id for n in nodes for entity in (*n._subscriptions, *n._services))
         self._backlogs: list[Any] = []
         self._checked: list[Any] = []
@@ -57,6 +59,7 @@ class Watch:
             self._checked.append(handle)
         elif self.deadline_ns is None or due_ns < self.deadline_ns:
             self.deadline_ns = due_ns
+            self.period_ns = handle.get_timer_period()
 
     def _add_waitable(self, waitable: Any, node: Node) -> None:
         backlogs = getattr(waitable, "_backlogs", None)
