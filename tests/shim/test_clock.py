@@ -35,7 +35,8 @@ def test_arithmetic(run_script):
         attempt(lambda: early == 3)
         attempt(lambda: Duration(seconds=1) + Duration(seconds=1))
         attempt(lambda: hash(early))
-        print(late.to_msg(), Time.from_msg(late.to_msg()).nanoseconds, Duration.from_msg(Duration(seconds=-0.5).to_msg()))
+        half = Duration(seconds=-0.5).to_msg()
+        print(late.to_msg(), Time.from_msg(late.to_msg()).nanoseconds, Duration.from_msg(half))
     """
     assert run_lines(run_script, source) == [
         "(1, 5) 1499999995 nanoseconds -1499999995 Time(nanoseconds=1500000000, clock_type=SYSTEM_TIME)",

@@ -48,21 +48,23 @@ def test_invalid_names_point_at_the_character(run_script):
         attempt(lambda: node.create_service(Twist, "x", None))
         attempt(lambda: node.create_publisher("Twist", "x", 10))
     """
-    assert (
-        "\n".join(lines(run_script, source))
-        == dedent("""\
-        InvalidNodeNameException: Invalid node name: node name must not contain characters other than alphanumerics or '_':
-          'my node'
-             ^
-        InvalidNamespaceException: Invalid namespace: namespace must not contain characters other than alphanumerics, '_', or '/':
-          '/a-b'
-             ^
-        InvalidTopicNameException: Invalid topic name: topic name must not contain characters other than alphanumerics, '_', '~', '{', or '}':
-          '/turtle 1/cmd_vel'
-                  ^
-        RuntimeError: The service type provided is not valid (<class 'geometry_msgs.msg._twist.Twist'>), this might be a message or action
-        AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 message type but it should be a ROS 2 message type. Make sure to source your ROS 2 workspace after your ROS 1 workspace.""")
-    )
+    letters = "must not contain characters other than alphanumerics"
+    assert lines(run_script, source) == [
+        f"InvalidNodeNameException: Invalid node name: node name {letters} or '_':",
+        "  'my node'",
+        "     ^",
+        f"InvalidNamespaceException: Invalid namespace: namespace {letters}, '_', or '/':",
+        "  '/a-b'",
+        "     ^",
+        f"InvalidTopicNameException: Invalid topic name: topic name {letters}, '_', '~', '{{', or '}}':",
+        "  '/turtle 1/cmd_vel'",
+        "          ^",
+        "RuntimeError: The service type provided is not valid (<class 'geometry_msgs.msg._twist.Twist'>), "
+        "this might be a message or action",
+        "AttributeError: type object 'str' has no attribute '_TYPE_SUPPORT' This might be a ROS 1 message "
+        "type but it should be a ROS 2 message type. Make sure to source your ROS 2 workspace after your "
+        "ROS 1 workspace.",
+    ]
 
 
 def test_remapping_and_parameters_of_the_command_line(run_script):

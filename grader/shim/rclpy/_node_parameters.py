@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from rclpy._parameter_rules import check_descriptor, check_descriptors, named_declaration
+from rclpy._node_descriptors import DescriptorMixin
+from rclpy._parameter_rules import check_descriptors, named_declaration
 from rclpy.exceptions import (
     InvalidParameterTypeException,
     InvalidParameterValueException,
@@ -25,15 +26,14 @@ if TYPE_CHECKING:
 NOT_SET = Parameter.Type.NOT_SET
 
 
-class ParameterMixin:
+class ParameterMixin(DescriptorMixin):
     """Declares, reads, checks and sets the parameters of a node."""
 
     PARAM_REL_TOL = 1e-6
     """Relative tolerance when a float parameter is held against its range."""
 
     def __init__(self, allow_undeclared_parameters: bool) -> None:
-        self._parameters: dict[str, Parameter] = {}
-        self._descriptors: dict[str, Any] = {}
+        super().__init__()
         self._parameter_overrides: dict[str, Parameter] = {}
         self._parameters_callbacks: list[SetCallback] = []
         self._allow_undeclared_parameters = allow_undeclared_parameters
@@ -250,56 +250,6 @@ class ParameterMixin:
     def remove_on_set_parameters_callback(self, callback: SetCallback) -> None:
         """Undo `add_on_set_parameters_callback`; ValueError when it was not added."""
         self._parameters_callbacks.remove(callback)
-
-    # Descriptors ---------------------------------------------------------------------------------
-
-    def _apply_descriptor(
-        self, parameter: Parameter, descriptor: Any = None, check_read_only: bool = True
-    ) -> Any:
-        if descriptor is None:
-            descriptor = self.describe_parameter(parameter.name)
-        return check_descriptor(parameter, descriptor, self._parameters, check_read_only)
-
-    def describe_parameter(self, name: str) -> Any:
-        """Return a parameter's ParameterDescriptor; ParameterNotDeclaredException."""
-        if name in self._descriptors:
-            return self._descriptors[name]
-        if not self._allow_undeclared_parameters:
-            raise ParameterNotDeclaredException(name)
-        from rclpy._interfaces import ParameterDescriptor
-
-        return ParameterDescriptor()
-
-    def describe_parameters(self, names: list[str]) -> list[Any]:
-        """Return the descriptors of parameters; see `describe_parameter`."""
-        return [self.describe_parameter(name) for name in names]
-
-    def set_descriptor(self, name: str, descriptor: Any, alternative_value: Any = None) -> Any:
-        """Give a parameter another descriptor and return its ParameterValue.
-
-        Raises:
-            ParameterNotDeclaredException: it is not declared. ParameterImmutableException: it is read-only.
-            InvalidParameterValueException: neither its value nor the alternative fits.
-        """
-        if not self.has_parameter(name):
-            if not self._allow_undeclared_parameters:
-                raise ParameterNotDeclaredException(name)
-            return self.get_parameter(name).get_parameter_value()
-        if self.describe_parameter(name).read_only:
-            raise ParameterImmutableException(name)
-        candidates = [self.get_parameter(name)]
-        if alternative_value is not None:
-            from rclpy._interfaces import Parameter as ParameterMsg
-
-            message = ParameterMsg(name=name, value=alternative_value)
-            candidates.append(Parameter.from_parameter_msg(message))
-        for candidate in candidates:
-            result = self._apply_descriptor(candidate, descriptor, False)
-            if result.successful:
-                self._parameters[name] = candidate
-                self._descriptors[name] = descriptor
-                return self.get_parameter(name).get_parameter_value()
-        raise InvalidParameterValueException(name, candidates[-1].value, result.reason)
 
 
 def _require_names(names: list[str]) -> None:
