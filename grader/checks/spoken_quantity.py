@@ -23,7 +23,8 @@ UNITS = tuple(_UNITS)
 _BY_SPELLING = {spelling: name for name, (_, _, spellings) in _UNITS.items() for spelling in spellings}
 _SPELLINGS = "|".join(re.escape(spelling) for spelling in sorted(_BY_SPELLING, key=len, reverse=True))
 _QUANTITY = re.compile(
-    rf"(?<![\w.])(?P<number>[-+]?\d{{1,15}}(?:\.\d{{0,15}})?)(?:\s*[(\[]?\s*(?P<unit>{_SPELLINGS})(?![A-Za-z/]))?",
+    r"(?<![\w.])(?P<number>[-+]?\d{1,15}(?:\.\d{0,15})?(?:e[-+]?\d{1,2})?)"
+    rf"(?:\s*[(\[]?\s*(?P<unit>{_SPELLINGS})(?![A-Za-z/]))?",
     re.IGNORECASE,
 )
 

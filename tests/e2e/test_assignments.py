@@ -26,7 +26,13 @@ def test_own_scripts_get_what_they_must(grader: Grader, name: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("script", "name"), [("hello_node", "hello"), ("straight_mover", "straight"), ("square_mover", "square")]
+    ("script", "name"),
+    [
+        ("hello_node", "hello"),
+        ("straight_mover", "straight"),
+        ("square_mover", "square"),
+        ("rosclaw_discovery", "rosclaw"),
+    ],
 )
 def test_the_lessons_scripts_get_full_marks(grader: Grader, script: str, name: str) -> None:
     source = (LESSON / f"{script}.py").read_bytes()

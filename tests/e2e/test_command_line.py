@@ -92,3 +92,17 @@ def test_the_published_rubric_names_every_item(tmp_path: Path, name: str) -> Non
     done = grader("assignments", "show", name, "--lang", "en", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert all(item.title.en in done.stdout for item in catalog().get(name).items)
+
+
+def test_a_text_answers_a_question(tmp_path: Path) -> None:
+    answer = tmp_path / "answer.txt"
+    answer.write_text("4 × 3 m ÷ 1 m/s = 12 s\n", encoding="utf-8")
+    done = grader("check", answer, "-a", "calculation", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "正确" in done.stdout
+    waiting = grader("check", answer, "-a", "theory_keep_publishing", cwd=tmp_path)
+    assert waiting.returncode == 1
+    assert "老师" in waiting.stdout
+    refused = grader("check", answer, "-a", "square", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert ".py" in refused.stderr

@@ -13,7 +13,7 @@ from rich.console import Console
 from grader.commands.demo import Upload, await_grades, hand_in, serving
 from grader.contracts.codec import from_plain
 from grader.contracts.report import GradeReport
-from tests.e2e.grading_slot import LESSON
+from tests.e2e.grading_slot import LESSON, catalog
 
 SCRIPTS = {"hello": "hello_node.py", "straight": "straight_mover.py", "square": "square_mover.py"}
 
@@ -70,3 +70,28 @@ def test_trajectory_and_plot_of_a_graded_submission(client: httpx.Client) -> Non
 def test_healthz_says_that_the_sandbox_was_proven(client: httpx.Client) -> None:
     health = client.get("/healthz").raise_for_status().json()
     assert health["sandbox"]["ready"] is True
+
+
+def test_a_text_is_accepted_graded_or_kept_for_a_person(client: httpx.Client) -> None:
+    solutions = {
+        name: catalog().folder(name) / "solution.txt" for name in ("calculation", "theory_keep_publishing")
+    }
+    number, essay = graded(client, *(Upload("s004", name, path) for name, path in solutions.items()))
+    assert (number["verdict"], number["score"]) == ("graded", 100)
+    assert (essay["verdict"], essay["score"]) == ("needs_manual", None)
+    for answer in (number, essay):
+        plot = client.get(f"/api/v1/submissions/{answer['id']}/plot.png")
+        assert plot.status_code == 404
+
+
+@pytest.mark.parametrize(("assignment", "name"), [("calculation", "answer.py"), ("square", "square.txt")])
+def test_a_script_for_a_question_is_refused_and_the_other_way_round(
+    client: httpx.Client, assignment: str, name: str
+) -> None:
+    answer = client.post(
+        "/api/v1/submissions",
+        data={"student": "s005", "assignment": assignment},
+        files={"file": (name, b"12 s", "text/plain")},
+    )
+    assert answer.status_code == 415
+    assert answer.json()["code"] == "wrong_file_type"

@@ -1,0 +1,108 @@
+"""The service check: what became of the assignment's calls."""
+
+from dataclasses import replace
+from typing import Any
+
+import pytest
+
+from grader.checks import evaluate, problems, sketch
+from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.services import ServiceResult
+from grader.contracts.verdict import Run, Verdict
+from tests.unit.checks.ideal_turtle import drive
+from tests.unit.checks.shipped import assignment, item, score
+
+TASK = assignment("rosclaw")
+CALL = TASK.calls[0]
+SECOND = 1_000_000_000
+OWN = Endpoint(
+    kind="service", node="/n", name="/n/get_parameters", type="rcl_interfaces/srv/GetParameters", count=0
+)
+
+
+def judged(
+    result: ServiceResult | None, *, services: tuple[tuple[str, str], ...] = (), **outcome: Any
+) -> Verdict:
+    endpoints = tuple(
+        Endpoint(kind="service", node="/n", name=name, type=kind, count=0) for name, kind in services
+    )
+    values: dict[str, Any] = {
+        "status": RunStatus.INTERRUPTED,
+        "duration_ns": 10 * SECOND,
+        "nodes": ("/n",),
+        "endpoints": (OWN, *endpoints),
+    }
+    calls = () if result is None else (result,)
+    run = Run(trajectory=drive([]), outcome=RunOutcome(**{**values, **outcome}), calls=calls)
+    return evaluate(TASK, [run])
+
+
+def answered(**values: Any) -> ServiceResult:
+    return ServiceResult(call=CALL, sent_ns=2 * SECOND, answered_ns=2 * SECOND, values=values)
+
+
+RIGHT = ((CALL.service, CALL.type),)
+
+
+def test_an_answer_with_entries_earns_everything() -> None:
+    verdict = judged(answered(capabilities=["camera", "speak"]), services=RIGHT)
+    assert score(verdict) == 100
+    assert "camera, speak" in item(verdict, "capabilities").message.en
+
+
+@pytest.mark.parametrize("entries", [["camera", "camera"], ["camera", "  "], ["camera"]])
+def test_only_different_and_filled_entries_count(entries: list[str]) -> None:
+    verdict = judged(answered(capabilities=entries), services=RIGHT)
+    assert item(verdict, "capabilities").measured == 1
+    assert item(verdict, "capabilities").status is ItemStatus.PARTIAL
+
+
+@pytest.mark.parametrize(
+    ("services", "code"),
+    [
+        ((), "no_service"),
+        ((("/get_capabilities", CALL.type),), "wrong_service_name"),
+        (((CALL.service, "std_srvs/srv/Trigger"),), "wrong_service_type"),
+    ],
+)
+def test_a_service_that_was_not_found_is_explained(services: tuple[tuple[str, str], ...], code: str) -> None:
+    verdict = judged(ServiceResult(call=CALL), services=services)
+    assert item(verdict, "offered").status is ItemStatus.FAILED
+    assert item(verdict, "answered").status is ItemStatus.NOT_CHECKED
+    assert verdict.mistakes == (code,)
+
+
+def test_a_node_that_ended_before_the_call_is_told_to_spin() -> None:
+    verdict = judged(
+        ServiceResult(call=CALL), services=RIGHT, status=RunStatus.FINISHED, duration_ns=SECOND // 10
+    )
+    assert verdict.mistakes == ("not_spinning",)
+
+
+def test_a_call_without_an_answer() -> None:
+    verdict = judged(ServiceResult(call=CALL, sent_ns=2 * SECOND), services=RIGHT)
+    assert verdict.mistakes == ("service_silent",)
+    assert item(verdict, "offered").status is ItemStatus.PASSED
+
+
+def test_an_empty_answer() -> None:
+    verdict = judged(answered(capabilities=[]), services=RIGHT)
+    assert verdict.mistakes == ("empty_answer",)
+    assert score(verdict) == 80
+
+
+def test_no_node_and_no_calls_earn_nothing_and_raise_nothing() -> None:
+    assert score(judged(None, nodes=(), status=RunStatus.FINISHED)) == 0
+
+
+def test_the_plot_shows_logs() -> None:
+    run = Run(trajectory=drive([]), outcome=RunOutcome(status=RunStatus.FINISHED, duration_ns=0))
+    assert sketch(TASK, run).view == "log"
+
+
+def test_calls_and_field_must_be_given() -> None:
+    assert "calls" in dict(problems(replace(TASK, calls=())))
+    assert "options.list_field" in dict(problems(replace(TASK, options={})))
+    assert "options.list_field" in dict(problems(replace(TASK, options={"list_field": "a b"})))
+    assert "calls" in dict(problems(replace(assignment("square"), calls=TASK.calls)))

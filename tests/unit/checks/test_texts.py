@@ -1,0 +1,132 @@
+"""Checks of handed-in texts: numbers with units, and essays for a person to grade."""
+
+import math
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grader.checks import evaluate, evaluate_text, problems, published_rubric
+from grader.checks.number import given_answer
+from grader.checks.spoken_quantity import quantities
+from grader.contracts.errors import AssignmentError
+from grader.contracts.rubric import ItemStatus
+from tests.unit.checks.ideal_turtle import drive, run_of
+from tests.unit.checks.shipped import assignment, item, score
+
+TASK = assignment("calculation")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "12 s",
+        "12秒",
+        "12.0 seconds\n",
+        "4×3÷1=12 秒钟",
+        "答：大约 12 Sec.",
+        "１２ 秒",
+        "0.2 分钟",
+        "12 (s)",
+        "边长 3 m，速度 1 m/s：12 s，要转 4 次弯",
+        "18.3 s",
+        "18.28秒",
+        "16.7 s",
+        "12 s，加上转弯共 18.3 s",
+    ],
+)
+def test_right_answers(text: str) -> None:
+    verdict = evaluate_text(TASK, text)
+    assert score(verdict) == 100, verdict
+    assert verdict.mistakes == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "points", "mistakes"),
+    [
+        ("12", 80, ()),
+        ("3 s", 20, ("known_wrong_answer",)),
+        ("9 s", 20, ("known_wrong_answer",)),
+        ("14.28 s", 20, ("known_wrong_answer",)),
+        ("13 s", 20, ()),
+        ("12 m", 0, ("other_unit",)),
+        ("12 m/s", 0, ("other_unit",)),
+        ("十二秒", 0, ("no_number",)),
+        ("", 0, ("no_number",)),
+        ("nan s inf s 1e309 s", 0, ()),
+        ("12 s 13 s", 20, ()),
+    ],
+)
+def test_wrong_answers(text: str, points: float, mistakes: tuple[str, ...]) -> None:
+    verdict = evaluate_text(TASK, text)
+    assert score(verdict) == points, verdict
+    assert verdict.mistakes == mistakes
+    assert verdict.hint.zh
+
+
+def test_the_known_answer_is_explained() -> None:
+    assert "12 s" in item(evaluate_text(TASK, "18.3 s"), "answer").message.zh
+    assert "4 条边" in evaluate_text(TASK, "3 s").hint.zh
+
+
+def test_a_quantity_in_a_fitting_unit_is_preferred_to_a_later_number() -> None:
+    given = given_answer("12 s after 4 turns of 90°", "s")
+    assert given is not None
+    assert (given.value, given.unit) == (12.0, "s")
+
+
+@given(st.text())
+def test_any_text_is_read(text: str) -> None:
+    assert all(math.isfinite(each.value) for each in quantities(text))
+    verdict = evaluate_text(TASK, text)
+    assert 0 <= score(verdict) <= 100
+
+
+@given(st.floats(-1e6, 1e6), st.sampled_from(["s", "秒", "m", "度", "rad/s", "m/s", "cm", ""]))
+def test_a_number_and_its_unit_are_found(value: float, unit: str) -> None:
+    (found,) = quantities(f"答案是 {value:.6f} {unit}。")
+    assert found.value == pytest.approx(value, abs=1e-6)
+    assert bool(found.unit) is bool(unit)
+
+
+def test_conversions() -> None:
+    (minutes,), (centimetres,), (degrees,) = (list(quantities(text)) for text in ("2 min", "50 cm", "180°"))
+    assert minutes.in_unit("s") == 120.0
+    assert centimetres.in_unit("m") == 0.5
+    assert degrees.in_unit("rad") == pytest.approx(math.pi)
+    assert degrees.in_unit("s") is None
+
+
+def test_an_essay_waits_for_a_person() -> None:
+    task = assignment("theory_publisher_timer")
+    verdict = evaluate_text(
+        task, "create_publisher 创建发布者，create_timer 创建定时器，周期性地调用回调函数。"
+    )
+    assert item(verdict, "written").status is ItemStatus.PASSED
+    assert item(verdict, "publisher").status is ItemStatus.NOT_CHECKED
+    assert item(verdict, "publisher").earned == 0
+    assert "老师" in verdict.summary.zh
+    assert verdict.hint.zh == ""
+    assert "太短" in evaluate_text(task, "发消息。").hint.zh
+
+
+def test_what_a_person_judges_is_published() -> None:
+    items = {each.id: each for each in published_rubric(assignment("theory_publisher_timer")).items}
+    assert items["publisher"].wanted.zh == "由老师评分"
+    assert items["publisher"].needs.en
+
+
+def test_scripts_and_texts_are_not_mixed_up() -> None:
+    with pytest.raises(AssignmentError, match="judges scripts"):
+        evaluate_text(assignment("square"), "12 s")
+    with pytest.raises(AssignmentError, match="judges texts"):
+        evaluate(TASK, [run_of(drive([]))])
+    assert "input: text" in dict(problems(replace(TASK, input="script")))["input"]
+
+
+def test_a_question_needs_a_right_answer_and_a_known_unit() -> None:
+    wrong = tuple(answer for answer in TASK.answers if not answer.right)
+    assert "right" in dict(problems(replace(TASK, answers=wrong)))["answers"]
+    assert "options.unit" in dict(problems(replace(TASK, options={"unit": "furlong"})))
+    assert "answers" in dict(problems(replace(assignment("square"), answers=wrong)))
