@@ -28,7 +28,11 @@ class Watch:
     def __init__(self, executor: Executor, nodes: Sequence[Node]) -> None:
         self.deadline_ns: int | None = None
         self.period_ns = 0
-        self.open = any(entity.handle.link_id for n in nodes for entity in (*n._subscriptions, *n._services))
+        self.open = any(
+            any(s.handle.link_id for s in node._subscriptions)
+            or any(s.handle.link_id for s in node._services)
+            for node in nodes
+        )
         self._backlogs: list[Any] = []
         self._checked: list[Any] = []
         self._timers: dict[int, bool] = {}

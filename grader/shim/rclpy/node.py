@@ -242,3 +242,14 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
                 self._destroy(members, members[0])
         self.__node.destroy_when_not_in_use()
         self._wake_executor()
+
+
+def _name_methods_as_upstream() -> None:
+    """Give the methods of the parts their names in upstream's one class: TypeErrors show them."""
+    for part in Node.__mro__[1:-1]:
+        for name, member in vars(part).items():
+            if callable(member):
+                member.__qualname__ = f"Node.{name}"
+
+
+_name_methods_as_upstream()
