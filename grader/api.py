@@ -23,6 +23,7 @@ from grader.routes import (
 )
 from grader.routes.headers import SafeHeaders
 from grader.routes.services import Services
+from grader.web import routing as pages
 
 ServicesOpener = Callable[[], AbstractContextManager[Services]]
 
@@ -61,13 +62,14 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
     problems.install(app)
     for router in _ROUTERS:
         app.include_router(router)
+    pages.install(app)
     documentation.install(app)
     return app
 
 
 def _from_environment() -> AbstractContextManager[Services]:
-    from grader.service import running  # noqa: PLC0415  only a server needs the workers
-    from grader.settings import load  # noqa: PLC0415
+    from grader.service import running
+    from grader.settings import load
 
     return running(load())
 

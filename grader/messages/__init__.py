@@ -8,6 +8,7 @@ grader.messages.compile`` (needs Babel) writes the ``.mo`` files read here; a te
 import gettext
 from functools import cache
 from pathlib import Path
+from string import Formatter
 
 from grader.contracts.text import LANGUAGES, Language, Text
 
@@ -36,6 +37,14 @@ def sentence(language: Language, message_id: str, /, **values: object) -> str:
     if template == message_id:
         raise MissingMessageError(f"{language}: no message {message_id!r}")
     return template.format(**{name: _in(language, value) for name, value in values.items()})
+
+
+def outline(language: Language, message_id: str) -> str | None:
+    """Return a sentence with each of its fields as ``…``, or None when the catalog does not have the id."""
+    template = _catalog(language).gettext(message_id)
+    if template == message_id:
+        return None
+    return "".join(text + ("" if field is None else "…") for text, field, _, _ in Formatter().parse(template))
 
 
 def say(message_id: str, /, **values: object) -> Text:

@@ -81,6 +81,15 @@ class Submissions:
             row = session.get(TrajectoryRow, (report.submission_id, report.attempt, case_id))
             return None if row is None else row.content
 
+    def of_student(self, student: str, assignment: str | None = None) -> tuple[Submission, ...]:
+        """Return a student's submissions, newest first; only those to `assignment` when it is given."""
+        statement = select(SubmissionRow).where(col(SubmissionRow.student) == student)
+        if assignment is not None:
+            statement = statement.where(col(SubmissionRow.assignment) == assignment)
+        newest_first = statement.order_by(col(SubmissionRow.received_at).desc(), col(SubmissionRow.id).desc())
+        with self._database.reading() as session:
+            return tuple(_submission(row) for row in session.execute(newest_first).scalars().all())
+
     def open_count(self, student: str) -> int:
         """Count a student's submissions that are not graded yet."""
         statement = (

@@ -1,0 +1,106 @@
+"""The instructor's pages: the class matrix, one assignment, one student, two attempts, the service itself."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from grader.contracts.submission import StoredReport, Submission
+from grader.messages import outline
+from grader.routes import dashboard, health
+from grader.routes.dashboard_views import DashboardView
+from grader.routes.problems import ProblemError
+from grader.routes.services import Services, ServicesDep
+from grader.routes.submissions import found
+from grader.web.access import require_instructor
+from grader.web.comparison import compare
+from grader.web.matrix import SHOWS, STUCK_ATTEMPTS, MatrixQuery, matrix
+from grader.web.pages import language_of, page
+from grader.web.sketches import report_of
+
+router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_instructor)])
+SubmissionRef = Annotated[str, Query(max_length=64)]
+_Id = Annotated[str, Query(max_length=64)]
+
+
+@router.get("")
+def read_matrix(request: Request, services: ServicesDep, query: Annotated[MatrixQuery, Query()]) -> Response:
+    """Show students by assignments."""
+    overview = _overview(request, services)
+    return page(
+        request,
+        "class.html",
+        overview=overview,
+        matrix=matrix(overview, query),
+        shows=SHOWS,
+        stuck_attempts=STUCK_ATTEMPTS,
+    )
+
+
+@router.get("/assignments/{assignment_id}")
+def read_assignment(request: Request, services: ServicesDep, assignment_id: str) -> Response:
+    """Show how the class does at one assignment: scores, failed items, mistakes."""
+    overview = _overview(request, services)
+    statistics = next((one for one in overview.assignments if one.id == assignment_id), None)
+    if statistics is None:
+        raise ProblemError("assignment_not_found")
+    language = language_of(request)
+    mistakes = [
+        (one.code, outline(language, f"mistake.{one.code}") or one.code, one.students)
+        for one in statistics.most_common_mistakes
+    ]
+    return page(request, "class_assignment.html", overview=overview, statistics=statistics, mistakes=mistakes)
+
+
+@router.get("/students/{student}")
+def read_student(request: Request, services: ServicesDep, student: str, assignment: _Id = "") -> Response:
+    """Show the attempts of one student, at one assignment or all, two of them to be compared."""
+    attempts = services.submissions.of_student(student, assignment or None)
+    if not attempts:
+        raise ProblemError("submission_not_found")
+    by_assignment: dict[str, list[Submission]] = {one.id: [] for one in services.assignments.all()}
+    for one in attempts:
+        by_assignment.setdefault(one.assignment, []).append(one)
+    groups = [(id_, own) for id_, own in by_assignment.items() if own]
+    titles = {one.id: one.title for one in services.assignments.all()}
+    return page(request, "class_student.html", student=student, only=assignment, groups=groups, titles=titles)
+
+
+@router.get("/compare")
+def read_comparison(
+    request: Request, services: ServicesDep, first: SubmissionRef, second: SubmissionRef
+) -> Response:
+    """Show two attempts side by side: rubric items, pictures and what changed in the file."""
+    chosen = sorted((_graded(services, one) for one in (first, second)), key=lambda one: one[0].received_at)
+    (earlier, earlier_stored), (later, later_stored) = chosen
+    comparison = compare(
+        report_of(earlier_stored),
+        report_of(later_stored),
+        _source(services, earlier),
+        _source(services, later),
+        language_of(request),
+    )
+    return page(request, "compare.html", first=earlier, second=later, comparison=comparison)
+
+
+@router.get("/service")
+def read_service(request: Request, services: ServicesDep) -> Response:
+    """Show queue, workers and sandbox."""
+    response = Response()
+    state = health.read(services, response)
+    return page(request, "service.html", health=state)
+
+
+def _overview(request: Request, services: Services) -> DashboardView:
+    return dashboard.read(services, Response(), language_of(request))
+
+
+def _graded(services: Services, submission_id: str) -> tuple[Submission, StoredReport]:
+    submission, stored = found(services, submission_id)
+    if stored is None:
+        raise ProblemError("not_graded_yet")
+    return submission, stored
+
+
+def _source(services: Services, submission: Submission) -> str:
+    source: Any = services.submissions.source(submission.id) or b""
+    return str(source, "utf-8", "replace")

@@ -1,0 +1,75 @@
+"""Saying who one is, and leaving."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi.responses import RedirectResponse
+from pydantic import BaseModel, Field
+
+from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.problems import ProblemError
+from grader.web import access
+from grader.web.forms import require_own_form
+from grader.web.pages import language_of, page
+from grader.web.words import say
+
+router = APIRouter(include_in_schema=False)
+_LONGEST = 2_000
+
+
+class Entry(BaseModel):
+    """What somebody says about themselves: a student's id or the instructor's token; then where they go."""
+
+    student: str = Field(default="", max_length=200)
+    token: str = Field(default="", max_length=1_000)
+    next: str = Field(default="", max_length=_LONGEST)
+
+
+class Refusal(BaseModel):
+    """Which field was not accepted, and what to do about it."""
+
+    field: Literal["student", "token"]
+    text: str
+
+
+@router.get(access.ENTER)
+def read(request: Request, next: Annotated[str, Query(max_length=_LONGEST)] = "") -> Response:
+    """Ask who it is."""
+    return _ask(request, Entry(next=next))
+
+
+@router.post(access.ENTER, dependencies=[Depends(require_own_form)])
+def enter(request: Request, entry: Annotated[Entry, Form()]) -> Response:
+    """Remember a student or an instructor on this browser and lead to where they wanted."""
+    language = language_of(request)
+    if entry.token:
+        response = RedirectResponse(own_address(entry.next) or "/class", status_code=303)
+        if access.enter_instructor(request, response, entry.token.strip()):
+            return response
+        return _ask(request, entry, 403, Refusal(field="token", text=say("enter.wrong_token", language)))
+    response = RedirectResponse(own_address(entry.next) or "/submissions", status_code=303)
+    try:
+        access.enter_student(request, response, entry.student.strip())
+    except ProblemError as problem:
+        fix = PROBLEM_TYPES[problem.code].fix.get(language)
+        return _ask(request, entry, problem.status_code, Refusal(field="student", text=fix))
+    return response
+
+
+@router.post("/leave", dependencies=[Depends(require_own_form)])
+def leave() -> Response:
+    """Forget who used this browser."""
+    response = RedirectResponse("/", status_code=303)
+    access.leave(response)
+    return response
+
+
+def own_address(path: str) -> str:
+    """Return `path` if it leads to one of our own pages, or an empty string."""
+    own = path.startswith("/") and not path.startswith("//") and "\\" not in path and path.isprintable()
+    return path if own and path.isascii() else ""
+
+
+def _ask(request: Request, entry: Entry, status: int = 200, refusal: Refusal | None = None) -> Response:
+    wanted = own_address(entry.next)
+    return page(request, "enter.html", status=status, next=wanted, given=entry.student, refusal=refusal)

@@ -1,0 +1,49 @@
+"""Failures as pages for people; programs keep getting problem documents."""
+
+import json
+from collections.abc import Awaitable, Callable
+from typing import Any, cast
+
+from fastapi import FastAPI, Request, Response
+
+from grader.web.access import EnterFirstError, ask_to_enter
+from grader.web.pages import language_of, page
+
+_Handler = Callable[[Request, Exception], Awaitable[Response]]
+_MACHINES = ("/api/", "/healthz")
+
+
+def install(app: FastAPI) -> None:
+    """Wrap every handler that `app` has so far; to be called after those are installed."""
+    for kind, handler in list(app.exception_handlers.items()):
+        if isinstance(kind, type):
+            app.add_exception_handler(kind, _for_people(cast(_Handler, handler)))
+    app.add_exception_handler(EnterFirstError, _on_enter_first)
+
+
+def _for_people(handler: _Handler) -> _Handler:
+    async def answer(request: Request, error: Exception) -> Response:
+        if not _is_person(request):
+            return await handler(request, error)
+        language = language_of(request).encode()
+        headers = [one for one in request.scope["headers"] if one[0] != b"accept-language"]
+        spoken = Request({**request.scope, "headers": [*headers, (b"accept-language", language)]})
+        said = await handler(spoken, error)
+        problem: dict[str, Any] = json.loads(bytes(said.body))
+        shown = page(request, "problem.html", status=said.status_code, problem=problem)
+        for name in ("retry-after", "allow"):
+            if name in said.headers:
+                shown.headers[name] = said.headers[name]
+        return shown
+
+    return answer
+
+
+def _is_person(request: Request) -> bool:
+    """Whether a browser asks for a page; its scripts and other programs do not name text/html."""
+    wants_page = "text/html" in request.headers.get("accept", "").lower()
+    return wants_page and not request.url.path.startswith(_MACHINES)
+
+
+async def _on_enter_first(request: Request, error: Exception) -> Response:
+    return ask_to_enter(request)

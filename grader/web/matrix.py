@@ -1,0 +1,139 @@
+"""The class matrix as its page shows it: searched, filtered, sorted, one page of it. Pure functions."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal, get_args
+from urllib.parse import urlencode
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.contracts.submission import SubmissionState
+from grader.routes.dashboard_views import AssignmentStatistics, CellView, DashboardView, StudentView
+
+Show = Literal["all", "unfinished", "not_begun", "stuck", "waiting", "fault"]
+SHOWS: tuple[Show, ...] = get_args(Show)
+STUCK_ATTEMPTS = 3
+_PAGE_STUDENTS = 100
+_WAITING = (SubmissionState.QUEUED, SubmissionState.RUNNING)
+
+
+class MatrixQuery(BaseModel):
+    """What the instructor asked for.
+
+    Attributes:
+        search: part of a student id. show: which students; assignment: judge that by this assignment only.
+        sort: ``student``, ``total``, ``activity`` or the id of an assignment.
+    """
+
+    model_config = ConfigDict(frozen=True)
+
+    search: str = Field(default="", max_length=100)
+    show: Show = "all"
+    assignment: str = Field(default="", max_length=64)
+    sort: str = Field(default="student", max_length=64)
+    descending: bool = False
+    page: int = Field(default=1, ge=1, le=100_000)
+
+    def address(self, **changes: object) -> str:
+        """Return the query string of this view with some fields changed."""
+        fields = {**self.model_dump(), "descending": int(self.descending), **changes}
+        return "?" + urlencode(fields)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """One student at one assignment. `look`: full, passed, low, waiting, fault or none."""
+
+    assignment: str
+    look: str
+    cell: CellView | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Row:
+    """One student, cells in the order of the assignments."""
+
+    student: StudentView
+    cells: tuple[Cell, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Matrix:
+    """One page of the matrix. `found` students in all fit the query."""
+
+    assignments: Sequence[AssignmentStatistics]
+    rows: tuple[Row, ...]
+    found: int
+    pages: int
+    query: MatrixQuery
+
+
+def matrix(dashboard: DashboardView, query: MatrixQuery) -> Matrix:
+    """Return the page of the class that `query` asks for; beyond the last page, the last."""
+    ids = [one.id for one in dashboard.assignments]
+    judged = [query.assignment] if query.assignment in ids else ids
+    wanted = query.search.strip().lower()
+    students = [
+        student
+        for student in dashboard.students
+        if wanted in student.student.lower() and _fits(student, judged, query.show)
+    ]
+    students.sort(key=_sort_key(query.sort), reverse=query.descending)
+    pages = max(1, math.ceil(len(students) / _PAGE_STUDENTS))
+    page = min(max(query.page, 1), pages)
+    shown = students[(page - 1) * _PAGE_STUDENTS : page * _PAGE_STUDENTS]
+    return Matrix(
+        assignments=dashboard.assignments,
+        rows=tuple(_row(student, ids) for student in shown),
+        found=len(students),
+        pages=pages,
+        query=query.model_copy(update={"page": page}),
+    )
+
+
+def _row(student: StudentView, ids: Sequence[str]) -> Row:
+    cells = (student.assignments.get(one) for one in ids)
+    return Row(
+        student=student,
+        cells=tuple(
+            Cell(assignment=id_, look=_look(cell), cell=cell) for id_, cell in zip(ids, cells, strict=True)
+        ),
+    )
+
+
+def _look(cell: CellView | None) -> str:
+    if cell is None:
+        return "none"
+    if cell.best_score is not None and cell.max_score is not None:
+        return "full" if cell.best_score >= cell.max_score else "passed" if cell.passed else "low"
+    return "fault" if cell.status is SubmissionState.INFRASTRUCTURE_ERROR else "waiting"
+
+
+def _fits(student: StudentView, judged: Sequence[str], show: Show) -> bool:
+    if show == "all":
+        return True
+    return any(_CONDITIONS[show](student.assignments.get(one)) for one in judged)
+
+
+_CONDITIONS: Mapping[Show, Callable[[CellView | None], bool]] = {
+    "unfinished": lambda cell: cell is None or not cell.passed,
+    "not_begun": lambda cell: cell is None,
+    "stuck": lambda cell: cell is not None and not cell.passed and cell.attempts >= STUCK_ATTEMPTS,
+    "waiting": lambda cell: cell is not None and cell.status in _WAITING,
+    "fault": lambda cell: cell is not None and cell.status is SubmissionState.INFRASTRUCTURE_ERROR,
+}
+
+
+def _sort_key(sort: str) -> Callable[[StudentView], Any]:
+    if sort == "total":
+        return lambda one: (one.total_score, one.student)
+    if sort == "activity":
+        return lambda one: (max(cell.last_activity_at for cell in one.assignments.values()), one.student)
+    if sort == "student":
+        return lambda one: one.student
+    return lambda one: (_score(one.assignments.get(sort)), one.student)
+
+
+def _score(cell: CellView | None) -> float:
+    return -1.0 if cell is None or cell.best_score is None else cell.best_score

@@ -1,0 +1,201 @@
+"""A grading as its page shows it: the words of `grader.render`, in one language, ready for a template.
+
+Everything here is still raw text; the templates escape it.
+"""
+
+from dataclasses import dataclass
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.figure import FigureSketch, SketchSide
+from grader.contracts.outcome import LogRecord, RunOutcome, Stream, StudentError
+from grader.contracts.report import CaseRun, GradeReport
+from grader.contracts.rubric import RubricItem
+from grader.contracts.text import Language
+from grader.render import quantity
+from grader.render.labels import (
+    GRADE_STATUS,
+    ITEM_MARK,
+    ITEM_STATUS,
+    LOG_LEVEL,
+    RUN_STATUS,
+    note_sentence,
+    word,
+)
+
+_LOG_RECORDS = 200
+_STREAM_CHARACTERS = 16_384
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ItemLine:
+    """One rubric item. `mark` tells the status without colour."""
+
+    title: str
+    status: str
+    mark: str
+    status_text: str
+    earned: str
+    points: str
+    measured: str
+    wanted: str
+    message: str
+    hint: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LogLine:
+    """One log message, its time in virtual seconds."""
+
+    seconds: str
+    level: str
+    severe: bool
+    name: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StreamText:
+    """Captured output; `dropped` counts what is not shown."""
+
+    text: str
+    dropped: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunPart:
+    """What happened in one run of the script."""
+
+    case: str
+    title: str
+    ended: str
+    normal: bool
+    seconds: str
+    error: StudentError | None
+    detail: str
+    notes: tuple[str, ...]
+    logs: tuple[LogLine, ...]
+    logs_dropped: int
+    stdout: StreamText
+    stderr: StreamText
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FigurePart:
+    """A measured part of the driven figure: a side, a corner or the gap."""
+
+    name: str
+    value: str
+    ok: bool | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ResultPage:
+    """A whole grading."""
+
+    score: str
+    max_score: str
+    percent: int
+    full: bool
+    status: str
+    normal: bool
+    summary: str
+    hint: str
+    items: tuple[ItemLine, ...]
+    runs: tuple[RunPart, ...]
+
+
+def result_page(report: GradeReport, assignment: Assignment | None, language: Language) -> ResultPage:
+    """Return `report` in `language`; `assignment` names the cases, if it is still published."""
+    share = 0.0 if report.score is None or report.max_score <= 0.0 else report.score / report.max_score
+    return ResultPage(
+        score=word("not_yet", language) if report.score is None else quantity.score(report.score),
+        max_score=quantity.score(report.max_score),
+        percent=round(100.0 * share),
+        full=share >= 1.0,
+        status=GRADE_STATUS[report.status].get(language),
+        normal=report.status.value in ("graded", "needs_manual"),
+        summary=report.summary.get(language),
+        hint=report.hint.get(language),
+        items=tuple(item_line(item, language) for item in report.items),
+        runs=tuple(_run(run, assignment, language) for run in report.runs),
+    )
+
+
+def item_line(item: RubricItem, language: Language) -> ItemLine:
+    """Return one rubric item."""
+    return ItemLine(
+        title=item.title.get(language),
+        status=item.status.value,
+        mark=ITEM_MARK[item.status].replace("-", "–"),
+        status_text=ITEM_STATUS[item.status].get(language),
+        earned=quantity.score(item.earned),
+        points=quantity.score(item.points),
+        measured=quantity.measured(item, language),
+        wanted=quantity.wanted(item, language),
+        message=item.message.get(language),
+        hint=item.hint.get(language),
+    )
+
+
+def figure_parts(figure: FigureSketch, language: Language, names: dict[str, str]) -> tuple[FigurePart, ...]:
+    """Return sides, corners and gap in the order driven; `names` are the words for the three."""
+    parts = []
+    for number, side in enumerate(figure.sides, start=1):
+        parts.append(FigurePart(name=f"{names['side']} {number}", value=_length(side), ok=side.ok))
+        if number <= len(figure.corners):
+            corner = figure.corners[number - 1]
+            angle = f"{quantity.signed(corner.angle_deg, 1)}°"
+            parts.append(FigurePart(name=f"{names['corner']} {number}", value=angle, ok=corner.ok))
+    if figure.gap is not None:
+        parts.append(FigurePart(name=names["gap"], value=_length(figure.gap), ok=figure.gap.ok))
+    return tuple(parts)
+
+
+def _length(side: SketchSide) -> str:
+    return f"{quantity.number(side.length_m, 2)} m"
+
+
+def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> RunPart:
+    outcome = run.outcome
+    cases = () if assignment is None else assignment.cases
+    title = next((case.title.get(language) for case in cases if case.id == run.case), "")
+    return RunPart(
+        case=run.case,
+        title=title or run.case,
+        ended=RUN_STATUS[outcome.status].get(language),
+        normal=outcome.blame.value == "nobody",
+        seconds=f"{outcome.duration_ns * 1e-9:.2f}",
+        error=outcome.error,
+        detail=outcome.detail,
+        notes=_notes(outcome, language),
+        logs=tuple(_log(record) for record in outcome.logs[:_LOG_RECORDS]),
+        logs_dropped=outcome.logs_dropped + max(0, len(outcome.logs) - _LOG_RECORDS),
+        stdout=_stream(outcome.stdout),
+        stderr=_stream(outcome.stderr),
+    )
+
+
+def _notes(outcome: RunOutcome, language: Language) -> tuple[str, ...]:
+    """Return what is worth knowing and costs nothing, each sentence once."""
+    sentences = [note_sentence(note, language) for note in outcome.notes]
+    if outcome.nonfinite_commands:
+        sentences.append(word("nonfinite", language, count=outcome.nonfinite_commands))
+    if outcome.cleanup_error is not None:
+        error = f"{outcome.cleanup_error.type}: {outcome.cleanup_error.message}"
+        sentences.append(word("cleanup_error", language, error=error))
+    return tuple(dict.fromkeys(sentences))
+
+
+def _log(record: LogRecord) -> LogLine:
+    return LogLine(
+        seconds=f"{record.t_ns * 1e-9:.3f}",
+        level=LOG_LEVEL.get(record.level, str(record.level)),
+        severe=record.level >= 40,
+        name=record.name,
+        message=record.message,
+    )
+
+
+def _stream(stream: Stream) -> StreamText:
+    left_out = max(0, len(stream.text) - _STREAM_CHARACTERS)
+    return StreamText(text=stream.text[:_STREAM_CHARACTERS], dropped=stream.dropped_bytes + left_out)

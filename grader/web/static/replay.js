@@ -1,0 +1,178 @@
+// Replays a recorded motion: play, pause, scrub, speed; a plan view and graphs share one point in time.
+import { Graph } from "./graph.js";
+import { Motion } from "./motion.js";
+import { Plan } from "./plan.js";
+
+const section = document.getElementById("replay");
+const words = JSON.parse(section.dataset.words);
+const find = (name) => section.querySelector(`[data-${name}]`);
+const COMMAND_HELD_S = 1; // turtlesim drops a command after that
+
+async function load(address) {
+  const answer = await fetch(address, { headers: { Accept: "application/json" }, redirect: "error" });
+  if (!answer.ok) {
+    throw new Error(`${address}: ${answer.status}`);
+  }
+  return answer.json();
+}
+
+/** Commands as steps that fall to zero when they are dropped. */
+function steps(commands, name, end) {
+  return commands.flatMap((command, i) => {
+    const dropped = command.t + COMMAND_HELD_S;
+    const next = commands[i + 1]?.t ?? end;
+    const here = { t: command.t, value: command[name] };
+    return next > dropped ? [here, { t: dropped, value: 0 }] : [here];
+  });
+}
+
+class Replay {
+  constructor(motion, sketch) {
+    this.motion = motion;
+    this.end = motion.lastChange;
+    this.time = this.end;
+    this.playing = false;
+    this.plan = new Plan(find("plan"), motion, sketch, words);
+    this.graphs = this.makeGraphs(sketch);
+    this.button = find("play");
+    this.scrub = find("scrub");
+    this.speed = find("speed");
+    this.listen();
+    this.fit();
+  }
+
+  makeGraphs(sketch) {
+    const { motion, end } = this;
+    const holder = find("graphs");
+    const shown = [
+      { name: "v", title: words.v, values: motion.v, steps: steps(motion.commands, "v", end) },
+      { name: "w", title: words.w, values: motion.w, steps: steps(motion.commands, "w", end) },
+    ];
+    if (sketch.view === "heading") {
+      const start = motion.heading[0];
+      const degrees = (radians) => ((radians - start) * 180) / Math.PI;
+      const wanted = sketch.wanted_turn_deg ?? null;
+      const turned = motion.heading.map(degrees);
+      const sign = Math.sign(turned.at(-1)) || 1;
+      shown.unshift({ name: "heading", title: words.turned, values: turned, wanted: wanted === null ? null : sign * wanted, degrees });
+    }
+    return shown.map((series) => {
+      const place = document.createElement("div");
+      holder.append(place);
+      const graph = new Graph(place, { ...series, t: motion.t }, end);
+      const value = series.degrees ?? ((one) => one);
+      return { graph, at: (state) => value(state[series.name]) };
+    });
+  }
+
+  listen() {
+    this.scrub.max = String(this.end);
+    this.scrub.step = String(Math.max(this.end / 1000, 0.01));
+    this.scrub.addEventListener("input", () => {
+      this.pause();
+      this.show(Number(this.scrub.value));
+    });
+    this.button.addEventListener("click", () => (this.playing ? this.pause() : this.play()));
+    let width = 0;
+    new ResizeObserver(() => {
+      if (width !== find("plan").clientWidth) {
+        width = find("plan").clientWidth;
+        this.fit();
+      }
+    }).observe(find("plan"));
+  }
+
+  fit() {
+    this.plan.draw(find("plan").clientWidth);
+    for (const { graph } of this.graphs) {
+      graph.draw(find("graphs").clientWidth);
+    }
+    this.show(this.time);
+  }
+
+  play() {
+    this.playing = true;
+    this.say(words.pause);
+    let time = this.time >= this.end - 1e-6 ? 0 : this.time;
+    let before = performance.now();
+    const step = (now) => {
+      if (!this.playing) {
+        return;
+      }
+      time += ((now - before) / 1000) * Number(this.speed.value);
+      before = now;
+      this.show(Math.min(time, this.end));
+      if (time >= this.end) {
+        this.pause();
+      } else {
+        requestAnimationFrame(step);
+      }
+    };
+    requestAnimationFrame(step);
+  }
+
+  pause() {
+    this.playing = false;
+    this.say(words.play);
+  }
+
+  say(word) {
+    this.button.textContent = word;
+  }
+
+  show(time) {
+    this.time = time;
+    const state = this.motion.state(time);
+    this.plan.show(state);
+    for (const { graph, at } of this.graphs) {
+      graph.show(time, at(state));
+    }
+    this.scrub.value = String(time);
+    this.scrub.setAttribute("aria-valuetext", `${time.toFixed(2)} s`);
+    this.readout(time, state);
+  }
+
+  readout(time, state) {
+    const degrees = (((state.heading * 180) / Math.PI) % 360).toFixed(1);
+    const lines = [
+      [words.time, `${time.toFixed(2)} s`],
+      ["x", `${state.x.toFixed(2)} m`],
+      ["y", `${state.y.toFixed(2)} m`],
+      [words.heading, `${degrees}°`],
+      ["v", `${state.v.toFixed(2)} m/s`],
+      ["ω", `${state.w.toFixed(2)} rad/s`],
+    ];
+    const list = find("readout");
+    if (list.childElementCount === 0) {
+      for (const [name] of lines) {
+        const pair = document.createElement("div");
+        pair.append(Object.assign(document.createElement("dt"), { textContent: name }), document.createElement("dd"));
+        list.append(pair);
+      }
+    }
+    lines.forEach(([, value], i) => {
+      list.children[i].lastChild.textContent = value;
+    });
+  }
+}
+
+function standStill() {
+  const remark = document.createElement("p");
+  remark.textContent = words.still;
+  find("drawing").replaceChildren(remark);
+}
+
+try {
+  const [columns, sketch] = await Promise.all([load(section.dataset.trajectory), load(section.dataset.sketch)]);
+  const motion = new Motion(columns);
+  find("drawing").hidden = false;
+  if (motion.moves) {
+    new Replay(motion, sketch);
+  } else {
+    standStill();
+  }
+  section.dataset.ready = "true";
+} catch (error) {
+  find("failed").hidden = false;
+  throw error;
+}

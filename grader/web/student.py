@@ -1,0 +1,116 @@
+"""The student's pages: assignments, handing in, earlier attempts."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, File, Form, Request, Response, UploadFile
+from fastapi.responses import RedirectResponse
+
+from grader.checks import published_rubric
+from grader.contracts.assignment import SUFFIXES, Assignment
+from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.submission import Submission
+from grader.contracts.text import Language, Text
+from grader.routes import submissions
+from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.problems import ProblemError
+from grader.routes.services import Services, ServicesDep
+from grader.routes.uploads import UploadRoute
+from grader.web import access
+from grader.web.access import Visitor, VisitorDep
+from grader.web.forms import require_own_form
+from grader.web.pages import language_of, page
+
+router = APIRouter(include_in_schema=False)
+uploads = APIRouter(include_in_schema=False, route_class=UploadRoute)
+_MOST_ATTEMPTS = 50
+
+
+@router.get("/")
+def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+    """Show the checklist, with what the student reached so far."""
+    attempts = _attempts(services, visitor)
+    best: dict[str, Submission] = {}
+    for one in attempts:
+        if one.score is not None and (
+            one.assignment not in best or one.score > (best[one.assignment].score or 0)
+        ):
+            best[one.assignment] = one
+    return page(request, "assignments.html", assignments=services.assignments.all(), best=best)
+
+
+@router.get("/assignments/{assignment_id}")
+def read_assignment(request: Request, services: ServicesDep, assignment_id: str) -> Response:
+    """Show what is asked and how it earns points, and take a file."""
+    return _assignment_page(request, _assignment(services, assignment_id))
+
+
+@uploads.post("/assignments/{assignment_id}", dependencies=[Depends(require_own_form)])
+def hand_in(
+    request: Request,
+    services: ServicesDep,
+    assignment_id: str,
+    file: Annotated[UploadFile, File()],
+    student: Annotated[str, Form(max_length=200)] = "",
+) -> Response:
+    """Take a file and lead to its result; on a refusal show the same page with the reason."""
+    assignment = _assignment(services, assignment_id)
+    given = access.visitor_of(request).student or student.strip()
+    try:
+        receipt = submissions.upload(services, Response(), file, assignment.id, given)
+    except ProblemError as problem:
+        return _assignment_page(request, assignment, problem, student)
+    response = RedirectResponse(f"/submissions/{receipt.id}", status_code=303)
+    access.enter_student(request, response, given)
+    return response
+
+
+@router.get("/submissions")
+def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
+    """Show the student's earlier attempts, newest first."""
+    access.require_student(visitor)
+    titles = {one.id: one.title for one in services.assignments.all()}
+    return page(request, "attempts.html", attempts=_attempts(services, visitor), titles=titles)
+
+
+def _attempts(services: Services, visitor: Visitor, assignment: str | None = None) -> tuple[Submission, ...]:
+    if visitor.student is None:
+        return ()
+    return services.submissions.of_student(visitor.student, assignment)
+
+
+def _assignment(services: Services, assignment_id: str) -> Assignment:
+    try:
+        return services.assignments.get(assignment_id)
+    except UnknownAssignmentError:
+        raise ProblemError("assignment_not_found") from None
+
+
+def _assignment_page(
+    request: Request, assignment: Assignment, problem: ProblemError | None = None, given: str = ""
+) -> Response:
+    services: Services = request.app.state.services
+    return page(
+        request,
+        "assignment.html",
+        status=200 if problem is None else problem.status_code,
+        assignment=assignment,
+        rubric=published_rubric(assignment),
+        attempts=_attempts(services, access.visitor_of(request), assignment.id)[:_MOST_ATTEMPTS],
+        suffixes=SUFFIXES[assignment.input],
+        max_bytes=services.settings.max_upload_bytes,
+        refusal=None if problem is None else _refusal(problem, language_of(request)),
+        given=given,
+    )
+
+
+def _refusal(problem: ProblemError, language: Language) -> dict[str, Any]:
+    """Return what the form says about a file that was not accepted."""
+    kind, detail = PROBLEM_TYPES[problem.code], problem.text
+    return {
+        "field": problem.members.get("field", "file"),
+        "title": kind.title.get(language),
+        "detail": detail.get(language) if isinstance(detail, Text) else detail,
+        "fix": kind.fix.get(language),
+        "line": problem.members.get("line"),
+        "text": problem.members.get("text"),
+    }

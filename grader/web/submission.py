@@ -1,0 +1,152 @@
+"""The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Header, Query, Request, Response
+from fastapi.concurrency import run_in_threadpool
+from fastapi.responses import JSONResponse
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.submission import StoredReport, Submission, SubmissionState
+from grader.render.labels import SUBMISSION_STATE
+from grader.routes import recordings
+from grader.routes.problems import ProblemError
+from grader.routes.services import Services, ServicesDep
+from grader.routes.submissions import SubmissionId, found
+from grader.web import access
+from grader.web.access import Visitor, VisitorDep
+from grader.web.pages import language_of, page
+from grader.web.result import figure_parts, result_page
+from grader.web.sketches import figure_document, measured_figure, report_of, run_of
+from grader.web.words import say
+
+router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
+_OPEN = (SubmissionState.QUEUED, SubmissionState.RUNNING)
+_REPLAY_WORDS = (
+    "play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "commanded", "driven", "start", "end",
+)  # fmt: skip
+Case = Annotated[str | None, Query(max_length=64)]
+
+
+@router.get("")
+def read(
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    case: Case = None,
+) -> Response:
+    """Show where a submission stands, and its grading once there is one."""
+    submission, stored = _seen(services, visitor, submission_id)
+    assignment = _published(services, submission)
+    return page(
+        request,
+        "submission.html",
+        submission=submission,
+        assignment=assignment,
+        open=submission.state in _OPEN,
+        position=_position(services, submission),
+        attempts=services.submissions.of_student(submission.student, submission.assignment),
+        **_result(request, services, assignment, stored, case),
+    )
+
+
+@router.get("/state.json")
+def read_state(
+    request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
+) -> Response:
+    """Say where a submission stands: what the progress display asks for again and again."""
+    submission, _ = _seen(services, visitor, submission_id)
+    state = SUBMISSION_STATE[submission.state.value].get(language_of(request))
+    document = {
+        "open": submission.state in _OPEN,
+        "state": submission.state.value,
+        "text": state,
+        "position": _position(services, submission),
+    }
+    return JSONResponse(document, headers={"Cache-Control": "no-store"})
+
+
+@router.get("/trajectory.json")
+def read_trajectory(
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    case: Case = None,
+    accept_encoding: Annotated[str | None, Header()] = None,
+) -> Response:
+    """Return what the car did, as `grader.routes.recordings` does."""
+    _seen(services, visitor, submission_id)
+    response = recordings.read_trajectory(services, submission_id, case, accept_encoding)
+    response.headers["Cache-Control"] = "private, no-cache"
+    return response
+
+
+@router.get("/sketch.json")
+def read_sketch(
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    case: Case = None,
+) -> Response:
+    """Return what the checks saw in the motion; an empty object when they cannot say."""
+    _, stored = _seen(services, visitor, submission_id)
+    run = None if stored is None else run_of(report_of(stored), case)
+    figure = None if stored is None or run is None else measured_figure(services, stored, run)
+    document = {} if figure is None else figure_document(figure, language_of(request))
+    return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
+
+
+@router.get("/plot.png")
+async def read_plot(
+    request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
+) -> Response:
+    """Return the picture of the first run, for browsers without scripts and for comparing."""
+    await run_in_threadpool(_seen, services, visitor, submission_id)
+    return await recordings.read_plot(services, submission_id, language_of(request))
+
+
+def _seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport | None]:
+    """Return a submission that the visitor may see, and its grading."""
+    access.require_known(visitor)
+    submission, stored = found(services, submission_id)
+    access.require_sight(visitor, submission)
+    return submission, stored
+
+
+def _published(services: Services, submission: Submission) -> Assignment | None:
+    try:
+        return services.assignments.get(submission.assignment)
+    except UnknownAssignmentError:
+        return None
+
+
+def _position(services: Services, submission: Submission) -> int | None:
+    return services.queue.position(submission.id) if submission.state is SubmissionState.QUEUED else None
+
+
+def _result(
+    request: Request,
+    services: Services,
+    assignment: Assignment | None,
+    stored: StoredReport | None,
+    case: str | None,
+) -> dict[str, Any]:
+    if stored is None:
+        return {"result": None, "replay": False}
+    language = language_of(request)
+    report = report_of(stored)
+    run = run_of(report, case)
+    if run is None and case is not None:
+        raise ProblemError("no_trajectory", field="case", allowed=list(stored.cases))
+    figure = None if run is None else measured_figure(services, stored, run)
+    names = {name: say(f"figure.{name}", language) for name in ("side", "corner", "gap")}
+    return {
+        "result": result_page(report, assignment, language),
+        "run": run,
+        "parts": () if figure is None else figure_parts(figure, language, names),
+        "replay": run is not None and run.case in stored.cases,
+        "replay_words": {word: say(f"replay.{word}", language) for word in _REPLAY_WORDS},
+    }
