@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import MISSING, asdict, fields, is_dataclass
 from enum import Enum
 from functools import cache
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 T = TypeVar("T")
 _Reader = Callable[[Any], Any]
@@ -27,7 +27,7 @@ def from_plain(cls: type[T], data: Mapping[str, Any]) -> T:
     Raises:
         ValueError: a field is missing, unknown or of the wrong type; the message names it.
     """
-    result: T = _reader(cls)(data)
+    result: T = _reader(cast(Any, cls))(data)
     return result
 
 
