@@ -14,6 +14,7 @@ from rclpy.constants import S_TO_NS
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Sequence
     from typing import Any
 
     from rclpy._clocks import ClockHandle
@@ -135,7 +136,14 @@ class GoalHandleCore:
 
 
 class ActionServerHandle(_Members):
-    """The server's five endpoints, its goals, and the timer that lets results expire."""
+    """The server's five endpoints, its goals, and the timer that lets results expire.
+
+    Args:
+        node: node it belongs to. clock: measures the result timeout.
+        action_type: class of the action. name: of the action.
+        profiles: of the goal, result and cancel services and the feedback and status topics.
+        result_timeout: seconds for which results are kept.
+    """
 
     def __init__(
         self,
@@ -143,14 +151,11 @@ class ActionServerHandle(_Members):
         clock: ClockHandle,
         action_type: Any,
         name: str,
-        goal_qos: NativeQos,
-        result_qos: NativeQos,
-        cancel_qos: NativeQos,
-        feedback_qos: NativeQos,
-        status_qos: NativeQos,
+        profiles: Sequence[NativeQos],
         result_timeout: float,
     ) -> None:
         super().__init__()
+        goal_qos, result_qos, cancel_qos, feedback_qos, status_qos = profiles
         kinds, base = action_type.Impl, f"{name}/_action/"
         self.goal = ServiceHandle(node, kinds.SendGoalService, base + "send_goal", goal_qos)
         self.cancel = ServiceHandle(node, kinds.CancelGoalService, base + "cancel_goal", cancel_qos)
@@ -161,7 +166,8 @@ class ActionServerHandle(_Members):
         self._clock = clock
         self.timer = TimerHandle(clock, node.context, self._timeout_ns)
         self.timer.cancel_timer()
-        self.members = [self.goal, self.cancel, self.result, self.feedback, self.status, self.timer]
+        self.services = (self.goal, self.cancel, self.result)
+        self.members = [*self.services, self.feedback, self.status, self.timer]
         self.goals: dict[bytes, GoalHandleCore] = {}
 
     def add_goal(self, goal: GoalHandleCore) -> None:

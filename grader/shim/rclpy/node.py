@@ -95,16 +95,19 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
         self._parameter_overrides.update({p.name: p for p in parameter_overrides or ()})
         self._clock = ROSClock()
         if automatically_declare_parameters_from_overrides:
-            from rclpy._interfaces import ParameterDescriptor
-
-            overrides = self._parameter_overrides.items()
-            self.declare_parameters(
-                "", [(name, p.value, ParameterDescriptor()) for name, p in overrides], ignore_override=True
-            )
+            self._declare_overrides()
         self._time_source = TimeSource(node=self)
         self._time_source.attach_clock(self._clock)
         if start_parameter_services:
             self._parameter_service = ParameterService(self)
+
+    def _declare_overrides(self) -> None:
+        from rclpy._interfaces import ParameterDescriptor
+
+        overrides = self._parameter_overrides.items()
+        self.declare_parameters(
+            "", [(name, p.value, ParameterDescriptor()) for name, p in overrides], ignore_override=True
+        )
 
     def _create_handle(
         self, name: str, namespace: str, cli_args: list[str] | None, use_global: bool, enable_rosout: bool

@@ -66,31 +66,40 @@ class ActionServer(Waitable):
         result_timeout: float = 900,
     ) -> None:
         super().__init__(node.default_callback_group if callback_group is None else callback_group)
-        self.register_handle_accepted_callback(handle_accepted_callback)
-        self.register_goal_callback(goal_callback)
-        self.register_cancel_callback(cancel_callback)
+        self._register(handle_accepted_callback, goal_callback, cancel_callback)
         self.register_execute_callback(execute_callback)
         check_for_type_support(action_type)
-        self._node = node
-        self._action_type = action_type
+        self._node, self._action_type = node, action_type
         node.handle.require()
-        self._handle = ActionServerHandle(
-            node.handle,
-            node.get_clock().handle,
-            action_type,
-            action_name,
-            goal_service_qos_profile.get_c_qos_profile(),
-            result_service_qos_profile.get_c_qos_profile(),
-            cancel_service_qos_profile.get_c_qos_profile(),
-            feedback_pub_qos_profile.get_c_qos_profile(),
-            status_pub_qos_profile.get_c_qos_profile(),
-            result_timeout,
-        )
+        profiles = [
+            goal_service_qos_profile,
+            result_service_qos_profile,
+            cancel_service_qos_profile,
+            feedback_pub_qos_profile,
+            status_pub_qos_profile,
+        ]
+        self._handle = self._create_handle(action_name, profiles, result_timeout)
         self._goal_handles: dict[bytes, ServerGoalHandle] = {}
         self._result_futures: dict[bytes, Future] = {}
-        self._services = (self._handle.goal, self._handle.cancel, self._handle.result)
+        self._services = self._handle.services
         self._backlogs = tuple(service.backlog for service in self._services)
         self._node.add_waitable(self)
+
+    def _create_handle(self, name: str, profiles: list[QoSProfile], timeout_s: float) -> ActionServerHandle:
+        node, native = self._node, [profile.get_c_qos_profile() for profile in profiles]
+        return ActionServerHandle(
+            node.handle, node.get_clock().handle, self._action_type, name, native, timeout_s
+        )
+
+    def _register(
+        self,
+        accepted: Callable[..., Any] | None,
+        goal: Callable[..., Any] | None,
+        cancel: Callable[..., Any] | None,
+    ) -> None:
+        self.register_handle_accepted_callback(accepted)
+        self.register_goal_callback(goal)
+        self.register_cancel_callback(cancel)
 
     # What comes in -------------------------------------------------------------------------------
 
