@@ -187,6 +187,20 @@ def _execute(module: ModuleType, code: CodeType) -> None:
     _guard(lambda: exec(code, module.__dict__))  # noqa: S102
     _guard(_join_threads)
     _guard(_run_exit_handlers)
+    if b"__del__" in _report.script.source:
+        _guard(lambda: _finalize(module))
+
+
+def _finalize(module: ModuleType) -> None:
+    """Call what the script's objects have as `__del__`, which may publish a stop, as the end of Python does.
+
+    Python's last collection finds the module with all it holds unreachable and finalizes the instances while
+    the globals are still there (PEP 442); here the module stays, so its instances go first.
+    """
+    names = module.__dict__
+    for name in [name for name, value in names.items() if hasattr(type(value), "__del__")]:
+        del names[name]
+    gc.collect()
 
 
 def _guard(step: Any) -> None:

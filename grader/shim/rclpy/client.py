@@ -21,7 +21,7 @@ POLL_NS = 250_000_000
 def block_on(future: Future, call: str) -> Any:
     """Block until `future` is done and return its result; some executor has to run in another thread."""
     kernel.wait(
-        future.done,
+        lambda: future._done,
         None,
         f"{call} waits for an answer, but no executor spins the node in another thread to receive it",
     )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import weakref
 
+from rclpy._kernel import kernel
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Mapping, Sequence
@@ -67,7 +69,9 @@ class Future:
         return self._cancelled
 
     def done(self) -> bool:
-        """Whether there is a result or an exception."""
+        """Whether there is a result or an exception; a loop that asks lets time pass."""
+        if not self._done:
+            kernel.charge()
         return self._done
 
     def result(self) -> Any:
