@@ -72,6 +72,8 @@ EXPECTED = {
         status=INTERRUPTED,
         says=("turned by service",),
     ),
+    "busy_future_without_spin": Expectation(plan=(Leg(0.0, 1.0, 1.0),), status=INTERRUPTED, stdout="None\n"),
+    "busy_pose_without_spin": Expectation(plan=(Leg(0.0, 1.0, 0.0, 1.0),), status=INTERRUPTED, stdout=""),
     "callback_without_argument": Expectation(
         plan=(Leg(0.01, 1.0, 0.0, 1.0),),
         status=RunStatus.CRASHED,
@@ -88,5 +90,7 @@ EXPECTED = {
     "color_sensor": Expectation(
         plan=(Leg(0.05, 2.05, 1.0),), status=INTERRUPTED, horizon_s=5.0, says=("paint 179 184 255",)
     ),
+    # The wall is 2.5 m away at 0.1 s and 0.1 m nearer each tick: 0.5 m at 2.1 s.
+    "point_cloud_obstacle": Expectation(plan=(Leg(0.1, 2.0, 1.0),), status=INTERRUPTED, horizon_s=4.0),
     "subscription_count_wait": Expectation(plan=(Leg(0.0, 2.0, 1.0),), stdout="1\n"),
 }
