@@ -1,53 +1,73 @@
 """The grading process: holds the physics, the sandbox's zygote and the checks; grades what its parent sends.
 
-Started by `grader.slot.Slot`. Importing PyBullet takes most of a cold start, so the zygote is started first and
-warms up on the other core meanwhile.
+Started by `grader.launch` and told by `grader.slot.Slot`, over one pipe, first its configuration and then what
+to grade. Importing PyBullet takes most of a cold start, so the zygote is started first and warms up on the
+other core meanwhile.
 """
 
-from __future__ import annotations
-
-import json
+import gc
 import os
-import socket
-import sys
+import threading
+from contextlib import suppress
+from typing import Any
 
 from grader.bootstrap import build_sandbox
 from grader.contracts.errors import GraderError, SandboxUnavailableError
-from grader.slot import SlotConfig, job_from_message, receive_message, result_message, send_message
+from grader.sandbox import Sandbox
+from grader.slot import Channel, SlotConfig, job_from_message, result_message
 
 
 def main(arguments: list[str]) -> int:
-    """Serve the parent on the inherited socket `arguments[0]` until it closes."""
-    channel = socket.socket(fileno=int(arguments[0]))
-    config = SlotConfig(**json.loads(arguments[1]))
+    """Serve the parent on the inherited descriptors `arguments` (requests, answers) until it closes."""
+    channel = Channel(*map(int, arguments))
+    told = channel.receive()
+    if told is None:
+        return 0
+    config = SlotConfig(**told)
     os.nice(config.niceness)
     try:
         sandbox = build_sandbox(config)
     except GraderError as error:
         return _refuse(channel, error)
-    from grader.pipeline import Pipeline
-
-    with sandbox, Pipeline(sandbox) as pipeline:
-        while (request := receive_message(channel)) is not None:
-            try:
-                answer = result_message(pipeline.grade(job_from_message(request)))
-            except GraderError as error:
-                answer = _fault(error)
-            send_message(channel, answer)
+    with sandbox:
+        _serve(channel, sandbox)
     return 0
 
 
-def _refuse(channel: socket.socket, error: GraderError) -> int:
+def _serve(channel: Channel, sandbox: Sandbox) -> None:
+    """Grade what the parent sends. The sandbox proves itself while the physics is imported."""
+    gc.disable()  # nothing that is imported is garbage
+    proof = threading.Thread(target=_warm_up, args=(sandbox,))
+    proof.start()
+    from grader.pipeline import Pipeline
+
+    with Pipeline(sandbox) as pipeline:
+        proof.join()
+        gc.freeze()
+        gc.enable()
+        while (request := channel.receive()) is not None:
+            channel.send(_answer(pipeline, request))
+
+
+def _warm_up(sandbox: Sandbox) -> None:
+    with suppress(GraderError):  # the first grading finds it again, and has somebody to tell
+        sandbox.warm_up()
+
+
+def _answer(pipeline: Any, request: dict[str, Any]) -> dict[str, Any]:
+    try:
+        return result_message(pipeline.grade(job_from_message(request)))
+    except GraderError as error:
+        return _fault(error)
+
+
+def _refuse(channel: Channel, error: GraderError) -> int:
     """Answer every request with why this process cannot grade."""
-    while receive_message(channel) is not None:
-        send_message(channel, _fault(error))
+    while channel.receive() is not None:
+        channel.send(_fault(error))
     return 2
 
 
-def _fault(error: GraderError) -> dict[str, str]:
+def _fault(error: GraderError) -> dict[str, Any]:
     kind = "unavailable" if isinstance(error, SandboxUnavailableError) else "fault"
     return {"kind": kind, "message": str(error)}
-
-
-if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))

@@ -1,32 +1,32 @@
 """A slot: one supervised grading process, seen from the parent.
 
 The child (`grader.grading`) holds PyBullet, the sandbox's zygote and the checks. The parent speaks to it over
-one socket in length-prefixed JSON; both ends are ours. When the child dies or does not answer in time, the job
+two pipes in length-prefixed JSON; both ends are ours. When the child dies or does not answer in time, the job
 is an `InfrastructureError`, the child is replaced, and the caller may try again.
 """
-
-from __future__ import annotations
 
 import base64
 import json
 import os
+import select
 import signal
-import socket
-import struct
-import subprocess
-import sys
+import threading
+import time
 from dataclasses import asdict, dataclass
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Final, Self
 
 from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.report import GradeReport, Measurements
+from grader.launch import Child, launch
 
-_LENGTH = struct.Struct("<I")
-_SPARE_S = 30.0  # importing the physics on a loaded machine, checks, encoding
-_KEPT_ENVIRONMENT = ("PATH", "HOME", "LANG", "TMPDIR", "PYTHONPATH", "VIRTUAL_ENV")
+_SPARE_S: Final = 30.0  # importing the physics on a loaded machine, checks, encoding
+_LAST_WORDS_S: Final = 1.0
+_LENGTH_BYTES: Final = 4
+_READ_BYTES: Final = 1 << 20
+_MESSAGE_MAX_BYTES: Final = 256 << 20  # a minute of motion is a third of a MiB
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -46,36 +46,96 @@ class SlotConfig:
     niceness: int = 0
 
 
+class Channel:
+    """JSON messages over a pair of pipes: four bytes of length, little-endian, then UTF-8."""
+
+    def __init__(self, reading: int, writing: int) -> None:
+        """Take over two descriptors; they are not handed on to other processes."""
+        self._reading = reading
+        self._writing = writing
+        for descriptor in (reading, writing):
+            os.set_inheritable(descriptor, False)
+            os.set_blocking(descriptor, False)
+
+    def send(self, message: dict[str, Any], budget_s: float | None = None) -> None:
+        """Send one message.
+
+        Raises:
+            OSError: the other end is closed, or (TimeoutError) did not take it within `budget_s`.
+        """
+        data = json.dumps(message, ensure_ascii=False).encode()
+        view = memoryview(len(data).to_bytes(_LENGTH_BYTES, "little") + data)
+        deadline_s = _deadline(budget_s)
+        while view:
+            try:
+                view = view[os.write(self._writing, view) :]
+            except BlockingIOError:
+                _wait(self._writing, select.POLLOUT, deadline_s)
+
+    def receive(self, budget_s: float | None = None) -> dict[str, Any] | None:
+        """Receive one message; None when the other end is closed, in the middle of one or not.
+
+        Raises:
+            OSError: (TimeoutError) it did not come within `budget_s`.
+            ValueError: what came is no message.
+        """
+        deadline_s = _deadline(budget_s)
+        header = self._exactly(_LENGTH_BYTES, deadline_s)
+        size = int.from_bytes(header, "little")
+        if size > _MESSAGE_MAX_BYTES:
+            raise ValueError(f"a message of {size} bytes was announced")
+        data = self._exactly(size, deadline_s)
+        if len(header) < _LENGTH_BYTES or len(data) < size:
+            return None
+        message = json.loads(data)
+        if not isinstance(message, dict):
+            raise ValueError("a message is no object")
+        return message
+
+    def close(self) -> None:
+        """Close both ends held here."""
+        os.close(self._reading)
+        os.close(self._writing)
+
+    def _exactly(self, size: int, deadline_s: float | None) -> bytes:
+        """Return `size` bytes, or fewer when the other end is closed."""
+        data = bytearray()
+        while len(data) < size:
+            try:
+                part = os.read(self._reading, min(size - len(data), _READ_BYTES))
+            except BlockingIOError:
+                _wait(self._reading, select.POLLIN, deadline_s)
+                continue
+            if not part:
+                break
+            data += part
+        return bytes(data)
+
+
 class Slot:
-    """Parent side of one grading process. Not thread-safe: one thread owns a slot."""
+    """Parent side of one grading process. Not thread-safe, but for `abort`: one thread owns a slot."""
 
     def __init__(self, config: SlotConfig) -> None:
         self._config = config
-        self._process: subprocess.Popen[bytes] | None = None
-        self._channel: socket.socket | None = None
+        self._process: _Process | None = None
+        self._channel: Channel | None = None
 
     def start(self) -> None:
-        """Start the grading process without waiting for it to be ready; harmless when it runs."""
-        if self._process is not None and self._process.poll() is None:
+        """Start the grading process without waiting for it to be ready; harmless when it runs.
+
+        Raises:
+            InfrastructureError: it could not be started.
+        """
+        if self._process is not None and self._process.exit_code() is None:
             return
         self.close()
-        ours, theirs = socket.socketpair()
-        environment = {name: os.environ[name] for name in _KEPT_ENVIRONMENT if name in os.environ}
-        with theirs:
-            self._process = subprocess.Popen(
-                [
-                    sys.executable,
-                    "-m",
-                    "grader.grading",
-                    str(theirs.fileno()),
-                    json.dumps(asdict(self._config)),
-                ],
-                pass_fds=(theirs.fileno(),),
-                env=environment,
-                stdin=subprocess.DEVNULL,
-                start_new_session=True,  # Ctrl+C in a terminal is for the parent, which then drains
-            )
-        self._channel = ours
+        try:
+            child = launch()
+        except OSError as error:
+            raise InfrastructureError(f"the grading process could not be started: {error}") from error
+        self._process = _Process(child)
+        self._channel = Channel(child.answers, child.requests)
+        self._send(asdict(self._config), _SPARE_S)
 
     def grade(self, job: GradingJob) -> GradingResult:
         """Grade `job` in the child.
@@ -86,20 +146,21 @@ class Slot:
         """
         self.start()
         budget_s = len(job.assignment.cases) * job.assignment.limits.wall_s + _SPARE_S
-        answer = self._exchange(_request(job), budget_s)
+        self._send(_request(job), budget_s)
+        answer = self._receive(budget_s)
         match answer.get("kind"):
             case "result":
-                return _result(answer)
+                return self._result(answer)
             case "unavailable":
-                raise SandboxUnavailableError(answer["message"])
+                raise SandboxUnavailableError(str(answer.get("message")))
             case _:
                 raise InfrastructureError(answer.get("message", "the grading process answered nonsense"))
 
     def abort(self) -> None:
         """Kill the child, from any thread; a grading under way raises InfrastructureError."""
         process = self._process
-        if process is not None and process.poll() is None:
-            os.killpg(process.pid, signal.SIGKILL)
+        if process is not None:
+            process.kill()
 
     def close(self) -> None:
         """End the child and everything it started; idempotent, only from the thread that grades."""
@@ -107,8 +168,7 @@ class Slot:
             self._channel.close()
             self._channel = None
         if self._process is not None:
-            self.abort()
-            self._process.wait()
+            self._process.end()
             self._process = None
 
     def __enter__(self) -> Self:
@@ -120,40 +180,80 @@ class Slot:
     ) -> None:
         self.close()
 
-    def _exchange(self, request: dict[str, Any], budget_s: float) -> dict[str, Any]:
+    def _send(self, message: dict[str, Any], budget_s: float) -> None:
         assert self._channel is not None
-        self._channel.settimeout(budget_s)
         try:
-            send_message(self._channel, request)
-            answer = receive_message(self._channel)
+            self._channel.send(message, budget_s)
+        except BrokenPipeError:
+            return  # it has ended; `_receive` tells how
+        except OSError as error:
+            raise self._failed(error) from error
+
+    def _receive(self, budget_s: float) -> dict[str, Any]:
+        assert self._channel is not None
+        assert self._process is not None
+        try:
+            answer = self._channel.receive(budget_s)
         except (OSError, ValueError) as error:
-            self.close()
-            raise InfrastructureError(
-                f"the grading process failed: {error or type(error).__name__}"
-            ) from error
+            raise self._failed(error) from error
         if answer is None:
-            code = self._process.wait() if self._process else None
+            code = self._process.last_words(_LAST_WORDS_S)
             self.close()
             raise InfrastructureError(f"the grading process ended unexpectedly (exit code {code})")
         return answer
 
+    def _result(self, answer: dict[str, Any]) -> GradingResult:
+        try:
+            return GradingResult(
+                report=from_plain(GradeReport, answer["report"]),
+                trajectories={case: text.encode() for case, text in answer["trajectories"].items()},
+                measurements=from_plain(Measurements, answer["measurements"]),
+            )
+        except (KeyError, AttributeError, ValueError) as error:
+            raise self._failed(error) from error
 
-def send_message(channel: socket.socket, message: dict[str, Any]) -> None:
-    """Send one JSON message between parent and grading process."""
-    data = json.dumps(message, ensure_ascii=False).encode()
-    channel.sendall(_LENGTH.pack(len(data)) + data)
+    def _failed(self, error: Exception) -> InfrastructureError:
+        self.close()
+        return InfrastructureError(f"the grading process failed: {str(error) or type(error).__name__}")
 
 
-def receive_message(channel: socket.socket) -> dict[str, Any] | None:
-    """Receive one JSON message; None when the other end has closed."""
-    header = _receive_exactly(channel, _LENGTH.size)
-    if header is None:
-        return None
-    data = _receive_exactly(channel, _LENGTH.unpack(header)[0])
-    if data is None:
-        return None
-    message: dict[str, Any] = json.loads(data)
-    return message
+class _Process:
+    """The child as a process group to be ended once; `kill` may come from any thread."""
+
+    def __init__(self, child: Child) -> None:
+        self._pid = child.pid
+        self._exit_code: int | None = None
+        self._lock = threading.Lock()  # a number that has been reaped may be somebody else's
+
+    def exit_code(self) -> int | None:
+        """Return how it ended, as `subprocess` counts; None while it runs."""
+        with self._lock:
+            if self._exit_code is None:
+                pid, status = os.waitpid(self._pid, os.WNOHANG)
+                if pid:
+                    self._exit_code = os.waitstatus_to_exitcode(status)
+            return self._exit_code
+
+    def last_words(self, budget_s: float) -> int | None:
+        """Return how it ended, giving it `budget_s` to do so."""
+        deadline_s = time.monotonic() + budget_s
+        while (code := self.exit_code()) is None and time.monotonic() < deadline_s:
+            time.sleep(0.005)
+        return code
+
+    def kill(self) -> None:
+        """Kill the group, unless the child was seen to have ended."""
+        with self._lock:
+            if self._exit_code is None:
+                os.killpg(self._pid, signal.SIGKILL)
+
+    def end(self) -> None:
+        """Kill the group and reap the child."""
+        self.kill()
+        with self._lock:
+            if self._exit_code is None:
+                _, status = os.waitpid(self._pid, 0)
+                self._exit_code = os.waitstatus_to_exitcode(status)
 
 
 def job_from_message(message: dict[str, Any]) -> GradingJob:
@@ -179,19 +279,18 @@ def _request(job: GradingJob) -> dict[str, Any]:
     }
 
 
-def _result(message: dict[str, Any]) -> GradingResult:
-    return GradingResult(
-        report=from_plain(GradeReport, message["report"]),
-        trajectories={case: text.encode() for case, text in message["trajectories"].items()},
-        measurements=from_plain(Measurements, message["measurements"]),
-    )
+def _deadline(budget_s: float | None) -> float | None:
+    return None if budget_s is None else time.monotonic() + budget_s
 
 
-def _receive_exactly(channel: socket.socket, size: int) -> bytes | None:
-    data = bytearray()
-    while len(data) < size:
-        part = channel.recv(min(size - len(data), 1 << 20))
-        if not part:
-            return None
-        data += part
-    return bytes(data)
+def _wait(descriptor: int, event: int, deadline_s: float | None) -> None:
+    """Wait until `descriptor` is ready.
+
+    Raises:
+        TimeoutError: it was not by `deadline_s`.
+    """
+    poll = select.poll()
+    poll.register(descriptor, event)
+    left_ms = None if deadline_s is None else max(0.0, deadline_s - time.monotonic()) * 1e3
+    if not poll.poll(left_ms):
+        raise TimeoutError("no answer in time")

@@ -7,10 +7,14 @@ is named.
 from collections.abc import Iterator
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePath
+from typing import TYPE_CHECKING
 
-from grader.catalog.document import Document
+from grader.catalog.cache import AssignmentCache
 from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
+
+if TYPE_CHECKING:  # imports pydantic and yaml, which a remembered assignment does without
+    from grader.catalog.document import Document
 
 SPEC_NAME = "assignment.yaml"
 
@@ -34,8 +38,10 @@ class Catalog:
     Every call reads the files anew, so an edited assignment is seen without a restart.
     """
 
-    def __init__(self, root: Path | None = None) -> None:
+    def __init__(self, root: Path | None = None, cache: AssignmentCache | None = None) -> None:
+        """Look under `root` (None: the built-in assignments), sparing what `cache` has seen to be valid."""
         self.root = default_root() if root is None else root
+        self._cache = cache
 
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist.
@@ -43,7 +49,7 @@ class Catalog:
         Raises:
             AssignmentError: a file is wrong; the message names file, line, field and fix.
         """
-        found = [self._document(folder).assignment() for folder in self._folders()]
+        found = [self._assignment(folder) for folder in self._folders()]
         return tuple(sorted(found, key=lambda assignment: (assignment.order, assignment.id)))
 
     def get(self, assignment_id: str) -> Assignment:
@@ -53,7 +59,7 @@ class Catalog:
             UnknownAssignmentError: there is none of that name.
             AssignmentError: its file is wrong.
         """
-        return self._named(assignment_id).assignment()
+        return self._assignment(self.folder(assignment_id))
 
     def wrong_attempts(self, assignment_id: str) -> tuple[WrongAttempt, ...]:
         """Return the wrong scripts that come with an assignment and the verdicts they must get.
@@ -78,9 +84,10 @@ class Catalog:
         """
         name = PurePath(file_name).name.lower()
         matches = [
-            (-len(pattern), document.order, document.path.parent.name)
-            for document in (self._document(folder) for folder in self._folders())
-            for pattern in document.file_patterns
+            (-len(pattern), order, folder.name)
+            for folder in self._folders()
+            for order, patterns in (self._order_and_patterns(folder),)
+            for pattern in patterns
             if fnmatchcase(name, pattern.lower())
         ]
         return min(matches)[2] if matches else None
@@ -113,8 +120,32 @@ class Catalog:
             raise AssignmentError(f"{self.root} is not a folder of assignments")
         return (path.parent for path in sorted(self.root.glob(f"*/{SPEC_NAME}")))
 
-    def _named(self, assignment_id: str) -> Document:
+    def _named(self, assignment_id: str) -> "Document":
         return self._document(self.folder(assignment_id))
 
-    def _document(self, folder: Path) -> Document:
+    def _order_and_patterns(self, folder: Path) -> tuple[float, tuple[str, ...]]:
+        """Return what `guess_assignment` needs, also of a file that is not valid."""
+        try:
+            assignment = self._assignment(folder) if self._cache is not None else None
+        except AssignmentError:
+            assignment = None
+        if assignment is not None:
+            return assignment.order, assignment.file_patterns
+        document = self._document(folder)
+        return document.order, document.file_patterns
+
+    def _assignment(self, folder: Path) -> Assignment:
+        path = folder / SPEC_NAME
+        remembered = None if self._cache is None else self._cache.find(path)
+        if remembered is not None:
+            return remembered
+        document = self._document(folder)
+        assignment = document.assignment()
+        if self._cache is not None:
+            self._cache.keep(path, document.text.encode(), assignment)
+        return assignment
+
+    def _document(self, folder: Path) -> "Document":
+        from grader.catalog.document import Document
+
         return Document.read(folder / SPEC_NAME)

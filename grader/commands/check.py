@@ -74,8 +74,10 @@ def read_source(path: Path) -> bytes:
 
 def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Assignment, GradingResult]:
     from grader.catalog import Catalog
+    from grader.catalog.cache import AssignmentCache, default_cache_folder
 
-    catalog = Catalog(arguments.assignments)
+    folder = default_cache_folder()
+    catalog = Catalog(arguments.assignments, None if folder is None else AssignmentCache(folder))
     assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file.name))
     _check_input(arguments, assignment)
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)

@@ -106,6 +106,19 @@ class Sandbox:
         self._wait_ready()
         return tuple(layer.value for layer in Layer if layer not in self._active)
 
+    def warm_up(self) -> None:
+        """Wait for the zygote and, in strict mode, for its proof, as the first `open` would have to.
+
+        Raises:
+            SandboxError: as `open`.
+        """
+        if self._proven:
+            return
+        breaches = self.prove().breaches
+        if breaches:
+            raise SandboxUnavailableError(f"the sandbox does not hold: {'; '.join(breaches)}")
+        self._proven = True
+
     def open(self, limits: Limits) -> Jail:
         """Fork and confine one process; it then waits for its first frame.
 
@@ -113,11 +126,7 @@ class Sandbox:
             SandboxUnavailableError: STRICT, and a required layer did not hold when tried.
             SandboxError: it could not be forked or confined. Nothing has run; the next call starts afresh.
         """
-        if not self._proven:
-            breaches = self.prove().breaches
-            if breaches:
-                raise SandboxUnavailableError(f"the sandbox does not hold: {'; '.join(breaches)}")
-            self._proven = True
+        self.warm_up()
         if self._runs >= _RUNS_PER_ZYGOTE and not self._open_jails:
             self.restart()
         return self._open(limits, prove=False)

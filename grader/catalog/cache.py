@@ -1,0 +1,83 @@
+"""Validated assignments kept from one start of the command line to the next, as Python keeps ``.pyc`` files.
+
+Validating a file needs pydantic and a YAML parser, whose import takes longer than a whole grading. An entry
+holds for the very bytes of the file and of the code that validated it, so nothing ever has to be cleared; one
+that is damaged, or cannot be written, only costs the time it would have saved.
+"""
+
+import hashlib
+import json
+import os
+from contextlib import suppress
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Final
+
+from grader import __version__, contracts
+from grader.contracts.assignment import Assignment
+from grader.contracts.codec import from_plain, to_plain
+
+_VALIDATORS: Final = (
+    *(Path(__file__).with_name(name) for name in ("schema.py", "document.py", "cache.py")),
+    *(Path(contracts.__path__[0], name) for name in ("assignment.py", "limits.py", "services.py", "text.py")),
+)
+
+
+def default_cache_folder() -> Path | None:
+    """Return the folder for this user's entries, None where the environment names none."""
+    base = os.environ.get("XDG_CACHE_HOME", "")
+    if os.path.isabs(base):
+        return Path(base, "grader")
+    home = os.environ.get("HOME", "")
+    return Path(home, ".cache", "grader") if os.path.isabs(home) else None
+
+
+class AssignmentCache:
+    """Validated assignments under one folder, one file for each ``assignment.yaml``."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def find(self, path: Path) -> Assignment | None:
+        """Return what `path` was validated to when it had the same bytes as now, or None."""
+        try:
+            entry = json.loads(self._file(path).read_bytes())
+            if entry["key"] != self._key(path):
+                return None
+            return from_plain(Assignment, entry["assignment"])
+        except (OSError, ValueError, KeyError, TypeError):
+            return None
+
+    def keep(self, path: Path, source: bytes, assignment: Assignment) -> None:
+        """Remember that `source`, read from `path`, is valid and means `assignment`."""
+        file = self._file(path)
+        draft = file.with_name(f"{file.name}.{os.getpid()}")
+        with suppress(OSError):
+            entry: dict[str, Any] = {
+                "key": self._digest(path, source),
+                "assignment": to_plain(assignment),
+            }
+            self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            draft.write_text(json.dumps(entry), encoding="utf-8")
+            draft.replace(file)
+
+    def _file(self, path: Path) -> Path:
+        place = hashlib.sha256(os.fsencode(path.resolve())).hexdigest()[:16]
+        return self._folder / f"{path.parent.name}-{place}.json"
+
+    def _key(self, path: Path) -> str:
+        return self._digest(path, path.read_bytes())
+
+    def _digest(self, path: Path, source: bytes) -> str:
+        digest = self._code.copy()
+        digest.update(f"{path.parent.name}\0".encode())  # must be the assignment's id, so it counts
+        digest.update(source)
+        return digest.hexdigest()
+
+    @cached_property
+    def _code(self) -> "hashlib._Hash":
+        """Digest of everything that decides what a valid file means."""
+        digest = hashlib.sha256(f"{__version__}\0".encode())
+        for path in _VALIDATORS:
+            digest.update(path.read_bytes())
+        return digest

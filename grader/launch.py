@@ -1,0 +1,85 @@
+"""Start the grading process.
+
+It takes a tenth of a second to import the physics, so `grader check` starts it before anything else. That is
+why this module knows nothing but `os` and `sys`, and why the process is told its configuration afterwards.
+"""
+
+import os
+import sys
+
+_KEPT_ENVIRONMENT = ("PATH", "HOME", "LANG", "TMPDIR", "PYTHONPATH", "VIRTUAL_ENV")
+_SINGLE_THREADED = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+"""Trajectories are short: threads of a BLAS would only cost their start, and its sums would depend on them."""
+
+_ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+# -P: the folder `grader` is called in may hold a student's random.py.
+_BOOTSTRAP = (
+    "import sys; root = sys.argv.pop(1); root in sys.path or sys.path.insert(0, root); "
+    "from grader.grading import main; sys.exit(main(sys.argv[1:]))"
+)
+
+
+class Child:
+    """A grading process that has been started.
+
+    Attributes:
+        pid: also the number of its process group.
+        requests: descriptor to write requests to. answers: descriptor to read its answers from.
+    """
+
+    __slots__ = ("answers", "pid", "requests")
+
+    def __init__(self, pid: int, requests: int, answers: int) -> None:
+        self.pid = pid
+        self.requests = requests
+        self.answers = answers
+
+
+_ahead: list[Child] = []
+
+
+def launch_ahead() -> None:
+    """Start a process for the first `launch` to come. If none comes, it ends together with this one.
+
+    When it cannot be started, that `launch` will tell.
+    """
+    try:
+        _ahead.append(_start())
+    except OSError:
+        return
+
+
+def launch() -> Child:
+    """Return a process started ahead, or start one.
+
+    Raises:
+        OSError: it could not be started.
+    """
+    return _ahead.pop() if _ahead else _start()
+
+
+def _start() -> Child:
+    theirs_requests, requests = os.pipe()
+    answers, theirs_answers = os.pipe()
+    environment = {name: os.environ[name] for name in _KEPT_ENVIRONMENT if name in os.environ}
+    try:
+        pid = os.posix_spawn(
+            sys.executable,
+            [sys.executable, "-P", "-c", _BOOTSTRAP, _ROOT, str(theirs_requests), str(theirs_answers)],
+            environment | _SINGLE_THREADED,
+            file_actions=[
+                (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),
+                # Onto itself: the one way to hand on a descriptor without other threads' children getting it.
+                (os.POSIX_SPAWN_DUP2, theirs_requests, theirs_requests),
+                (os.POSIX_SPAWN_DUP2, theirs_answers, theirs_answers),
+            ],
+            setsid=True,  # Ctrl+C in a terminal is for the parent, which then drains
+        )
+    except OSError:
+        os.close(requests)
+        os.close(answers)
+        raise
+    finally:
+        os.close(theirs_requests)
+        os.close(theirs_answers)
+    return Child(pid, requests, answers)

@@ -1,0 +1,281 @@
+"""The parent's side of a grading process, with small children that answer, die, hang or babble."""
+
+import json
+import os
+import signal
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+
+from grader import launch, slot
+from grader.contracts.assignment import Assignment, Case
+from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
+from grader.contracts.grading import GradingJob
+from grader.contracts.limits import Limits
+from grader.contracts.text import EMPTY
+from grader.launch import Child
+from grader.slot import Slot, SlotConfig
+
+ASSIGNMENT = Assignment(
+    id="demo",
+    version=1,
+    order=1,
+    title=EMPTY,
+    brief=EMPTY,
+    check="node",
+    items=(),
+    limits=Limits(wall_s=1.0),
+    cases=(Case(),),
+)
+JOB = GradingJob(file_name="a.py", source=b"x" * 200_000, assignment=ASSIGNMENT)
+REPORT = {
+    "submission_sha256": "0",
+    "assignment": "demo",
+    "assignment_version": 1,
+    "grader_version": "0",
+    "simulator": "none",
+    "seed": 0,
+    "status": "graded",
+    "score": 1.0,
+    "max_score": 1.0,
+    "items": [],
+    "runs": [],
+}
+MEASUREMENTS = {"wall_s": 0.0, "jail_cpu_s": 0.0, "jail_peak_bytes": 0, "sim_steps": 0, "isolation": "none"}
+CHILD = f"""
+import json, os, signal, sys, time
+requests, answers = map(int, sys.argv[1:3])
+def read(size):
+    data = b""
+    while len(data) < size:
+        part = os.read(requests, size - len(data))
+        if not part: sys.exit(0)
+        data += part
+    return data
+def receive():
+    return json.loads(read(int.from_bytes(read(4), "little")))
+def write(data):
+    while data: data = data[os.write(answers, data):]
+def send(message):
+    data = json.dumps(message).encode()
+    write(len(data).to_bytes(4, "little") + data)
+config = receive()
+RESULT = {{"kind": "result", "report": {REPORT!r}, "trajectories": {{"default": "t" * 200_000}},
+          "measurements": dict({MEASUREMENTS!r}, isolation=config["mode"])}}
+def serve():
+    while True:
+        receive()
+        send(RESULT)
+"""
+
+
+@pytest.fixture
+def children(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """The programs of the next children, after the common part above; the last one is used again."""
+    programs: list[str] = []
+
+    def start() -> Child:
+        program = programs.pop(0) if len(programs) > 1 else programs[0]
+        monkeypatch.setattr(launch, "_BOOTSTRAP", f"import sys; sys.argv.pop(1)\n{CHILD}\n{program}")
+        return launch.launch()
+
+    monkeypatch.setattr(slot, "launch", start)
+    return programs
+
+
+def descriptors() -> set[str]:
+    if sys.platform != "linux":
+        return set()
+    return {fd for fd in os.listdir("/proc/self/fd") if os.path.lexists(f"/proc/self/fd/{fd}")}
+
+
+def test_one_child_serves_one_job_after_the_other(children: list[str]) -> None:
+    children.append("serve()")
+    with Slot(SlotConfig(mode="dev")) as one:
+        results = [one.grade(JOB) for _ in range(3)]
+    assert [result.measurements.isolation for result in results] == ["dev"] * 3
+    assert results[0].trajectories["default"] == b"t" * 200_000
+
+
+def test_a_child_that_dies_is_replaced(children: list[str]) -> None:
+    children += ["receive(); sys.exit(7)", "serve()"]
+    with Slot(SlotConfig()) as one:
+        with pytest.raises(InfrastructureError, match=r"unexpectedly \(exit code 7\)"):
+            one.grade(JOB)
+        assert one.grade(JOB).report.score == 1.0
+
+
+def test_a_child_that_dies_before_it_is_asked_is_replaced(children: list[str]) -> None:
+    children += ["sys.exit(7)", "serve()"]
+    with Slot(SlotConfig()) as one:
+        assert one._process is not None
+        assert one._process.last_words(30.0) == 7
+        assert one.grade(JOB).report.score == 1.0
+
+
+def test_a_child_that_is_killed_is_named_by_its_signal(children: list[str]) -> None:
+    children.append("receive(); os.kill(os.getpid(), signal.SIGSEGV)")
+    with Slot(SlotConfig()) as one, pytest.raises(InfrastructureError, match="exit code -11"):
+        one.grade(JOB)
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        pytest.param("time.sleep(600)", id="reads nothing"),
+        pytest.param("receive(); time.sleep(600)", id="answers nothing"),
+        pytest.param("receive(); write(b'\\x10\\0\\0\\0half'); time.sleep(600)", id="answers half"),
+    ],
+)
+def test_a_child_that_hangs_is_ended(
+    children: list[str], program: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(slot, "_SPARE_S", 0.3)
+    children.append(program)
+    job = GradingJob(file_name="a.py", source=JOB.source, assignment=_hurried())
+    with Slot(SlotConfig()) as one:
+        process = one._process
+        assert process is not None
+        with pytest.raises(InfrastructureError, match="no answer in time"):
+            one.grade(job)
+        assert process.exit_code() == -signal.SIGKILL
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        pytest.param("write(b'\\4\\0\\0\\0nope')", id="no JSON"),
+        pytest.param("write(b'\\2\\0\\0\\0[]')", id="no object"),
+        pytest.param("write(b'\\xff\\xff\\xff\\xff')", id="4 GiB announced"),
+        pytest.param("send({})", id="no kind"),
+        pytest.param("send({'kind': 'result'})", id="no report"),
+        pytest.param("send(dict(RESULT, report=3))", id="report is a number"),
+        pytest.param("send(dict(RESULT, trajectories=[1]))", id="trajectories are a list"),
+        pytest.param("send({'kind': 'fault', 'message': 'the car melted'})", id="a fault"),
+        pytest.param("write(b'\\x10\\0\\0\\0half')", id="half an answer"),
+        pytest.param("os.close(answers)", id="closes its end and goes on"),
+    ],
+)
+def test_nonsense_is_an_infrastructure_error_and_the_next_grading_works(
+    children: list[str], program: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(slot, "_LAST_WORDS_S", 0.05)
+    goes_on = "half" in program or "close" in program
+    children += [f"receive(); {program}; " + ("os._exit(0)" if "half" in program else "serve()"), "serve()"]
+    with Slot(SlotConfig()) as one:
+        with pytest.raises(InfrastructureError):
+            one.grade(JOB)
+        if goes_on:
+            assert one._process is None
+        assert one.grade(JOB).report.score == 1.0
+
+
+def test_a_host_that_cannot_isolate_is_told_apart(children: list[str]) -> None:
+    children.append("receive(); send({'kind': 'unavailable', 'message': 'no landlock'}); serve()")
+    with Slot(SlotConfig()) as one, pytest.raises(SandboxUnavailableError, match="no landlock"):
+        one.grade(JOB)
+
+
+def test_abort_from_another_thread_ends_a_grading_under_way(children: list[str]) -> None:
+    children += ["receive(); time.sleep(600)", "serve()"]
+    with Slot(SlotConfig()) as one:
+        killer = threading.Timer(0.1, one.abort)
+        killer.start()
+        with pytest.raises(InfrastructureError, match="exit code -9"):
+            one.grade(JOB)
+        killer.join()
+        one.abort()  # nothing runs: no matter
+        assert one.grade(JOB).report.score == 1.0
+
+
+def test_the_whole_group_ends_with_the_slot(children: list[str], tmp_path: Path) -> None:
+    note = tmp_path / "pid"
+    children.append(
+        f"pid = os.fork()\nif pid == 0: time.sleep(600)\nopen({str(note)!r}, 'w').write(str(pid))\nserve()"
+    )
+    with Slot(SlotConfig()) as one:
+        one.grade(JOB)
+        grandchild = int(note.read_text())
+        os.kill(grandchild, 0)
+    assert _ends(grandchild)
+
+
+def test_nothing_stays_open_and_no_child_is_left(children: list[str]) -> None:
+    children += ["receive(); sys.exit(1)", "receive(); write(b'\\4\\0\\0\\0nope')", "serve()"]
+    before = descriptors()
+    with Slot(SlotConfig()) as one:
+        for _ in range(2):
+            with pytest.raises(InfrastructureError):
+                one.grade(JOB)
+        one.grade(JOB)
+    one.close()
+    assert descriptors() == before
+    with pytest.raises(ChildProcessError):
+        os.waitpid(-1, os.WNOHANG)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
+def test_a_child_holds_no_pipe_of_another(children: list[str], tmp_path: Path) -> None:
+    note = tmp_path / "open"
+    links = "[os.readlink(e.path) for e in os.scandir('/proc/self/fd') if os.path.lexists(e.path)]"
+    children += ["serve()", f"open({str(note)!r}, 'w').write(json.dumps({links}))\nserve()"]
+    before = descriptors()
+    with Slot(SlotConfig()) as first:
+        first.grade(JOB)
+        of_the_first = {os.readlink(f"/proc/self/fd/{fd}") for fd in descriptors() - before}
+        with Slot(SlotConfig()) as second:
+            second.grade(JOB)
+    assert len(of_the_first) == 2
+    assert not of_the_first & set(json.loads(note.read_text()))
+
+
+def test_a_process_started_ahead_is_the_first_to_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(launch, "_BOOTSTRAP", f"import sys; sys.argv.pop(1)\n{CHILD}\nserve()")
+    launch.launch_ahead()
+    ahead = launch._ahead[0]
+    with Slot(SlotConfig()) as one:
+        assert one.grade(JOB).report.score == 1.0
+        assert one._process is not None
+        assert one._process._pid == ahead.pid
+    assert not launch._ahead
+
+
+def test_a_shadowing_module_in_the_working_folder_is_not_imported(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "random.py").write_text("raise SystemExit(9)")
+    (tmp_path / "numpy.py").write_text("raise SystemExit(9)")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("PYTHONPATH", raising=False)
+    job = GradingJob(file_name="a.py", source=b"", assignment=_hurried())
+    with Slot(SlotConfig(mode="dev")) as one:
+        assert one.grade(job).report.assignment == "demo"
+
+
+def _hurried() -> Assignment:
+    return Assignment(
+        id="demo",
+        version=1,
+        order=1,
+        title=EMPTY,
+        brief=EMPTY,
+        check="node",
+        items=(),
+        horizon_s=1.0,
+        limits=Limits(wall_s=0.1 if slot._SPARE_S < 1 else 30.0),
+    )
+
+
+def _ends(pid: int) -> bool:
+    """Wait for a process that is not our child: gone, or a zombie nobody reaps."""
+    for _ in range(2_000):
+        try:
+            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
+        except (FileNotFoundError, ProcessLookupError):
+            return True
+        if state == "Z":
+            return True
+        threading.Event().wait(0.005)
+    return False
