@@ -1,7 +1,8 @@
 """Who looks at a page, and what they may see. The only place of the pages that knows.
 
-Until submissions are tied to identities, a student says their id and is believed, as on the JSON interface; an
-instructor shows the token, which the browser then keeps for as long as it is open.
+The browser keeps what `grader.routes.access.identify` recognises: a bearer token, here in a cookie that lasts as
+long as the browser is open. While the service has no courses, a student says their id and is believed, as on
+the JSON interface.
 """
 
 from dataclasses import dataclass
@@ -11,104 +12,137 @@ from urllib.parse import urlencode
 from fastapi import Depends, Request, Response
 from fastapi.responses import RedirectResponse
 
-from grader.contracts.submission import Submission
-from grader.routes.access import InstructorGate
+from grader.contracts.identity import ANYBODY, Caller, is_person_id
+from grader.contracts.submission import StoredReport, Submission
+from grader.routes.access import identify
 from grader.routes.problems import ProblemError
+from grader.routes.services import Services
+from grader.routes.submissions import found
 from grader.routes.uploads import checked_student
 from grader.web.forms import set_private_cookie
 
 STUDENT_COOKIE = "grader_student"
-INSTRUCTOR_COOKIE = "grader_instructor"
+TOKEN_COOKIE = "grader_token"  # noqa: S105  the name of a cookie
 ENTER = "/enter"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Visitor:
-    """Somebody at a browser: a student (`student` is their id), an instructor, both or neither."""
+    """Somebody at a browser.
 
+    Attributes:
+        caller: who it is to the rest of the service.
+        student: whose attempts are their own: the member's id, or without courses what the visitor said.
+        open: the service has no courses, so that a student only says an id.
+    """
+
+    caller: Caller
     student: str | None
-    instructor: bool
+    open: bool
+
+    @property
+    def staff(self) -> bool:
+        """Whether the visitor may see the class."""
+        return self.caller.is_staff
+
+    @property
+    def known(self) -> bool:
+        """Whether the visitor has said who they are."""
+        return self.staff or self.student is not None
 
 
 class EnterFirstError(Exception):
-    """The page shows something personal, and nobody has said who they are."""
+    """The page shows something personal, and the visitor has not said who they are."""
 
 
 def visitor_of(request: Request) -> Visitor:
-    """Return who sends `request`, by its cookies."""
-    gate: InstructorGate = request.app.state.services.gate
-    token = request.cookies.get(INSTRUCTOR_COOKIE)
-    return Visitor(
-        student=_student(request.cookies.get(STUDENT_COOKIE)),
-        instructor=token is not None and gate.admits(token),
-    )
+    """Return who sends `request`, by its cookies. Looked up once per request."""
+    known: Visitor | None = getattr(request.state, "visitor", None)
+    if known is None:
+        known = request.state.visitor = _visitor(request)
+    return known
 
 
-VisitorDep = Annotated[Visitor, Depends(visitor_of)]
+def present(request: Request) -> Visitor:
+    """Dependency of every page: the visitor.
+
+    Raises:
+        ProblemError: a student of a course asks too often.
+    """
+    visitor, services = visitor_of(request), _services(request)
+    if visitor.caller.course is not None and not visitor.staff:
+        services.request_limit.take(f"{visitor.caller.course}/{visitor.caller.person}")
+    return visitor
 
 
-def require_instructor(visitor: VisitorDep) -> None:
+VisitorDep = Annotated[Visitor, Depends(present)]
+
+
+def require_staff(visitor: VisitorDep) -> Visitor:
     """Dependency of the class's pages.
 
     Raises:
-        EnterFirstError: the visitor is no instructor.
+        EnterFirstError: nobody has said who they are.
+        ProblemError: the visitor is a student.
     """
-    if not visitor.instructor:
-        raise EnterFirstError
+    if not visitor.staff:
+        if visitor.caller.role is None:
+            raise EnterFirstError
+        raise ProblemError("forbidden")
+    return visitor
 
 
-def require_student(visitor: Visitor) -> str:
-    """Return the student's id.
-
-    Raises:
-        EnterFirstError: the visitor has not said who they are.
-    """
-    if visitor.student is None:
-        raise EnterFirstError
-    return visitor.student
+StaffDep = Annotated[Visitor, Depends(require_staff)]
 
 
 def require_known(visitor: Visitor) -> None:
-    """Ask for the visitor's name before anything is looked up.
+    """Ask for the visitor's name before anything personal is looked up.
 
     Raises:
         EnterFirstError: the visitor has not said who they are.
     """
-    if visitor.student is None and not visitor.instructor:
+    if not visitor.known:
         raise EnterFirstError
 
 
-def require_sight(visitor: Visitor, submission: Submission) -> None:
-    """Let instructors and the student who handed it in see a submission.
+def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport | None]:
+    """Return a submission and its grading, if there is one yet, to somebody who may see it.
 
     Raises:
-        ProblemError: the submission is somebody else's; it is not even admitted to exist.
+        EnterFirstError: the visitor has not said who they are.
+        ProblemError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
     """
-    if not (visitor.instructor or visitor.student == submission.student):
+    require_known(visitor)
+    submission, stored = found(services, submission_id)
+    own = visitor.staff or visitor.student == submission.student
+    if not (own and visitor.caller.may_see(submission.course, submission.student)):
         raise ProblemError("submission_not_found")
+    return submission, stored
 
 
 def enter_student(request: Request, response: Response, student: str) -> None:
-    """Remember the student on this browser.
+    """Remember on this browser who a visitor of a service without courses says to be.
 
     Raises:
         ProblemError: it is no student id.
+        EnterFirstError: in a course, saying so is not enough.
     """
+    if not visitor_of(request).open:
+        raise EnterFirstError
     set_private_cookie(request, response, STUDENT_COOKIE, checked_student(student))
 
 
-def enter_instructor(request: Request, response: Response, token: str) -> bool:
-    """Remember the instructor on this browser; False, and nothing changed, when the token is wrong."""
-    gate: InstructorGate = request.app.state.services.gate
-    if not gate.admits(token):
-        return False
-    set_private_cookie(request, response, INSTRUCTOR_COOKIE, token)
-    return True
+def enter_by_token(request: Request, response: Response, token: str) -> Caller | None:
+    """Remember a token on this browser; None, and nothing changed, when it opens nothing."""
+    caller = identify(_services(request), token)
+    if caller is not None:
+        set_private_cookie(request, response, TOKEN_COOKIE, token)
+    return caller
 
 
 def leave(response: Response) -> None:
     """Forget who used this browser."""
-    for name in (STUDENT_COOKIE, INSTRUCTOR_COOKIE):
+    for name in (STUDENT_COOKIE, TOKEN_COOKIE):
         response.delete_cookie(name, httponly=True, samesite="strict")
 
 
@@ -118,8 +152,16 @@ def ask_to_enter(request: Request) -> RedirectResponse:
     return RedirectResponse(f"{ENTER}?{urlencode({'next': wanted})}", status_code=303)
 
 
-def _student(cookie: str | None) -> str | None:
-    try:
-        return None if cookie is None else checked_student(cookie)
-    except ProblemError:
-        return None
+def _visitor(request: Request) -> Visitor:
+    services = _services(request)
+    is_open = identify(services, None) is not None
+    token = request.cookies.get(TOKEN_COOKIE)
+    caller = ANYBODY if token is None else identify(services, token) or ANYBODY
+    said = request.cookies.get(STUDENT_COOKIE, "")
+    student = said if is_open and is_person_id(said) else caller.person
+    return Visitor(caller=caller, student=student, open=is_open)
+
+
+def _services(request: Request) -> Services:
+    services: Services = request.app.state.services
+    return services

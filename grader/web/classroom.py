@@ -10,22 +10,23 @@ from grader.routes import dashboard, health
 from grader.routes.dashboard_views import DashboardView
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
-from grader.routes.submissions import found
-from grader.web.access import require_instructor
+from grader.web import access
+from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.comparison import compare
 from grader.web.matrix import SHOWS, STUCK_ATTEMPTS, MatrixQuery, matrix
 from grader.web.pages import language_of, page
 from grader.web.sketches import report_of
 
-router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_instructor)])
-SubmissionRef = Annotated[str, Query(max_length=64)]
+router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 _Id = Annotated[str, Query(max_length=64)]
 
 
 @router.get("")
-def read_matrix(request: Request, services: ServicesDep, query: Annotated[MatrixQuery, Query()]) -> Response:
+def read_matrix(
+    request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[MatrixQuery, Query()]
+) -> Response:
     """Show students by assignments."""
-    overview = _overview(request, services)
+    overview = _overview(request, services, visitor)
     return page(
         request,
         "class.html",
@@ -37,9 +38,11 @@ def read_matrix(request: Request, services: ServicesDep, query: Annotated[Matrix
 
 
 @router.get("/assignments/{assignment_id}")
-def read_assignment(request: Request, services: ServicesDep, assignment_id: str) -> Response:
+def read_assignment(
+    request: Request, services: ServicesDep, visitor: StaffDep, assignment_id: str
+) -> Response:
     """Show how the class does at one assignment: scores, failed items, mistakes."""
-    overview = _overview(request, services)
+    overview = _overview(request, services, visitor)
     statistics = next((one for one in overview.assignments if one.id == assignment_id), None)
     if statistics is None:
         raise ProblemError("assignment_not_found")
@@ -52,9 +55,11 @@ def read_assignment(request: Request, services: ServicesDep, assignment_id: str)
 
 
 @router.get("/students/{student}")
-def read_student(request: Request, services: ServicesDep, student: str, assignment: _Id = "") -> Response:
+def read_student(
+    request: Request, services: ServicesDep, visitor: StaffDep, student: str, assignment: _Id = ""
+) -> Response:
     """Show the attempts of one student, at one assignment or all, two of them to be compared."""
-    attempts = services.submissions.of_student(student, assignment or None)
+    attempts = services.submissions.of_student(student, assignment or None, course=visitor.caller.course)
     if not attempts:
         raise ProblemError("submission_not_found")
     by_assignment: dict[str, list[Submission]] = {one.id: [] for one in services.assignments.all()}
@@ -67,10 +72,12 @@ def read_student(request: Request, services: ServicesDep, student: str, assignme
 
 @router.get("/compare")
 def read_comparison(
-    request: Request, services: ServicesDep, first: SubmissionRef, second: SubmissionRef
+    request: Request, services: ServicesDep, visitor: StaffDep, first: _Id, second: _Id
 ) -> Response:
     """Show two attempts side by side: rubric items, pictures and what changed in the file."""
-    chosen = sorted((_graded(services, one) for one in (first, second)), key=lambda one: one[0].received_at)
+    chosen = sorted(
+        (_graded(services, visitor, one) for one in (first, second)), key=lambda one: one[0].received_at
+    )
     (earlier, earlier_stored), (later, later_stored) = chosen
     comparison = compare(
         report_of(earlier_stored),
@@ -85,17 +92,18 @@ def read_comparison(
 @router.get("/service")
 def read_service(request: Request, services: ServicesDep) -> Response:
     """Show queue, workers and sandbox."""
-    response = Response()
-    state = health.read(services, response)
+    state = health.read(services=services, response=Response())
     return page(request, "service.html", health=state)
 
 
-def _overview(request: Request, services: Services) -> DashboardView:
-    return dashboard.read(services, Response(), language_of(request))
+def _overview(request: Request, services: Services, visitor: Visitor) -> DashboardView:
+    return dashboard.read(
+        services=services, caller=visitor.caller, response=Response(), language=language_of(request)
+    )
 
 
-def _graded(services: Services, submission_id: str) -> tuple[Submission, StoredReport]:
-    submission, stored = found(services, submission_id)
+def _graded(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport]:
+    submission, stored = access.seen(services, visitor, submission_id)
     if stored is None:
         raise ProblemError("not_graded_yet")
     return submission, stored

@@ -18,7 +18,7 @@ _LONGEST = 2_000
 
 
 class Entry(BaseModel):
-    """What somebody says about themselves: a student's id or the instructor's token; then where they go."""
+    """What somebody says about themselves: a token, or a student's id where that is enough; then where they go."""
 
     student: str = Field(default="", max_length=200)
     token: str = Field(default="", max_length=1_000)
@@ -43,8 +43,11 @@ def enter(request: Request, entry: Annotated[Entry, Form()]) -> Response:
     """Remember a student or an instructor on this browser and lead to where they wanted."""
     language = language_of(request)
     if entry.token:
-        response = RedirectResponse(own_address(entry.next) or "/class", status_code=303)
-        if access.enter_instructor(request, response, entry.token.strip()):
+        response = RedirectResponse("/", status_code=303)
+        caller = access.enter_by_token(request, response, entry.token.strip())
+        if caller is not None:
+            home = "/class" if caller.is_staff else "/submissions"
+            response.headers["Location"] = own_address(entry.next) or home
             return response
         return _ask(request, entry, 403, Refusal(field="token", text=say("enter.wrong_token", language)))
     response = RedirectResponse(own_address(entry.next) or "/submissions", status_code=303)

@@ -54,20 +54,31 @@ def hand_in(
 ) -> Response:
     """Take a file and lead to its result; on a refusal show the same page with the reason."""
     assignment = _assignment(services, assignment_id)
-    given = access.visitor_of(request).student or student.strip()
+    visitor = access.visitor_of(request)
+    if not visitor.open:
+        access.require_known(visitor)
+    given = visitor.student or student.strip()
     try:
-        receipt = submissions.upload(services, Response(), file, assignment.id, given)
+        receipt = submissions.upload(
+            services=services,
+            caller=visitor.caller,
+            response=Response(),
+            file=file,
+            assignment=assignment.id,
+            student=given,
+        )
     except ProblemError as problem:
         return _assignment_page(request, assignment, problem, student)
     response = RedirectResponse(f"/submissions/{receipt.id}", status_code=303)
-    access.enter_student(request, response, given)
+    if visitor.open:
+        access.enter_student(request, response, given)
     return response
 
 
 @router.get("/submissions")
 def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
     """Show the student's earlier attempts, newest first."""
-    access.require_student(visitor)
+    access.require_known(visitor)
     titles = {one.id: one.title for one in services.assignments.all()}
     return page(request, "attempts.html", attempts=_attempts(services, visitor), titles=titles)
 
@@ -75,7 +86,7 @@ def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) 
 def _attempts(services: Services, visitor: Visitor, assignment: str | None = None) -> tuple[Submission, ...]:
     if visitor.student is None:
         return ()
-    return services.submissions.of_student(visitor.student, assignment)
+    return services.submissions.of_student(visitor.student, assignment, course=visitor.caller.course)
 
 
 def _assignment(services: Services, assignment_id: str) -> Assignment:

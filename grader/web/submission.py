@@ -8,14 +8,15 @@ from fastapi.responses import JSONResponse
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.figure import FigureSketch
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.render.labels import SUBMISSION_STATE
 from grader.routes import recordings
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
-from grader.routes.submissions import SubmissionId, found
+from grader.routes.submissions import SubmissionId
 from grader.web import access
-from grader.web.access import Visitor, VisitorDep
+from grader.web.access import VisitorDep
 from grader.web.pages import language_of, page
 from grader.web.result import figure_parts, result_page
 from grader.web.sketches import figure_document, measured_figure, report_of, run_of
@@ -38,7 +39,7 @@ def read(
     case: Case = None,
 ) -> Response:
     """Show where a submission stands, and its grading once there is one."""
-    submission, stored = _seen(services, visitor, submission_id)
+    submission, stored = access.seen(services, visitor, submission_id)
     assignment = _published(services, submission)
     return page(
         request,
@@ -47,7 +48,9 @@ def read(
         assignment=assignment,
         open=submission.state in _OPEN,
         position=_position(services, submission),
-        attempts=services.submissions.of_student(submission.student, submission.assignment),
+        attempts=services.submissions.of_student(
+            submission.student, submission.assignment, submission.course
+        ),
         **_result(request, services, assignment, stored, case),
     )
 
@@ -57,7 +60,7 @@ def read_state(
     request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
 ) -> Response:
     """Say where a submission stands: what the progress display asks for again and again."""
-    submission, _ = _seen(services, visitor, submission_id)
+    submission, _ = access.seen(services, visitor, submission_id)
     state = SUBMISSION_STATE[submission.state.value].get(language_of(request))
     document = {
         "open": submission.state in _OPEN,
@@ -77,8 +80,10 @@ def read_trajectory(
     accept_encoding: Annotated[str | None, Header()] = None,
 ) -> Response:
     """Return what the car did, as `grader.routes.recordings` does."""
-    _seen(services, visitor, submission_id)
-    response = recordings.read_trajectory(services, submission_id, case, accept_encoding)
+    access.seen(services, visitor, submission_id)
+    response = recordings.read_trajectory(
+        services=services, submission_id=submission_id, case=case, accept_encoding=accept_encoding
+    )
     response.headers["Cache-Control"] = "private, no-cache"
     return response
 
@@ -92,7 +97,7 @@ def read_sketch(
     case: Case = None,
 ) -> Response:
     """Return what the checks saw in the motion; an empty object when they cannot say."""
-    _, stored = _seen(services, visitor, submission_id)
+    _, stored = access.seen(services, visitor, submission_id)
     run = None if stored is None else run_of(report_of(stored), case)
     figure = None if stored is None or run is None else measured_figure(services, stored, run)
     document = {} if figure is None else figure_document(figure, language_of(request))
@@ -104,16 +109,10 @@ async def read_plot(
     request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
 ) -> Response:
     """Return the picture of the first run, for browsers without scripts and for comparing."""
-    await run_in_threadpool(_seen, services, visitor, submission_id)
-    return await recordings.read_plot(services, submission_id, language_of(request))
-
-
-def _seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport | None]:
-    """Return a submission that the visitor may see, and its grading."""
-    access.require_known(visitor)
-    submission, stored = found(services, submission_id)
-    access.require_sight(visitor, submission)
-    return submission, stored
+    await run_in_threadpool(access.seen, services, visitor, submission_id)
+    return await recordings.read_plot(
+        services=services, submission_id=submission_id, language=language_of(request)
+    )
 
 
 def _published(services: Services, submission: Submission) -> Assignment | None:
@@ -125,6 +124,11 @@ def _published(services: Services, submission: Submission) -> Assignment | None:
 
 def _position(services: Services, submission: Submission) -> int | None:
     return services.queue.position(submission.id) if submission.state is SubmissionState.QUEUED else None
+
+
+def _only_talks(figure: FigureSketch | None) -> bool:
+    """Whether the exercise is about log messages: then there is no motion to replay."""
+    return figure is not None and figure.view == "log"
 
 
 def _result(
@@ -147,6 +151,6 @@ def _result(
         "result": result_page(report, assignment, language),
         "run": run,
         "parts": () if figure is None else figure_parts(figure, language, names),
-        "replay": run is not None and run.case in stored.cases,
+        "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
         "replay_words": {word: say(f"replay.{word}", language) for word in _REPLAY_WORDS},
     }

@@ -4,8 +4,9 @@ import { add, picture, ticks, trace } from "./svg.js";
 
 const FIELD_M = 11.088889; // turtlesim's window
 const LEAST_EXTENT_M = 2.4;
-const MARGIN_PX = 34;
+const MARGIN_PX = 46;
 const CAR_PX = 11;
+const STEEP_PX = 5; // a remark this far to the side begins or ends there, instead of being centred
 
 export class Plan {
   constructor(holder, motion, sketch, words) {
@@ -103,7 +104,7 @@ export class Plan {
       const [x, y] = this.place(corner.at_m);
       const turned = `${corner.angle_deg.toFixed(1)}°`;
       add(this.svg, "circle", { class: `corner ${verdict(corner.ok)}`, cx: x, cy: y, r: 3.5 });
-      this.remark(x, y, turned, corner.ok, this.outward(x, y, 20));
+      this.remark(x, y, turned, corner.ok, this.outward(x, y, 14));
     }
     for (const label of this.sketch.labels ?? []) {
       const [x, y] = this.place(label.at_m);
@@ -116,14 +117,14 @@ export class Plan {
     const [x2, y2] = this.place(end);
     add(this.svg, "line", { class: `${kind} ${verdict(ok)}`, x1, y1, x2, y2 });
     const [x, y] = [(x1 + x2) / 2, (y1 + y2) / 2];
-    this.remark(x, y, text, ok, this.outward(x, y, 16));
+    this.remark(x, y, text, ok, this.outward(x, y, 12));
   }
 
   /** A step of `pixels` away from the middle of the motion, so that remarks do not lie on the path. */
   outward(x, y, pixels) {
     const [cx, cy] = this.centre();
     const away = Math.hypot(x - cx, y - cy);
-    return away < 1 ? [0, pixels] : [((x - cx) / away) * pixels * 1.5, ((y - cy) / away) * pixels];
+    return away < 1 ? [0, pixels] : [((x - cx) / away) * pixels, ((y - cy) / away) * pixels];
   }
 
   centre() {
@@ -135,7 +136,8 @@ export class Plan {
 
   remark(x, y, text, ok, [dx, dy]) {
     const mark = ok === false ? "✗ " : "";
-    add(this.svg, "text", { class: `remark ${verdict(ok)}`, x: x + dx, y: y + dy + 4 }, mark + text);
+    const anchor = dx > STEEP_PX ? "start" : dx < -STEEP_PX ? "end" : "middle";
+    add(this.svg, "text", { class: `remark ${verdict(ok)}`, x: x + dx, y: y + dy + 4, "text-anchor": anchor }, mark + text);
   }
 }
 
