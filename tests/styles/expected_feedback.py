@@ -73,7 +73,9 @@ EXPECTED = {
         says=("turned by service",),
     ),
     "busy_future_without_spin": Expectation(plan=(Leg(0.0, 1.0, 1.0),), status=INTERRUPTED, stdout="None\n"),
-    "busy_pose_without_spin": Expectation(plan=(Leg(0.0, 1.0, 0.0, 1.0),), status=INTERRUPTED, stdout=""),
+    "busy_pose_without_spin": Expectation(
+        plan=(Leg(0.0, 1.0, 0.0, 1.0),), status=INTERRUPTED, horizon_s=3.0, stdout=""
+    ),
     "callback_without_argument": Expectation(
         plan=(Leg(0.01, 1.0, 0.0, 1.0),),
         status=RunStatus.CRASHED,
