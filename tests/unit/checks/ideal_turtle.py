@@ -3,6 +3,7 @@
 No simulator: each velocity holds until the next command, arcs are integrated in closed form.
 """
 
+import itertools
 import math
 from collections.abc import Iterable, Sequence
 
@@ -93,9 +94,11 @@ def drive(
 
 def _lagged(values: np.ndarray, steps: np.ndarray, lag_s: float) -> np.ndarray:
     out, state = np.empty_like(values), 0.0
-    for i, (value, step) in enumerate(zip(values, steps, strict=True)):
-        state += (value - state) * (1.0 - math.exp(-step / lag_s))
-        out[i] = state
+    edges = [0, *(np.flatnonzero(np.diff(values)) + 1), len(values)]
+    for first, last in itertools.pairwise(edges):  # the command is constant between two edges
+        decay = np.exp(-np.cumsum(steps[first:last]) / lag_s)
+        out[first:last] = values[first] + (state - values[first]) * decay
+        state = out[last - 1]
     return out
 
 

@@ -1,0 +1,23 @@
+"""``python -m tests.corpus``: grade the whole corpus with everything real and print the confusion matrix."""
+
+import sys
+
+from grader.slot import Slot, SlotConfig
+from tests.corpus.attempts import corpus
+from tests.corpus.judging import confusion, for_real
+
+
+def main() -> int:
+    """Return 0 when nothing was misjudged."""
+    with Slot(SlotConfig()) as slot:
+        judge = for_real(slot)
+        judged = [judge(attempt) for attempt in corpus()]
+    print(confusion(judged))
+    for each in judged:
+        if each.misjudged:
+            print(each)
+    return int(any(each.misjudged for each in judged))
+
+
+if __name__ == "__main__":
+    sys.exit(main())

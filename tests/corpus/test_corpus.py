@@ -1,0 +1,43 @@
+"""No right script loses more than a tenth, no wrong one gets full marks; defects cost from 8 % and 6° on."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+import pytest
+
+from grader.contracts.grading import Grader
+from grader.slot import Slot, SlotConfig
+from tests.corpus.attempts import FIGURES, STYLES, Attempt, corpus
+from tests.corpus.judging import confusion, for_real, on_the_ideal_turtle
+
+CORPUS = corpus()
+SAMPLE = CORPUS[::13]  # through sandbox, shim and simulator as well
+
+
+@pytest.fixture(scope="module")
+def grader() -> Iterator[Grader]:
+    with Slot(SlotConfig()) as slot:
+        yield slot
+
+
+def test_the_corpus_is_large_and_varied() -> None:
+    truths = Counter(attempt.truth for attempt in CORPUS)
+    assert truths["right"] >= 300
+    assert truths["wrong"] >= 300
+    assert {attempt.style for attempt in CORPUS} == set(STYLES)
+    assert {attempt.assignment for attempt in CORPUS} >= set(FIGURES)
+    assert len(SAMPLE) >= 55
+    assert {attempt.style for attempt in SAMPLE} == set(STYLES)
+
+
+@pytest.mark.parametrize("name", [*FIGURES, "straight", "backward", "spin"])
+def test_nothing_is_misjudged_on_the_ideal_turtle(name: str) -> None:
+    judged = [on_the_ideal_turtle(attempt) for attempt in CORPUS if attempt.assignment == name]
+    assert len(judged) > 20
+    assert not [str(each) for each in judged if each.misjudged], confusion(judged)
+
+
+@pytest.mark.parametrize("attempt", SAMPLE, ids=str)
+def test_nothing_is_misjudged_for_real(grader: Grader, attempt: Attempt) -> None:
+    judged = for_real(grader)(attempt)
+    assert not judged.misjudged, str(judged)
