@@ -2,16 +2,30 @@
 
 The script's own EXIT frame is believed for *how* it ended (it can only make its own feedback worse); limits,
 signals and tampering are the sandbox's to say, and count only when the script had not ended before.
+
+The account is the same each time a script is graded. What would depend on the moment of a kill is left out:
+the exit code and the output of a process that was ended for tampering, and the output of one that was still
+printing when a clock ended it. The trajectory of such a script is kept, because its driving earns points.
 """
 
+import re
+from dataclasses import replace
+from typing import Final
+
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
+from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus, Stream, StudentError
 from grader.jail.report import JailReport, Verdict
 from grader.sim.episode import EpisodeResult
-from grader.sim.frames import EXCEPTION, FINISHED, STALLED, SYNTAX_ERROR, Exit
+from grader.sim.frames import EXCEPTION, FINISHED, PRINTED_TOO_MUCH, STALLED, SYNTAX_ERROR, Exit
 
 INTERRUPTED_NOTE = "interrupted"
 """Sent by the shim when the horizon's Ctrl+C is raised."""
+
+FORBIDDEN_NOTE = "forbidden"
+"""Names a call that is refused."""
+
+THREAD_NOTE = "thread_exception"
+"""Names the exception that ended a thread."""
 
 _KILLED = {
     Verdict.CRASHED: RunStatus.CRASHED,
@@ -22,7 +36,21 @@ _KILLED = {
     Verdict.PROTOCOL: RunStatus.PROTOCOL,
     Verdict.FORBIDDEN: RunStatus.FORBIDDEN,
 }
-_ENDED = {STALLED: RunStatus.STALLED, SYNTAX_ERROR: RunStatus.SYNTAX_ERROR, FINISHED: RunStatus.FINISHED}
+_ENDED = {
+    STALLED: RunStatus.STALLED,
+    SYNTAX_ERROR: RunStatus.SYNTAX_ERROR,
+    FINISHED: RunStatus.FINISHED,
+    PRINTED_TOO_MUCH: RunStatus.OUTPUT_LIMIT,
+}
+_LESS_THAN_MEMORY = (RunStatus.FINISHED, RunStatus.INTERRUPTED, RunStatus.STALLED, RunStatus.CPU_LIMIT)
+"""Ends that are explained by a thread that ran out of memory."""
+
+_REFUSED: Final = re.compile(r"\[Errno (?:1|13|30)\]")
+"""EPERM, EACCES, EROFS: an exception that wraps a PermissionError quotes it (``<urlopen error [Errno 1] …``)."""
+
+_THREAD_OUT_OF_MEMORY: Final = re.compile(r".*, line \d+: MemoryError(?::|$)")
+_ADDRESS: Final = re.compile(r" at 0x[0-9a-f]+>")
+_MASKED: Final = " at 0x…>"
 
 
 def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
@@ -34,24 +62,27 @@ def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
     if jail.verdict is Verdict.INFRASTRUCTURE:
         raise InfrastructureError(f"the sandbox failed: {jail.detail or 'no reason given'}")
     status = _status(episode, jail)
-    exit_frame = episode.exit
+    exit_frame = episode.exit if episode.violation is None else None
     error = _error(exit_frame)
     after_interrupt = exit_frame is not None and exit_frame.after_interrupt
+    stdout, stderr = _streams(episode, jail)
     return RunOutcome(
         status=status,
         duration_ns=episode.duration_ns,
-        exit_code=exit_frame.exit_code if exit_frame is not None else jail.exit_code,
-        signal=jail.signal if status is RunStatus.CRASHED else None,
+        exit_code=_exit_code(status, episode, jail),
+        signal=jail.signal if status is RunStatus.CRASHED and exit_frame is None else None,
         error=None if after_interrupt else error,
         cleanup_error=error if after_interrupt else None,
-        detail=_detail(status, episode, jail),
-        stdout=jail.stdout,
-        stderr=jail.stderr,
+        detail=_masked(_detail(status, episode, jail)),
+        stdout=stdout,
+        stderr=stderr,
         nodes=episode.nodes,
         endpoints=episode.endpoints,
-        logs=episode.logs,
+        logs=tuple(_masked_log(record) for record in episode.logs),
         logs_dropped=episode.logs_dropped,
-        notes=tuple(note for note in episode.notes if note.code != INTERRUPTED_NOTE),
+        notes=tuple(
+            replace(note, text=_masked(note.text)) for note in episode.notes if note.code != INTERRUPTED_NOTE
+        ),
         command_count=episode.command_count,
         nonfinite_commands=episode.nonfinite_commands,
         first_command_ns=episode.first_command_ns,
@@ -59,20 +90,75 @@ def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
     )
 
 
+# ------------------------------------------------------------------------------------------------ status
+
+
 def _status(episode: EpisodeResult, jail: JailReport) -> RunStatus:
     if episode.violation is not None:
         return RunStatus.PROTOCOL
-    exit_frame = episode.exit
-    if exit_frame is not None:
-        if exit_frame.after_interrupt:
-            return RunStatus.INTERRUPTED
-        if exit_frame.reason == EXCEPTION:
-            out_of_memory = exit_frame.exception_type == MemoryError.__name__
-            return RunStatus.MEMORY_LIMIT if out_of_memory else RunStatus.CRASHED
+    status = (
+        _own_account(episode, episode.exit) if episode.exit is not None else _seen_from_outside(episode, jail)
+    )
+    if status in _LESS_THAN_MEMORY and _thread_without_memory(episode) is not None:
+        return RunStatus.MEMORY_LIMIT
+    return status
+
+
+def _own_account(episode: EpisodeResult, exit_frame: Exit) -> RunStatus:
+    if exit_frame.reason == PRINTED_TOO_MUCH:
+        return RunStatus.OUTPUT_LIMIT
+    if exit_frame.after_interrupt:
+        return RunStatus.INTERRUPTED
+    if exit_frame.reason != EXCEPTION:
         return _ENDED[exit_frame.reason]
+    if exit_frame.exception_type == MemoryError.__name__:
+        return RunStatus.MEMORY_LIMIT
+    return RunStatus.CRASHED if _refused_call(episode) is None else RunStatus.FORBIDDEN
+
+
+def _seen_from_outside(episode: EpisodeResult, jail: JailReport) -> RunStatus:
     if any(note.code == INTERRUPTED_NOTE for note in episode.notes):
         return RunStatus.INTERRUPTED  # would not end after Ctrl+C; at home a second one would follow
     return _KILLED.get(jail.verdict, RunStatus.FINISHED)
+
+
+def _refused_call(episode: EpisodeResult) -> str | None:
+    """Return the call whose refusal ended the script: the one the exception names, else the last refused."""
+    ended = episode.exit
+    if ended is None or ended.reason != EXCEPTION:
+        return None
+    if ended.exception_type != PermissionError.__name__ and not _REFUSED.search(ended.message):
+        return None
+    calls = [note.text for note in episode.notes if note.code == FORBIDDEN_NOTE]
+    named = [call for call in calls if (target := call.partition(": ")[2]) and repr(target) in ended.message]
+    return next(reversed(named or calls), None)
+
+
+def _thread_without_memory(episode: EpisodeResult) -> str | None:
+    noted = (note.text for note in episode.notes if note.code == THREAD_NOTE)
+    return next((text for text in noted if _THREAD_OUT_OF_MEMORY.match(text)), None)
+
+
+def _detail(status: RunStatus, episode: EpisodeResult, jail: JailReport) -> str:
+    if episode.violation is not None:
+        return episode.violation
+    if status is RunStatus.FORBIDDEN and episode.exit is not None:
+        return _refused_call(episode) or ""
+    if status is RunStatus.MEMORY_LIMIT and (thread := _thread_without_memory(episode)) is not None:
+        return thread
+    if episode.exit is not None:
+        return episode.exit.detail if episode.exit.reason == STALLED else ""
+    return "" if status is RunStatus.INTERRUPTED else jail.detail
+
+
+# --------------------------------------------------------------------------------------- what it left us
+
+
+def _exit_code(status: RunStatus, episode: EpisodeResult, jail: JailReport) -> int | None:
+    """Return the exit code; None of a process that was, or may have been, ended before it could exit."""
+    if status in (RunStatus.PROTOCOL, RunStatus.OUTPUT_LIMIT):
+        return None
+    return episode.exit.exit_code if episode.exit is not None else jail.exit_code
 
 
 def _error(exit_frame: Exit | None) -> StudentError | None:
@@ -80,15 +166,36 @@ def _error(exit_frame: Exit | None) -> StudentError | None:
         return None
     return StudentError(
         type=exit_frame.exception_type,
-        message=exit_frame.message,
+        message=_masked(exit_frame.message),
         line=exit_frame.line or None,
-        traceback=exit_frame.detail,
+        traceback=_masked(exit_frame.detail),
     )
 
 
-def _detail(status: RunStatus, episode: EpisodeResult, jail: JailReport) -> str:
-    if episode.violation is not None:
-        return episode.violation
-    if episode.exit is not None:
-        return episode.exit.detail if episode.exit.reason == STALLED else ""
-    return "" if status is RunStatus.INTERRUPTED else jail.detail
+def is_repeatable(episode: EpisodeResult, jail: JailReport) -> bool:
+    """Return whether the script would print the same if it were run again."""
+    return jail.settled and episode.violation is None
+
+
+def _streams(episode: EpisodeResult, jail: JailReport) -> tuple[Stream, Stream]:
+    if not is_repeatable(episode, jail):
+        return Stream(), Stream()
+    return masked_stream(jail.stdout), masked_stream(jail.stderr)
+
+
+# ---------------------------------------------------------------------------------------------- addresses
+
+
+def _masked(text: str) -> str:
+    """Return `text` with object addresses as ``0x…``: where the host insists on random ones they differ."""
+    return _ADDRESS.sub(_MASKED, text) if " at 0x" in text else text
+
+
+def masked_stream(stream: Stream) -> Stream:
+    """Return `stream` with object addresses masked, as ``<node at 0x7f1c…>`` becomes ``<node at 0x…>``."""
+    return replace(stream, text=_masked(stream.text))
+
+
+def _masked_log(record: LogRecord) -> LogRecord:
+    message = _masked(record.message)
+    return record if message is record.message else replace(record, message=message)

@@ -118,6 +118,7 @@ def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
         args=case.args,
         stdin=case.stdin,
         calls=job.assignment.calls,
+        output_bytes=job.assignment.limits.output_bytes,
     )
 
 

@@ -13,7 +13,7 @@ from typing import Final, Self
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
 from grader.contracts.limits import Limits
 from grader.jail import layers
-from grader.jail.jail import Jail, start_byte
+from grader.jail.jail import Jail
 from grader.jail.layers import Layer, Mode, Program
 from grader.jail.process import ProcessHandle
 from grader.jail.streams import Capture
@@ -75,7 +75,7 @@ class Sandbox:
         """
         self._mode = mode
         self._program = Program(
-            shim=shim_path, entry=entry, preload=(*preload, "numpy") if preload_numpy else preload
+            shim=shim_path, entry=entry, preload=("numpy", *preload) if preload_numpy else preload
         )
         choice = _choose(mode, without if namespaces else without | {Layer.NAMESPACES})
         self.missing_required = choice.missing_required
@@ -210,7 +210,7 @@ class Sandbox:
                         os.close(writer)
             process = ProcessHandle(pid, pidfd)
             undo.callback(process.close)
-            start_byte(ours, _CONFINE_LIMIT_S)
+            _await_start(ours, _CONFINE_LIMIT_S)
             undo.pop_all()
 
         def reap() -> tuple[int, int, int]:
@@ -241,3 +241,22 @@ def _pipes(undo: ExitStack, limit_bytes: int) -> tuple[tuple[Capture, Capture], 
     for capture in captures:
         undo.callback(capture.close)
     return captures, (stdout_writer, stderr_writer)
+
+
+def _await_start(channel: socket.socket, timeout_s: float) -> None:
+    """Wait for the confined process to say that it is confined.
+
+    Raises:
+        SandboxError: it says that a step failed, ends, or says nothing in time.
+    """
+    channel.settimeout(timeout_s)
+    try:
+        answer = channel.recv(1)
+        if answer == b"+":
+            return
+        reason = channel.recv(4096).decode(errors="replace") if answer == b"-" else "it ended early"
+    except OSError as error:
+        reason = str(error)
+    finally:
+        channel.settimeout(None)
+    raise SandboxError(f"the process could not be confined: {reason}")

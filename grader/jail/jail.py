@@ -10,18 +10,21 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Final, Self
 
-from grader.contracts.errors import ProtocolError, SandboxError
+from grader.contracts.errors import ProtocolError
 from grader.contracts.limits import Limits
 from grader.jail import policy
+from grader.jail.clocks import TICK_NS, Clocks
 from grader.jail.frames import FrameReader, pack
 from grader.jail.process import ProcessHandle
 from grader.jail.report import JailReport, Verdict
 from grader.jail.streams import Capture
 
-_TICK_NS: Final = 5_000_000
 _RECEIVE_BYTES: Final = 65_536
 _BACKLOG_MAX_BYTES: Final = 8 * policy.FRAME_MAX_BYTES
-_TICK_TIMEVAL: Final = struct.pack("@ll", 0, _TICK_NS // 1000)
+_OUT_OF_MEMORY: Final = (signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS)
+"""How C code ends that does not expect an allocation to fail."""
+_NEARLY_ALL: Final = 0.9
+_TICK_TIMEVAL: Final = struct.pack("@ll", 0, TICK_NS // 1000)
 
 
 class Jail:
@@ -50,11 +53,7 @@ class Jail:
         self._verdict: Verdict | None = None
         self._detail = ""
         self._report: JailReport | None = None
-        self._start_ns = time.monotonic_ns()
-        self._wall_deadline_ns = self._start_ns + int(limits.wall_s * 1e9)
-        self._cpu_deadline_ns = process.cpu_ns() + int(limits.cpu_s * 1e9)
-        self._last_look_ns: int | None = None
-        self._idle_ns = 0
+        self._clocks = Clocks(process, limits)
         channel.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _TICK_TIMEVAL)
         channel.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, _TICK_TIMEVAL)
         self._poll = select.poll()
@@ -78,7 +77,7 @@ class Jail:
     def send(self, body: bytes) -> None:
         """Send one frame. When the process has ended, or ends meanwhile, the frame is dropped silently."""
         data = memoryview(pack(body))
-        self._last_look_ns = None
+        self._clocks.forget_look()
         while data and self._verdict is None and not self._channel_ended:
             try:
                 data = data[self._channel.send(data) :]
@@ -91,7 +90,7 @@ class Jail:
     def receive(self) -> bytes | None:
         """Return the body of the next frame, or None once the process has ended or was ended by a limit.
 
-        Frames that arrived before a limit struck are still returned first.
+        Frames that were sent before a limit struck are still returned first.
         """
         while True:
             try:
@@ -101,17 +100,17 @@ class Jail:
                 return None
             if frame is not None:
                 return frame
-            if self._verdict is not None:
-                return None
-            if self._channel_ended:
+            if self._channel_ended or self._verdict is Verdict.PROTOCOL:
                 self._await_end()
                 return None
-            self._take()
+            if self._verdict is None:
+                self._take()
+            else:
+                self._take_rest()
 
     def limit_cpu(self, extra_s: float) -> None:
         """Leave the script at most `extra_s` more CPU seconds from now, and never more than it had."""
-        deadline_ns = self._process.cpu_ns() + int(extra_s * 1e9)
-        self._cpu_deadline_ns = min(self._cpu_deadline_ns, deadline_ns)
+        self._clocks.limit_cpu(extra_s)
 
     def _take(self) -> None:
         """Receive once; look after everything else when there is nothing to receive."""
@@ -126,9 +125,22 @@ class Jail:
         if not data:
             self._channel_ended = True
             return
+        self._clocks.note_life()
+        self._clocks.forget_look()
         self._keep(data)
-        self._last_look_ns = None
         self._check_clocks()
+
+    def _take_rest(self) -> None:
+        """Receive once from a process that was killed: what it had sent before counts, then the channel ends."""
+        try:
+            data = self._channel.recv(_RECEIVE_BYTES)
+        except (BlockingIOError, InterruptedError):
+            self._channel_ended = self._has_ended()  # somebody else holds its end: wait no longer
+            return
+        except OSError:
+            data = b""
+        self._channel_ended = not data
+        self._keep(data)
 
     def _keep(self, data: bytes) -> None:
         try:
@@ -158,13 +170,13 @@ class Jail:
         """
         if channel_events:
             self._poll.register(self._channel, channel_events)
-        ready = self._poll.poll(_TICK_NS // 1_000_000)
+        ready = self._poll.poll(TICK_NS // 1_000_000)
         if channel_events:
             self._poll.unregister(self._channel)
         self._drain()
         self._check_clocks()
-        if self._verdict is None:
-            self._check_idle()
+        if self._verdict is None and self._clocks.sleeps_for_ever() and not self._has_ended():
+            self._end(Verdict.STALLED, "the script waits in a call that nothing can end")
         return any(descriptor == self._channel.fileno() for descriptor, _ in ready)
 
     def _await_end(self) -> None:
@@ -180,27 +192,17 @@ class Jail:
     def _drain(self) -> None:
         for capture in (self._stdout, self._stderr):
             if not capture.ended:
-                capture.drain()
+                if capture.drain():
+                    self._clocks.note_life()
                 if capture.ended:
                     self._poll.unregister(capture.descriptor)
         if self._stdout.total_bytes + self._stderr.total_bytes > self._limits.output_bytes:
             self._end(Verdict.OUTPUT_LIMIT, f"more than {self._limits.output_bytes} bytes were printed")
 
     def _check_clocks(self) -> None:
-        if self._process.cpu_ns() > self._cpu_deadline_ns:
-            self._end(Verdict.CPU_LIMIT, f"more than {self._limits.cpu_s:g} s of CPU time were used")
-        elif time.monotonic_ns() > self._wall_deadline_ns:
-            self._end(Verdict.INFRASTRUCTURE, f"no end after {self._limits.wall_s:g} s")
-
-    def _check_idle(self) -> None:
-        """Add up how long the script was seen asleep although the episode waits for it."""
-        now_ns = time.monotonic_ns()
-        if self._last_look_ns is not None and self._process.sleeps():
-            # No more than a few ticks at a time: this process, or the whole machine, may have been paused.
-            self._idle_ns += min(now_ns - self._last_look_ns, 4 * _TICK_NS)
-        self._last_look_ns = now_ns
-        if self._idle_ns > policy.IDLE_LIMIT_NS and not self._has_ended():
-            self._end(Verdict.STALLED, "the script waits in a call that nothing can end")
+        passed = self._clocks.verdict()
+        if passed is not None:
+            self._end(*passed)
 
     def _end(self, verdict: Verdict, detail: str) -> None:
         if self._verdict is None:
@@ -231,9 +233,11 @@ class Jail:
             self._process.kill()
         cpu_before_ns = self._process.cpu_ns()
         wait_status, cpu_ns, peak_bytes = self._reap()
-        wall_ns = time.monotonic_ns() - self._start_ns
+        wall_ns = self._clocks.wall_ns
         self._drain_rest()
-        verdict, exit_code, signal_name, detail = self._judge(wait_status, ended_itself, cpu_before_ns)
+        verdict, exit_code, signal_name, detail = self._judge(
+            wait_status, ended_itself, cpu_before_ns, peak_bytes
+        )
         return JailReport(
             verdict=verdict,
             exit_code=exit_code,
@@ -244,6 +248,7 @@ class Jail:
             wall_ns=wall_ns,
             stdout=self._stdout.stream(),
             stderr=self._stderr.stream(),
+            settled=self._has_settled(verdict),
         )
 
     def _drain_rest(self) -> None:
@@ -252,8 +257,16 @@ class Jail:
             self._poll.poll(1)
             self._drain()
 
+    def _has_settled(self, verdict: Verdict) -> bool:
+        """Return whether the streams do not depend on the moment of the kill (see `JailReport`)."""
+        if verdict in (Verdict.CPU_LIMIT, Verdict.STALLED):
+            return self._clocks.was_quiet(verdict)
+        if verdict is Verdict.OUTPUT_LIMIT:  # one stream is cut at the limit; of another, who knows
+            return 0 in (self._stdout.total_bytes, self._stderr.total_bytes)
+        return self._verdict is not Verdict.PROTOCOL
+
     def _judge(
-        self, wait_status: int, ended_itself: bool, cpu_ns: int
+        self, wait_status: int, ended_itself: bool, cpu_ns: int, peak_bytes: int
     ) -> tuple[Verdict, int | None, str | None, str]:
         if self._verdict is not None:
             return self._verdict, None, None, self._detail
@@ -264,32 +277,15 @@ class Jail:
         number = os.WTERMSIG(wait_status)
         name = signal.Signals(number).name
         if number == signal.SIGXCPU:
-            return Verdict.CPU_LIMIT, None, None, f"more than {self._limits.cpu_s:g} s of CPU time were used"
+            return Verdict.CPU_LIMIT, None, None, self._clocks.cpu_text
         if number == signal.SIGSYS:
             return Verdict.FORBIDDEN, None, name, "a system call of another architecture was made"
         if number != signal.SIGKILL:
+            if number in _OUT_OF_MEMORY and peak_bytes >= _NEARLY_ALL * self._limits.memory_bytes:
+                return Verdict.MEMORY_LIMIT, None, name, f"{name} with all memory in use"
             return Verdict.CRASHED, None, name, f"the process was ended by {name}"
         if not ended_itself:
             return Verdict.FINISHED, None, None, ""
-        if cpu_ns >= self._cpu_deadline_ns:
-            return Verdict.CPU_LIMIT, None, None, f"more than {self._limits.cpu_s:g} s of CPU time were used"
+        if self._clocks.exhausted(cpu_ns):
+            return Verdict.CPU_LIMIT, None, None, self._clocks.cpu_text
         return Verdict.INFRASTRUCTURE, None, name, "the process was killed from outside the grader"
-
-
-def start_byte(channel: socket.socket, timeout_s: float) -> None:
-    """Wait for the confined process to say that it is confined.
-
-    Raises:
-        SandboxError: it says that a step failed, ends, or says nothing in time.
-    """
-    channel.settimeout(timeout_s)
-    try:
-        answer = channel.recv(1)
-        if answer == b"+":
-            return
-        reason = channel.recv(4096).decode(errors="replace") if answer == b"-" else "it ended early"
-    except OSError as error:
-        reason = str(error)
-    finally:
-        channel.settimeout(None)
-    raise SandboxError(f"the process could not be confined: {reason}")

@@ -22,7 +22,9 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JailReport:
-    """The account of one run. Only `cpu_ns`, `wall_ns` and `peak_bytes` are measurements.
+    """The account of one run.
+
+    `cpu_ns`, `wall_ns` and `peak_bytes` are measurements, and so are the streams unless `settled`.
 
     Attributes:
         exit_code: None unless the process exited by itself.
@@ -31,6 +33,8 @@ class JailReport:
         cpu_ns: user and system time of all threads.
         wall_ns: from the start of the script to the end of the process.
         peak_bytes: largest resident set, the warm interpreter included.
+        settled: whether `stdout` and `stderr` would be the same if the script ran again. They are not when
+            a script was still busy printing at the moment at which a clock ended it.
     """
 
     verdict: Verdict
@@ -42,3 +46,4 @@ class JailReport:
     wall_ns: int = 0
     stdout: Stream = field(default_factory=Stream)
     stderr: Stream = field(default_factory=Stream)
+    settled: bool = True

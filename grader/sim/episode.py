@@ -51,6 +51,7 @@ class EpisodeSpec:
         args: of the command line, without the file. stdin: text for `input()`.
         epoch_ns: wall clock the script reads at virtual time 0.
         calls: requests the assignment sends to the script's services.
+        output_bytes: what the script may print before the shim ends it; None: no bound.
     """
 
     world: World
@@ -61,6 +62,7 @@ class EpisodeSpec:
     stdin: str = ""
     epoch_ns: int = DEFAULT_EPOCH_NS
     calls: tuple[ServiceCall, ...] = ()
+    output_bytes: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -137,6 +139,7 @@ class Episode:
             "horizon_ns": spec.horizon_ns,
             "epoch_ns": spec.epoch_ns,
             "seed": spec.world.seed,
+            "output_bytes": spec.output_bytes,
             "world": graph,
         }
 

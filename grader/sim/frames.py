@@ -3,7 +3,7 @@
 from typing import NamedTuple, Protocol, TypeAlias
 
 NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
-FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR = 0, 1, 2, 3
+FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR, PRINTED_TOO_MUCH = 0, 1, 2, 3, 4
 MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT = 1, 2, 3
 
 
@@ -78,7 +78,7 @@ class NoteFrame(NamedTuple):
 
 
 class Exit(NamedTuple):
-    """How the script ended. `reason` is one of FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR."""
+    """How the script ended. `reason` is one of FINISHED ... PRINTED_TOO_MUCH."""
 
     t_ns: int
     reason: int

@@ -98,12 +98,36 @@ def test_times_never_decrease_from_frame_to_frame(run_bare: RunScript) -> None:
 
 def test_frames_are_sent_in_batches_and_every_one_arrives(run_bare: RunScript) -> None:
     run = run_bare(
-        HEAD + f"a = {TWIST}\nsent = []\nchannel = link._channel\nclass Spy:\n"
+        HEAD + f"a = {TWIST}\nlink.publish(a, bytes(52))\nsent = []\nchannel = link._channel\nclass Spy:\n"
         "    def sendall(self, data): sent.append(len(data)); channel.sendall(data)\nlink._channel = Spy()\n"
         "for _ in range(1000): link.publish(a, bytes(52))\nprint(len(sent), min(sent) >= 16384)\n"
     )
     assert run.stdout == "4 True\n"
-    assert len(run.of("PUBLISH")) == 1000
+    assert len(run.of("PUBLISH")) == 1001
+
+
+def test_what_a_killed_script_did_is_known(run_bare: RunScript) -> None:
+    """Entities, notes, log records and changed commands leave at once; repetitions within 0.1 s may wait."""
+    run = run_bare(
+        HEAD + f"a = {TWIST}\nsent = []\nchannel = link._channel\nclass Spy:\n"
+        "    def sendall(self, data): sent.append(data.count(b'v')); channel.sendall(data)\n"
+        "link._channel = Spy()\n"
+        "def total(call, *args):\n    before = len(sent)\n    call(*args)\n    return len(sent) - before\n"
+        "print(total(link.register, 'node', '/n'), total(link.note, 'x'), total(link.publish, a, b'v1'))\n"
+        "print([total(link.publish, a, b'v1') for _ in range(3)], total(link.publish, a, b'v2'), sent[-1])\n"
+        "time.sleep(0.2)\nprint(total(link.publish, a, b'v2'))\n"
+    )
+    assert run.stdout == "1 1 1\n[0, 0, 0] 1 4\n1\n"
+
+
+def test_a_flood_of_news_is_sent_in_batches(run_bare: RunScript) -> None:
+    run = run_bare(
+        HEAD + f"a = {TWIST}\nsent = []\nchannel = link._channel\nclass Spy:\n"
+        "    def sendall(self, data): sent.append(len(data)); channel.sendall(data)\nlink._channel = Spy()\n"
+        "for i in range(9000): link.publish(a, i.to_bytes(52, 'little'))\nprint(len(sent))\n"
+    )
+    assert 1_900 < int(run.stdout) < 2_100
+    assert len(run.of("PUBLISH")) == 9_000
 
 
 def test_there_is_a_bound_on_entities(run_bare: RunScript) -> None:

@@ -9,6 +9,7 @@ import os
 import struct
 
 from rclpy._kernel import kernel
+from rclpy._output import budget
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -152,7 +153,7 @@ def write(text: str, fd: int = 2) -> None:
     data = text.encode("utf-8", "backslashreplace")
     try:
         while data:
-            data = data[os.write(fd, data) :]
+            data = data[budget.write(fd, data) :]
     except OSError:
         return
 

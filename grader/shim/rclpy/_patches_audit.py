@@ -1,5 +1,10 @@
-"""Tells the student which call the sandbox is going to refuse. The refusal itself is the sandbox's."""
+"""Refuses, with an exception that names the call, what the sandbox is going to refuse.
 
+The boundary is the sandbox's; a script that goes round this module meets it. But which error the kernel gives
+depends on the host's layers (`EACCES`, `EPERM`, `EROFS`, a missing file), and a report must not.
+"""
+
+import errno
 import os
 import sys
 from typing import Any
@@ -40,7 +45,7 @@ _noted: set[str] = set()
 
 
 def watch() -> None:
-    """Note the first use of each call in `FORBIDDEN`, and of `open` for writing."""
+    """Refuse each call in `FORBIDDEN`, and `open` for writing; note the first use of each."""
     sys.addaudithook(_on_event)
 
 
@@ -49,9 +54,17 @@ def _on_event(event: str, args: tuple[Any, ...]) -> None:
         if isinstance(args[0], int) or not (isinstance(args[2], int) and args[2] & _WRITING):
             return
         if args[0] != os.devnull:
-            _note("open for writing", str(args[0]))
+            _note("open for writing", _text(args[0]))
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), args[0])
     elif event in FORBIDDEN:
-        _note(event, str(args[0]) if args else "")
+        target = args[0] if args else None
+        _note(event, _text(target))
+        named = (target,) if isinstance(target, (str, bytes)) else ()
+        raise PermissionError(errno.EPERM, os.strerror(errno.EPERM), *named)
+
+
+def _text(target: object) -> str:
+    return os.fsdecode(target) if isinstance(target, bytes) else "" if target is None else str(target)
 
 
 def _note(call: str, target: str) -> None:

@@ -12,7 +12,7 @@ from types import CodeType, ModuleType
 from typing import Any, NoReturn
 
 import rclpy._importer  # noqa: F401 - the interface packages can be imported from now on
-from rclpy import _loops, _patches, _report, _wire
+from rclpy import _loops, _output, _patches, _report, _wire
 from rclpy._kernel import kernel
 from rclpy._link import link
 
@@ -124,6 +124,7 @@ def _prepare(start: dict[str, Any]) -> ModuleType:
     sys.argv = [start["file_name"], *start["args"]]
     sys.excepthook = sys.__excepthook__ = _report.excepthook
     _open_streams(start["stdin"])
+    _output.budget.limit(start.get("output_bytes"), _end_at_output_limit)
     _add_site_builtins()
     setattr(builtins, _loops.CHECKPOINT, kernel.checkpoint)
     module = ModuleType("__main__")
@@ -154,11 +155,7 @@ def _open_streams(stdin: str) -> None:
         stream = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
     sys.stdin = stream
     setattr(sys, "__stdin__", stream)  # noqa: B010 - declared final
-    # Line by line, as on a terminal: what was printed survives a kill at the CPU limit.
-    for output, errors in ((sys.stdout, "strict"), (sys.stderr, "backslashreplace")):
-        reconfigure: Any = getattr(output, "reconfigure", None)
-        if reconfigure is not None:
-            reconfigure(encoding="utf-8", errors=errors, line_buffering=True)
+    _output.open_streams()
 
 
 def _add_site_builtins() -> None:
@@ -286,6 +283,13 @@ def end_now(reason: str) -> NoReturn:
     else:
         ending.code = 130
     _finish()
+
+
+def _end_at_output_limit() -> NoReturn:
+    """End the run at the byte it may no longer print; flushing would print more."""
+    ending.reason = _wire.PRINTED_TOO_MUCH
+    ending.code = 1
+    ending.send_and_exit()
 
 
 def exit_now(code: int) -> NoReturn:
