@@ -16,6 +16,7 @@ from grader.routes import (
     dashboard,
     documentation,
     health,
+    people,
     problem_pages,
     problems,
     recordings,
@@ -33,6 +34,7 @@ _ROUTERS = (
     recordings.router,
     assignments.router,
     dashboard.router,
+    people.router,
     problem_pages.router,
     health.router,
 )

@@ -18,6 +18,8 @@ COMMANDS: dict[str, str] = {
     "run": "run a script against the simulated turtle, without grading / 只运行不评分",
     "assignments": "list, show and validate assignments / 查看作业与评分标准",
     "serve": "start the HTTP service with its workers / 启动服务",
+    "course": "create a course and import its people / 创建课程、导入名单",
+    "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
     "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
     "demo": "grade a small class over HTTP and show the dashboard / 演示",
 }

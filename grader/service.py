@@ -12,7 +12,12 @@ from grader.bootstrap import build_sandbox
 from grader.catalog import Catalog
 from grader.contracts.assignment import Assignment
 from grader.contracts.codec import from_plain
-from grader.contracts.errors import AssignmentError, SandboxError, UnknownAssignmentError
+from grader.contracts.errors import (
+    AssignmentError,
+    SandboxError,
+    SettingsError,
+    UnknownAssignmentError,
+)
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState, SyntaxProblem
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
@@ -21,16 +26,14 @@ from grader.preflight import SandboxPreflight
 from grader.routes.access import InstructorGate, new_token
 from grader.routes.plots import PlotCache
 from grader.routes.services import Services
-from grader.settings import Settings
+from grader.settings import Settings, is_loopback
 from grader.slot import Slot, SlotConfig
 from grader.store.columns import utc_now
-from grader.store.dashboard import Dashboard
+from grader.store.courses import Courses
 from grader.store.database import Database
-from grader.store.doorbell import Doorbell
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.schema import migrate
-from grader.store.submissions import Submissions
-from grader.store.workers import Workers, presence
+from grader.store.workers import presence
 from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
@@ -99,7 +102,7 @@ def running(
         preflight: looks at uploads; by default a sandbox of its own.
 
     Raises:
-        SettingsError: the database does not fit this version.
+        SettingsError: the database does not fit this version, or the service would be open to the network.
         AssignmentError: an assignment is wrong.
         InfrastructureError: the database cannot be opened.
     """
@@ -107,18 +110,17 @@ def running(
         database = Database(settings.database_url)
         stack.callback(database.close)
         migrate(database)
-        services = Services(
-            settings=settings,
+        courses = Courses(database, utc_now)
+        check_exposure(settings, courses)
+        services = Services.over(
+            database,
+            settings,
+            utc_now,
+            policy=_policy(settings),
             assignments=RememberedAssignments(Catalog()),
-            submissions=Submissions(database, utc_now),
-            queue=Queue(database, utc_now, _policy(settings)),
-            workers=Workers(database, utc_now),
-            dashboard=Dashboard(database),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(_plot, settings.plot_cache_entries),
-            gate=InstructorGate(_token(settings, announce or _announce)),
-            doorbell=Doorbell(),
-            clock=utc_now,
+            gate=InstructorGate(_token(settings, courses, announce or _announce)),
         )
         stack.callback(services.plots.close)
         if settings.slots:
@@ -178,11 +180,43 @@ def _policy(settings: Settings) -> RetryPolicy:
     )
 
 
-def _token(settings: Settings, announce: Callable[[str], None]) -> str:
+def require_safe_exposure(settings: Settings) -> None:
+    """Do what `check_exposure` does before anything is opened.
+
+    Raises:
+        SettingsError: as there, or the database does not fit this version.
+    """
+    if is_loopback(settings.host):
+        return
+    database = Database(settings.database_url)
+    try:
+        migrate(database)
+        check_exposure(settings, Courses(database, utc_now))
+    finally:
+        database.close()
+
+
+def check_exposure(settings: Settings, courses: Courses) -> None:
+    """Refuse to be reached from other machines while nobody is asked who they are.
+
+    Raises:
+        SettingsError: the address is not of this machine only, there is no course, and nobody consented.
+    """
+    if is_loopback(settings.host) or settings.allow_anonymous_network or courses.exist():
+        return
+    raise SettingsError(
+        f"host {settings.host} is reachable from other machines, and without a course nobody is asked who they "
+        "are: create one with `grader course create`, use 127.0.0.1, or set "
+        "GRADER_ALLOW_ANONYMOUS_NETWORK=true if a proxy in front authenticates"
+    )
+
+
+def _token(settings: Settings, courses: Courses, announce: Callable[[str], None]) -> str:
     if settings.instructor_token is not None:
         return settings.instructor_token.get_secret_value()
     token = new_token()
-    announce(token)
+    if not courses.exist():  # with courses it would open nothing
+        announce(token)
     return token
 
 
@@ -203,6 +237,6 @@ def _probe() -> SandboxState:
 
 
 def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, language: Language) -> bytes:
-    from grader.plots import draw  # noqa: PLC0415  matplotlib takes a second to import: not at start
+    from grader.plots import draw  # matplotlib takes a second to import: not at start
 
     return draw(assignment, from_plain(GradeReport, json.loads(report.content)), trajectory, language)

@@ -33,8 +33,8 @@ class Settings(BaseSettings):
     port: int = Field(default=8080, ge=0, le=65_535, description="Port it listens on; 0 takes a free one.")
     allow_anonymous_network: bool = Field(
         default=False,
-        description="Listen beyond this machine although submissions are not tied to identities: anybody "
-        "who reaches the port can upload under any name. Put a proxy that authenticates in front.",
+        description="Listen beyond this machine although there is no course and nobody is asked who they are: "
+        "anybody who reaches the port can upload under any name. Put a proxy that authenticates in front.",
     )
     database_url: str = Field(
         default="sqlite:///grader.db",
@@ -43,8 +43,8 @@ class Settings(BaseSettings):
     )
     instructor_token: SecretStr | None = Field(
         default=None,
-        description="Token that opens the dashboard, at least 16 characters; without it, one is made and "
-        "printed at each start.",
+        description="Token that opens the class while there is no course, at least 16 characters; without it, "
+        "one is made and printed at each start.",
     )
     default_language: Language = Field(
         default="zh", description="Language of answers when a request asks for neither zh nor en."
@@ -54,6 +54,12 @@ class Settings(BaseSettings):
     )
     max_open_submissions: int = Field(
         default=50, ge=1, description="Most submissions of one student that may wait for grading at once."
+    )
+    requests_per_minute: int = Field(
+        default=600, ge=1, description="Most requests of one student of a course in a minute."
+    )
+    uploads_per_minute: int = Field(
+        default=60, ge=1, description="Most uploads under one student's name in a minute."
     )
     pass_fraction: float = Field(
         default=0.6, ge=0.0, le=1.0, description="Share of the points from which the dashboard says passed."
@@ -113,16 +119,6 @@ class Settings(BaseSettings):
         if not (token.isascii() and token.isprintable()) or " " in token:
             raise ValueError("must be printable ASCII without spaces, to fit an HTTP header")
         return value
-
-    @model_validator(mode="after")
-    def _stays_on_this_machine(self) -> Self:
-        if not (self.allow_anonymous_network or is_loopback(self.host)):
-            raise ValueError(
-                f"host {self.host} is reachable from other machines, and submissions are not tied to "
-                f"identities: use 127.0.0.1, or set {_PREFIX}ALLOW_ANONYMOUS_NETWORK=true if a proxy in "
-                "front authenticates"
-            )
-        return self
 
     @model_validator(mode="after")
     def _heart_beats_within_the_lease(self) -> Self:

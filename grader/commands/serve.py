@@ -25,10 +25,11 @@ def run(arguments: argparse.Namespace) -> int:
     import uvicorn
 
     from grader.api import create_app
-    from grader.service import running
+    from grader.service import require_safe_exposure, running
     from grader.settings import load
 
     settings = load(**_overrides(arguments))
+    require_safe_exposure(settings)
     app = create_app(lambda: running(settings))
     with _listening(settings.host, settings.port) as listener:
         sys.stderr.write(f"grader: {_url(listener)}/api/v1/assignments\n")
@@ -64,9 +65,7 @@ def _overrides(arguments: argparse.Namespace) -> dict[str, Any]:
         if getattr(arguments, name) is not None
     }
     if arguments.data is not None:
-        try:
-            arguments.data.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise SettingsError(f"--data {arguments.data}: {error.strerror}") from error
-        given["database_url"] = f"sqlite:///{(arguments.data / 'grader.db').resolve()}"
+        from grader.commands.storage import database_url
+
+        given["database_url"] = database_url(arguments.data)
     return given

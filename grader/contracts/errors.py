@@ -4,6 +4,7 @@ GraderError
 ├── AssignmentError        the instructor's file is wrong: names file, field and fix
 ├── UnknownAssignmentError no assignment of that name
 ├── SubmissionError        the student's file cannot be accepted: names the reason and the fix
+├── CourseError            a course, its people or its rules cannot be changed as asked
 ├── SettingsError          the operator's configuration is wrong
 ├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
 │   └── SandboxUnavailableError   a required layer is missing: the service refuses to grade
@@ -34,6 +35,10 @@ class SubmissionError(GraderError):
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)
         self.code = code
+
+
+class CourseError(GraderError):
+    """A course, its people or its rules cannot be changed as asked."""
 
 
 class SettingsError(GraderError):

@@ -23,12 +23,13 @@ class SubmissionState(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewSubmission:
-    """An accepted upload. `source` is kept byte for byte."""
+    """An accepted upload. `source` is kept byte for byte; `course` is None while there are no courses."""
 
     student: str
     assignment: str
     file_name: str
     source: bytes
+    course: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -63,6 +64,7 @@ class Submission:
     max_score: float | None
     report_sha256: str | None
     graded_attempt: int | None
+    course: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,17 +2,18 @@
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Path, Response
+from fastapi import APIRouter, Depends, Path, Response
 from pydantic import BaseModel, Field
 
 from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.text import Language
+from grader.routes.access import ENTRY_PROBLEMS, caller_of
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import ServicesDep
 from grader.routes.submissions import LanguageDep
 
-router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])
+router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"], dependencies=[Depends(caller_of)])
 
 
 class AssignmentSummary(BaseModel):
@@ -69,7 +70,7 @@ class AssignmentList(BaseModel):
     assignments: list[AssignmentSummary]
 
 
-@router.get("", summary="All assignments", responses=responses("invalid_request"))
+@router.get("", summary="All assignments", responses=responses(*ENTRY_PROBLEMS, "invalid_request"))
 def list_all(services: ServicesDep, response: Response, language: LanguageDep) -> AssignmentList:
     """Return the checklist."""
     _say(response, language)
@@ -81,7 +82,7 @@ def list_all(services: ServicesDep, response: Response, language: LanguageDep) -
 @router.get(
     "/{assignment_id}",
     summary="One assignment with its rubric",
-    responses=responses("assignment_not_found", "invalid_request"),
+    responses=responses(*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request"),
 )
 def read(
     services: ServicesDep,

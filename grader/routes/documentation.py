@@ -14,6 +14,7 @@ TAGS = [
     {"name": "recordings", "description": "What the car did."},
     {"name": "assignments", "description": "What is asked and how it earns points."},
     {"name": "dashboard", "description": "The class at a glance; for instructors."},
+    {"name": "people", "description": "Who one is, who is in the course, what was changed."},
     {"name": "problems", "description": "What went wrong and what to do about it."},
     {"name": "health", "description": "Whether the service can do its work."},
 ]

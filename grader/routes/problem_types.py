@@ -31,11 +31,18 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     ),
     "unauthorized": ProblemType(
         status=401,
-        title=Text(zh="需要教师令牌", en="An instructor token is needed"),
+        title=Text(zh="需要有效的令牌", en="A valid token is needed"),
         fix=Text(
-            zh="在请求头 Authorization 中填写 Bearer 和服务启动时显示的令牌。",
-            en="Send the header Authorization: Bearer, followed by the token shown when the service started.",
+            zh="在请求头 Authorization 中填写 Bearer 和你的令牌；令牌过期或遗失时向教师要一个新的。"
+            "没有设置课程时，用服务启动时显示的令牌。",
+            en="Send the header Authorization: Bearer, followed by your token; ask the instructor for a new one "
+            "when it has expired or is lost. Without courses it is the token shown when the service started.",
         ),
+    ),
+    "forbidden": ProblemType(
+        status=403,
+        title=Text(zh="你的身份不允许这样做", en="Your role does not allow this"),
+        fix=Text(zh="请任课教师来做。", en="Ask an instructor of the course to do it."),
     ),
     "foreign_form": ProblemType(
         status=403,
@@ -121,6 +128,11 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             en="Use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit.",
         ),
     ),
+    "unknown_student": ProblemType(
+        status=422,
+        title=Text(zh="课程里没有这名学生", en="Nobody in the course has this id"),
+        fix=Text(zh="检查学号，或先导入名单。", en="Check the id, or import the roster first."),
+    ),
     "unknown_assignment": ProblemType(
         status=422,
         title=Text(zh="没有这个作业", en="There is no such assignment"),
@@ -158,6 +170,14 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
         status=429,
         title=Text(zh="等待评分的提交太多", en="Too many submissions are waiting"),
         fix=Text(zh="等前面的提交评分完成后再上传。", en="Upload again when earlier ones are graded."),
+    ),
+    "too_many_requests": ProblemType(
+        status=429,
+        title=Text(zh="请求太频繁", en="Too many requests"),
+        fix=Text(
+            zh="等响应头 Retry-After 所说的秒数，再试一次。",
+            en="Wait as many seconds as the header Retry-After says, then try again.",
+        ),
     ),
     "internal_error": ProblemType(
         status=500, title=Text(zh="服务内部错误", en="The service made a mistake"), fix=_ASK

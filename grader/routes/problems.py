@@ -22,10 +22,12 @@ TYPE_PATH = "/api/v1/problems/"
 _BY_STATUS = {
     400: "malformed_body",
     401: "unauthorized",
+    403: "forbidden",
     404: "not_found",
     405: "method_not_allowed",
     413: "too_large",
     415: "unsupported_media_type",
+    429: "too_many_requests",
     503: "unavailable",
 }
 _LONGEST_ECHO = 200

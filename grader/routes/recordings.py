@@ -10,11 +10,12 @@ from pydantic import BaseModel, Field
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.submission import StoredReport
+from grader.routes.access import ENTRY_PROBLEMS
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
-from grader.routes.submissions import LanguageDep, SubmissionId, found, graded
+from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
 
-router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"])
+router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"], dependencies=[SIGHT])
 
 
 class ContactView(BaseModel):
@@ -51,7 +52,9 @@ class TrajectoryView(BaseModel):
     response_class=Response,
     responses={
         200: {"model": TrajectoryView, "description": "The recorded trajectory; the ETag is its SHA-256."},
-        **responses("submission_not_found", "no_trajectory", "not_graded_yet", "invalid_request"),
+        **responses(
+            *ENTRY_PROBLEMS, "submission_not_found", "no_trajectory", "not_graded_yet", "invalid_request"
+        ),
     },
 )
 def read_trajectory(
@@ -83,6 +86,7 @@ def read_trajectory(
             "content": {"image/png": {"schema": {"type": "string", "format": "binary"}}},
         },
         **responses(
+            *ENTRY_PROBLEMS,
             "submission_not_found",
             "no_trajectory",
             "assignment_not_found",

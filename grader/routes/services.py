@@ -1,25 +1,35 @@
 """What the routes work with, handed to them by the composition root."""
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Self
 
 from fastapi import Depends, Request
 
 from grader.contracts.grading import AssignmentSource, Preflight
 from grader.routes.access import InstructorGate
+from grader.routes.limits import RateLimit
 from grader.routes.plots import PlotCache
 from grader.settings import Settings
+from grader.store.audit import AuditLog
 from grader.store.columns import Clock
+from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
+from grader.store.database import Database
 from grader.store.doorbell import Doorbell
-from grader.store.queue import Queue
+from grader.store.queue import Queue, RetryPolicy
 from grader.store.submissions import Submissions
+from grader.store.tokens import Tokens
 from grader.store.workers import Workers
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Services:
-    """Everything an endpoint may use."""
+    """Everything an endpoint may use.
+
+    Attributes:
+        gate: recognises the instructor of a service without courses.
+        request_limit: of each student's requests. upload_limit: of each student's uploads.
+    """
 
     settings: Settings
     assignments: AssignmentSource
@@ -30,8 +40,46 @@ class Services:
     preflight: Preflight
     plots: PlotCache
     gate: InstructorGate
+    courses: Courses
+    tokens: Tokens
+    audit: AuditLog
+    request_limit: RateLimit
+    upload_limit: RateLimit
     doorbell: Doorbell
     clock: Clock
+
+    @classmethod
+    def over(  # noqa: PLR0913
+        cls,
+        database: Database,
+        settings: Settings,
+        clock: Clock,
+        *,
+        policy: RetryPolicy,
+        assignments: AssignmentSource,
+        preflight: Preflight,
+        plots: PlotCache,
+        gate: InstructorGate,
+    ) -> Self:
+        """Return the services over one database that is up to date."""
+        return cls(
+            settings=settings,
+            assignments=assignments,
+            submissions=Submissions(database, clock),
+            queue=Queue(database, clock, policy),
+            workers=Workers(database, clock),
+            dashboard=Dashboard(database),
+            preflight=preflight,
+            plots=plots,
+            gate=gate,
+            courses=Courses(database, clock),
+            tokens=Tokens(database, clock),
+            audit=AuditLog(database),
+            request_limit=RateLimit(settings.requests_per_minute, clock),
+            upload_limit=RateLimit(settings.uploads_per_minute, clock),
+            doorbell=Doorbell(),
+            clock=clock,
+        )
 
 
 def _services(request: Request) -> Services:

@@ -8,14 +8,14 @@ from grader.contracts.assignment import Input
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.contracts.text import Language, Text
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.language import requested_language
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import Receipt, SubmissionView, receipt, view
-from grader.routes.uploads import UploadRoute, check_content, checked_name, checked_student
+from grader.routes.uploads import UploadRoute, check_content, checked_name, submitter
 
 uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
-router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
 
 SubmissionId = Annotated[
     str,
@@ -29,6 +29,21 @@ LanguageDep = Annotated[Language, Depends(requested_language)]
 _RETRY_AFTER_S = 5
 
 
+def require_sight(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> None:
+    """Dependency of everything that shows one submission.
+
+    Raises:
+        ProblemError: there is none of that id, or it is somebody else's: a caller cannot tell which.
+    """
+    submission = services.submissions.get(submission_id)
+    if submission is None or not caller.may_see(submission.course, submission.student):
+        raise ProblemError("submission_not_found")
+
+
+SIGHT = Depends(require_sight)
+router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], dependencies=[SIGHT])
+
+
 @uploads.post(
     "",
     status_code=202,
@@ -37,12 +52,15 @@ _RETRY_AFTER_S = 5
     responses={
         202: {"headers": {"Location": {"description": "The submission.", "schema": {"type": "string"}}}},
         **responses(
+            *ENTRY_PROBLEMS,
+            "forbidden",
             "malformed_body",
             "too_large",
             "unsupported_media_type",
             "wrong_file_type",
             "invalid_request",
             "invalid_student",
+            "unknown_student",
             "unknown_assignment",
             "empty",
             "not_utf8",
@@ -52,27 +70,39 @@ _RETRY_AFTER_S = 5
         ),
     },
 )
-def upload(
+def upload(  # noqa: PLR0913
     services: ServicesDep,
+    caller: CallerDep,
     response: Response,
+    *,
     file: Annotated[
         UploadFile, File(description="The script as it runs at home, or a text; at most 256 KiB.")
     ],
     assignment: Annotated[str, Form(description="Id of the assignment.", examples=["square"])],
-    student: Annotated[str, Form(description="Student id.", examples=["20260123"])],
+    student: Annotated[
+        str,
+        Form(
+            description="Student id. In a course it is the caller's when left out; only instructors may hand "
+            "in for somebody else.",
+            examples=["20260123"],
+        ),
+    ] = "",
 ) -> Receipt:
     """Check a file's form, store it and queue it for grading.
 
     Nothing of it is executed by the service itself; its syntax is checked in a confined process.
     """
-    student = checked_student(student)
+    student = submitter(services, caller, student)
+    services.upload_limit.take(f"{caller.course}/{student}")
     kind = _input_of(services, assignment)
     name = checked_name(file.filename, kind)
     source = file.file.read(services.settings.max_upload_bytes + 1)
     check_content(services, source, name, kind)
-    if services.submissions.open_count(student) >= services.settings.max_open_submissions:
+    if services.submissions.open_count(student, caller.course) >= services.settings.max_open_submissions:
         raise ProblemError("too_many_open", headers={"Retry-After": str(_RETRY_AFTER_S)}, field="student")
-    new = NewSubmission(student=student, assignment=assignment, file_name=name, source=source)
+    new = NewSubmission(
+        course=caller.course, student=student, assignment=assignment, file_name=name, source=source
+    )
     added = receipt(services.submissions.add(new))
     services.doorbell.ring()
     response.headers["Location"] = added.status_url
@@ -82,7 +112,7 @@ def upload(
 @router.get(
     "/{submission_id}",
     summary="A submission and its grading",
-    responses=responses("submission_not_found", "invalid_request"),
+    responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
 )
 def read(
     services: ServicesDep, response: Response, language: LanguageDep, submission_id: SubmissionId
@@ -106,7 +136,7 @@ def read(
             "description": "Canonical JSON in both languages; its SHA-256 is the ETag.",
             "content": {"application/json": {"schema": {"type": "object"}}},
         },
-        **responses("submission_not_found", "not_graded_yet", "invalid_request"),
+        **responses(*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request"),
     },
 )
 def read_report(services: ServicesDep, submission_id: SubmissionId) -> Response:

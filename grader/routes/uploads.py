@@ -11,14 +11,13 @@ from starlette.types import Message
 from grader.contracts.assignment import SUFFIXES, Input
 from grader.contracts.errors import InfrastructureError, SandboxError, SubmissionError
 from grader.contracts.grading import SyntaxProblem
+from grader.contracts.identity import Caller, is_person_id
 from grader.contracts.text import Text
 from grader.contracts.upload import check_source
 from grader.render.escape import visible_line
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services
 
-STUDENT_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9._@-]{0,63}$"
-_STUDENT = re.compile(STUDENT_PATTERN)
 _LONGEST_NAME = 100
 _LONGEST_LINE = 200
 _ENVELOPE_BYTES = 16 * 1024  # boundaries, part headers and the two short fields
@@ -87,8 +86,25 @@ def checked_student(student: str) -> str:
     Raises:
         ProblemError: it is not one.
     """
-    if not _STUDENT.fullmatch(student):
+    if not is_person_id(student):
         raise ProblemError("invalid_student", field="student")
+    return student
+
+
+def submitter(services: Services, caller: Caller, student: str) -> str:
+    """Return whose work an upload is, given what its form says.
+
+    Raises:
+        ProblemError: it names nobody, or somebody the caller may not hand in for.
+    """
+    if caller.course is None or caller.person is None:
+        return checked_student(student)
+    if student in ("", caller.person):
+        return caller.person
+    if not caller.is_instructor:
+        raise ProblemError("forbidden", field="student")
+    if services.courses.member(caller.course, checked_student(student)) is None:
+        raise ProblemError("unknown_student", field="student")
     return student
 
 

@@ -4,8 +4,10 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Any
 
-from sqlalchemy import DateTime, Dialect
+from sqlalchemy import Column, DateTime, Dialect, LargeBinary, Text
 from sqlalchemy.types import TypeDecorator
+
+SHA256_LENGTH = 64
 
 Clock = Callable[[], datetime]
 """Returns the current instant as an aware datetime in UTC."""
@@ -43,3 +45,18 @@ class UtcDateTime(TypeDecorator[datetime]):
     def coerce_compared_value(self, op: Any, value: Any) -> "UtcDateTime":
         """Compare with instants by the same rules as they are stored by."""
         return self
+
+
+def instant_column(*, nullable: bool = False) -> Column[datetime]:
+    """Return a column of instants."""
+    return Column(UtcDateTime(), nullable=nullable)
+
+
+def text_column() -> Column[str]:
+    """Return a column of text of any length."""
+    return Column(Text(), nullable=False)
+
+
+def bytes_column() -> Column[bytes]:
+    """Return a column of bytes."""
+    return Column(LargeBinary(), nullable=False)

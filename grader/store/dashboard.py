@@ -9,13 +9,15 @@ from collections.abc import Iterable
 from itertools import groupby
 from typing import Any
 
-from sqlalchemy import and_, distinct, func, select
+from sqlalchemy import ColumnElement, and_, distinct, func, select
 from sqlmodel import Session, col
 
 from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, Progress
+from grader.contracts.identity import Role
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
+from grader.store.course_tables import MemberRow
 from grader.store.database import Database
 from grader.store.tables import GradedItemRow, GradedMistakeRow, SubmissionRow
 
@@ -26,31 +28,48 @@ class Dashboard:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def state(self) -> ClassState:
-        """Count everything on one snapshot, students in order of name."""
+    def state(self, course: str | None = None) -> ClassState:
+        """Count everything of a course on one snapshot, students in order of name.
+
+        Without courses (None) everything that was handed in is one class.
+        """
         with self._database.reading() as session:
-            progress = _progress(session)
+            progress = _progress(session, course)
             best = {one.best_submission for one in progress}
             return ClassState(
-                progress=progress, failures=_failures(session, best), mistakes=_mistakes(session)
+                progress=progress,
+                failures=_failures(session, course, best),
+                mistakes=_mistakes(session, course),
             )
 
 
-def _progress(session: Session) -> tuple[Progress, ...]:
-    statement = select(
+def _in_class(course: str | None) -> ColumnElement[bool]:
+    """What belongs to a class: its students' work, not what its staff hands in to try things out."""
+    if course is None:
+        return col(SubmissionRow.course).is_(None)
+    students = select(col(MemberRow.person)).where(
+        col(MemberRow.course) == course, col(MemberRow.role) == Role.STUDENT.value
+    )
+    return and_(col(SubmissionRow.course) == course, col(SubmissionRow.student).in_(students))
+
+
+def _progress(session: Session, course: str | None) -> tuple[Progress, ...]:
+    columns = (
         col(SubmissionRow.student),
         col(SubmissionRow.assignment),
-        col(SubmissionRow.id),
-        col(SubmissionRow.state),
-        col(SubmissionRow.verdict),
-        col(SubmissionRow.score),
-        col(SubmissionRow.max_score),
-        col(SubmissionRow.received_at),
-    ).order_by(
-        col(SubmissionRow.student),
-        col(SubmissionRow.assignment),
         col(SubmissionRow.received_at),
         col(SubmissionRow.id),
+    )
+    statement = (
+        select(
+            *columns,
+            col(SubmissionRow.state),
+            col(SubmissionRow.verdict),
+            col(SubmissionRow.score),
+            col(SubmissionRow.max_score),
+        )
+        .where(_in_class(course))
+        .order_by(*columns)
     )
     rows = session.execute(statement)
     return tuple(
@@ -78,7 +97,7 @@ def _one_progress(own: list[Any]) -> Progress:
     )
 
 
-def _failures(session: Session, best: set[str | None]) -> tuple[ItemFailures, ...]:
+def _failures(session: Session, course: str | None, best: set[str | None]) -> tuple[ItemFailures, ...]:
     statement = (
         select(
             col(SubmissionRow.assignment),
@@ -87,7 +106,7 @@ def _failures(session: Session, best: set[str | None]) -> tuple[ItemFailures, ..
             col(SubmissionRow.id),
         )
         .join_from(SubmissionRow, GradedItemRow, _of_latest_grading(GradedItemRow))
-        .where(col(GradedItemRow.status) == ItemStatus.FAILED.value)
+        .where(col(GradedItemRow.status) == ItemStatus.FAILED.value, _in_class(course))
     )
     ever: dict[tuple[str, str], set[str]] = defaultdict(set)
     still: dict[tuple[str, str], set[str]] = defaultdict(set)
@@ -106,12 +125,13 @@ def _most_first(failures: Iterable[ItemFailures]) -> list[ItemFailures]:
     return sorted(failures, key=lambda one: (one.assignment, -one.ever, one.item))
 
 
-def _mistakes(session: Session) -> tuple[MistakeCount, ...]:
+def _mistakes(session: Session, course: str | None) -> tuple[MistakeCount, ...]:
     students = func.count(distinct(col(SubmissionRow.student)))
     code, assignment = col(GradedMistakeRow.code), col(SubmissionRow.assignment)
     statement = (
         select(assignment, code, students)
         .join_from(SubmissionRow, GradedMistakeRow, _of_latest_grading(GradedMistakeRow))
+        .where(_in_class(course))
         .group_by(assignment, code)
         .order_by(assignment, students.desc(), code)
     )

@@ -30,6 +30,7 @@ class Submissions:
         now = self._clock()
         row = SubmissionRow(
             id=new_id(now),
+            course=upload.course,
             student=upload.student,
             assignment=upload.assignment,
             file_name=upload.file_name,
@@ -81,21 +82,28 @@ class Submissions:
             row = session.get(TrajectoryRow, (report.submission_id, report.attempt, case_id))
             return None if row is None else row.content
 
-    def of_student(self, student: str, assignment: str | None = None) -> tuple[Submission, ...]:
+    def of_student(
+        self, student: str, assignment: str | None = None, course: str | None = None
+    ) -> tuple[Submission, ...]:
         """Return a student's submissions, newest first; only those to `assignment` when it is given."""
-        statement = select(SubmissionRow).where(col(SubmissionRow.student) == student)
+        own = (col(SubmissionRow.student) == student, col(SubmissionRow.course) == course)
+        statement = select(SubmissionRow).where(*own)
         if assignment is not None:
             statement = statement.where(col(SubmissionRow.assignment) == assignment)
         newest_first = statement.order_by(col(SubmissionRow.received_at).desc(), col(SubmissionRow.id).desc())
         with self._database.reading() as session:
             return tuple(_submission(row) for row in session.execute(newest_first).scalars().all())
 
-    def open_count(self, student: str) -> int:
+    def open_count(self, student: str, course: str | None = None) -> int:
         """Count a student's submissions that are not graded yet."""
         statement = (
             select(func.count())
             .select_from(SubmissionRow)
-            .where(col(SubmissionRow.state).in_(_OPEN_STATES), col(SubmissionRow.student) == student)
+            .where(
+                col(SubmissionRow.state).in_(_OPEN_STATES),
+                col(SubmissionRow.student) == student,
+                col(SubmissionRow.course) == course,
+            )
         )
         with self._database.reading() as session:
             return int(session.execute(statement).scalar_one())
@@ -150,6 +158,7 @@ def _cases(session: Session, grading: GradingRow) -> dict[str, str]:
 def _submission(row: SubmissionRow) -> Submission:
     return Submission(
         id=row.id,
+        course=row.course,
         student=row.student,
         assignment=row.assignment,
         file_name=row.file_name,

@@ -3,26 +3,14 @@
 from datetime import datetime
 from typing import ClassVar
 
-from sqlalchemy import CheckConstraint, Column, ForeignKeyConstraint, Index, LargeBinary, Text
+from sqlalchemy import CheckConstraint, ForeignKeyConstraint, Index
 from sqlmodel import Field, SQLModel
 
 from grader.contracts.submission import SubmissionState
-from grader.store.columns import UtcDateTime
+from grader.store.columns import SHA256_LENGTH, bytes_column, instant_column, text_column
+from grader.store.course_tables import CourseRow
 
-_SHA256_LENGTH = 64
 _STATES = ", ".join(f"'{state.value}'" for state in SubmissionState)
-
-
-def _instant(*, nullable: bool = False) -> Column[datetime]:
-    return Column(UtcDateTime(), nullable=nullable)
-
-
-def _text() -> Column[str]:
-    return Column(Text(), nullable=False)
-
-
-def _bytes() -> Column[bytes]:
-    return Column(LargeBinary(), nullable=False)
 
 
 def _of_grading() -> ForeignKeyConstraint:
@@ -34,8 +22,8 @@ class SourceRow(SQLModel, table=True):
 
     __tablename__: ClassVar[str] = "source"
 
-    sha256: str = Field(primary_key=True, max_length=_SHA256_LENGTH)
-    content: bytes = Field(sa_column=_bytes())
+    sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
+    content: bytes = Field(sa_column=bytes_column())
 
 
 class SubmissionRow(SQLModel, table=True):
@@ -50,28 +38,29 @@ class SubmissionRow(SQLModel, table=True):
     )
 
     id: str = Field(primary_key=True, max_length=36)
+    course: str | None = Field(default=None, foreign_key=f"{CourseRow.__tablename__}.id", max_length=64)
     student: str = Field(max_length=64)
     assignment: str = Field(max_length=64)
     file_name: str = Field(max_length=255)
-    source_sha256: str = Field(foreign_key="source.sha256", max_length=_SHA256_LENGTH)
+    source_sha256: str = Field(foreign_key="source.sha256", max_length=SHA256_LENGTH)
     size_bytes: int
     state: str = Field(max_length=32)
     priority: int = 0
-    received_at: datetime = Field(sa_column=_instant())
-    queued_at: datetime = Field(sa_column=_instant())
-    not_before: datetime = Field(sa_column=_instant())
-    started_at: datetime | None = Field(default=None, sa_column=_instant(nullable=True))
-    finished_at: datetime | None = Field(default=None, sa_column=_instant(nullable=True))
-    lease_until: datetime | None = Field(default=None, sa_column=_instant(nullable=True))
+    received_at: datetime = Field(sa_column=instant_column())
+    queued_at: datetime = Field(sa_column=instant_column())
+    not_before: datetime = Field(sa_column=instant_column())
+    started_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    finished_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    lease_until: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
     worker: str = Field(default="", max_length=255)
     attempt: int = 0
     tries: int = 0
-    trouble: str = Field(default="", sa_column=_text())
+    trouble: str = Field(default="", sa_column=text_column())
     graded_attempt: int | None = None
     verdict: str | None = Field(default=None, max_length=32)
     score: float | None = None
     max_score: float | None = None
-    report_sha256: str | None = Field(default=None, max_length=_SHA256_LENGTH)
+    report_sha256: str | None = Field(default=None, max_length=SHA256_LENGTH)
 
 
 class GradingRow(SQLModel, table=True):
@@ -82,15 +71,15 @@ class GradingRow(SQLModel, table=True):
     submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
     attempt: int = Field(primary_key=True)
     worker: str = Field(max_length=255)
-    finished_at: datetime = Field(sa_column=_instant())
+    finished_at: datetime = Field(sa_column=instant_column())
     grader_version: str = Field(max_length=64)
     assignment_version: int
     verdict: str = Field(max_length=32)
     score: float | None = None
     max_score: float
-    report_sha256: str = Field(max_length=_SHA256_LENGTH)
-    report: bytes = Field(sa_column=_bytes())
-    measurements: str = Field(sa_column=_text())
+    report_sha256: str = Field(max_length=SHA256_LENGTH)
+    report: bytes = Field(sa_column=bytes_column())
+    measurements: str = Field(sa_column=text_column())
 
 
 class GradedItemRow(SQLModel, table=True):
@@ -129,8 +118,8 @@ class TrajectoryRow(SQLModel, table=True):
     attempt: int = Field(primary_key=True)
     case_id: str = Field(primary_key=True, max_length=64)
     position: int
-    sha256: str = Field(max_length=_SHA256_LENGTH)
-    content: bytes = Field(sa_column=_bytes())
+    sha256: str = Field(max_length=SHA256_LENGTH)
+    content: bytes = Field(sa_column=bytes_column())
 
 
 class WorkerRow(SQLModel, table=True):
@@ -143,6 +132,6 @@ class WorkerRow(SQLModel, table=True):
     busy: int
     sandbox_ready: bool
     isolation: str = Field(max_length=64)
-    detail: str = Field(sa_column=_text())
-    started_at: datetime = Field(sa_column=_instant())
-    seen_at: datetime = Field(sa_column=_instant())
+    detail: str = Field(sa_column=text_column())
+    started_at: datetime = Field(sa_column=instant_column())
+    seen_at: datetime = Field(sa_column=instant_column())

@@ -14,13 +14,9 @@ from grader.routes.access import InstructorGate
 from grader.routes.plots import PlotCache, Plotter
 from grader.routes.services import Services
 from grader.settings import Settings
-from grader.store.dashboard import Dashboard
 from grader.store.database import Database
-from grader.store.doorbell import Doorbell
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import RetryPolicy
 from grader.store.schema import migrate
-from grader.store.submissions import Submissions
-from grader.store.workers import Workers
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, FakePreflight
 
@@ -42,18 +38,15 @@ class FakePlotter:
 def services(settings: Settings, clock: FakeClock, plotter: Plotter | None = None) -> Services:
     database = Database(settings.database_url)
     migrate(database)
-    return Services(
-        settings=settings,
+    return Services.over(
+        database,
+        settings,
+        clock,
+        policy=RetryPolicy(max_tries=3, backoff_s=0),
         assignments=FakeAssignments(),
-        submissions=Submissions(database, clock),
-        queue=Queue(database, clock, RetryPolicy(max_tries=3, backoff_s=0)),
-        workers=Workers(database, clock),
-        dashboard=Dashboard(database),
         preflight=FakePreflight(),
         plots=PlotCache(plotter or FakePlotter(), 8),
         gate=InstructorGate(TOKEN),
-        doorbell=Doorbell(),
-        clock=clock,
     )
 
 

@@ -8,7 +8,12 @@ import pytest
 
 from grader import service
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import AssignmentError, SandboxUnavailableError, UnknownAssignmentError
+from grader.contracts.errors import (
+    AssignmentError,
+    SandboxUnavailableError,
+    SettingsError,
+    UnknownAssignmentError,
+)
 from grader.settings import Settings
 from tests.fakes.grading import FakeAssignments, FakePreflight
 
@@ -112,3 +117,32 @@ def test_a_host_without_a_sandbox_takes_uploads_and_says_so(
     with caplog.at_level(logging.ERROR), service.running(settings(tmp_path), lambda _: None) as services:
         assert services.preflight.check(b"def broken(", "a.py") is None
     assert "lacks seccomp" in caplog.text
+
+
+def test_leaving_this_machine_needs_a_course_or_consent(tmp_path: Path) -> None:
+    network = settings(tmp_path, host="0.0.0.0")
+    with pytest.raises(SettingsError, match="course create"):
+        service.require_safe_exposure(network)
+    with (
+        pytest.raises(SettingsError, match="ALLOW_ANONYMOUS_NETWORK"),
+        service.running(network, lambda _: None, FakePreflight()),
+    ):
+        pass
+    service.require_safe_exposure(settings(tmp_path))
+    with service.running(settings(tmp_path), lambda _: None, FakePreflight()) as services:
+        services.courses.create("ros", "ROS", "UTC", "test")
+    service.require_safe_exposure(network)
+
+
+def test_consent_suffices(tmp_path: Path) -> None:
+    network = settings(tmp_path, host="0.0.0.0", allow_anonymous_network=True)
+    with service.running(network, lambda _: None, FakePreflight()) as services:
+        assert not services.courses.exist()
+
+
+def test_with_a_course_no_token_is_made(tmp_path: Path) -> None:
+    told: list[str] = []
+    with service.running(settings(tmp_path), told.append, FakePreflight()) as services:
+        services.courses.create("ros", "ROS", "UTC", "test")
+    with service.running(settings(tmp_path), told.append, FakePreflight()):
+        assert len(told) == 1

@@ -1,5 +1,6 @@
 import shutil
 from collections.abc import Callable, Iterator
+from datetime import timedelta
 from pathlib import Path
 
 import httpx
@@ -7,6 +8,7 @@ import pytest
 from fastapi import FastAPI
 
 from grader.contracts.grading import GradingJob
+from grader.contracts.identity import Role, RosterEntry
 from grader.routes.services import Services
 from grader.settings import Settings
 from grader.store.database import Database
@@ -111,3 +113,29 @@ def graded(upload: Callable[..., httpx.Response], services: Services) -> Callabl
         return url
 
     return run
+
+
+class School:
+    """A course with people and their tokens, beside another course."""
+
+    def __init__(self, services: Services) -> None:
+        self.services = services
+        self.tokens: dict[str, str] = {}
+        self._open("ros", {"li": "student", "han": "student", "ta": "assistant", "wang": "instructor"})
+        self._open("other", {"li2": "student", "zhao": "instructor"})
+
+    def _open(self, course: str, people: dict[str, str]) -> None:
+        self.services.courses.create(course, course, "Asia/Shanghai", "test")
+        entries = [RosterEntry(id=one, name=one, role=Role(role)) for one, role in people.items()]
+        self.services.courses.import_roster(course, entries, "test")
+        for one in people:
+            _, self.tokens[one] = self.services.tokens.issue(course, one, timedelta(days=1), "test")
+
+    def as_(self, person: str) -> dict[str, str]:
+        """Return the headers that `person` sends."""
+        return {"Authorization": f"Bearer {self.tokens[person]}"}
+
+
+@pytest.fixture
+def school(services: Services, client: httpx.Client) -> School:
+    return School(services)

@@ -151,7 +151,7 @@ def test_a_good_student_id(upload: Upload, student: str) -> None:
 def test_missing_fields_are_all_named(client: httpx.Client) -> None:
     response = client.post("/api/v1/submissions", files={"other": ("a.py", b"x")})
     document = problem(response, 422, "invalid_request")
-    assert {error["field"] for error in document["errors"]} == {"file", "assignment", "student"}
+    assert {error["field"] for error in document["errors"]} == {"file", "assignment"}
 
 
 def test_a_field_where_a_file_belongs(client: httpx.Client) -> None:
@@ -238,7 +238,7 @@ def test_a_database_that_is_away(
     def away(_: str) -> None:
         raise InfrastructureError("database is locked")
 
-    monkeypatch.setattr(services.submissions, "with_report", away)
+    monkeypatch.setattr(services.submissions, "get", away)
     response = client.get("/api/v1/submissions/x")
     problem(response, 503, "unavailable")
     assert "Retry-After" in response.headers

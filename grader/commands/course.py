@@ -1,0 +1,86 @@
+"""`grader course`: create a course, see which there are, import its people."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
+from grader.commands.token import add_days_option, write_tokens
+from grader.contracts.errors import CourseError
+from grader.contracts.identity import Role, RosterEntry, checked_id
+from grader.store.roster import MAX_ROSTER_BYTES, read_roster
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="create | roster | list")
+    create = actions.add_parser("create", help="create a course and print its first tokens")
+    create.add_argument("id", help="short name of the course, e.g. ros2-2026")
+    create.add_argument("--title", default="", help="its full name (default: the short one)")
+    create.add_argument(
+        "--time-zone", default="Asia/Shanghai", help="of its deadlines (default: Asia/Shanghai)"
+    )
+    create.add_argument("--instructor", required=True, metavar="ID", help="who teaches it, e.g. wang")
+    create.add_argument(
+        "--roster", type=Path, metavar="FILE.csv", help="its people, each of whom gets a token"
+    )
+    add_days_option(create)
+    add_data_option(create)
+    roster = actions.add_parser("roster", help="import the people of a course from CSV: id,name,role")
+    roster.add_argument("verb", choices=("import",))
+    roster.add_argument("file", type=Path, metavar="FILE.csv")
+    roster.add_argument("--tokens", action="store_true", help="print a token for each new member")
+    add_days_option(roster)
+    add_course_option(roster)
+    add_data_option(roster)
+    add_data_option(actions.add_parser("list", help="list the courses"))
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do it; what is wrong with a roster is raised as CourseError before anything is changed."""
+    action = {"create": _create, "roster": _import, "list": _list}[arguments.action]
+    with opened(arguments) as storage:
+        action(storage, arguments)
+    return 0
+
+
+def _create(storage: Storage, arguments: argparse.Namespace) -> None:
+    instructor = RosterEntry(
+        id=checked_id(arguments.instructor, "id of an instructor"),
+        name=arguments.instructor,
+        role=Role.INSTRUCTOR,
+    )
+    listed = () if arguments.roster is None else read_roster(_content(arguments.roster))
+    entries = [instructor, *(entry for entry in listed if entry.id != instructor.id)]
+    course = storage.courses.create(
+        arguments.id, arguments.title or arguments.id, arguments.time_zone, actor()
+    )
+    storage.courses.import_roster(course.id, entries, actor())
+    sys.stderr.write(f"course {course.id}: {len(entries)} members; each token is shown this once\n")
+    write_tokens(storage, course.id, [entry.id for entry in entries], arguments.days)
+
+
+def _import(storage: Storage, arguments: argparse.Namespace) -> None:
+    course = chosen_course(storage, arguments.course)
+    entries = read_roster(_content(arguments.file))
+    change = storage.courses.import_roster(course, entries, actor())
+    sys.stderr.write(
+        f"course {course}: {len(change.added)} added, {len(change.changed)} changed, "
+        f"{change.unchanged} as they were\n"
+    )
+    if arguments.tokens:
+        write_tokens(storage, course, change.added, arguments.days)
+
+
+def _list(storage: Storage, _: argparse.Namespace) -> None:
+    for course in storage.courses.all():
+        members = len(storage.courses.members(course.id))
+        sys.stdout.write(f"{course.id}\t{course.time_zone}\t{members} members\t{course.title}\n")
+
+
+def _content(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return file.read(MAX_ROSTER_BYTES + 1)
+    except OSError as error:
+        raise CourseError(f"{path}: {error.strerror}") from error

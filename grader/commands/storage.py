@@ -1,0 +1,93 @@
+"""What commands that work on the service's database have in common: where it is, who they act as."""
+
+import argparse
+import getpass
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.contracts.errors import CourseError, SettingsError
+from grader.settings import load
+from grader.store.columns import utc_now
+from grader.store.courses import Courses
+from grader.store.database import Database
+from grader.store.schema import migrate
+from grader.store.tokens import Tokens
+
+DATABASE_FILE = "grader.db"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Storage:
+    """The parts of the store that commands change."""
+
+    database: Database
+    courses: Courses
+    tokens: Tokens
+
+
+def add_data_option(parser: argparse.ArgumentParser) -> None:
+    """Declare where the database is, as `grader serve` does."""
+    parser.add_argument("--data", type=Path, metavar="DIR", help="folder of the database (default: here)")
+
+
+def add_course_option(parser: argparse.ArgumentParser) -> None:
+    """Declare which course is meant."""
+    parser.add_argument("--course", metavar="ID", help="which course, when there are several")
+
+
+def database_url(folder: Path | None) -> str | None:
+    """Return the address of the database in `folder`, creating the folder; None when none is named.
+
+    Raises:
+        SettingsError: the folder cannot be made.
+    """
+    if folder is None:
+        return None
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise SettingsError(f"--data {folder}: {error.strerror}") from error
+    return f"sqlite:///{(folder / DATABASE_FILE).resolve()}"
+
+
+@contextmanager
+def opened(arguments: argparse.Namespace) -> Iterator[Storage]:
+    """Open the database, also while a service works with it.
+
+    Raises:
+        SettingsError: it does not fit this version. InfrastructureError: it cannot be opened.
+    """
+    url = database_url(arguments.data)
+    database = Database(load().database_url if url is None else url)
+    try:
+        migrate(database)
+        yield Storage(database=database, courses=Courses(database, utc_now), tokens=Tokens(database, utc_now))
+    finally:
+        database.close()
+
+
+def chosen_course(storage: Storage, course: str | None) -> str:
+    """Return the id of the course meant.
+
+    Raises:
+        CourseError: there is no such course, none at all, or several and none was named.
+    """
+    if course is not None:
+        return storage.courses.get(course).id
+    courses = storage.courses.all()
+    if not courses:
+        raise CourseError("there is no course yet: create one with `grader course create`")
+    if len(courses) > 1:
+        raise CourseError(f"say which course with --course: {', '.join(one.id for one in courses)}")
+    return courses[0].id
+
+
+def actor() -> str:
+    """Return how the audit log names who uses the command line."""
+    try:
+        user = getpass.getuser()
+    except (KeyError, OSError):
+        user = "?"
+    return f"command line ({user[:40]})"

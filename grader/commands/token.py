@@ -1,0 +1,106 @@
+"""`grader token`: issue, revoke and list the bearer tokens of a course's people."""
+
+import argparse
+import csv
+import sys
+from collections.abc import Iterable
+from datetime import timedelta
+
+from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
+from grader.contracts.errors import CourseError
+from grader.store.columns import utc_now
+
+DEFAULT_DAYS = 200  # a term and the exams after it
+_MOST_DAYS = 3_660
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    actions = parser.add_subparsers(dest="action", required=True, metavar="issue | revoke | list")
+    issue = actions.add_parser("issue", help="print a new token, this once")
+    who = issue.add_mutually_exclusive_group(required=True)
+    who.add_argument("person", nargs="*", default=[], help="ids of members")
+    who.add_argument("--missing", action="store_true", help="everybody who has no token that opens anything")
+    add_days_option(issue)
+    revoke = actions.add_parser("revoke", help="make tokens open nothing, from now on")
+    which = revoke.add_mutually_exclusive_group(required=True)
+    which.add_argument("person", nargs="?", help="id of a member: all of their tokens")
+    which.add_argument("--token", metavar="ID", help="one token, by the id that `list` shows")
+    listing = actions.add_parser("list", help="list tokens, without what makes them work")
+    for one in (issue, revoke, listing):
+        add_course_option(one)
+        add_data_option(one)
+
+
+def add_days_option(parser: argparse.ArgumentParser) -> None:
+    """Declare how long new tokens live."""
+    parser.add_argument(
+        "--days", type=_days, default=DEFAULT_DAYS, help=f"how long the tokens work (default: {DEFAULT_DAYS})"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Do it; 2, as a CourseError, when there is no such member or token."""
+    action = {"issue": _issue, "revoke": _revoke, "list": _list}[arguments.action]
+    with opened(arguments) as storage:
+        action(storage, chosen_course(storage, arguments.course), arguments)
+    return 0
+
+
+def write_tokens(storage: Storage, course: str, people: Iterable[str], days: int) -> None:
+    """Issue a token for each of `people` and print them as CSV: id, name, role, token.
+
+    Raises:
+        CourseError: one of them is no member; no token was made then.
+    """
+    members = {member.id: member for member in storage.courses.members(course)}
+    wanted = list(dict.fromkeys(people))
+    unknown = [person for person in wanted if person not in members]
+    if unknown:
+        raise CourseError(f"course {course} has no member {', '.join(unknown)}")
+    table = csv.writer(sys.stdout, lineterminator="\n")
+    table.writerow(("id", "name", "role", "token"))
+    for person in wanted:
+        member = members[person]
+        _, secret = storage.tokens.issue(course, person, timedelta(days=days), actor())
+        table.writerow((person, member.name, member.role.value, secret))
+
+
+def _issue(storage: Storage, course: str, arguments: argparse.Namespace) -> None:
+    people = _without_token(storage, course) if arguments.missing else arguments.person
+    write_tokens(storage, course, people, arguments.days)
+
+
+def _without_token(storage: Storage, course: str) -> list[str]:
+    now = utc_now()
+    open_tokens = (
+        token
+        for token in storage.tokens.of_course(course)
+        if token.revoked_at is None and token.expires_at > now
+    )
+    served = {token.person for token in open_tokens}
+    return [member.id for member in storage.courses.members(course) if member.id not in served]
+
+
+def _revoke(storage: Storage, course: str, arguments: argparse.Namespace) -> None:
+    count = storage.tokens.revoke(course, actor(), token_id=arguments.token, person=arguments.person)
+    if not count:
+        raise CourseError("no such token that still opens anything")
+    sys.stderr.write(f"{count} revoked\n")
+
+
+def _list(storage: Storage, course: str, _: argparse.Namespace) -> None:
+    for token in storage.tokens.of_course(course):
+        ends = (
+            f"revoked {token.revoked_at:%Y-%m-%d}"
+            if token.revoked_at
+            else f"until {token.expires_at:%Y-%m-%d}"
+        )
+        sys.stdout.write(f"{token.id}\t{token.person}\t{ends}\n")
+
+
+def _days(text: str) -> int:
+    days = int(text)
+    if not 1 <= days <= _MOST_DAYS:
+        raise argparse.ArgumentTypeError(f"{text}: must be from 1 to {_MOST_DAYS} days")
+    return days

@@ -1,0 +1,161 @@
+"""Courses, the people in them, and who somebody is who asks for something."""
+
+import re
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+
+from grader.contracts.errors import CourseError
+
+_ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")
+_LONGEST_NAME = 200
+
+
+class Role(StrEnum):
+    """What somebody is in a course. Assistants see everything and change no setting and no grade."""
+
+    STUDENT = "student"
+    ASSISTANT = "assistant"
+    INSTRUCTOR = "instructor"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Course:
+    """A course. Days and dates without an offset are meant in its IANA time zone."""
+
+    id: str
+    title: str
+    time_zone: str
+    created_at: datetime
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Member:
+    """Somebody in a course. `id` is the student id, or the name an instructor signs with."""
+
+    course: str
+    id: str
+    name: str
+    role: Role
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RosterEntry:
+    """One line of a roster."""
+
+    id: str
+    name: str
+    role: Role
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class TokenInfo:
+    """A bearer token without its secret, which is shown once and not kept.
+
+    Attributes:
+        id: names the token when it is revoked; opens nothing.
+    """
+
+    id: str
+    course: str
+    person: str
+    created_at: datetime
+    expires_at: datetime
+    revoked_at: datetime | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Caller:
+    """Who asks.
+
+    Attributes:
+        course: None while there are no courses; then nobody's identity is known.
+        person: id of the member; None for anybody, and for the operator of a service without courses.
+        role: None for anybody.
+    """
+
+    course: str | None = None
+    person: str | None = None
+    role: Role | None = None
+
+    @property
+    def is_staff(self) -> bool:
+        """Whether the caller may see everybody's work."""
+        return self.role in (Role.ASSISTANT, Role.INSTRUCTOR)
+
+    @property
+    def is_instructor(self) -> bool:
+        """Whether the caller may change settings and grades."""
+        return self.role is Role.INSTRUCTOR
+
+    @property
+    def signature(self) -> str:
+        """How the audit log names the caller."""
+        return self.person or ("operator" if self.is_instructor else "anybody")
+
+    def may_see(self, course: str | None, student: str) -> bool:
+        """Whether the work of `student` in `course` is the caller's to see.
+
+        Without courses a submission's unguessable id is what opens it.
+        """
+        if course != self.course:
+            return False
+        return self.is_staff or self.course is None or self.person == student
+
+
+ANYBODY = Caller()
+"""A caller of a service without courses who shows no token."""
+
+OPERATOR = Caller(role=Role.INSTRUCTOR)
+"""A caller of a service without courses who shows the token printed at its start."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AuditEntry:
+    """One change of a grade or a setting: who, when, what, before and after.
+
+    Attributes:
+        subject: what was changed, e.g. ``member 20260123``.
+        before, after: the state as JSON-ready data; None where there was or is nothing.
+        reason: as given by who did it; may be empty.
+    """
+
+    id: int
+    at: datetime
+    course: str | None
+    actor: str
+    action: str
+    subject: str
+    before: object
+    after: object
+    reason: str
+
+
+def is_person_id(text: str) -> bool:
+    """Whether `text` can name a student or another member."""
+    return _ID.fullmatch(text) is not None
+
+
+def checked_id(text: str, what: str) -> str:
+    """Return `text` if it can be an id.
+
+    Raises:
+        CourseError: it cannot; `what` names it in the message.
+    """
+    if not is_person_id(text):
+        raise CourseError(
+            f"{text!r} is no {what}: use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit"
+        )
+    return text
+
+
+def checked_name(text: str) -> str:
+    """Return a person's or a course's name without space around it.
+
+    Raises:
+        CourseError: it is too long or cannot be printed.
+    """
+    name = text.strip()
+    if len(name) > _LONGEST_NAME or not name.isprintable():
+        raise CourseError(f"{name[:40]!r} is no name: use at most {_LONGEST_NAME} printable characters")
+    return name

@@ -1,0 +1,77 @@
+"""The audit log: every change of a grade or a setting, written in the transaction that makes the change."""
+
+import json
+from dataclasses import dataclass
+from datetime import datetime
+
+from sqlalchemy import select
+from sqlmodel import Session, col
+
+from grader.contracts.identity import AuditEntry
+from grader.store.course_tables import AuditRow
+from grader.store.database import Database
+
+
+@dataclass(frozen=True, slots=True)
+class Signature:
+    """Who changes something in a course, and when."""
+
+    at: datetime
+    course: str | None
+    actor: str
+
+
+class AuditLog:
+    """Reads the log; safe to share between threads."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def entries(self, course: str | None, limit: int, before_id: int | None = None) -> tuple[AuditEntry, ...]:
+        """Return at most `limit` entries of a course, newest first; only those older than `before_id`."""
+        statement = select(AuditRow).where(col(AuditRow.course) == course)
+        if before_id is not None:
+            statement = statement.where(col(AuditRow.id) < before_id)
+        newest_first = statement.order_by(col(AuditRow.id).desc()).limit(limit)
+        with self._database.reading() as session:
+            return tuple(_entry(row) for row in session.execute(newest_first).scalars())
+
+
+def record(  # noqa: PLR0913
+    session: Session,
+    signed: Signature,
+    action: str,
+    subject: str,
+    *,
+    before: object = None,
+    after: object = None,
+    reason: str = "",
+) -> None:
+    """Add an entry in the transaction of `session`; `before` and `after` are JSON-ready data."""
+    session.add(
+        AuditRow(
+            at=signed.at,
+            course=signed.course,
+            actor=signed.actor,
+            action=action,
+            subject=subject,
+            before=json.dumps(before, ensure_ascii=False, sort_keys=True),
+            after=json.dumps(after, ensure_ascii=False, sort_keys=True),
+            reason=reason,
+        )
+    )
+
+
+def _entry(row: AuditRow) -> AuditEntry:
+    assert row.id is not None
+    return AuditEntry(
+        id=row.id,
+        at=row.at,
+        course=row.course,
+        actor=row.actor,
+        action=row.action,
+        subject=row.subject,
+        before=json.loads(row.before),
+        after=json.loads(row.after),
+        reason=row.reason,
+    )

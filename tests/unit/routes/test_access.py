@@ -1,0 +1,202 @@
+"""Every endpoint of the OpenAPI document as every role: a new endpoint without a line here fails."""
+
+from collections.abc import Callable
+from contextlib import nullcontext
+from datetime import timedelta
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.api import create_app
+from grader.routes.services import Services
+from tests.fakes.clock import FakeClock
+from tests.fakes.server import TOKEN
+
+OPERATIONS = sorted(
+    f"{method} {path}"
+    for path, methods in create_app(nullcontext).openapi()["paths"].items()
+    for method in methods
+)
+
+# in a course; `classmate` is another student of it, `outsider` and `stranger` are of another course
+ROLES = (
+    "nobody", "wrong", "owner", "classmate", "assistant", "instructor", "outsider", "stranger",
+)  # fmt: skip
+PEOPLE = {
+    "owner": "li",
+    "classmate": "han",
+    "assistant": "ta",
+    "instructor": "wang",
+    "outsider": "li2",
+    "stranger": "zhao",
+}
+EVERYBODY = (200,) * 8
+MEMBERS = (401, 401, 200, 200, 200, 200, 200, 200)
+SUBMISSION = (401, 401, 200, 404, 200, 200, 404, 404)
+STAFF = (401, 401, 403, 403, 200, 200, 403, 200)
+INSTRUCTORS = (401, 401, 403, 403, 403, 200, 403, 200)
+IN_COURSES: dict[str, tuple[int, ...]] = {
+    "post /api/v1/submissions": (401, 401, 202, 202, 202, 202, 202, 202),
+    "get /api/v1/submissions/{submission_id}": SUBMISSION,
+    "get /api/v1/submissions/{submission_id}/report": SUBMISSION,
+    "get /api/v1/submissions/{submission_id}/trajectory": SUBMISSION,
+    "get /api/v1/submissions/{submission_id}/plot.png": SUBMISSION,
+    "get /api/v1/assignments": MEMBERS,
+    "get /api/v1/assignments/{assignment_id}": MEMBERS,
+    "get /api/v1/dashboard": STAFF,
+    "get /api/v1/me": MEMBERS,
+    "get /api/v1/members": STAFF,
+    "get /api/v1/audit": INSTRUCTORS,
+    "get /api/v1/problems/{code}": EVERYBODY,
+    "get /healthz": (503,) * 8,  # no worker lives in these tests
+}
+
+# without courses: anybody, a wrong token, the operator
+OPEN_TO_ALL = (200, 401, 200)
+OPERATOR_ONLY = (401, 401, 200)
+WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
+    "post /api/v1/submissions": (202, 401, 202),
+    "get /api/v1/submissions/{submission_id}": OPEN_TO_ALL,
+    "get /api/v1/submissions/{submission_id}/report": OPEN_TO_ALL,
+    "get /api/v1/submissions/{submission_id}/trajectory": OPEN_TO_ALL,
+    "get /api/v1/submissions/{submission_id}/plot.png": OPEN_TO_ALL,
+    "get /api/v1/assignments": OPEN_TO_ALL,
+    "get /api/v1/assignments/{assignment_id}": OPEN_TO_ALL,
+    "get /api/v1/dashboard": OPERATOR_ONLY,
+    "get /api/v1/me": OPEN_TO_ALL,
+    "get /api/v1/members": OPERATOR_ONLY,
+    "get /api/v1/audit": OPERATOR_ONLY,
+    "get /api/v1/problems/{code}": (200, 200, 200),
+    "get /healthz": (503, 503, 503),
+}
+
+
+def send(
+    client: httpx.Client, operation: str, submission: str, headers: dict[str, str], student: str = ""
+) -> int:
+    method, path = operation.split()
+    path = path.replace("{submission_id}", submission).replace("{assignment_id}", "square")
+    path = path.replace("{code}", "empty")
+    body: dict[str, Any] = {}
+    if operation == "post /api/v1/submissions":
+        body = {
+            "files": {"file": ("a.py", b"x = 1\n")},
+            "data": {"assignment": "square", "student": student},
+        }
+    return client.request(method, path, headers=headers, **body).status_code
+
+
+def headers_of(school: Any, role: str) -> dict[str, str]:
+    if role == "nobody":
+        return {}
+    if role == "wrong":
+        return {"Authorization": f"Bearer {TOKEN}"}  # the operator's, which opens nothing in a course
+    headers: dict[str, str] = school.as_(PEOPLE[role])
+    return headers
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_in_courses(operation: str, client: httpx.Client, school: Any, graded: Callable[..., str]) -> None:
+    submission = graded(student="", headers=school.as_("li")).rpartition("/")[2]
+    answers = tuple(send(client, operation, submission, headers_of(school, role)) for role in ROLES)
+    assert answers == IN_COURSES[operation]
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_without_courses(operation: str, client: httpx.Client, graded: Callable[..., str]) -> None:
+    submission = graded(student="s1").rpartition("/")[2]
+    callers = ({}, {"Authorization": "Bearer wrong"}, {"Authorization": f"Bearer {TOKEN}"})
+    answers = tuple(send(client, operation, submission, headers, "s2") for headers in callers)
+    assert answers == WITHOUT_COURSES[operation]
+
+
+def test_every_line_names_an_operation() -> None:
+    assert set(IN_COURSES) == set(WITHOUT_COURSES) == set(OPERATIONS)
+
+
+def test_what_was_handed_in_openly_belongs_to_no_course(
+    client: httpx.Client, services: Services, graded: Callable[..., str], request: pytest.FixtureRequest
+) -> None:
+    url = graded(student="li")
+    assert client.get(url).status_code == 200
+    school = request.getfixturevalue("school")
+    assert client.get(url).status_code == 401
+    for person in ("li", "wang"):
+        assert client.get(url, headers=school.as_(person)).status_code == 404
+
+
+def test_a_student_hands_in_for_nobody_else(upload: Callable[..., httpx.Response], school: Any) -> None:
+    assert upload(student="li", headers=school.as_("li")).json()["student"] == "li"
+    assert upload(student="", headers=school.as_("li")).json()["student"] == "li"
+    for person in ("han", "ta"):
+        response = upload(student="li", headers=school.as_(person))
+        assert (response.status_code, response.json()["code"]) == (403, "forbidden")
+    assert upload(student="li", headers=school.as_("wang")).json()["student"] == "li"
+    response = upload(student="nobody", headers=school.as_("wang"))
+    assert response.json()["code"] == "unknown_student"
+
+
+def test_the_dashboard_shows_the_students_of_ones_own_course(
+    client: httpx.Client, upload: Callable[..., httpx.Response], school: Any
+) -> None:
+    for person in ("li", "wang", "li2"):
+        upload(student="", headers=school.as_(person))
+    for teacher, student in (("ta", "li"), ("zhao", "li2")):
+        document = client.get("/api/v1/dashboard", headers=school.as_(teacher)).json()
+        assert [one["student"] for one in document["students"]] == [student]
+
+
+def test_a_token_ends(client: httpx.Client, school: Any, clock: FakeClock) -> None:
+    assert client.get("/api/v1/me", headers=school.as_("li")).json()["role"] == "student"
+    clock.advance(24 * 3600)
+    response = client.get("/api/v1/me", headers=school.as_("li"))
+    assert response.status_code == 401
+    assert response.headers["WWW-Authenticate"].startswith("Bearer")
+
+
+def test_a_revoked_token_opens_nothing(client: httpx.Client, school: Any, services: Services) -> None:
+    _, second = services.tokens.issue("ros", "li", timedelta(days=1), "test")
+    assert services.tokens.revoke("ros", "test", person="li") == 2
+    for token in (second, school.tokens["li"]):
+        assert client.get("/api/v1/me", headers={"Authorization": f"Bearer {token}"}).status_code == 401
+    assert client.get("/api/v1/me", headers=school.as_("han")).status_code == 200
+
+
+def test_too_many_uploads_wait(
+    client: httpx.Client, upload: Callable[..., httpx.Response], services: Services, clock: FakeClock
+) -> None:
+    most = services.settings.uploads_per_minute
+    codes = [upload(student="s1", source=b"").json()["code"] for _ in range(most + 1)]
+    assert codes == ["empty"] * most + ["too_many_requests"]
+    assert upload(student="s2").status_code == 202
+    response = upload(student="s1")
+    assert response.status_code == 429
+    clock.advance(int(response.headers["Retry-After"]))
+    assert upload(student="s1").status_code == 202
+
+
+def test_a_students_requests_are_limited_and_nobody_elses(
+    client: httpx.Client, school: Any, services: Services
+) -> None:
+    for _ in range(services.settings.requests_per_minute):
+        services.request_limit.take("ros/li")
+    assert client.get("/api/v1/me", headers=school.as_("li")).status_code == 429
+    assert client.get("/api/v1/me", headers=school.as_("han")).status_code == 200
+
+
+def test_changes_are_written_down_without_secrets(client: httpx.Client, school: Any) -> None:
+    first = client.get("/api/v1/audit", headers=school.as_("wang"), params={"limit": 2}).json()
+    assert [one["action"] for one in first["entries"]] == ["token.issue", "token.issue"]
+    rest = client.get(
+        "/api/v1/audit", headers=school.as_("wang"), params={"before": first["next_before"]}
+    ).json()
+    assert rest["entries"][-1]["action"] == "course.create"
+    assert rest["next_before"] is None
+    assert {one["actor"] for one in rest["entries"]} == {"test"}
+    assert all(token not in str((first, rest)) for token in school.tokens.values())
+
+
+def test_who_is_in_the_course(client: httpx.Client, school: Any) -> None:
+    document = client.get("/api/v1/members", headers=school.as_("ta"), params={"role": "student"}).json()
+    assert [one["id"] for one in document["members"]] == ["han", "li"]

@@ -1,0 +1,62 @@
+"""Upgrades of a database with rows in it, from the first release on."""
+
+from pathlib import Path
+
+from alembic import command
+from alembic.config import Config
+
+from grader.contracts.submission import SubmissionState
+from grader.store import schema
+from grader.store.dashboard import Dashboard
+from grader.store.database import Database
+from grader.store.queue import Queue, RetryPolicy
+from grader.store.schema import migrate
+from grader.store.submissions import Submissions
+from tests.fakes.clock import FakeClock
+
+_FIRST_RELEASE = (
+    "INSERT INTO source VALUES ('abc', x'783d31')",
+    """INSERT INTO submission (id, student, assignment, file_name, source_sha256, size_bytes, state, priority,
+       received_at, queued_at, not_before, lease_until, worker, attempt, tries, trouble, graded_attempt, verdict,
+       score, max_score, report_sha256) VALUES
+       ('one', 's1', 'square', 'a.py', 'abc', 3, 'graded', 0, '2026-03-02 08:00:00.000000',
+        '2026-03-02 08:00:00.000000', '2026-03-02 08:00:00.000000',
+        NULL, 'w', 1, 1, '', 1, 'graded', 5.0, 10.0, 'd'),
+       ('two', 's2', 'square', 'a.py', 'abc', 3, 'queued', 0, '2026-03-02 08:00:01.000000',
+        '2026-03-02 08:00:01.000000', '2026-03-02 08:00:01.000000',
+        NULL, '', 0, 0, '', NULL, NULL, NULL, NULL, NULL)""",
+    """INSERT INTO grading VALUES
+       ('one', 1, 'w', '2026-03-02 08:00:02.000000', '0.1.0', 1, 'graded', 5.0, 10.0, 'd', x'7b7d', '{}')""",
+    "INSERT INTO graded_item VALUES ('one', 1, 'sides', 'failed', 5.0, 0.0)",
+    "INSERT INTO trajectory VALUES ('one', 1, 'default', 0, 'e', x'00')",
+)
+
+
+def at_first_release(path: Path) -> Database:
+    database = Database(f"sqlite:///{path}")
+    config = Config()
+    config.set_main_option("script_location", str(schema._MIGRATIONS))
+    with database.engine.begin() as connection:
+        config.attributes["connection"] = connection
+        command.upgrade(config, "0001")
+    with database.writing() as session:
+        for statement in _FIRST_RELEASE:
+            session.connection().exec_driver_sql(statement)
+    return database
+
+
+def test_the_first_releases_rows_survive(tmp_path: Path) -> None:
+    database, clock = at_first_release(tmp_path / "grader.db"), FakeClock()
+    migrate(database)
+    clock.advance(60)
+    submissions = Submissions(database, clock)
+    assert submissions.get("one").state is SubmissionState.GRADED
+    assert submissions.get("one").course is None
+    assert submissions.report("one").content == b"{}"
+    assert [one.student for one in Dashboard(database).state().progress] == ["s1", "s2"]
+    claim = Queue(database, clock, RetryPolicy()).claim("w")
+    assert (claim.submission_id, claim.source) == ("two", b"x=1")
+    with database.reading() as session:
+        assert session.connection().exec_driver_sql("PRAGMA foreign_key_check").all() == []
+        assert session.connection().exec_driver_sql("PRAGMA integrity_check").scalar_one() == "ok"
+    database.close()
