@@ -8,6 +8,7 @@ other core meanwhile.
 import gc
 import os
 import threading
+from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
@@ -46,7 +47,7 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
         gc.freeze()
         gc.enable()
         while (request := channel.receive()) is not None:
-            channel.send(_answer(pipeline, request))
+            channel.send(_answer(pipeline, request, lambda: channel.send({"kind": "running"})))
 
 
 def _warm_up(sandbox: Sandbox) -> None:
@@ -54,9 +55,9 @@ def _warm_up(sandbox: Sandbox) -> None:
         sandbox.warm_up()
 
 
-def _answer(pipeline: Any, request: dict[str, Any]) -> dict[str, Any]:
+def _answer(pipeline: Any, request: dict[str, Any], on_run: Callable[[], None]) -> dict[str, Any]:
     try:
-        return result_message(pipeline.grade(job_from_message(request)))
+        return result_message(pipeline.grade(job_from_message(request), on_run))
     except GraderError as error:
         return _fault(error)
 

@@ -1,19 +1,19 @@
 """From a submission to a graded report: run every case, judge the motion, put the report together."""
 
 import hashlib
+from collections.abc import Callable
 from dataclasses import replace
 from types import TracebackType
 from typing import Self
 
 from grader import __version__
-from grader.checks import evaluate, evaluate_text
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import BY_PERSON, Assignment, Case
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.outcome import RunOutcome, RunStatus
-from grader.contracts.report import CaseRun, GradeReport, GradeStatus, Measurements
+from grader.contracts.report import CaseOutput, CaseRun, GradeReport, GradeStatus, Measurements
 from grader.contracts.verdict import Run, Verdict
-from grader.outcome import INTERRUPTED_NOTE, merge
+from grader.outcome import INTERRUPTED_NOTE, is_repeatable, masked_stream, merge
 from grader.sandbox import Jail, JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
@@ -62,19 +62,25 @@ class Pipeline:
     ) -> None:
         self._car.close()
 
-    def grade(self, job: GradingJob) -> GradingResult:
+    def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
         """Run and judge one submission; a text is only read.
+
+        Args:
+            job: what to grade.
+            on_run: called at the start of each run, while the script is compiled in its own process.
 
         Raises:
             InfrastructureError, SandboxError: a fault of the grader or its host; nothing was judged.
             AssignmentError: the assignment does not fit its check.
         """
         if job.assignment.input == "text":
+            from grader.checks import evaluate_text
+
             verdict = evaluate_text(job.assignment, job.source.decode("utf-8-sig", "replace"))
             return GradingResult(
                 report=_report(job, [], verdict, {}), trajectories={}, measurements=self._measurements([])
             )
-        accounts = [self._run(job, case) for case in job.assignment.cases]
+        accounts = [self._run(job, case, on_run) for case in job.assignment.cases]
         runs = [
             Run(
                 case=case.id,
@@ -85,16 +91,30 @@ class Pipeline:
             for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
         ]
         trajectories = {run.case: trajectory_json.encode(run.trajectory) for run in runs}
+        from grader.checks import evaluate
+
         report = _report(job, runs, evaluate(job.assignment, runs), trajectories)
+        measurements = self._measurements(accounts)
+        cut = tuple(
+            CaseOutput(case=case.id, stdout=masked_stream(jail.stdout), stderr=masked_stream(jail.stderr))
+            for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
+            if not is_repeatable(episode, jail)
+        )
         return GradingResult(
-            report=report, trajectories=trajectories, measurements=self._measurements(accounts)
+            report=report, trajectories=trajectories, measurements=replace(measurements, cut_output=cut)
         )
 
-    def _run(self, job: GradingJob, case: Case) -> tuple[EpisodeResult, JailReport]:
+    def _run(
+        self, job: GradingJob, case: Case, on_run: Callable[[], None]
+    ) -> tuple[EpisodeResult, JailReport]:
+        def meanwhile() -> None:
+            on_run()
+            import grader.checks  # noqa: F401 - the first run of a process has the time for it now
+
         limits = job.assignment.limits
         episode = Episode(_episode_spec(job, case), self._car)
         with self._sandbox.open(limits) as jail:
-            result = episode.run(_Link(jail, limits.grace_cpu_s))
+            result = episode.run(_Link(jail, limits.grace_cpu_s), meanwhile)
             return result, jail.close()
 
     def _measurements(self, accounts: list[tuple[EpisodeResult, JailReport]]) -> Measurements:

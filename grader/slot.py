@@ -12,6 +12,7 @@ import select
 import signal
 import threading
 import time
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Final, Self
@@ -137,8 +138,12 @@ class Slot:
         self._channel = Channel(child.answers, child.requests)
         self._send(asdict(self._config), _SPARE_S)
 
-    def grade(self, job: GradingJob) -> GradingResult:
+    def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
         """Grade `job` in the child.
+
+        Args:
+            job: what to grade.
+            on_run: called here when a run of the script has begun; the time it takes is the caller's own.
 
         Raises:
             InfrastructureError: the child died, did not answer in time or reported a fault of its own.
@@ -147,7 +152,8 @@ class Slot:
         self.start()
         budget_s = len(job.assignment.cases) * job.assignment.limits.wall_s + _SPARE_S
         self._send(_request(job), budget_s)
-        answer = self._receive(budget_s)
+        while (answer := self._receive(budget_s)).get("kind") == "running":
+            on_run()
         match answer.get("kind"):
             case "result":
                 return self._result(answer)

@@ -81,14 +81,19 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
     assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file.name))
     _check_input(arguments, assignment)
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
-    if not arguments.json:
-        import grader.render.terminal  # noqa: F401
     try:
-        return assignment, slot.grade(job)
+        result = slot.grade(job, _import_output if not arguments.json else lambda: None)
+        slot.abort()  # a process of that size takes its time to die: it may do so while the table is printed
+        return assignment, result
     except SandboxUnavailableError as error:
         raise SandboxUnavailableError(
             f"{error}\nRun `grader doctor` for details. For your own code, `--isolation dev` runs it unprotected."
         ) from error
+
+
+def _import_output() -> None:
+    """Import what the table needs. Before a run has begun this would only take the processor from it."""
+    import grader.render.terminal  # noqa: F401
 
 
 def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:

@@ -45,4 +45,5 @@ def decode(data: bytes) -> Trajectory:
 
 def _rounded(column: Floats) -> list[float]:
     # adding 0.0 turns -0.0 into 0.0, which would otherwise make two digests of one motion
-    return [float(value) for value in np.round(column, DECIMALS) + 0.0]
+    rounded: list[float] = (np.round(column, DECIMALS) + 0.0).tolist()
+    return rounded

@@ -196,8 +196,11 @@ class BulletCar:
         x, y, qz, qw = self._x, self._y, self._qz, self._qw
         first = step = self.step
         turning, ch, sh, angular = 0.0, 1.0, 0.0, (0.0, 0.0, 0.0)
-        while step < end and not servo.resting:
-            v, w = servo.step()
+        next_velocity, resting = servo.step, servo.resting
+        next_sample = step - step % SAMPLE_STEPS + SAMPLE_STEPS
+        while step < end and not resting:
+            v, w = next_velocity()
+            resting = servo.resting
             if w != turning:
                 # Half of the step's turn ahead, along the chord of the arc: circles close to second order.
                 turning, ch, sh, angular = w, cos(_HALF_S * w), sin(_HALF_S * w), (0.0, 0.0, w)
@@ -210,12 +213,14 @@ class BulletCar:
             _step_once(client)
             step += 1
             (x, y, _), (_, _, qz, qw) = _get_pose(body, client)
-            due = not step % SAMPLE_STEPS or servo.resting
-            if due or step == end:
+            if step == next_sample or resting:
+                next_sample += SAMPLE_STEPS
                 self.step, self._x, self._y, self._vx, self._vy = step, x, y, vx, vy
                 self._qz, self._qw = qz, qw
-            if due:
                 self.observe()
+        if step > first:
+            self.step, self._x, self._y, self._vx, self._vy = step, x, y, vx, vy
+            self._qz, self._qw = qz, qw
         self.steps_run += step - first
 
     def _held(self, step: int, position: float, velocity: float, low: str, high: str) -> float:
@@ -231,7 +236,7 @@ class BulletCar:
     def observe(self) -> None:
         """Hand the watcher the measured state at the present step."""
         x, y, qz, qw = self._x, self._y, self._qz, self._qw
-        if self._walls:
+        if self._walls and not (0.0 <= x <= AREA_M and 0.0 <= y <= AREA_M):
             x, y = _within(x), _within(y)
         yaw = 2.0 * math.atan2(qz, qw)
         v = w = 0.0

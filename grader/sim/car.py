@@ -93,6 +93,8 @@ def clamp_command(v_mps: float, w_radps: float) -> tuple[float, float, bool]:
 
     A NaN or infinite component makes the whole command a stop; a finite one is cut to the bounds above.
     """
+    if -MAX_SPEED_MPS <= v_mps <= MAX_SPEED_MPS and -MAX_YAW_RATE_RADPS <= w_radps <= MAX_YAW_RATE_RADPS:
+        return v_mps, w_radps, True
     if not (math.isfinite(v_mps) and math.isfinite(w_radps)):
         return 0.0, 0.0, False
     v_mps = min(max(v_mps, -MAX_SPEED_MPS), MAX_SPEED_MPS)

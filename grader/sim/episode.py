@@ -108,8 +108,12 @@ class Episode:
         self._now_ns = 0
         self._exit: Exit | None = None
 
-    def run(self, link: Link) -> EpisodeResult:
+    def run(self, link: Link, meanwhile: Callable[[], None] = lambda: None) -> EpisodeResult:
         """Drive the episode until the script has ended and the car has come to rest, or the horizon.
+
+        Args:
+            link: the channel to the script's process.
+            meanwhile: called once, while the script is compiled over there.
 
         Raises:
             InfrastructureError: the simulator failed. Nothing that the jailed process does raises.
@@ -117,6 +121,8 @@ class Episode:
         violation = None
         try:
             link.send(encode_start(self._start_fields(), self._spec.source))
+            self._turtle.appear()
+            meanwhile()
             while self._exit is None and (body := link.receive()) is not None:
                 frame = decode(body)
                 if isinstance(frame, Publish):

@@ -38,7 +38,16 @@ class Turtle:
         self._recorder = recorder
         self._last_step = last_step_at(horizon_ns)
         self._drop_step = _NEVER
-        car.reset(recorder, self.start, profile=world.profile, walls=world.walls, seed=world.seed)
+        self._world = world
+
+    def appear(self) -> None:
+        """Build the physical world and stand at rest in the start pose. Nothing else may come before.
+
+        Raises:
+            InfrastructureError: the simulator failed.
+        """
+        world = self._world
+        self._car.reset(self._recorder, self.start, profile=world.profile, walls=world.walls, seed=world.seed)
 
     @property
     def resting(self) -> bool:

@@ -38,13 +38,7 @@ _OURS = ("rclpy._kernel", "rclpy._scheduler", "rclpy._patches", "rclpy._runner")
 def install(seed: int) -> None:
     """Replace everything; to be called once, in the student's process."""
     _patches_host.seed_entropy(seed)
-    _replace(
-        (
-            (time, _patches_time.REPLACED),
-            (_thread, _patches_thread.REPLACED),
-            (os, _patches_host.REPLACED),
-        )
-    )
+    _replace()
     sys.meta_path.insert(0, PostImport())
     for name in LAZY:
         module = sys.modules.get(name)
@@ -58,26 +52,59 @@ def apply(name: str, module: ModuleType) -> None:
     getattr(import_module(f"rclpy.{ours}"), function)(module)
 
 
-def _replace(tables: Sequence[tuple[ModuleType, dict[str, object]]]) -> None:
-    replacements: dict[int, tuple[object, object]] = {}
-    for module, table in tables:
+def find_copies() -> None:
+    """Look, ahead of `install`, for the names that the modules imported so far have copied."""
+    replacements = _replacements()
+    for name, module in tuple(sys.modules.items()):
+        if name not in _searched and not name.startswith(_OURS):
+            _searched[name] = module
+            _copies.extend(_copies_in(module, replacements))
+
+
+_REPLACED: tuple[tuple[ModuleType, dict[str, object]], ...] = (
+    (time, _patches_time.REPLACED),
+    (_thread, _patches_thread.REPLACED),
+    (os, _patches_host.REPLACED),
+)
+_searched: dict[str, ModuleType] = {}
+_copies: list[tuple[dict[str, object], str, object]] = []
+"""Where a copy was found: the module's names, its name there, what shall stand there instead."""
+
+
+def _replacements() -> dict[int, tuple[object, object]]:
+    """Return original and replacement by the original's id."""
+    found: dict[int, tuple[object, object]] = {}
+    for module, table in _REPLACED:
         for name, replacement in table.items():
             original = getattr(module, name, None)
             if original is not None:
-                replacements[id(original)] = (original, replacement)
+                found[id(original)] = (original, replacement)
+    return found
+
+
+def _replace() -> None:
+    find_copies()  # before the originals are gone
+    for module, table in _REPLACED:
+        for name, replacement in table.items():
+            if hasattr(module, name):
                 setattr(module, name, replacement)
-    for name, other in tuple(sys.modules.items()):
-        if not name.startswith(_OURS):
-            _rebind(other, replacements)
+    for names, name, replacement in _copies:
+        names[name] = replacement
+    _copies.clear()
+    _searched.clear()
 
 
-def _rebind(module: Any, replacements: dict[int, tuple[object, object]]) -> None:
+def _copies_in(
+    module: Any, replacements: dict[int, tuple[object, object]]
+) -> list[tuple[dict[str, object], str, object]]:
     names = getattr(module, "__dict__", None)
     if not isinstance(names, dict):
-        return
-    found = [(name, id(value)) for name, value in names.items() if id(value) in replacements]
-    for name, ident in found:
-        names[name] = replacements[ident][1]
+        return []
+    return [
+        (names, name, replacements[id(value)][1])
+        for name, value in names.items()
+        if id(value) in replacements
+    ]
 
 
 class PostImport:
