@@ -10,14 +10,21 @@ from grader.render.terminal import console
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|validate")
+    actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|new|validate")
     actions.add_parser("list", help="every assignment, in the order of the checklist")
     show = actions.add_parser("show", help="the rubric as a student reads it before submitting")
     show.add_argument("id")
     validate = actions.add_parser(
         "validate", help="run solutions and wrong scripts; report false passes and false fails"
     )
-    validate.add_argument("ids", nargs="*", metavar="id", help="assignments (default: all)")
+    validate.add_argument(
+        "ids",
+        nargs="*",
+        metavar="id",
+        help="assignments, with margins and sensitivity of each (default: all, without)",
+    )
+    new = actions.add_parser("new", help="start a new assignment from a working example")
+    new.add_argument("name", help="its id, e.g. heptagon")
     for action in actions.choices.values():
         action.add_argument("--lang", choices=LANGUAGES, default="zh")
         action.add_argument("--assignments", type=Path, metavar="DIR", help="folder (default: built in)")
@@ -30,9 +37,12 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(catalog, arguments)
     if arguments.action == "show":
         return _show(catalog, arguments)
+    if arguments.action == "new":
+        return _new(catalog, arguments)
     from grader.commands.validation import validate
 
-    return validate(catalog, arguments.ids or [each.id for each in catalog.all()], arguments.lang)
+    ids = arguments.ids or [each.id for each in catalog.all()]
+    return validate(catalog, ids, details=bool(arguments.ids))
 
 
 def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:
@@ -50,6 +60,14 @@ def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:
             assignment.brief.get(arguments.lang),
         )
     console().print(table)
+    return 0
+
+
+def _new(catalog: Catalog, arguments: argparse.Namespace) -> int:
+    from grader.catalog.authoring import create
+
+    folder = create(catalog, arguments.name)
+    console().print(f"→ {folder}\n  grader assignments validate {arguments.name}")
     return 0
 
 

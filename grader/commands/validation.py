@@ -1,71 +1,168 @@
 """Does every assignment keep its word: solutions get full marks, wrong scripts the verdict they must get."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
 
 from rich.table import Table
 from rich.text import Text
 
 from grader.catalog import Catalog
-from grader.contracts.assignment import Assignment, WrongAttempt
-from grader.contracts.grading import Grader, GradingJob
+from grader.commands.sensitivity import Sensitivity, lax, replayable, sensitivities
+from grader.contracts import trajectory_json
+from grader.contracts.assignment import Assignment, ItemSpec, WrongAttempt
+from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.report import GradeReport, GradeStatus
-from grader.contracts.rubric import ItemStatus
-from grader.contracts.text import Language
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.verdict import Run
 from grader.render.terminal import console
 from grader.slot import Slot, SlotConfig
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """What one of an assignment's own scripts got. `problem` is empty when that is what it must get."""
+    """What one of an assignment's own files got. `problem` is empty when that is what it must get.
+
+    Attributes:
+        score: None while a person has still to grade.
+    """
 
     assignment: str
     script: str
-    score: float
+    score: float | None
     max_score: float
     problem: str
 
 
-def validate(catalog: Catalog, assignment_ids: Iterable[str], language: Language) -> int:
-    """Run the scripts of the assignments and print what each got; 0 when all is as it must be."""
-    table = Table(box=None)
-    for heading in ("", "assignment", "script", "score", "problem"):
-        table.add_column(heading, overflow="fold")
-    bad = 0
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Margin:
+    """How far the solution's measure lies inside its band of full credit; negative outside."""
+
+    item: str
+    measured: float
+    margin: float
+    unit: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Examination:
+    """All that is known about one assignment.
+
+    Attributes:
+        sensitivity: empty where the solution's motion cannot be driven again without its script.
+    """
+
+    findings: list[Finding]
+    margins: list[Margin] = field(default_factory=list)
+    sensitivity: list[Sensitivity] = field(default_factory=list)
+
+
+def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool = False) -> int:
+    """Run the files of the assignments and print what each got; 0 when all is as it must be.
+
+    Args:
+        catalog: where the assignments are.
+        assignment_ids: those to look at.
+        details: print the solution's margins and the rubric's sensitivity as well.
+    """
+    table = _table("", "assignment", "script", "score", "problem")
+    examinations: dict[str, Examination] = {}
     with Slot(SlotConfig()) as slot:
         for assignment_id in assignment_ids:
-            for finding in examine(catalog, assignment_id, slot):
-                bad += bool(finding.problem)
-                table.add_row(
-                    "✗" if finding.problem else "✓",
-                    finding.assignment,
-                    finding.script,
-                    f"{finding.score:g}/{finding.max_score:g}",
-                    Text(finding.problem, style="red"),
-                )
+            examinations[assignment_id] = examine(catalog, assignment_id, slot, sensitive=details)
+    findings = [finding for each in examinations.values() for finding in each.findings]
+    for finding in findings:
+        table.add_row(
+            "✗" if finding.problem else "✓",
+            finding.assignment,
+            finding.script,
+            f"{'—' if finding.score is None else format(finding.score, 'g')}/{finding.max_score:g}",
+            Text(finding.problem, style="red"),
+        )
     console().print(table)
-    return 1 if bad else 0
+    if details:
+        for assignment_id, examination in examinations.items():
+            _print_details(assignment_id, examination)
+    return 1 if any(finding.problem for finding in findings) else 0
 
 
-def examine(catalog: Catalog, assignment_id: str, grader: Grader) -> Iterator[Finding]:
-    """Grade the solution, the starter and every wrong script of one assignment.
+def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: bool = False) -> Examination:
+    """Grade the solution, the starter and every wrong file of one assignment.
+
+    Args:
+        catalog: where the assignment is.
+        assignment_id: its id.
+        grader: grades the files.
+        sensitive: also find out from which error on each item loses credit (a few seconds).
 
     Raises:
         GraderError: the assignment cannot be read, or the grader failed.
     """
     assignment = catalog.get(assignment_id)
-    folder = catalog.folder(assignment_id)
     path = catalog.own_file(assignment, "solution")
-    solution = _grade(grader, assignment, path)
-    yield _finding(assignment, path.name, solution, "" if _all_passed(solution) else _lost(solution))
+    job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
+    solution = grader.grade(job)
+    report = solution.report
+    run = _replayable_run(assignment, solution)
+    problems = [] if _all_passed(report) else [_lost(report)]
+    problems += [] if run is None else lax(assignment, run)
+    findings = [_finding(assignment, path.name, report, "; ".join(problems))]
+    findings += _others(catalog, assignment, grader)
+    return Examination(
+        findings=findings,
+        margins=margins(assignment, report),
+        sensitivity=[] if run is None or not sensitive else sensitivities(assignment, run),
+    )
+
+
+def margins(assignment: Assignment, report: GradeReport) -> list[Margin]:
+    """Return how far each measured item of `report` lies from the nearest edge of its band."""
+    specs = {spec.id: spec for spec in assignment.items}
+    return [
+        Margin(
+            item=item.id,
+            measured=item.measured,
+            margin=_margin(specs[_plain(item)], item.measured),
+            unit=item.unit,
+        )
+        for item in report.items
+        if item.measured is not None
+    ]
+
+
+def _margin(spec: ItemSpec, measured: float) -> float:
+    edges = []
+    if spec.low is not None:
+        edges.append(measured - spec.low)
+    if spec.high is not None:
+        edges.append(spec.high - measured)
+    return min(edges)
+
+
+def _plain(item: RubricItem) -> str:
+    """Return an item's id without its case."""
+    return item.id.rpartition("/")[2]
+
+
+def _replayable_run(assignment: Assignment, solution: GradingResult) -> Run | None:
+    """Return the solution's first run if its commands say what the car does: not with feedback or services."""
+    if not solution.report.runs:
+        return None
+    first = solution.report.runs[0]
+    trajectory = trajectory_json.decode(solution.trajectories[first.case])
+    run = Run(trajectory=trajectory, outcome=first.outcome, case=first.case)
+    return run if not assignment.calls and replayable(assignment, run) else None
+
+
+def _others(catalog: Catalog, assignment: Assignment, grader: Grader) -> Iterator[Finding]:
     path = catalog.own_file(assignment, "starter")
-    starter = _grade(grader, assignment, path)
+    job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
+    starter = grader.grade(job).report
     gift = "the starter already has full marks" if _all_passed(starter) else ""
     yield _finding(assignment, path.name, starter, gift)
-    for attempt in catalog.wrong_attempts(assignment_id):
-        report = _grade(grader, assignment, folder / "wrong" / attempt.file)
+    for attempt in catalog.wrong_attempts(assignment.id):
+        path = catalog.folder(assignment.id) / "wrong" / attempt.file
+        job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
+        report = grader.grade(job).report
         yield _finding(assignment, f"wrong/{attempt.file}", report, _misjudged(attempt, report))
 
 
@@ -76,16 +173,11 @@ def _all_passed(report: GradeReport) -> bool:
     return report.score == report.max_score
 
 
-def _grade(grader: Grader, assignment: Assignment, path: Path) -> GradeReport:
-    job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
-    return grader.grade(job).report
-
-
 def _finding(assignment: Assignment, script: str, report: GradeReport, problem: str) -> Finding:
     return Finding(
         assignment=assignment.id,
         script=script,
-        score=report.score or 0.0,
+        score=report.score,
         max_score=report.max_score,
         problem=problem,
     )
@@ -99,11 +191,41 @@ def _lost(report: GradeReport) -> str:
 def _misjudged(attempt: WrongAttempt, report: GradeReport) -> str:
     score = report.score or 0.0
     problems = []
-    if not attempt.low <= score <= attempt.high:
+    if report.score == report.max_score:
+        problems.append("false pass: full marks")
+    elif not attempt.low <= score <= attempt.high:
         problems.append(f"score {score:g} is outside [{attempt.low:g}, {attempt.high:g}]")
     lost = (item for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL))
-    if attempt.fails not in [item.id.rpartition("/")[2] for item in lost]:
+    if attempt.fails not in [_plain(item) for item in lost]:
         problems.append(f"item {attempt.fails} loses nothing")
     if attempt.mistake and attempt.mistake not in report.mistakes[:1]:
         problems.append(f"recognised {', '.join(report.mistakes) or 'nothing'} instead of {attempt.mistake}")
     return "; ".join(problems)
+
+
+def _table(*headings: str) -> Table:
+    table = Table(box=None)
+    for heading in headings:
+        table.add_column(heading, overflow="fold")
+    return table
+
+
+def _print_details(assignment_id: str, examination: Examination) -> None:
+    table = _table("item", "solution", "margin")
+    for each in examination.margins:
+        table.add_row(each.item, f"{each.measured:g} {each.unit}", f"{each.margin:.3g} {each.unit}")
+    console().print(f"\n{assignment_id}: how far the solution lies inside each band", table)
+    if not examination.sensitivity:
+        return
+    table = _table("error in", "item", "costs from", "nothing left at")
+    for found in examination.sensitivity:
+        table.add_row(
+            found.perturbation.name, found.item, _size(found, found.starts), _size(found, found.zero)
+        )
+    console().print(f"\n{assignment_id}: which error in the solution's motion costs what", table)
+
+
+def _size(found: Sensitivity, error: float | None) -> str:
+    if error is None:
+        return "—"
+    return f"{error * found.perturbation.full:+.0f} {found.perturbation.unit}"

@@ -1,4 +1,4 @@
-"""What is driven: figures over speeds, sizes, senses, headings, pauses and repetitions, with and without defects."""
+"""What is driven: figures over speeds, sizes, senses, headings, pauses and laps, with and without defects."""
 
 import itertools
 import math

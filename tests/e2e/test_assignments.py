@@ -1,9 +1,12 @@
 """Every assignment keeps its word: its own scripts, the lesson's, and right scripts in other styles."""
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
+from grader.catalog import Catalog
+from grader.catalog.authoring import create
 from grader.commands.validation import examine
 from grader.contracts.grading import Grader
 from grader.slot import Slot, SlotConfig
@@ -20,7 +23,7 @@ def grader() -> Iterator[Grader]:
 
 @pytest.mark.parametrize("name", CHECKLIST)
 def test_own_scripts_get_what_they_must(grader: Grader, name: str) -> None:
-    findings = list(examine(catalog(), name, grader))
+    findings = examine(catalog(), name, grader).findings
     assert len(findings) >= 3
     assert not [finding for finding in findings if finding.problem]
 
@@ -176,3 +179,23 @@ def test_right_scripts_of_other_styles_get_full_marks(
 ) -> None:
     report = grade(grader, name, HEAD.format(sides=sides) + STYLES[style])
     assert report.score == 100, [(item.id, item.measured, item.message.en) for item in report.items]
+
+
+def test_a_new_assignment_validates_and_mistakes_in_it_are_found(grader: Grader, tmp_path: Path) -> None:
+    authored = Catalog(tmp_path)
+    spec = create(authored, "heptagon") / "assignment.yaml"
+    good = examine(authored, "heptagon", grader, sensitive=True)
+    assert not [finding for finding in good.findings if finding.problem]
+    assert {margin.item for margin in good.margins} == {"sides", "angles", "lengths", "rest"}
+    assert all(margin.margin >= 0.0 for margin in good.margins)
+    assert {found.item for found in good.sensitivity} >= {"angles", "lengths"}
+
+    text = spec.read_text(encoding="utf-8")
+    spec.write_text(text.replace("high: 4\n    ramp: 16", "high: 90\n    ramp: 5"), encoding="utf-8")
+    problems = {finding.script: finding.problem for finding in examine(authored, "heptagon", grader).findings}
+    assert "lax: one run off by 25 %" in problems["solution.py"]
+    assert "false pass" in problems["wrong/side_too_short.py"]
+
+    spec.write_text(text.replace("low: 87\n    high: 93", "low: 117\n    high: 123"), encoding="utf-8")
+    problems = {finding.script: finding.problem for finding in examine(authored, "heptagon", grader).findings}
+    assert "false fail" in problems["solution.py"]

@@ -1,0 +1,37 @@
+"""Start a new assignment: a complete, working example to edit."""
+
+import re
+from pathlib import Path
+from string import Template
+
+from grader.catalog import Catalog
+from grader.contracts.errors import AssignmentError
+
+_SKELETON = Path(__file__).with_name("skeleton")
+_TEMPLATE_SUFFIX = ".txt"  # of scripts, which are no part of the grader's own source
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
+
+
+def create(catalog: Catalog, name: str) -> Path:
+    """Make the folder of a new assignment at the end of the checklist; return it.
+
+    Raises:
+        AssignmentError: the name does not do or is taken, or the folder cannot be written.
+    """
+    if not _NAME.fullmatch(name):
+        raise AssignmentError(f"{name!r}: use small letters, digits and _, beginning with a letter")
+    folder = catalog.root / name
+    if folder.exists():
+        raise AssignmentError(f"{folder} exists already; choose another name or edit it")
+    order = max((assignment.order for assignment in catalog.all()), default=0) + 1
+    try:
+        for source in sorted(path for path in _SKELETON.rglob("*") if path.is_file()):
+            target = folder / str(source.relative_to(_SKELETON)).removesuffix(_TEMPLATE_SUFFIX)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            text = source.read_text(encoding="utf-8")
+            if target.suffix == ".yaml":
+                text = Template(text).substitute(id=name, order=order)
+            target.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise AssignmentError(f"{folder}: cannot be written: {error.strerror}") from error
+    return folder

@@ -1,0 +1,187 @@
+"""How sensitive a rubric is: the solution's own motion, made worse and worse, and what each item says to it."""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+from grader.checks import evaluate
+from grader.commands.replay import motion_of, replayed
+from grader.contracts.assignment import Assignment
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.trajectory import Command, Trajectory
+from grader.contracts.verdict import Run
+
+Commands = Sequence[Command]
+Spoil = Callable[[Commands, float], list[Command]]
+STEP = 0.01
+MOST = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Perturbation:
+    """One way to make a motion worse.
+
+    Attributes:
+        name: in the printed table. spoil: returns the commands with an error of the given size.
+        full: size of the error 1.0, in `unit`.
+        must_cost_from: error from which on, in one sense at least, an honest rubric takes points; None: never.
+        applies: whether a motion of these kinds of stretches can be spoilt this way.
+    """
+
+    name: str
+    spoil: Spoil
+    full: float
+    unit: str
+    must_cost_from: float | None
+    applies: Callable[[list[str]], bool]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Sensitivity:
+    """What one perturbation costs one item; errors as shares of the perturbation's full size, signed.
+
+    Attributes:
+        starts: first error that costs something. zero: first that leaves nothing, None when none does.
+    """
+
+    perturbation: Perturbation
+    item: str
+    starts: float
+    zero: float | None
+
+
+def sensitivities(assignment: Assignment, run: Run) -> list[Sensitivity]:
+    """Return what each perturbation of the solution's `run` costs each item, in both senses."""
+    found: list[Sensitivity] = []
+    for perturbation in _applicable(run.trajectory):
+        for sign in (1.0, -1.0):
+            found += _along(assignment, run, perturbation, sign)
+    return found
+
+
+def lax(assignment: Assignment, run: Run) -> list[str]:
+    """Return a sentence for each gross error in the solution's motion that would cost nothing."""
+    problems = []
+    for perturbation in _applicable(run.trajectory):
+        error = perturbation.must_cost_from
+        if error is not None and all(
+            _full(_judged(assignment, run, perturbation, sign * error)) for sign in (1.0, -1.0)
+        ):
+            size = f"{error * perturbation.full:g} {perturbation.unit}"
+            problems.append(f"lax: {perturbation.name} off by {size} costs nothing; narrow a band")
+    return problems
+
+
+def replayable(assignment: Assignment, run: Run) -> bool:
+    """Whether the recorded commands, driven by an ideal turtle, earn full marks: the base of comparison."""
+    if not run.trajectory.commands or assignment.world.profile != "nominal":
+        return False
+    return _full(_items(assignment, run, replayed(run.trajectory, run.trajectory.commands)))
+
+
+def _applicable(trajectory: Trajectory) -> list[Perturbation]:
+    kinds = [kind for kind, _ in _stretches(trajectory.commands)]
+    return [perturbation for perturbation in PERTURBATIONS if perturbation.applies(kinds)]
+
+
+def _along(
+    assignment: Assignment, run: Run, perturbation: Perturbation, sign: float
+) -> Iterator[Sensitivity]:
+    starts: dict[str, float] = {}
+    zero: dict[str, float] = {}
+    for step in range(1, round(MOST / STEP)):
+        error = sign * step * STEP
+        for item in _judged(assignment, run, perturbation, error):
+            if item.status is ItemStatus.NOT_CHECKED:
+                continue  # lost with the item it needs
+            if item.earned < item.points:
+                starts.setdefault(item.id, error)
+            if item.earned <= 0.0:
+                zero.setdefault(item.id, error)
+    for item_id, start in starts.items():
+        yield Sensitivity(perturbation=perturbation, item=item_id, starts=start, zero=zero.get(item_id))
+
+
+def _judged(
+    assignment: Assignment, run: Run, perturbation: Perturbation, error: float
+) -> tuple[RubricItem, ...]:
+    commands = perturbation.spoil(run.trajectory.commands, error)
+    return _items(assignment, run, replayed(run.trajectory, commands))
+
+
+def _items(assignment: Assignment, run: Run, trajectory: Trajectory) -> tuple[RubricItem, ...]:
+    return evaluate(assignment, [replace(run, trajectory=trajectory)]).items
+
+
+def _full(items: tuple[RubricItem, ...]) -> bool:
+    return all(item.earned >= item.points for item in items)
+
+
+def _stretches(commands: Commands) -> list[tuple[str, list[Command]]]:
+    """Group commands of one kind of motion that follow each other."""
+    return [(kind, list(group)) for kind, group in groupby(commands, key=motion_of)]
+
+
+def _scaled(kind: str, *, only_first: bool) -> Spoil:
+    """Return what makes the turns or runs faster: all of them, or the first only."""
+
+    def spoil(commands: Commands, error: float) -> list[Command]:
+        spoilt: list[Command] = []
+        left = True
+        for found, stretch in _stretches(commands):
+            factor = 1.0 + error if found == kind and left else 1.0
+            left = left and not (only_first and found == kind)
+            spoilt += [
+                replace(command, v_mps=command.v_mps * factor, w_radps=command.w_radps * factor)
+                for command in stretch
+            ]
+        return spoilt
+
+    return spoil
+
+
+def _veering(commands: Commands, error: float) -> list[Command]:
+    """Let every run end turned by a share of 90 degrees."""
+    spoilt: list[Command] = []
+    stretches = _stretches(commands)
+    for i, (kind, stretch) in enumerate(stretches):
+        end_ns = stretches[i + 1][1][0].t_ns if i + 1 < len(stretches) else stretch[-1].t_ns + 1_000_000_000
+        turn_rad = error * 1.5707963 if kind == "run" else 0.0
+        rate = turn_rad / max((end_ns - stretch[0].t_ns) * 1e-9, 1e-3)
+        spoilt += [replace(command, w_radps=command.w_radps + rate) for command in stretch]
+    return spoilt
+
+
+def _longer_rests(commands: Commands, error: float) -> list[Command]:
+    """Stretch every rest between motions."""
+    spoilt: list[Command] = []
+    shift_ns = 0
+    stretches = _stretches(commands)
+    for i, (kind, stretch) in enumerate(stretches):
+        begin_ns = stretch[0].t_ns
+        stretched = error if kind == "rest" and i + 1 < len(stretches) else 0.0
+        spoilt += [
+            replace(command, t_ns=command.t_ns + shift_ns + round((command.t_ns - begin_ns) * stretched))
+            for command in stretch
+        ]
+        if stretched:
+            shift_ns += round((stretches[i + 1][1][0].t_ns - begin_ns) * stretched)
+    return spoilt
+
+
+PERTURBATIONS = (
+    Perturbation(
+        "every run", _scaled("run", only_first=False), 100.0, "%", None, lambda kinds: "run" in kinds
+    ),
+    Perturbation(
+        "one run", _scaled("run", only_first=True), 100.0, "%", 0.25, lambda kinds: kinds.count("run") > 1
+    ),
+    Perturbation(
+        "every turn", _scaled("turn", only_first=False), 100.0, "%", 0.25, lambda kinds: "turn" in kinds
+    ),
+    Perturbation(
+        "one turn", _scaled("turn", only_first=True), 100.0, "%", 0.25, lambda kinds: kinds.count("turn") > 1
+    ),
+    Perturbation("heading of runs", _veering, 90.0, "deg", 1.0 / 3.0, lambda kinds: "run" in kinds),
+    Perturbation("rests", _longer_rests, 100.0, "%", None, lambda kinds: "rest" in kinds[:-1]),
+)

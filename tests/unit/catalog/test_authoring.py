@@ -1,0 +1,58 @@
+"""A new assignment starts from a working example."""
+
+from pathlib import Path
+
+import pytest
+
+from grader.catalog import Catalog
+from grader.catalog.authoring import create
+from grader.checks import problems
+from grader.contracts.errors import AssignmentError
+
+
+def test_the_skeleton_is_complete(tmp_path: Path) -> None:
+    catalog = Catalog(tmp_path)
+    folder = create(catalog, "heptagon")
+    task = catalog.get("heptagon")
+    assert problems(task) == ()
+    assert (task.order, task.max_score) == (1, 100)
+    assert catalog.own_file(task, "starter").is_file()
+    assert {each.file for each in catalog.wrong_attempts("heptagon")} == {
+        path.name for path in (folder / "wrong").iterdir()
+    }
+    assert "$" not in (folder / "assignment.yaml").read_text(encoding="utf-8")
+    create(catalog, "nonagon")
+    assert [each.id for each in catalog.all()] == ["heptagon", "nonagon"]
+
+
+@pytest.mark.parametrize("name", ["Square", "../up", "9sides", "", "a b", "x" * 41])
+def test_names_that_do_not_do(tmp_path: Path, name: str) -> None:
+    with pytest.raises(AssignmentError, match="letters"):
+        create(Catalog(tmp_path), name)
+
+
+def test_an_existing_folder_is_left_alone(tmp_path: Path) -> None:
+    create(Catalog(tmp_path), "heptagon")
+    with pytest.raises(AssignmentError, match="exists already"):
+        create(Catalog(tmp_path), "heptagon")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "field"),
+    [
+        ("low: 87", "low: 187", "items.1"),
+        ("measure: settled", "measures: settled", "items.3"),
+        ("score: [70, 90]", "score: [90, 70]", "wrong.0"),
+        ("file: three_sides.py", "file: three_sides.txt", "ends in .py"),
+        ("points: 10", "points: 0", "items.3.points"),
+    ],
+)
+def test_a_broken_spec_is_named_with_its_line(tmp_path: Path, old: str, new: str, field: str) -> None:
+    catalog = Catalog(tmp_path)
+    path = create(catalog, "heptagon") / "assignment.yaml"
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(AssignmentError, match=field) as caught:
+        catalog.get("heptagon")
+    assert str(path) in str(caught.value)
