@@ -5,7 +5,7 @@ import json
 from dataclasses import asdict, dataclass
 from enum import StrEnum
 
-from grader.contracts.outcome import RunOutcome
+from grader.contracts.outcome import RunOutcome, Stream
 from grader.contracts.rubric import RubricItem
 from grader.contracts.text import EMPTY, Text
 
@@ -85,11 +85,22 @@ class GradeReport:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class CaseOutput:
+    """What the script printed in one run."""
+
+    case: str
+    stdout: Stream
+    stderr: Stream
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Measurements:
     """What a grading cost and how it was isolated. Never part of the graded report.
 
     Attributes:
         missing_layers: names of isolation layers that were not active.
+        cut_output: what scripts had printed that were ended while they were still printing. How much that
+            is depends on the moment, so the report itself holds none of it.
     """
 
     wall_s: float
@@ -98,3 +109,4 @@ class Measurements:
     sim_steps: int
     isolation: str
     missing_layers: tuple[str, ...] = ()
+    cut_output: tuple[CaseOutput, ...] = ()
