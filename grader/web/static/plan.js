@@ -6,6 +6,9 @@ const FIELD_M = 11.088889; // turtlesim's window
 const LEAST_EXTENT_M = 2.4;
 const MARGIN_PX = 46;
 const CAR_PX = 11;
+const IN_PLACE_PX = 220; // height for a car that only turns
+const ARC_PX = 34;
+const ARC_GROWTH_PX = 9; // outward per full turn, so that further turns stay visible
 const STEEP_PX = 5; // a remark this far to the side begins or ends there, instead of being centred
 
 export class Plan {
@@ -25,7 +28,8 @@ export class Plan {
     const extent = Math.max(right - left, top - bottom, LEAST_EXTENT_M) * 1.08;
     const tall = Math.max(top - bottom, LEAST_EXTENT_M) * 1.08;
     this.scale = (width - 2 * MARGIN_PX) / extent;
-    const height = Math.round(Math.max(tall * this.scale, 170) + 2 * MARGIN_PX);
+    const inPlace = sketch.view === "heading" && extent <= LEAST_EXTENT_M * 1.09;
+    const height = inPlace ? IN_PLACE_PX : Math.round(Math.max(tall * this.scale, 170) + 2 * MARGIN_PX);
     this.x0 = width / 2 - ((left + right) / 2) * this.scale;
     this.y0 = height / 2 + ((bottom + top) / 2) * this.scale;
     this.svg = picture(this.holder, width, height, this.label());
@@ -36,6 +40,7 @@ export class Plan {
     add(this.svg, "path", { class: "path-rest", d: this.track.path });
     this.driven = add(this.svg, "path", { class: "path-driven" });
     this.measures();
+    this.turned = add(this.svg, "path", { class: "turned" });
     add(this.svg, "circle", { class: "start", cx: points[0][0], cy: points[0][1], r: 4.5 });
     const size = CAR_PX;
     this.car = add(this.svg, "path", { class: "car", d: `M${size} 0L${-size * 0.7} ${size * 0.7}L${-size * 0.35} 0L${-size * 0.7} ${-size * 0.7}Z` });
@@ -46,8 +51,24 @@ export class Plan {
     const [x, y] = this.place([state.x, state.y]);
     const end = this.track.ends[state.index];
     this.driven.setAttribute("d", `${this.track.path.slice(0, end)}L${x.toFixed(1)} ${y.toFixed(1)}`);
+    if (this.sketch.view === "heading") {
+      this.turned.setAttribute("d", this.arc(x, y, state.heading));
+    }
     const degrees = (-state.heading * 180) / Math.PI;
     this.car.setAttribute("transform", `translate(${x.toFixed(2)} ${y.toFixed(2)}) rotate(${degrees.toFixed(2)})`);
+  }
+
+  /** The angle turned so far as an arc round the car, a spiral beyond one turn. */
+  arc(x, y, heading) {
+    const start = this.motion.heading[0];
+    const turned = heading - start;
+    const count = Math.max(2, Math.ceil(Math.abs(turned) / 0.1));
+    const points = Array.from({ length: count + 1 }, (_, i) => {
+      const part = (turned * i) / count;
+      const radius = ARC_PX + (Math.abs(part) / (2 * Math.PI)) * ARC_GROWTH_PX;
+      return [x + radius * Math.cos(start + part), y - radius * Math.sin(start + part)];
+    });
+    return trace(points).path;
   }
 
   label() {

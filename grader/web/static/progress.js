@@ -21,9 +21,8 @@ function place(position) {
   if (position === null) {
     return "";
   }
-  const ahead = position - 1;
   const colon = document.documentElement.lang.startsWith("zh") ? "：" : ": ";
-  return colon + (ahead > 0 ? panel.dataset.ahead.replace("{count}", String(ahead)) : panel.dataset.next);
+  return colon + (position > 0 ? panel.dataset.ahead.replace("{count}", String(position)) : panel.dataset.next);
 }
 
 // an unchanged sentence must not be read out again

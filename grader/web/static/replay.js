@@ -37,6 +37,7 @@ class Replay {
     this.button = find("play");
     this.scrub = find("scrub");
     this.speed = find("speed");
+    find("legend").hidden = sketch.view !== "path"; // it explains figures
     this.listen();
     this.fit();
   }

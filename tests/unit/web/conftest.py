@@ -1,0 +1,172 @@
+import re
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from datetime import timedelta
+from pathlib import Path
+
+import httpx
+import pytest
+from fastapi import FastAPI
+
+from grader.catalog import Catalog
+from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.grading import AssignmentSource, GradingJob, GradingResult
+from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.submission import NewSubmission
+from grader.routes.services import Services
+from grader.settings import Settings
+from grader.store.database import Database
+from grader.store.schema import migrate
+from tests.fakes import server
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import grade
+
+PAGE = {"Accept": "text/html,application/xhtml+xml"}
+_TOKEN = re.compile(r'name="form_token" value="([^"]+)"')
+
+
+class Shipped:
+    """The assignments that come with the grader, read once."""
+
+    def __init__(self) -> None:
+        self._all = Catalog().all()
+
+    def all(self):
+        return self._all
+
+    def get(self, assignment_id: str):
+        for one in self._all:
+            if one.id == assignment_id:
+                return one
+        raise UnknownAssignmentError(assignment_id)
+
+
+class Browser:
+    """A browser without scripts: keeps cookies, sends forms with the token of the page they are on."""
+
+    def __init__(self, client: httpx.Client) -> None:
+        self.client = client
+
+    def get(self, path: str, **kwargs):
+        return self.client.get(path, headers=PAGE, follow_redirects=False, **kwargs)
+
+    def post(self, path: str, data: dict[str, str], files=None, page: str | None = None):
+        token = _TOKEN.search(self.get(page or path).text)
+        fields = {**({"form_token": token[1]} if token else {}), **data}
+        return self.client.post(path, data=fields, files=files, headers=PAGE, follow_redirects=False)
+
+    def enter(self, **said: str):
+        return self.post("/enter", said)
+
+    def hand_in(self, assignment: str, source: bytes, name: str = "square.py", **fields: str):
+        return self.post(
+            f"/assignments/{assignment}", fields, files={"file": (name, source, "text/x-python")}
+        )
+
+
+@pytest.fixture(scope="session")
+def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("migrated") / "grader.db"
+    database = Database(f"sqlite:///{path}")
+    migrate(database)
+    database.close()
+    return path
+
+
+@pytest.fixture(scope="session")
+def shipped() -> AssignmentSource:
+    return Shipped()
+
+
+def _services(folder: Path, migrated: Path, shipped: AssignmentSource) -> Services:
+    shutil.copy(migrated, folder / "grader.db")
+    settings = Settings(database_url=f"sqlite:///{folder / 'grader.db'}", max_upload_bytes=4096)
+    return replace(server.services(settings, FakeClock()), assignments=shipped)
+
+
+def _close(services: Services) -> None:
+    services.plots.close()
+    services.submissions._database.close()
+
+
+@pytest.fixture
+def services(tmp_path: Path, migrated: Path, shipped: AssignmentSource) -> Iterator[Services]:
+    made = _services(tmp_path, migrated, shipped)
+    yield made
+    _close(made)
+
+
+@pytest.fixture(scope="session")
+def running(
+    tmp_path_factory: pytest.TempPathFactory, migrated: Path, shipped: AssignmentSource
+) -> Iterator[tuple[FastAPI, str]]:
+    """One server for all tests; each test puts its own services in."""
+    made = _services(tmp_path_factory.mktemp("server"), migrated, shipped)
+    app = server.application(made)
+    with server.serving(app) as client:
+        client.get("/healthz")
+        yield app, str(client.base_url)
+    _close(made)
+
+
+@pytest.fixture
+def client(running: tuple[FastAPI, str], services: Services) -> Iterator[httpx.Client]:
+    app, address = running
+    app.state.services = services
+    with httpx.Client(base_url=address, timeout=30.0, trust_env=False) as client:
+        yield client
+
+
+@pytest.fixture
+def browser(client: httpx.Client) -> Browser:
+    return Browser(client)
+
+
+@pytest.fixture
+def instructor(client: httpx.Client) -> Browser:
+    browser = Browser(client)
+    assert browser.enter(token=server.TOKEN).headers["Location"] == "/class"
+    return browser
+
+
+@pytest.fixture
+def put(services: Services) -> Callable[..., str]:
+    """Store a submission past all checks of uploads, grade it unless told otherwise, return its address."""
+
+    def add(
+        source: bytes = b"good",
+        *,
+        student: str = "s1",
+        assignment: str = "square",
+        name: str = "square.py",
+        course: str | None = None,
+        grading: Callable[[GradingJob], GradingResult] | None = grade,
+    ) -> str:
+        new = NewSubmission(
+            course=course, student=student, assignment=assignment, file_name=name, source=source
+        )
+        added = services.submissions.add(new)
+        if grading is not None:
+            claim = services.queue.claim("w")
+            assert claim is not None
+            job = GradingJob(
+                file_name=claim.file_name,
+                source=claim.source,
+                assignment=services.assignments.get(assignment),
+            )
+            assert services.queue.finish(claim, grading(job))
+        services.clock.advance(60.0)
+        return f"/submissions/{added.id}"
+
+    return add
+
+
+@pytest.fixture
+def tokens(services: Services) -> dict[str, str]:
+    """Open a course; return its people's tokens."""
+    people = {"li": Role.STUDENT, "han": Role.STUDENT, "ta": Role.ASSISTANT, "wang": Role.INSTRUCTOR}
+    services.courses.create("ros", "ROS", "Asia/Shanghai", "test")
+    entries = [RosterEntry(id=one, name=one, role=role) for one, role in people.items()]
+    services.courses.import_roster("ros", entries, "test")
+    return {one: services.tokens.issue("ros", one, timedelta(days=1), "test")[1] for one in people}

@@ -1,0 +1,181 @@
+"""Who sees which page, and what a form needs to be believed."""
+
+from collections.abc import Callable
+
+import httpx
+import pytest
+from fastapi import Request, Response
+
+from grader.routes.services import Services
+from grader.web.entrance import own_address
+from grader.web.forms import COOKIE, set_private_cookie
+from tests.fakes import server
+from tests.unit.web.conftest import PAGE, Browser
+
+CLASS_PAGES = (
+    "/class",
+    "/class/assignments/square",
+    "/class/students/s1",
+    "/class/service",
+    "/class/compare",
+)
+OWN_DATA = ("", "/state.json", "/trajectory.json", "/sketch.json", "/plot.png")
+
+
+@pytest.mark.parametrize("path", [*CLASS_PAGES, "/submissions", "/submissions/nothing"])
+def test_personal_pages_ask_who_it_is(browser: Browser, path: str) -> None:
+    answer = browser.get(path)
+    assert answer.status_code == 303
+    assert answer.headers["Location"].startswith("/enter?next=%2F")
+
+
+@pytest.mark.parametrize("path", CLASS_PAGES)
+def test_a_student_id_does_not_open_the_class(browser: Browser, path: str) -> None:
+    browser.enter(student="s1")
+    assert browser.get(path).status_code == 303
+
+
+@pytest.mark.parametrize("part", OWN_DATA)
+def test_a_submission_is_its_owners_and_the_instructors(
+    browser: Browser, put: Callable[..., str], part: str
+) -> None:
+    address = put(student="s1") + part
+    assert browser.get(address).status_code == 303
+    browser.enter(student="s2")
+    assert browser.get(address).status_code == 404
+    browser.enter(student="s1")
+    assert browser.get(address).status_code == 200
+    browser.post("/leave", {}, page="/")
+    assert browser.get(address).status_code == 303
+    browser.enter(token=server.TOKEN)
+    assert browser.get(address).status_code == 200
+
+
+def test_entering_leads_back(browser: Browser) -> None:
+    asked = browser.get("/class?show=stuck").headers["Location"]
+    answer = browser.post("/enter", {"token": server.TOKEN, "next": "/class?show=stuck"}, page=asked)
+    assert answer.headers["Location"] == "/class?show=stuck"
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "//evil.example",
+        "https://evil.example",
+        "/\\evil.example",
+        "javascript:alert(1)",
+        "/a\nb",
+        "/\u202e",
+        "class",
+    ],
+)
+def test_entering_leads_nowhere_else(browser: Browser, address: str) -> None:
+    assert own_address(address) == ""
+    answer = browser.post("/enter", {"student": "s1", "next": address}, page="/enter")
+    assert answer.headers["Location"] == "/submissions"
+
+
+def test_a_wrong_token_opens_nothing(browser: Browser) -> None:
+    answer = browser.enter(token="x" * 30)
+    assert answer.status_code == 403
+    assert "grader_token" not in answer.headers.get("set-cookie", "")
+    assert browser.get("/class").status_code == 303
+
+
+def test_private_cookies_stay_private(browser: Browser) -> None:
+    cookies = [
+        *browser.enter(token=server.TOKEN).headers.get_list("set-cookie"),
+        *browser.enter(student="s1").headers.get_list("set-cookie"),
+    ]
+    assert {one.split("=")[0] for one in cookies} == {"grader_token", "grader_student"}
+    for one in cookies:
+        assert "HttpOnly" in one
+        assert "SameSite=strict" in one
+        assert "Max-Age" not in one
+
+
+@pytest.mark.parametrize(("scheme", "secure"), [("http", False), ("https", True)])
+def test_cookies_are_secure_over_https(scheme: str, secure: bool) -> None:
+    response = Response()
+    request = Request(
+        {"type": "http", "scheme": scheme, "server": ("grader", 80), "headers": [], "path": "/"}
+    )
+    set_private_cookie(request, response, "name", "value")
+    assert ("Secure" in response.headers["set-cookie"]) is secure
+
+
+@pytest.mark.parametrize("path", ["/enter", "/leave", "/assignments/square"])
+@pytest.mark.parametrize("token", [None, "", "x" * 32, "\u4e2d"])
+def test_foreign_forms_are_refused(
+    browser: Browser, services: Services, path: str, token: str | None
+) -> None:
+    browser.get("/enter")  # the browser has its token; the form does not
+    data = {"student": "s1", **({} if token is None else {"form_token": token})}
+    files = {"file": ("a.py", b"good")} if "assign" in path else None
+    answer = browser.client.post(path, data=data, files=files, headers=PAGE, follow_redirects=False)
+    assert answer.status_code == 403
+    assert services.submissions.of_student("s1") == ()
+
+
+def test_a_form_without_the_cookie_is_refused(client: httpx.Client) -> None:
+    token = "x" * 32
+    answer = client.post("/enter", data={"student": "s1", "form_token": token}, headers=PAGE)
+    assert answer.status_code == 403
+
+
+@pytest.mark.parametrize(("site", "status"), [("cross-site", 403), ("same-site", 403), ("same-origin", 303)])
+def test_the_browser_is_believed_about_foreign_forms(browser: Browser, site: str, status: int) -> None:
+    browser.get("/enter")
+    data = {"student": "s1", "form_token": browser.client.cookies[COOKIE]}
+    headers = {**PAGE, "Sec-Fetch-Site": site}
+    answer = browser.client.post("/enter", data=data, headers=headers, follow_redirects=False)
+    assert answer.status_code == status
+
+
+class TestCourse:
+    """With a course everybody shows a token."""
+
+    def test_a_student_id_is_not_enough(self, browser: Browser, tokens: dict[str, str]) -> None:
+        assert 'name="student"' not in browser.get("/enter").text
+        browser.get("/enter")
+        answer = browser.enter(student="li")
+        assert answer.status_code == 303
+        assert "grader_student" not in answer.headers.get("set-cookie", "")
+        assert browser.get("/submissions").status_code == 303
+
+    def test_handing_in_needs_a_token(
+        self, browser: Browser, services: Services, tokens: dict[str, str]
+    ) -> None:
+        assert 'type="file"' not in browser.get("/assignments/square").text
+        assert browser.hand_in("square", b"good", student="li").status_code in {303, 403}
+        assert services.submissions.of_student("li", course="ros") == ()
+        assert services.submissions.of_student("li") == ()
+        browser.enter(token=tokens["li"])
+        assert browser.hand_in("square", b"good").headers["Location"].startswith("/submissions/")
+        assert len(services.submissions.of_student("li", course="ros")) == 1
+
+    def test_students_see_their_own_work_only(
+        self, browser: Browser, tokens: dict[str, str], put: Callable[..., str]
+    ) -> None:
+        own, other = put(student="li", course="ros"), put(student="han", course="ros")
+        browser.enter(token=tokens["li"])
+        assert browser.get(own).status_code == 200
+        assert browser.get(other).status_code == 404
+        assert browser.get("/class").status_code == 403
+
+    @pytest.mark.parametrize("person", ["ta", "wang"])
+    def test_staff_see_the_class(
+        self, browser: Browser, tokens: dict[str, str], put: Callable[..., str], person: str
+    ) -> None:
+        put(student="li", course="ros")
+        assert browser.enter(token=tokens[person]).headers["Location"] == "/class"
+        assert 'href="/class/students/li' in browser.get("/class").text
+        assert browser.get("/class/students/li").status_code == 200
+
+    def test_another_courses_work_does_not_exist(
+        self, browser: Browser, tokens: dict[str, str], put: Callable[..., str]
+    ) -> None:
+        foreign = put(student="li", course=None)
+        browser.enter(token=tokens["wang"])
+        assert browser.get(foreign).status_code == 404
+        assert browser.get("/class/students/li").status_code == 404
