@@ -221,6 +221,7 @@ def run_script_text(
     python: str = PYTHON,
     preload: Sequence[str] = (),
     cpu_s: float = 30.0,
+    output_bytes: int | None = None,
 ) -> Run:
     """Run `source` in a subprocess on the shim and return what it did.
 
@@ -230,6 +231,7 @@ def run_script_text(
         services: answers (request cdr -> response cdr) of the world's services, 1 ms after the request.
         bare: run without `rclpy/__init__.py`, for tests of the kernel alone.
         preload: modules imported before the shim takes over, as the zygote does.
+        output_bytes: what the script may print.
         cpu_s: backstop against a script that never ends; the process is then killed by SIGXCPU.
     """
     data = source.encode() if isinstance(source, str) else source
@@ -241,6 +243,7 @@ def run_script_text(
         "horizon_ns": round(horizon_s * 1e9),
         "epoch_ns": EPOCH_NS,
         "seed": seed,
+        "output_bytes": output_bytes,
         "world": WORLD if world is None else world,
     }
     text = json.dumps(start).encode()

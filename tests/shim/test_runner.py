@@ -206,3 +206,26 @@ def test_forbidden_calls_are_noted_once(run_bare: RunScript) -> None:
     calls = [text.split(":")[0] for _, text in run.notes]
     assert {"open for writing", "subprocess.Popen", "socket.connect"} <= set(calls)
     assert len(calls) == len(set(calls))
+
+
+@pytest.mark.parametrize(
+    ("call", "error"),
+    [
+        ("open('out.txt', 'w')", "[Errno 13] Permission denied: 'out.txt'"),
+        ("open(b'out.txt', 'ab')", "[Errno 13] Permission denied: b'out.txt'"),
+        ("os.open('out.txt', os.O_CREAT | os.O_RDWR)", "[Errno 13] Permission denied: 'out.txt'"),
+        ("pathlib.Path('out.txt').write_text('x')", "[Errno 13] Permission denied: 'out.txt'"),
+        ("os.remove('a')", "[Errno 1] Operation not permitted: 'a'"),
+        ("os.makedirs('a/b')", "[Errno 1] Operation not permitted: 'a'"),
+        ("os.system('ls')", "[Errno 1] Operation not permitted: 'ls'"),
+        ("os.fork()", "[Errno 1] Operation not permitted"),
+        ("subprocess.run(['ls', '-l'])", "[Errno 1] Operation not permitted: 'ls'"),
+        ("socket.create_connection(('127.0.0.1', 9))", "[Errno 1] Operation not permitted: '127.0.0.1'"),
+    ],
+)
+def test_what_the_sandbox_would_refuse_is_refused_alike_everywhere(
+    run_bare: RunScript, call: str, error: str
+) -> None:
+    run = run_bare(f"import os, pathlib, socket, subprocess\n{call}\n")
+    assert (run.exit["type"], run.exit["message"], run.exit["line"]) == ("PermissionError", error, 2)
+    assert [code for code, _ in run.notes] == ["forbidden"]

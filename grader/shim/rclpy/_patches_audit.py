@@ -59,7 +59,7 @@ def _on_event(event: str, args: tuple[Any, ...]) -> None:
     elif event in FORBIDDEN:
         target = args[0] if args else None
         _note(event, _text(target))
-        named = (target,) if isinstance(target, (str, bytes)) else ()
+        named = (_text(target),) if isinstance(target, (str, bytes)) else ()
         raise PermissionError(errno.EPERM, os.strerror(errno.EPERM), *named)
 
 

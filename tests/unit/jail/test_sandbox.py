@@ -66,6 +66,45 @@ def test_frames_before_a_limit_are_still_delivered(sandbox: Sandbox) -> None:
     assert "0.2 s" in report.detail
 
 
+def test_frames_in_the_channel_outlive_the_process(sandbox: Sandbox) -> None:
+    """What was sent before the kill is delivered although nobody had read it by then."""
+    with sandbox.open(Limits(cpu_s=0.2)) as jail:
+        jail.send(b"frame(b'begun')\nfor n in range(20): frame(b'x' * 5000)\nwhile True: pass")
+        assert jail.receive() == b"begun"
+        while jail._verdict is None:
+            jail._tend(0)
+        frames = list(iter(jail.receive, None))
+        report = jail.close()
+    assert frames == [b"x" * 5000] * 20
+    assert report.verdict is Verdict.CPU_LIMIT
+
+
+@pytest.mark.parametrize(
+    ("source", "verdict", "settled"),
+    [
+        ("print('a')", Verdict.FINISHED, True),
+        ("print('a')\nwhile True: pass", Verdict.CPU_LIMIT, True),
+        ("n = 0\nwhile True:\n    n += 1\n    if n % 10000 == 0: print(n)", Verdict.CPU_LIMIT, False),
+        ("while True: print('a' * 99)", Verdict.OUTPUT_LIMIT, True),
+        ("import sys\nwhile True: print('a'); print('b', file=sys.stderr)", Verdict.OUTPUT_LIMIT, False),
+        ("import os\nos.write(channel, bytes(4))\nwhile True: print('a')", Verdict.PROTOCOL, False),
+    ],
+)
+def test_it_is_told_whether_output_depends_on_the_moment_of_a_kill(
+    sandbox: Sandbox, source: str, verdict: Verdict, settled: bool
+) -> None:
+    _, report = run(sandbox, source, cpu_s=0.4, output_bytes=200_000)
+    assert (report.verdict, report.settled) == (verdict, settled)
+
+
+def test_c_code_that_dies_for_lack_of_memory_met_the_memory_limit(sandbox: Sandbox) -> None:
+    hoard = "import os\nkept = []\ntry:\n    while True: kept.append(bytearray(1 << 20))\n"
+    _, report = run(sandbox, hoard + "except MemoryError: os.abort()", memory_bytes=96 * MIB)
+    assert (report.verdict, report.signal) == (Verdict.MEMORY_LIMIT, "SIGABRT")
+    _, report = run(sandbox, "import os\nos.abort()", memory_bytes=96 * MIB)
+    assert (report.verdict, report.signal) == (Verdict.CRASHED, "SIGABRT")
+
+
 def test_last_words_of_a_killed_script_are_kept(sandbox: Sandbox) -> None:
     _, report = run(sandbox, "print('last words')\nwhile True: pass", cpu_s=0.2)
     assert report.stdout.text == "last words\n"
