@@ -13,8 +13,11 @@ _SINGLE_THREADED = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NU
 
 _ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # -P: the folder `grader` is called in may hold a student's random.py.
+# The zygote first: it gets ready on another core while this process imports contracts and physics.
 _BOOTSTRAP = (
-    "import sys; root = sys.argv.pop(1); root in sys.path or sys.path.insert(0, root); "
+    "import os, sys; root = sys.argv.pop(1); root in sys.path or sys.path.insert(0, root); "
+    "[os.set_inheritable(int(descriptor), False) for descriptor in sys.argv[1:]]; "
+    "from grader.jail.spawn import spawn_ahead; spawn_ahead(); "
     "from grader.grading import main; sys.exit(main(sys.argv[1:]))"
 )
 

@@ -1,20 +1,16 @@
 """The trusted side of a zygote: start it, have it fork and reap, restart it when it is gone."""
 
+import _socket
 import array
 import json
-import os
-import socket
-import subprocess
-import sys
 import threading
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Final
 
 from grader.contracts.errors import SandboxError
-from grader.jail import libc, policy
+from grader.jail.spawn import spawn
 
-_BOOTSTRAP: Final = "import sys; sys.path.insert(0, sys.argv.pop(1)); from jail.zygote import main; main()"
 _ANSWER_LIMIT_S: Final = 20.0
 _ANSWER_MAX_BYTES: Final = 1 << 20
 FILTER_DIRECTORY: Final = Path(__file__).with_name("filters")
@@ -47,26 +43,26 @@ class Zygote:
     """
 
     def __init__(self, config: ZygoteConfig) -> None:
-        """Start the process; it prepares itself while the caller goes on (see `wait_ready`)."""
+        """Start the process, or take one started ahead; it prepares itself while the caller goes on.
+
+        See `wait_ready`.
+        """
         self._lock = threading.Lock()
         self._ready = False
         self._broken = False
         self.namespaces = False
-        self._control, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
-        self._control.settimeout(_ANSWER_LIMIT_S)
         try:
-            self._process = _start(theirs.fileno())
+            self._process = spawn()
         except OSError as error:
-            self._control.close()
             raise SandboxError(f"the sandbox's process could not be started: {error}") from error
-        finally:
-            theirs.close()
+        self._control = self._process.control
+        self._control.settimeout(_ANSWER_LIMIT_S)
         self._request(asdict(config))
 
     @property
     def alive(self) -> bool:
         """Whether the process is running and has kept to its protocol."""
-        return not self._broken and self._process.poll() is None
+        return not self._broken and self._process.alive
 
     def wait_ready(self) -> None:
         """Return once the zygote has prepared itself.
@@ -108,15 +104,13 @@ class Zygote:
 
     def close(self) -> None:
         """End the process and everything it started."""
-        self._control.close()
-        self._process.kill()
-        self._process.wait()
+        self._process.end()
 
     def _request(self, request: dict[str, object], *descriptors: int) -> None:
         body = json.dumps(request).encode()
         data = len(body).to_bytes(4, "little") + body
         rights = (
-            [(socket.SOL_SOCKET, socket.SCM_RIGHTS, array.array("i", descriptors))] if descriptors else []
+            [(_socket.SOL_SOCKET, _socket.SCM_RIGHTS, array.array("i", descriptors))] if descriptors else []
         )
         try:
             sent = self._control.sendmsg([data], rights)
@@ -128,7 +122,7 @@ class Zygote:
     def _answer(self) -> tuple[dict[str, int], list[int]]:
         self._broken = True  # a late answer would be taken for that to the next request
         try:
-            header, descriptors, _, _ = socket.recv_fds(self._control, 4, 1)
+            header, descriptors = self._header()
             header += self._exactly(4 - len(header))
             size = int.from_bytes(header, "little")
             if size > _ANSWER_MAX_BYTES:
@@ -141,6 +135,15 @@ class Zygote:
             raise SandboxError(f"the sandbox's process could not do its part: {answer['error']}")
         return answer, descriptors
 
+    def _header(self) -> tuple[bytes, list[int]]:
+        """Receive the beginning of an answer, with at most one descriptor."""
+        received = array.array("i")
+        data, ancillary, _, _ = self._control.recvmsg(4, _socket.CMSG_LEN(received.itemsize))
+        for level, kind, payload in ancillary:
+            if (level, kind) == (_socket.SOL_SOCKET, _socket.SCM_RIGHTS):
+                received.frombytes(payload[: len(payload) - len(payload) % received.itemsize])
+        return data, list(received)
+
     def _exactly(self, size: int) -> bytes:
         data = b""
         while len(data) < size:
@@ -149,40 +152,3 @@ class Zygote:
                 raise SandboxError("the sandbox's process ended unexpectedly")
             data += part
         return data
-
-
-def _start(control: int) -> subprocess.Popen[bytes]:
-    """Start the zygote with the descriptor `control`, no other and almost no environment.
-
-    ``-P -s -S`` with the fixed environment isolate as ``-I -S`` does; ``-I`` would ignore PYTHONHASHSEED.
-    """
-    command = [os.path.realpath(sys.executable), "-P", "-s", "-S", "-X", "utf8", "-c", _BOOTSTRAP]
-    launcher = str(Path(__file__).resolve().parents[1])
-    with _FixedAddresses():
-        return subprocess.Popen(  # noqa: S603 - our own interpreter
-            [*command, launcher, str(control)],
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=(control,),
-            env=dict(policy.ENVIRONMENT), cwd="/", start_new_session=True,
-        )  # fmt: skip
-
-
-class _FixedAddresses:
-    """Switch address randomisation off for processes started inside, as far as the host allows.
-
-    ``<object at 0x7f...>`` in a script's output, and the order of sets of objects, are then the same in
-    every run. This gives up no boundary: the script may read its own memory anyway, and what keeps it in
-    is enforced by the kernel. Ordinary containers refuse the call; then addresses differ between zygotes.
-    """
-
-    def __enter__(self) -> None:
-        self._former: int | None = None
-        try:
-            former = libc.personality(libc.PERSONALITY_QUERY)
-            libc.personality(former | libc.ADDR_NO_RANDOMIZE)
-            self._former = former
-        except (OSError, AttributeError):
-            return
-
-    def __exit__(self, *_: object) -> None:
-        if self._former is not None:
-            libc.personality(self._former)

@@ -1,0 +1,130 @@
+"""Start the zygote's interpreter: the first thing a grading process does, so this module is kept light.
+
+It takes as long to get ready as the physics takes to be imported, and does so on another core. What it is to
+do it is told afterwards (`supervisor.Zygote`).
+"""
+
+import _socket
+import os
+import signal
+import sys
+from typing import Final
+
+from grader.jail import libc, policy
+
+_LAUNCHER: Final = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+# Nothing but the standard streams and the control socket may stay open, whatever this process inherited.
+_BOOTSTRAP: Final = (
+    "import os, sys; control = int(sys.argv[-1]); os.closerange(3, control); "
+    "os.closerange(control + 1, os.sysconf('SC_OPEN_MAX')); os.chdir('/'); "
+    "sys.path.insert(0, sys.argv.pop(1)); from jail.zygote import main; main()"
+)
+
+
+class Interpreter:
+    """A started interpreter that waits for its configuration.
+
+    Attributes:
+        pid: our child, in a session of its own.
+        control: our end of the socket it obeys.
+    """
+
+    def __init__(self, pid: int, control: _socket.socket) -> None:
+        self.pid = pid
+        self.control = control
+        self._ended = False
+
+    @property
+    def alive(self) -> bool:
+        """Whether it still runs; once it does not, it is reaped."""
+        self._ended = self._ended or os.waitpid(self.pid, os.WNOHANG)[0] != 0
+        return not self._ended
+
+    def kill(self) -> None:
+        """Send SIGKILL, unless it has ended."""
+        if self.alive:
+            os.kill(self.pid, signal.SIGKILL)
+
+    def end(self) -> None:
+        """Close the socket, kill the process and reap it."""
+        self.control.close()
+        self.kill()
+        self.wait()
+
+    def wait(self) -> None:
+        """Wait for its end."""
+        if not self._ended:
+            os.waitpid(self.pid, 0)
+            self._ended = True
+
+
+_ahead: list[Interpreter] = []
+
+
+def spawn_ahead() -> None:
+    """Start an interpreter for the first `spawn` to come; when it cannot be started, that one will tell."""
+    try:
+        _ahead.append(_start())
+    except OSError:
+        return
+
+
+def spawn() -> Interpreter:
+    """Return an interpreter started ahead, or start one.
+
+    Raises:
+        OSError: it could not be started.
+    """
+    return _ahead.pop() if _ahead else _start()
+
+
+def _start() -> Interpreter:
+    """Start the interpreter with almost no environment.
+
+    ``-P -s -S`` with the fixed environment isolate as ``-I -S`` does; ``-I`` would ignore PYTHONHASHSEED.
+    """
+    executable = os.path.realpath(sys.executable)
+    ours, theirs = _socket.socketpair(_socket.AF_UNIX, _socket.SOCK_STREAM)
+    control = theirs.fileno()
+    command = [executable, "-P", "-s", "-S", "-X", "utf8", "-c", _BOOTSTRAP, _LAUNCHER, str(control)]
+    try:
+        with _FixedAddresses():
+            pid = os.posix_spawn(
+                executable,
+                command,
+                policy.ENVIRONMENT,
+                file_actions=[
+                    (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),
+                    (os.POSIX_SPAWN_OPEN, 1, os.devnull, os.O_WRONLY, 0),
+                    (os.POSIX_SPAWN_DUP2, control, control),  # onto itself: handed on to this child alone
+                ],
+                setsid=True,
+            )
+    except OSError:
+        ours.close()
+        raise
+    finally:
+        theirs.close()
+    return Interpreter(pid, ours)
+
+
+class _FixedAddresses:
+    """Switch address randomisation off for processes started inside, as far as the host allows.
+
+    ``<object at 0x7f...>`` in a script's output, and the order of sets of objects, are then the same in
+    every run. This gives up no boundary: the script may read its own memory anyway, and what keeps it in
+    is enforced by the kernel. Ordinary containers refuse the call; then addresses differ between zygotes.
+    """
+
+    def __enter__(self) -> None:
+        self._former: int | None = None
+        try:
+            former = libc.personality(libc.PERSONALITY_QUERY)
+            libc.personality(former | libc.ADDR_NO_RANDOMIZE)
+            self._former = former
+        except (OSError, AttributeError):
+            return
+
+    def __exit__(self, *_: object) -> None:
+        if self._former is not None:
+            libc.personality(self._former)
