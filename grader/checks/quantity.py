@@ -2,6 +2,8 @@
 
 from collections.abc import Iterable
 
+from grader.contracts.text import Text
+
 DECIMALS = {"m": 2, "s": 1, "deg": 1, "%": 1, "": 0}
 SUFFIX = {"m": " m", "s": " s", "deg": "°", "%": " %", "": ""}
 MAX_LISTED = 8
@@ -33,7 +35,8 @@ def number_beside(value: float, unit: str, edges: Iterable[float | None]) -> str
     return plain(value, decimals) + SUFFIX[unit]
 
 
-def listed(values: Iterable[float], unit: str) -> str:
+def listed(values: Iterable[float], unit: str) -> Text:
     """Return a short list of values with their unit, cut after eight."""
     texts = [number(float(value), unit) for value in values]
-    return ", ".join(texts[:MAX_LISTED]) + (", …" if len(texts) > MAX_LISTED else "")
+    shown = texts[:MAX_LISTED] + ["…"] * (len(texts) > MAX_LISTED)
+    return Text(zh="、".join(shown), en=", ".join(shown))

@@ -51,9 +51,8 @@ def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:
     earned, points = sum(item.earned for item in items), sum(item.points for item in items)
     if earned <= 0.0:
         return say("summary.nothing", points=plain(points, 2))
-    titles = join(
-        [item.title for item in wrong if item.status is not ItemStatus.NOT_CHECKED], _LIST_SEPARATOR
-    )
+    judged = (item.title for item in wrong if item.status is not ItemStatus.NOT_CHECKED)
+    titles = join(list(dict.fromkeys(judged)), _LIST_SEPARATOR)  # an item may fail in several cases
     return say(
         "summary.partial",
         earned=plain(earned, 2),

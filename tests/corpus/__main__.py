@@ -11,11 +11,14 @@ def main() -> int:
     """Return 0 when nothing was misjudged."""
     with Slot(SlotConfig()) as slot:
         judge = for_real(slot)
-        judged = [judge(attempt) for attempt in corpus()]
+        judged = []
+        for attempt in corpus():
+            judged.append(judge(attempt))
+            if judged[-1].misjudged:
+                print(judged[-1], flush=True)
+            if len(judged) % 50 == 0:
+                print(f"{len(judged)} graded", file=sys.stderr, flush=True)
     print(confusion(judged))
-    for each in judged:
-        if each.misjudged:
-            print(each)
     return int(any(each.misjudged for each in judged))
 
 

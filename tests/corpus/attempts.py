@@ -15,6 +15,7 @@ FINE_TICK_S = 0.002  # of scripts with a measured defect: adds nothing to it
 REACH_M = 5.3  # from the middle of the field to the nearest wall, with a margin
 LAG_S = 1.0 / 60.0  # of the nominal car
 MAX_TICK_TURN_RAD = math.radians(2.0)  # a loop that turns further in one tick is no right script
+MAX_TICK_SHARE = 0.02  # nor one whose sides may differ by more than that for want of a tick
 TICKS_S = (0.1, 0.05, 0.02, 0.01, 0.005)
 
 SPEEDS_MPS = (0.2, 0.5, 1.0, 1.5, 2.0, 3.0)
@@ -136,9 +137,10 @@ def _drawn(dice: random.Random, assignment: str, styles: Sequence[str] = STYLES)
     """Draw a manner and a side until the right figure fits into field and time."""
     while True:
         manner, side_m = _manner(dice, styles), dice.choice(SIDES_M)
-        legs = figure_legs(manner, _lengths(assignment, side_m), _corners(assignment))
-        if assignment == "rectangle" and manner.v_mps * manner.tick_s > 0.04:
-            continue  # a tick may lengthen a side by that much, and here lengths count
+        lengths = _lengths(assignment, side_m)
+        legs = figure_legs(manner, lengths, _corners(assignment))
+        if manner.v_mps * manner.tick_s > MAX_TICK_SHARE * min(lengths):
+            continue
         if _fits(Attempt(assignment=assignment, style=manner.style, legs=legs, tick_s=manner.tick_s)):
             return manner, side_m
 

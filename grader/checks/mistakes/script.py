@@ -3,6 +3,7 @@
 import re
 
 from grader.checks.measure import Mistake
+from grader.checks.mistakes.stalls import explained
 from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
 from grader.messages import say
 
@@ -29,7 +30,8 @@ def script_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
         code = _ENDINGS[outcome.status]
         line = outcome.error.line if outcome.error is not None else None
         problem = outcome.error.message if outcome.error is not None else ""
-        text = say(f"mistake.{code}", line=line or "?", problem=problem, detail=outcome.detail)
+        detail = explained(outcome.detail) if code == "stalled" else outcome.detail
+        text = say(f"mistake.{code}", line=line or "?", problem=problem, detail=detail)
         return (Mistake(code, text),)
     if (thread := noted(outcome, "thread_exception")) is not None:
         return (Mistake("thread_crashed", say("mistake.thread_crashed", detail=thread)),)
