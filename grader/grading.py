@@ -37,14 +37,13 @@ def main(arguments: list[str]) -> int:
 
 def _serve(channel: Channel, sandbox: Sandbox) -> None:
     """Grade what the parent sends. The sandbox proves itself while the physics is imported."""
-    gc.disable()  # nothing that is imported is garbage
     proof = threading.Thread(target=_warm_up, args=(sandbox,))
     proof.start()
     from grader.pipeline import Pipeline
 
     with Pipeline(sandbox) as pipeline:
         proof.join()
-        gc.freeze()
+        gc.freeze()  # nothing that was imported is garbage; it has been off until now
         gc.enable()
         while (request := channel.receive()) is not None:
             channel.send(_answer(pipeline, request, lambda: channel.send({"kind": "running"})))

@@ -15,7 +15,7 @@ _ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 # -P: the folder `grader` is called in may hold a student's random.py.
 # The zygote first: it gets ready on another core while this process imports contracts and physics.
 _BOOTSTRAP = (
-    "import os, sys; root = sys.argv.pop(1); root in sys.path or sys.path.insert(0, root); "
+    "import gc, os, sys; gc.disable(); root = sys.argv.pop(1); root in sys.path or sys.path.insert(0, root); "
     "[os.set_inheritable(int(descriptor), False) for descriptor in sys.argv[1:]]; "
     "from grader.jail.spawn import spawn_ahead; spawn_ahead(); "
     "from grader.grading import main; sys.exit(main(sys.argv[1:]))"
