@@ -50,7 +50,9 @@ def run(argv: Sequence[str]) -> int:
     try:
         return int(module.run(command_parser.parse_args(chosen.arguments)))
     except GraderError as error:
-        sys.stderr.write(f"grader: {error}\n")
+        from grader.render.escape import visible
+
+        sys.stderr.write(f"grader: {visible(str(error))}\n")
         return EXIT_COULD_NOT
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED

@@ -13,6 +13,7 @@ from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.text import Text
+from grader.render.escape import visible, visible_line
 from grader.routes.language import language_of
 from grader.routes.problem_types import PROBLEM_TYPES
 
@@ -155,7 +156,7 @@ def _answer(
         type=TYPE_PATH + code,
         title=kind.title.get(language),
         status=status or kind.status,
-        detail=spoken if isinstance(spoken, str) else spoken.get(language),
+        detail=visible(spoken if isinstance(spoken, str) else spoken.get(language)),
         instance=uuid.uuid4().urn,
         code=code,
         fix=kind.fix.get(language),
@@ -192,7 +193,9 @@ async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
 def _field_error(problem: Any) -> FieldError:
     where = [str(part) for part in problem["loc"]]
     name = ".".join(where[1:] if where[0] == "body" and len(where) > 1 else where)
-    return FieldError(field=name[:_LONGEST_ECHO], detail=str(problem["msg"])[:_LONGEST_ECHO])
+    return FieldError(
+        field=visible_line(name, _LONGEST_ECHO), detail=visible_line(str(problem["msg"]), _LONGEST_ECHO)
+    )
 
 
 async def _on_unavailable(request: Request, error: Exception) -> JSONResponse:
