@@ -20,6 +20,7 @@ from grader.routes import (
     problem_pages,
     problems,
     recordings,
+    rules,
     submissions,
 )
 from grader.routes.headers import SafeHeaders
@@ -33,6 +34,7 @@ _ROUTERS = (
     submissions.router,
     recordings.router,
     assignments.router,
+    rules.router,
     dashboard.router,
     people.router,
     problem_pages.router,

@@ -20,6 +20,7 @@ COMMANDS: dict[str, str] = {
     "serve": "start the HTTP service with its workers / 启动服务",
     "course": "create a course and import its people / 创建课程、导入名单",
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
+    "policy": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
     "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
     "demo": "grade a small class over HTTP and show the dashboard / 演示",
 }

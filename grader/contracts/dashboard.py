@@ -15,6 +15,8 @@ class Progress:
         attempts: submissions that count; those that failed through the grader's fault do not.
         best_score: highest score so far, None while nothing was scored.
         best_submission: the earliest that reached it.
+        counted_score: what the rules keep of the attempt that counts, None while none does.
+        counted_submission: that attempt.
         state, verdict: of the latest submission.
         last_activity_at: instant of the latest upload.
     """
@@ -25,6 +27,8 @@ class Progress:
     best_score: float | None
     max_score: float | None
     best_submission: str | None
+    counted_score: float | None
+    counted_submission: str | None
     latest_submission: str
     state: SubmissionState
     verdict: GradeStatus | None

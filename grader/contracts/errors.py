@@ -5,12 +5,19 @@ GraderError
 ├── UnknownAssignmentError no assignment of that name
 ├── SubmissionError        the student's file cannot be accepted: names the reason and the fix
 ├── CourseError            a course, its people or its rules cannot be changed as asked
+├── UploadRefusedError     the rules of the assignment do not accept an upload (any more, yet)
 ├── SettingsError          the operator's configuration is wrong
 ├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
 │   └── SandboxUnavailableError   a required layer is missing: the service refuses to grade
 ├── ProtocolError          the jailed process sent something outside the wire format
 └── InfrastructureError    anything else on the grader's side; retried
 """
+
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from grader.contracts.policy import Refusal
 
 
 class GraderError(Exception):
@@ -39,6 +46,18 @@ class SubmissionError(GraderError):
 
 class CourseError(GraderError):
     """A course, its people or its rules cannot be changed as asked."""
+
+
+class UploadRefusedError(GraderError):
+    """The rules of an assignment do not accept an upload.
+
+    Attributes:
+        refusal: which rule, and until when.
+    """
+
+    def __init__(self, refusal: "Refusal") -> None:
+        super().__init__(refusal.code)
+        self.refusal = refusal
 
 
 class SettingsError(GraderError):

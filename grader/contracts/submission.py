@@ -23,13 +23,22 @@ class SubmissionState(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class NewSubmission:
-    """An accepted upload. `source` is kept byte for byte; `course` is None while there are no courses."""
+    """An accepted upload.
+
+    Attributes:
+        source: kept byte for byte.
+        course: None while there are no courses.
+        received_at: instant of the upload; None: now.
+        ruled: whether the rules of the assignment decide; they do not for a course's staff.
+    """
 
     student: str
     assignment: str
     file_name: str
     source: bytes
     course: str | None = None
+    received_at: datetime | None = None
+    ruled: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

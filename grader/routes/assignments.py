@@ -2,18 +2,19 @@
 
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, Path, Response
+from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, Field
 
 from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.text import Language
-from grader.routes.access import ENTRY_PROBLEMS, caller_of
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep
+from grader.routes.concealment import shown_assignment
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import ServicesDep
 from grader.routes.submissions import LanguageDep
 
-router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"], dependencies=[Depends(caller_of)])
+router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])
 
 
 class AssignmentSummary(BaseModel):
@@ -71,11 +72,16 @@ class AssignmentList(BaseModel):
 
 
 @router.get("", summary="All assignments", responses=responses(*ENTRY_PROBLEMS, "invalid_request"))
-def list_all(services: ServicesDep, response: Response, language: LanguageDep) -> AssignmentList:
+def list_all(
+    services: ServicesDep, caller: CallerDep, response: Response, language: LanguageDep
+) -> AssignmentList:
     """Return the checklist."""
     _say(response, language)
     return AssignmentList(
-        assignments=[AssignmentSummary(**_summary(one, language)) for one in services.assignments.all()]
+        assignments=[
+            AssignmentSummary(**_summary(shown_assignment(services, caller, one), language))
+            for one in services.assignments.all()
+        ]
     )
 
 
@@ -86,13 +92,14 @@ def list_all(services: ServicesDep, response: Response, language: LanguageDep) -
 )
 def read(
     services: ServicesDep,
+    caller: CallerDep,
     response: Response,
     language: LanguageDep,
     assignment_id: Annotated[str, Path(max_length=64, examples=["square"])],
 ) -> AssignmentView:
     """Return what an assignment asks for and how each item earns its points."""
     try:
-        assignment = services.assignments.get(assignment_id)
+        assignment = shown_assignment(services, caller, services.assignments.get(assignment_id))
     except UnknownAssignmentError:
         allowed = [known.id for known in services.assignments.all()]
         raise ProblemError("assignment_not_found", allowed=allowed) from None

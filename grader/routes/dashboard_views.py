@@ -28,7 +28,11 @@ class CellView(BaseModel):
     verdict: GradeStatus | None = Field(description="Of the latest submission.", examples=["graded"])
     attempts: int = Field(description="Faults of the service do not count.", examples=[3])
     last_activity_at: datetime
-    best_submission: str | None = Field(description="Address of the one that counts.")
+    best_submission: str | None = Field(description="Address of the first that reached it.")
+    counted_score: float | None = Field(
+        description="What the rules keep of the attempt that counts.", examples=[8.5]
+    )
+    counted_submission: str | None = Field(description="Address of that attempt.")
     latest_submission: str
 
 
@@ -36,7 +40,7 @@ class StudentView(BaseModel):
     """One row of the class matrix."""
 
     student: str = Field(examples=["20260123"])
-    total_score: float = Field(description="Sum of the best scores.", examples=[48.5])
+    total_score: float = Field(description="Sum of the scores that count.", examples=[48.5])
     assignments: dict[str, CellView] = Field(description="By id; assignments not begun are left out.")
 
 
@@ -137,7 +141,7 @@ def overview(  # noqa: PLR0913
 
 
 def _student(student: str, cells: dict[str, CellView]) -> StudentView:
-    total = sum(cell.best_score for cell in cells.values() if cell.best_score is not None)
+    total = sum(cell.counted_score for cell in cells.values() if cell.counted_score is not None)
     return StudentView(student=student, total_score=round(total, 2), assignments=cells)
 
 
@@ -153,14 +157,18 @@ def _cell(progress: Progress, pass_fraction: float) -> CellView:
         attempts=progress.attempts,
         last_activity_at=progress.last_activity_at,
         best_submission=None if best is None else path + best,
+        counted_score=progress.counted_score,
+        counted_submission=None
+        if progress.counted_submission is None
+        else path + progress.counted_submission,
         latest_submission=path + progress.latest_submission,
     )
 
 
 def _passed(progress: Progress, pass_fraction: float) -> bool:
-    if progress.best_score is None or progress.max_score is None:
+    if progress.counted_score is None or progress.max_score is None:
         return False
-    return progress.best_score >= pass_fraction * progress.max_score
+    return progress.counted_score >= pass_fraction * progress.max_score
 
 
 def _statistics(

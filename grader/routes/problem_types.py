@@ -39,6 +39,31 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             "when it has expired or is lost. Without courses it is the token shown when the service started.",
         ),
     ),
+    "not_open_yet": ProblemType(
+        status=403,
+        title=Text(zh="作业还没有开放", en="The assignment is not open yet"),
+        fix=Text(zh="到 detail 所说的时间再提交。", en="Hand it in from the instant that detail names."),
+    ),
+    "closed": ProblemType(
+        status=403,
+        title=Text(zh="作业已经截止", en="The assignment is closed"),
+        fix=Text(
+            zh="如有特殊情况，请教师延期。", en="Ask an instructor for an extension if there is a reason."
+        ),
+    ),
+    "no_attempts_left": ProblemType(
+        status=403,
+        title=Text(zh="提交次数已用完", en="No attempts are left"),
+        fix=Text(zh="如有特殊情况，请教师增加次数。", en="Ask an instructor for more if there is a reason."),
+    ),
+    "no_attempts_today": ProblemType(
+        status=403,
+        title=Text(zh="今天的提交次数已用完", en="No attempts are left today"),
+        fix=Text(
+            zh="先在本机用 grader check 检查，明天再提交。",
+            en="Check the script with `grader check` at home, and hand it in tomorrow.",
+        ),
+    ),
     "forbidden": ProblemType(
         status=403,
         title=Text(zh="你的身份不允许这样做", en="Your role does not allow this"),
@@ -127,6 +152,18 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             zh="使用 1 到 64 个字母、数字或 . _ @ - ，以字母或数字开头。",
             en="Use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit.",
         ),
+    ),
+    "no_course": ProblemType(
+        status=409,
+        title=Text(zh="还没有课程", en="There is no course"),
+        fix=Text(
+            zh="先用 grader course create 创建课程。", en="Create one with `grader course create` first."
+        ),
+    ),
+    "invalid_rules": ProblemType(
+        status=422,
+        title=Text(zh="规则之间有矛盾", en="The rules make no sense together"),
+        fix=Text(zh="改正 detail 所说的规则。", en="Correct the rule that detail names."),
     ),
     "unknown_student": ProblemType(
         status=422,

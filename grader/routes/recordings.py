@@ -9,8 +9,10 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport
-from grader.routes.access import ENTRY_PROBLEMS
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep
+from grader.routes.concealment import shown_assignment
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
@@ -95,9 +97,11 @@ def read_trajectory(
         ),
     },
 )
-async def read_plot(services: ServicesDep, submission_id: SubmissionId, language: LanguageDep) -> Response:
+async def read_plot(
+    services: ServicesDep, submission_id: SubmissionId, language: LanguageDep, caller: CallerDep
+) -> Response:
     """Return a PNG with labels in the language asked for."""
-    assignment, report, trajectory = await run_in_threadpool(_drawable, services, submission_id)
+    assignment, report, trajectory = await run_in_threadpool(_drawable, services, submission_id, caller)
     png = await services.plots.get(assignment, report, trajectory, language)
     headers = {
         "ETag": f'"{report.sha256}-{language}"',
@@ -116,12 +120,15 @@ def _recorded(services: Services, report: StoredReport, case: str | None) -> tup
     return content, report.cases[case_id]
 
 
-def _drawable(services: Services, submission_id: str) -> tuple[Assignment, StoredReport, bytes]:
+def _drawable(
+    services: Services, submission_id: str, caller: Caller
+) -> tuple[Assignment, StoredReport, bytes]:
     submission, _ = found(services, submission_id)
-    report = graded(services, submission_id)
+    report = graded(services, submission_id, caller)
     try:
-        assignment = services.assignments.get(submission.assignment)
+        published = services.assignments.get(submission.assignment)
     except UnknownAssignmentError:
         raise ProblemError("assignment_not_found") from None
+    assignment = shown_assignment(services, caller, published)
     content, _ = _recorded(services, report, None)
     return assignment, report, gzip.decompress(content)

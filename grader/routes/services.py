@@ -16,6 +16,7 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
+from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
@@ -43,6 +44,7 @@ class Services:
     courses: Courses
     tokens: Tokens
     audit: AuditLog
+    policies: Policies
     request_limit: RateLimit
     upload_limit: RateLimit
     doorbell: Doorbell
@@ -75,6 +77,7 @@ class Services:
             courses=Courses(database, clock),
             tokens=Tokens(database, clock),
             audit=AuditLog(database),
+            policies=Policies(database),
             request_limit=RateLimit(settings.requests_per_minute, clock),
             upload_limit=RateLimit(settings.uploads_per_minute, clock),
             doorbell=Doorbell(),

@@ -7,12 +7,14 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
+from grader import policy as rules
 from grader.contracts.outcome import Blame, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.contracts.text import Language
 from grader.render.escape import visible
+from grader.store.policies import Rules
 
 _STREAM_CHARACTERS = 16_384
 _LOG_RECORDS = 200
@@ -140,6 +142,9 @@ class SubmissionView(BaseModel):
     verdict: GradeStatus | None = Field(description="How grading ended.", examples=["graded"])
     score: float | None = Field(examples=[10.0])
     max_score: float | None = Field(examples=[10.0])
+    late_s: float = Field(description="Seconds after the student's due date.", examples=[0.0])
+    kept_share: float = Field(description="Of the points, after lateness.", examples=[1.0])
+    kept_score: float | None = Field(description="The score after lateness.", examples=[10.0])
     summary: str = Field(description="One sentence for the student.")
     hint: str = Field(description="The one next step that matters most.")
     mistakes: list[str] = Field(description="Codes of recognised mistakes, likeliest first.")
@@ -166,9 +171,13 @@ def receipt(submission: Submission) -> Receipt:
 
 
 def view(
-    submission: Submission, stored: StoredReport | None, position: int | None, language: Language
+    submission: Submission,
+    stored: StoredReport | None,
+    position: int | None,
+    known: Rules,
+    language: Language,
 ) -> SubmissionView:
-    """Return a submission and its latest grading in `language`."""
+    """Return a submission and its latest grading in `language`, judged by the rules of its course."""
     report = {} if stored is None else json.loads(stored.content)
     own = _PATH + submission.id
     return SubmissionView(
@@ -188,6 +197,7 @@ def view(
         verdict=submission.verdict,
         score=submission.score,
         max_score=submission.max_score,
+        **_lateness(submission, known),
         summary=_said(report.get("summary"), language),
         hint=_said(report.get("hint"), language),
         mistakes=report.get("mistakes", []),
@@ -199,6 +209,16 @@ def view(
         assignment_version=report.get("assignment_version"),
         links=Links(self=own, report=f"{own}/report", trajectory=f"{own}/trajectory", plot=f"{own}/plot.png"),
     )
+
+
+def _lateness(submission: Submission, known: Rules) -> dict[str, Any]:
+    policy = known.policy(submission.assignment)
+    extension = known.extension(submission.assignment, submission.student)
+    share = rules.kept_share(policy, extension, submission.received_at)
+    score = submission.score
+    kept = None if score is None else rules.kept_score(policy, extension, score, submission.received_at)
+    late_s = rules.late_s(policy, extension, submission.received_at)
+    return {"late_s": late_s, "kept_share": share, "kept_score": kept}
 
 
 def _said(text: Mapping[str, str] | None, language: Language) -> str:

@@ -1,19 +1,24 @@
 """Uploads, and what became of them."""
 
+from dataclasses import replace
+from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, File, Form, Path, Response, UploadFile
 
 from grader.contracts.assignment import Input
-from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.errors import UnknownAssignmentError, UploadRefusedError
+from grader.contracts.identity import Caller, Role
+from grader.contracts.policy import Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.contracts.text import Language, Text
+from grader.routes import concealment
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.language import requested_language
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import Receipt, SubmissionView, receipt, view
-from grader.routes.uploads import UploadRoute, check_content, checked_name, submitter
+from grader.routes.uploads import UploadRoute, arrival, check_content, checked_name, submitter
 
 uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
 
@@ -61,6 +66,10 @@ router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], dependenc
             "invalid_request",
             "invalid_student",
             "unknown_student",
+            "not_open_yet",
+            "closed",
+            "no_attempts_left",
+            "no_attempts_today",
             "unknown_assignment",
             "empty",
             "not_utf8",
@@ -74,6 +83,7 @@ def upload(  # noqa: PLR0913
     services: ServicesDep,
     caller: CallerDep,
     response: Response,
+    arrived_at: Annotated[datetime, Depends(arrival)],
     *,
     file: Annotated[
         UploadFile, File(description="The script as it runs at home, or a text; at most 256 KiB.")
@@ -94,16 +104,26 @@ def upload(  # noqa: PLR0913
     """
     student = submitter(services, caller, student)
     services.upload_limit.take(f"{caller.course}/{student}")
+    new = NewSubmission(
+        course=caller.course,
+        student=student,
+        assignment=assignment,
+        file_name=file.filename or "",
+        source=b"",
+        received_at=arrived_at,
+        ruled=caller.role is Role.STUDENT,
+    )
     kind = _input_of(services, assignment)
+    _require_accepted(services.submissions.refusal(new))
     name = checked_name(file.filename, kind)
     source = file.file.read(services.settings.max_upload_bytes + 1)
     check_content(services, source, name, kind)
     if services.submissions.open_count(student, caller.course) >= services.settings.max_open_submissions:
         raise ProblemError("too_many_open", headers={"Retry-After": str(_RETRY_AFTER_S)}, field="student")
-    new = NewSubmission(
-        course=caller.course, student=student, assignment=assignment, file_name=name, source=source
-    )
-    added = receipt(services.submissions.add(new))
+    try:
+        added = receipt(services.submissions.add(replace(new, file_name=name, source=source)))
+    except UploadRefusedError as error:
+        raise _refused(error.refusal) from None
     services.doorbell.ring()
     response.headers["Location"] = added.status_url
     return added
@@ -115,16 +135,21 @@ def upload(  # noqa: PLR0913
     responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
 )
 def read(
-    services: ServicesDep, response: Response, language: LanguageDep, submission_id: SubmissionId
+    services: ServicesDep,
+    caller: CallerDep,
+    response: Response,
+    language: LanguageDep,
+    submission_id: SubmissionId,
 ) -> SubmissionView:
     """Return where a submission stands; once graded, with score, rubric items, feedback and what ran."""
-    submission, report = found(services, submission_id)
+    submission, report = concealment.shown(services, caller, *found(services, submission_id))
     waiting = submission.state is SubmissionState.QUEUED
     position = services.queue.position(submission_id) if waiting else None
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
-    return view(submission, report, position, language)
+    known = services.policies.rules(submission.course)
+    return view(submission, report, position, known, language)
 
 
 @router.get(
@@ -139,9 +164,12 @@ def read(
         **responses(*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request"),
     },
 )
-def read_report(services: ServicesDep, submission_id: SubmissionId) -> Response:
-    """Return the report as it was graded: the same bytes for the same file and assignment."""
-    report = graded(services, submission_id)
+def read_report(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
+    """Return the report as it was graded: the same bytes for the same file and assignment.
+
+    While rubric items are hidden, students get a copy without them.
+    """
+    report = graded(services, submission_id, caller)
     return Response(report.content, media_type="application/json", headers={"ETag": f'"{report.sha256}"'})
 
 
@@ -157,8 +185,8 @@ def found(services: Services, submission_id: str) -> tuple[Submission, StoredRep
     return pair
 
 
-def graded(services: Services, submission_id: str) -> StoredReport:
-    """Return the latest grading of a submission.
+def graded(services: Services, submission_id: str, caller: Caller | None = None) -> StoredReport:
+    """Return the latest grading of a submission, as `caller` may see it when one is named.
 
     Raises:
         ProblemError: there is no such submission, or no grading yet.
@@ -168,7 +196,22 @@ def graded(services: Services, submission_id: str) -> StoredReport:
         state = submission.state.value
         detail = Text(zh=f"提交的状态是 {state}。", en=f"The submission is {state}.")
         raise ProblemError("not_graded_yet", detail, headers={"Retry-After": str(_RETRY_AFTER_S)})
+    if caller is not None:
+        report = concealment.shown(services, caller, submission, report)[1] or report
     return report
+
+
+def _require_accepted(refusal: Refusal | None) -> None:
+    if refusal is not None:
+        raise _refused(refusal)
+
+
+def _refused(refusal: Refusal) -> ProblemError:
+    if refusal.until is None:
+        return ProblemError(refusal.code)
+    until = refusal.until.isoformat(timespec="seconds")
+    detail = Text(zh=f"{until} 之后可以提交。", en=f"Uploads are accepted from {until} on.")
+    return ProblemError(refusal.code, detail)
 
 
 def _input_of(services: Services, assignment: str) -> Input:

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable, Coroutine
+from datetime import datetime
 from typing import Any
 
 from fastapi import Request, Response
@@ -38,10 +39,20 @@ class UploadRoute(APIRoute):
             kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
             if kind != "multipart/form-data":
                 raise ProblemError("unsupported_media_type", headers={"Accept": "multipart/form-data"})
+            request.state.arrived_at = request.app.state.services.clock()
             limit = request.app.state.services.settings.max_upload_bytes
             return await handle(Request(request.scope, _Bounded(request, limit).receive))
 
         return bounded
+
+
+def arrival(request: Request) -> datetime:
+    """Return the instant at which a request to an `UploadRoute` came in, before its body was read.
+
+    Dates and limits are judged by it, so that a busy service makes nobody late.
+    """
+    instant: datetime = request.state.arrived_at
+    return instant
 
 
 class _Bounded:

@@ -70,3 +70,27 @@ class AuditRow(SQLModel, table=True):
     before: str = Field(sa_column=text_column())
     after: str = Field(sa_column=text_column())
     reason: str = Field(sa_column=text_column())
+
+
+class PolicyRow(SQLModel, table=True):
+    """The rules of one assignment in one course, as the JSON of `grader.store.policies`."""
+
+    __tablename__: ClassVar[str] = "policy"
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    assignment: str = Field(primary_key=True, max_length=64)
+    document: str = Field(sa_column=text_column())
+    changed_at: datetime = Field(sa_column=instant_column())
+
+
+class ExtensionRow(SQLModel, table=True):
+    """What one student gets beyond the rules of one assignment."""
+
+    __tablename__: ClassVar[str] = "extension"
+    __table_args__ = (_of_member(),)
+
+    course: str = Field(primary_key=True, max_length=64)
+    assignment: str = Field(primary_key=True, max_length=64)
+    person: str = Field(primary_key=True, max_length=64)
+    due: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    extra_attempts: int

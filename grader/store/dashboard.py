@@ -12,13 +12,17 @@ from typing import Any
 from sqlalchemy import ColumnElement, and_, distinct, func, select
 from sqlmodel import Session, col
 
+from grader import policy as rules
 from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, Progress
 from grader.contracts.identity import Role
+from grader.contracts.policy import Attempt
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
 from grader.store.course_tables import MemberRow
 from grader.store.database import Database
+from grader.store.policies import Rules, rules_of
+from grader.store.submissions import costs_an_attempt
 from grader.store.tables import GradedItemRow, GradedMistakeRow, SubmissionRow
 
 
@@ -34,7 +38,7 @@ class Dashboard:
         Without courses (None) everything that was handed in is one class.
         """
         with self._database.reading() as session:
-            progress = _progress(session, course)
+            progress = _progress(session, course, rules_of(session, course))
             best = {one.best_submission for one in progress}
             return ClassState(
                 progress=progress,
@@ -53,7 +57,7 @@ def _in_class(course: str | None) -> ColumnElement[bool]:
     return and_(col(SubmissionRow.course) == course, col(SubmissionRow.student).in_(students))
 
 
-def _progress(session: Session, course: str | None) -> tuple[Progress, ...]:
+def _progress(session: Session, course: str | None, known: Rules) -> tuple[Progress, ...]:
     columns = (
         col(SubmissionRow.student),
         col(SubmissionRow.assignment),
@@ -73,23 +77,35 @@ def _progress(session: Session, course: str | None) -> tuple[Progress, ...]:
     )
     rows = session.execute(statement)
     return tuple(
-        _one_progress(list(own)) for _, own in groupby(rows, lambda row: (row.student, row.assignment))
+        _one_progress(list(own), known) for _, own in groupby(rows, lambda row: (row.student, row.assignment))
     )
 
 
-def _one_progress(own: list[Any]) -> Progress:
+def _one_progress(own: list[Any], known: Rules) -> Progress:
     """Sum up one student's submissions to one assignment, given in order of arrival."""
     latest = own[-1]
     scored = [row for row in own if row.score is not None]
     best = max(scored, key=lambda row: row.score, default=None)  # the first of equals
-    fault = SubmissionState.INFRASTRUCTURE_ERROR.value
+    attempts = [
+        Attempt(
+            id=row.id,
+            received_at=row.received_at,
+            score=row.score,
+            costs=costs_an_attempt(row.state, row.verdict),
+        )
+        for row in own
+    ]
+    extension = known.extension(latest.assignment, latest.student)
+    counted = rules.counting(known.policy(latest.assignment), extension, attempts)
     return Progress(
         student=latest.student,
         assignment=latest.assignment,
-        attempts=sum(row.state != fault for row in own),
+        attempts=sum(one.costs for one in attempts),
         best_score=None if best is None else best.score,
         max_score=None if best is None else best.max_score,
         best_submission=None if best is None else best.id,
+        counted_score=None if counted is None else counted.score,
+        counted_submission=None if counted is None else counted.attempt.id,
         latest_submission=latest.id,
         state=SubmissionState(latest.state),
         verdict=None if latest.verdict is None else GradeStatus(latest.verdict),

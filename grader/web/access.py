@@ -15,6 +15,7 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
 from grader.routes.access import identify
+from grader.routes.concealment import shown
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services
 from grader.routes.submissions import found
@@ -117,7 +118,7 @@ def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Subm
     own = visitor.staff or visitor.student == submission.student
     if not (own and visitor.caller.may_see(submission.course, submission.student)):
         raise ProblemError("submission_not_found")
-    return submission, stored
+    return shown(services, visitor.caller, submission, stored)
 
 
 def enter_student(request: Request, response: Response, student: str) -> None:

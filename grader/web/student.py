@@ -11,10 +11,11 @@ from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language, Text
 from grader.routes import submissions
+from grader.routes.concealment import shown_list
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
-from grader.routes.uploads import UploadRoute
+from grader.routes.uploads import UploadRoute, arrival
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
 from grader.web.forms import require_own_form
@@ -63,6 +64,7 @@ def hand_in(
             services=services,
             caller=visitor.caller,
             response=Response(),
+            arrived_at=arrival(request),
             file=file,
             assignment=assignment.id,
             student=given,
@@ -86,7 +88,8 @@ def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) 
 def _attempts(services: Services, visitor: Visitor, assignment: str | None = None) -> tuple[Submission, ...]:
     if visitor.student is None:
         return ()
-    return services.submissions.of_student(visitor.student, assignment, course=visitor.caller.course)
+    own = services.submissions.of_student(visitor.student, assignment, course=visitor.caller.course)
+    return shown_list(services, visitor.caller, own)
 
 
 def _assignment(services: Services, assignment_id: str) -> Assignment:

@@ -111,7 +111,7 @@ async def read_plot(
     """Return the picture of the first run, for browsers without scripts and for comparing."""
     await run_in_threadpool(access.seen, services, visitor, submission_id)
     return await recordings.read_plot(
-        services=services, submission_id=submission_id, language=language_of(request)
+        services=services, submission_id=submission_id, language=language_of(request), caller=visitor.caller
     )
 
 

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 from pathlib import Path
 
 import pytest
@@ -93,3 +94,25 @@ def test_of_several_courses_one_must_be_named(grader) -> None:
     grader("course", "create", "b", "--instructor", "w")
     assert "--course: a, b" in grader("token", "list", status=2)[1]
     assert len(grader("token", "list", "--course", "b")[0].splitlines()) == 1
+
+
+def test_rules_are_set_shown_and_extended(grader, tmp_path: Path) -> None:
+    roster = tmp_path / "class.csv"
+    roster.write_text("id,name\n1,a\n")
+    grader("course", "create", "ros", "--instructor", "w", "--roster", str(roster))
+    grader("policy", "set", "square", "due=2026-03-20T23:59:59", "attempts=5")
+    grader("policy", "set", "square", 'late={"kind": "linear", "per_day": 0.1}', "attempts=none")
+    shown = json.loads(grader("policy", "show")[0])["square"]
+    assert shown["due"] == "2026-03-20T23:59:59+08:00"
+    assert (shown["late"]["per_day"], shown["attempts"]) == (0.1, None)
+    grader("policy", "extend", "1", "square", "--due", "2026-03-27T23:59:59", "--reason", "ill")
+    assert "no member" in grader("policy", "extend", "9", "square", status=2)[1]
+
+
+@pytest.mark.parametrize(
+    "rule", ["attempts=many", "attempts=2.5", "due=tomorrow", "colour=red", "late=[1]", "hidden_items=nose"]
+)
+def test_rules_that_make_no_sense_change_nothing(grader, rule: str) -> None:
+    grader("course", "create", "ros", "--instructor", "w")
+    assert grader("policy", "set", "square", rule, status=2)[1].startswith("grader: ")
+    assert json.loads(grader("policy", "show")[0]) == {}

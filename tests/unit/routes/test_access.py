@@ -44,6 +44,11 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/submissions/{submission_id}/plot.png": SUBMISSION,
     "get /api/v1/assignments": MEMBERS,
     "get /api/v1/assignments/{assignment_id}": MEMBERS,
+    "get /api/v1/assignments/{assignment_id}/policy": MEMBERS,
+    "put /api/v1/assignments/{assignment_id}/policy": INSTRUCTORS,
+    "get /api/v1/assignments/{assignment_id}/extensions": STAFF,
+    # the student is of the first course: the other's instructor is told that there is none
+    "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 403, 403, 403, 200, 403, 422),
     "get /api/v1/dashboard": STAFF,
     "get /api/v1/me": MEMBERS,
     "get /api/v1/members": STAFF,
@@ -63,6 +68,10 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/submissions/{submission_id}/plot.png": OPEN_TO_ALL,
     "get /api/v1/assignments": OPEN_TO_ALL,
     "get /api/v1/assignments/{assignment_id}": OPEN_TO_ALL,
+    "get /api/v1/assignments/{assignment_id}/policy": OPEN_TO_ALL,
+    "put /api/v1/assignments/{assignment_id}/policy": (401, 401, 409),
+    "get /api/v1/assignments/{assignment_id}/extensions": OPERATOR_ONLY,
+    "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 409),
     "get /api/v1/dashboard": OPERATOR_ONLY,
     "get /api/v1/me": OPEN_TO_ALL,
     "get /api/v1/members": OPERATOR_ONLY,
@@ -77,8 +86,8 @@ def send(
 ) -> int:
     method, path = operation.split()
     path = path.replace("{submission_id}", submission).replace("{assignment_id}", "square")
-    path = path.replace("{code}", "empty")
-    body: dict[str, Any] = {}
+    path = path.replace("{code}", "empty").replace("{student}", "li")
+    body: dict[str, Any] = {"json": {}} if method == "put" else {}
     if operation == "post /api/v1/submissions":
         body = {
             "files": {"file": ("a.py", b"x = 1\n")},

@@ -82,6 +82,8 @@ def test_the_dashboard(
         "attempts": 2,
         "last_activity_at": "2026-03-02T08:01:00Z",
         "best_submission": best,
+        "counted_score": 10.0,
+        "counted_submission": best,
         "latest_submission": latest,
     }
     assert bob["total_score"] == 10.0

@@ -1,0 +1,74 @@
+"""What students do not see yet: rubric items that the rules hide until a date, and what would give them away.
+
+A student's copy of a report is the report without the hidden items: score and points are those of the rest, and
+the sentences about the whole are left out. It has a digest of its own.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import Any
+
+from grader import policy as rules
+from grader.contracts.assignment import Assignment
+from grader.contracts.identity import Caller, Role
+from grader.contracts.submission import StoredReport, Submission
+from grader.routes.services import Services
+
+_EMPTY = {"zh": "", "en": ""}
+_CENT = 2
+
+
+def hidden_from(services: Services, caller: Caller, assignment_id: str) -> frozenset[str]:
+    """Return the ids of an assignment's rubric items that the caller does not see now."""
+    if caller.course is None or caller.role is not Role.STUDENT:
+        return frozenset()
+    policy = services.policies.rules(caller.course).policy(assignment_id)
+    return rules.hidden_items(policy, services.clock())
+
+
+def shown_assignment(services: Services, caller: Caller, assignment: Assignment) -> Assignment:
+    """Return an assignment without the items that the caller does not see now."""
+    hidden = hidden_from(services, caller, assignment.id)
+    if not hidden:
+        return assignment
+    items = tuple(
+        replace(item, needs=tuple(one for one in item.needs if one not in hidden))
+        for item in assignment.items
+        if item.id not in hidden
+    )
+    return replace(assignment, items=items)
+
+
+def shown(
+    services: Services, caller: Caller, submission: Submission, stored: StoredReport | None
+) -> tuple[Submission, StoredReport | None]:
+    """Return a submission and its grading as the caller may see them."""
+    hidden = hidden_from(services, caller, submission.assignment)
+    if not hidden or stored is None:
+        return submission, stored
+    report = _without(json.loads(stored.content), hidden)
+    content = json.dumps(report, ensure_ascii=False, sort_keys=True, separators=(",", ":")).encode()
+    digest = hashlib.sha256(content).hexdigest()
+    told = replace(submission, score=report["score"], max_score=report["max_score"], report_sha256=digest)
+    return told, replace(stored, content=content, sha256=digest)
+
+
+def shown_list(
+    services: Services, caller: Caller, submissions: Iterable[Submission]
+) -> tuple[Submission, ...]:
+    """Return submissions without the scores that hidden items are part of."""
+    listed = tuple(submissions)
+    hiding = {one for one in {item.assignment for item in listed} if hidden_from(services, caller, one)}
+    return tuple(
+        replace(one, score=None, report_sha256=None) if one.assignment in hiding else one for one in listed
+    )
+
+
+def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
+    items = [item for item in report["items"] if not rules.is_hidden(item["id"], hidden)]
+    earned = None if report["score"] is None else round(sum(item["earned"] for item in items), _CENT)
+    points = sum(item["points"] for item in items)
+    about_the_whole = {"summary": _EMPTY, "hint": _EMPTY, "mistakes": []}
+    return {**report, **about_the_whole, "items": items, "score": earned, "max_score": points}

@@ -1,0 +1,184 @@
+"""Rules of an assignment as the interface reads and shows them."""
+
+from datetime import datetime
+from typing import Annotated
+from zoneinfo import ZoneInfo
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+
+from grader.contracts.policy import (
+    AssignmentPolicy,
+    Counts,
+    Extension,
+    LateKind,
+    LateRule,
+    LateStep,
+)
+from grader.routes.problems import ProblemError
+
+_MOST_S = 10 * 366 * 86_400
+_MOST_ATTEMPTS = 10_000
+
+
+def _in_our_years(instant: datetime) -> datetime:
+    if not 2000 <= instant.year <= 2200:  # near the ends of the calendar arithmetic overflows
+        raise ValueError("must lie between the years 2000 and 2200")
+    return instant
+
+
+Instant = Annotated[datetime, AfterValidator(_in_our_years)]
+Reason = Annotated[
+    str, Field(max_length=1_000, description="Goes into the audit log.", examples=["exam week"])
+]
+
+
+class LateStepBody(BaseModel):
+    """A step of a late rule."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    after_s: int = Field(ge=0, le=_MOST_S, description="Late by more than this.", examples=[86_400])
+    keep: float = Field(ge=0.0, le=1.0, description="Share of the points that is kept.", examples=[0.8])
+
+
+class LateRuleBody(BaseModel):
+    """What lateness costs."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    kind: LateKind = Field(default="none", examples=["linear"])
+    per_day: float = Field(
+        default=0.0, ge=0.0, le=1.0, description="`linear`: share lost for each begun day.", examples=[0.1]
+    )
+    steps: list[LateStepBody] = Field(
+        default_factory=list, max_length=50, description="`steps`.", examples=[[]]
+    )
+
+
+class PolicyBody(BaseModel):
+    """The rules of one assignment. Instants without an offset are meant in the course's time zone."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    opens: Instant | None = Field(default=None, description="Nothing is accepted before.")
+    due: Instant | None = Field(default=None, description="Later is late.", examples=["2026-03-20T23:59:59"])
+    late: LateRuleBody = Field(default_factory=LateRuleBody)
+    accept_late_s: int | None = Field(
+        default=None,
+        ge=0,
+        le=_MOST_S,
+        description="How long after `due`; null: for ever.",
+        examples=[172_800],
+    )
+    attempts: int | None = Field(
+        default=None, ge=1, le=_MOST_ATTEMPTS, description="In all; null: any number."
+    )
+    attempts_per_day: int | None = Field(
+        default=None, ge=1, le=_MOST_ATTEMPTS, description="In a calendar day of the course."
+    )
+    counts: Counts = Field(default=Counts.BEST, description="Which attempt counts.")
+    hidden_items: list[Annotated[str, Field(max_length=128)]] = Field(
+        default_factory=list, max_length=100, description="Rubric items that students do not see."
+    )
+    hidden_until: Instant | None = Field(default=None, description="Null: students never see them.")
+
+
+class PolicyChange(PolicyBody):
+    """New rules, in place of all that there were, and why."""
+
+    reason: Reason = ""
+
+
+class ExtensionBody(BaseModel):
+    """What one student gets beyond the rules; an empty one takes an extension back."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    due: Instant | None = Field(default=None, description="Later than everybody's, else without effect.")
+    extra_attempts: int = Field(default=0, ge=0, le=_MOST_ATTEMPTS)
+
+
+class ExtensionChange(ExtensionBody):
+    """A new extension, in place of what the student had, and why."""
+
+    reason: Reason = ""
+
+
+class ExtensionView(ExtensionBody):
+    """An extension and whose it is."""
+
+    student: str = Field(examples=["20260123"])
+
+
+class ExtensionList(BaseModel):
+    """All extensions of one assignment."""
+
+    extensions: list[ExtensionView]
+
+
+class StandingView(BaseModel):
+    """Where the caller stands under the rules of one assignment."""
+
+    rules: PolicyBody = Field(description="Students do not see which items are hidden.")
+    time_zone: str = Field(examples=["Asia/Shanghai"])
+    your_due: datetime | None = Field(description="With your extension.")
+    attempts_used: int = Field(examples=[2])
+    attempts_left: int | None = Field(description="In all; null: any number.", examples=[3])
+    counted_submission: str | None = Field(description="Address of the attempt that counts.")
+    counted_score: float | None = Field(
+        description="What of its score is kept after lateness.", examples=[8.5]
+    )
+
+
+def policy_from(body: PolicyBody, zone: ZoneInfo) -> AssignmentPolicy:
+    """Return the rules that `body` states.
+
+    Raises:
+        ProblemError: they make no sense together.
+    """
+    steps = tuple(LateStep(after_s=step.after_s, keep=step.keep) for step in body.late.steps)
+    try:
+        return AssignmentPolicy(
+            opens=_aware(body.opens, zone),
+            due=_aware(body.due, zone),
+            late=LateRule(kind=body.late.kind, per_day=body.late.per_day, steps=steps),
+            accept_late_s=body.accept_late_s,
+            attempts=body.attempts,
+            attempts_per_day=body.attempts_per_day,
+            counts=body.counts,
+            hidden_items=tuple(body.hidden_items),
+            hidden_until=_aware(body.hidden_until, zone),
+        )
+    except ValueError as error:
+        raise ProblemError("invalid_rules", str(error)) from None
+
+
+def policy_body(policy: AssignmentPolicy, *, with_hidden: bool) -> PolicyBody:
+    """Return rules as the interface shows them."""
+    late = policy.late
+    return PolicyBody(
+        opens=policy.opens,
+        due=policy.due,
+        late=LateRuleBody(
+            kind=late.kind,
+            per_day=late.per_day,
+            steps=[LateStepBody(after_s=step.after_s, keep=step.keep) for step in late.steps],
+        ),
+        accept_late_s=policy.accept_late_s,
+        attempts=policy.attempts,
+        attempts_per_day=policy.attempts_per_day,
+        counts=policy.counts,
+        hidden_items=list(policy.hidden_items) if with_hidden else [],
+        hidden_until=policy.hidden_until,
+    )
+
+
+def extension_from(body: ExtensionBody, zone: ZoneInfo) -> Extension:
+    """Return the extension that `body` states."""
+    return Extension(due=_aware(body.due, zone), extra_attempts=body.extra_attempts)
+
+
+def _aware(instant: datetime | None, zone: ZoneInfo) -> datetime | None:
+    if instant is None or instant.tzinfo is not None:
+        return instant
+    return instant.replace(tzinfo=zone)

@@ -1,0 +1,135 @@
+"""The rules of assignments: everybody reads them, instructors change them."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Response
+
+from grader import policy as rules
+from grader.contracts.errors import CourseError, UnknownAssignmentError
+from grader.contracts.identity import Caller, Role
+from grader.contracts.policy import NO_EXTENSION
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, StaffDep
+from grader.routes.concealment import hidden_from
+from grader.routes.problems import ProblemError, responses
+from grader.routes.rule_views import (
+    ExtensionChange,
+    ExtensionList,
+    ExtensionView,
+    PolicyBody,
+    PolicyChange,
+    StandingView,
+    extension_from,
+    policy_body,
+    policy_from,
+)
+from grader.routes.services import Services, ServicesDep
+from grader.store.audit import Signature
+from grader.store.policies import Rules
+
+router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
+AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
+_KNOWN = (*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request")
+_PATH = "/api/v1/submissions/"
+
+
+@router.get("/policy", summary="The rules, and where one stands", responses=responses(*_KNOWN))
+def read_policy(
+    services: ServicesDep, caller: CallerDep, response: Response, assignment_id: AssignmentId
+) -> StandingView:
+    """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
+    _require_assignment(services, assignment_id)
+    response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    return _standing(services, caller, services.policies.rules(caller.course), assignment_id)
+
+
+@router.put(
+    "/policy",
+    summary="Change the rules",
+    responses=responses(*_KNOWN, "forbidden", "no_course", "invalid_rules"),
+)
+def change_policy(
+    services: ServicesDep, caller: InstructorDep, assignment_id: AssignmentId, change: PolicyChange
+) -> PolicyBody:
+    """Put new rules in place of the old ones. They hold for what was handed in before, too."""
+    assignment = _require_assignment(services, assignment_id)
+    signed = signature(services, caller)
+    policy = policy_from(change, services.policies.rules(caller.course).zone)
+    unknown = set(policy.hidden_items) - set(assignment)
+    if unknown:
+        raise ProblemError("invalid_rules", f"no such item: {min(unknown)}", allowed=list(assignment))
+    services.policies.set(assignment_id, policy, signed, change.reason)
+    return policy_body(policy, with_hidden=True)
+
+
+@router.get("/extensions", summary="Who got more", responses=responses(*_KNOWN, "forbidden"))
+def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: AssignmentId) -> ExtensionList:
+    """Return all extensions of an assignment."""
+    _require_assignment(services, assignment_id)
+    extensions = services.policies.rules(caller.course).extensions.items()
+    return ExtensionList(
+        extensions=[
+            ExtensionView(student=student, due=one.due, extra_attempts=one.extra_attempts)
+            for (assignment, student), one in sorted(extensions, key=lambda item: item[0])
+            if assignment == assignment_id and one != NO_EXTENSION
+        ]
+    )
+
+
+@router.put(
+    "/extensions/{student}",
+    summary="Give one student more",
+    responses=responses(*_KNOWN, "forbidden", "no_course", "unknown_student"),
+)
+def change_extension(
+    services: ServicesDep,
+    caller: InstructorDep,
+    assignment_id: AssignmentId,
+    student: Annotated[str, Path(max_length=64, examples=["20260123"])],
+    change: ExtensionChange,
+) -> ExtensionView:
+    """Put an extension in place of what the student had."""
+    _require_assignment(services, assignment_id)
+    signed = signature(services, caller)
+    extension = extension_from(change, services.policies.rules(caller.course).zone)
+    try:
+        services.policies.extend(assignment_id, student, extension, signed, change.reason)
+    except CourseError:
+        raise ProblemError("unknown_student", field="student") from None
+    return ExtensionView(student=student, due=extension.due, extra_attempts=extension.extra_attempts)
+
+
+def signature(services: Services, caller: Caller) -> Signature:
+    """Return who changes something now.
+
+    Raises:
+        ProblemError: there is no course whose settings could be changed.
+    """
+    if caller.course is None:
+        raise ProblemError("no_course")
+    return Signature(services.clock(), caller.course, caller.signature)
+
+
+def _require_assignment(services: Services, assignment_id: str) -> tuple[str, ...]:
+    """Return the ids of the assignment's rubric items."""
+    try:
+        return tuple(item.id for item in services.assignments.get(assignment_id).items)
+    except UnknownAssignmentError:
+        allowed = [known.id for known in services.assignments.all()]
+        raise ProblemError("assignment_not_found", allowed=allowed) from None
+
+
+def _standing(services: Services, caller: Caller, known: Rules, assignment_id: str) -> StandingView:
+    policy, person = known.policy(assignment_id), caller.person
+    extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
+    attempts = () if person is None else services.submissions.attempts(person, assignment_id, caller.course)
+    counted = rules.counting(policy, extension, attempts)
+    hiding = bool(hidden_from(services, caller, assignment_id))
+    return StandingView(
+        rules=policy_body(policy, with_hidden=caller.role is not Role.STUDENT),
+        time_zone=str(known.zone),
+        your_due=rules.due_for(policy, extension),
+        attempts_used=sum(one.costs for one in attempts),
+        attempts_left=rules.attempts_left(policy, extension, attempts),
+        counted_submission=None if counted is None or hiding else _PATH + counted.attempt.id,
+        counted_score=None if counted is None or hiding else counted.score,
+    )

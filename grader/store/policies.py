@@ -1,0 +1,172 @@
+"""Rules of assignments per course, and extensions of single students."""
+
+import json
+from dataclasses import asdict, dataclass
+from datetime import datetime
+from functools import lru_cache
+from typing import Any
+from zoneinfo import ZoneInfo
+
+from sqlalchemy import select
+from sqlmodel import Session, col
+
+from grader.contracts.errors import CourseError
+from grader.contracts.policy import (
+    NO_EXTENSION,
+    NO_POLICY,
+    AssignmentPolicy,
+    Counts,
+    Extension,
+    LateRule,
+    LateStep,
+)
+from grader.store.audit import Signature, record
+from grader.store.course_tables import CourseRow, ExtensionRow, MemberRow, PolicyRow
+from grader.store.database import Database
+
+_INSTANTS = ("opens", "due", "hidden_until")
+_UTC = "UTC"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rules:
+    """Everything that decides about submissions of a course. Without courses nothing is ruled."""
+
+    zone: ZoneInfo
+    policies: dict[str, AssignmentPolicy]
+    extensions: dict[tuple[str, str], Extension]
+
+    def policy(self, assignment: str) -> AssignmentPolicy:
+        """Return the rules of one assignment."""
+        return self.policies.get(assignment, NO_POLICY)
+
+    def extension(self, assignment: str, person: str) -> Extension:
+        """Return what one student gets beyond them."""
+        return self.extensions.get((assignment, person), NO_EXTENSION)
+
+
+class Policies:
+    """Reads and changes rules; every change is in the audit log. Safe to share between threads."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def rules(self, course: str | None) -> Rules:
+        """Return all rules of a course as they are at one instant."""
+        with self._database.reading() as session:
+            return rules_of(session, course)
+
+    def set(
+        self, assignment: str, policy: AssignmentPolicy, signed: Signature, reason: str = ""
+    ) -> AssignmentPolicy:
+        """Make `policy` the rules of an assignment in the course of `signed`; return the rules before.
+
+        Raises:
+            CourseError: there is no such course.
+        """
+        course = _course(signed)
+        with self._database.writing() as session:
+            if session.get(CourseRow, course) is None:
+                raise CourseError(f"there is no course {course!r}")
+            row = session.get(PolicyRow, (course, assignment))
+            before = NO_POLICY if row is None else _read(row.document)
+            document = json.dumps(to_document(policy), sort_keys=True)
+            session.merge(
+                PolicyRow(course=course, assignment=assignment, document=document, changed_at=signed.at)
+            )
+            if policy != before:
+                record(
+                    session,
+                    signed,
+                    "policy.change",
+                    f"assignment {assignment}",
+                    before=to_document(before),
+                    after=to_document(policy),
+                    reason=reason,
+                )
+            return before
+
+    def extend(
+        self, assignment: str, person: str, extension: Extension, signed: Signature, reason: str = ""
+    ) -> None:
+        """Give one student what `extension` says, instead of what they had before.
+
+        Raises:
+            CourseError: the course has no such member.
+        """
+        course = _course(signed)
+        with self._database.writing() as session:
+            if session.get(MemberRow, (course, person)) is None:
+                raise CourseError(f"course {course} has no member {person!r}")
+            row = session.get(ExtensionRow, (course, assignment, person))
+            before = NO_EXTENSION if row is None else _extension(row)
+            session.merge(
+                ExtensionRow(course=course, assignment=assignment, person=person, **asdict(extension))
+            )
+            if before != extension:
+                record(
+                    session,
+                    signed,
+                    "extension.change",
+                    f"assignment {assignment}, member {person}",
+                    before=_plain(before),
+                    after=_plain(extension),
+                    reason=reason,
+                )
+
+
+def rules_of(session: Session, course: str | None) -> Rules:
+    """Return all rules of a course in the transaction of `session`."""
+    if course is None:
+        return Rules(zone=ZoneInfo(_UTC), policies={}, extensions={})
+    row = session.get(CourseRow, course)
+    policies = session.execute(select(PolicyRow).where(col(PolicyRow.course) == course)).scalars()
+    extensions = session.execute(select(ExtensionRow).where(col(ExtensionRow.course) == course)).scalars()
+    return Rules(
+        zone=ZoneInfo(_UTC if row is None else row.time_zone),
+        policies={one.assignment: _read(one.document) for one in policies},
+        extensions={(one.assignment, one.person): _extension(one) for one in extensions},
+    )
+
+
+def to_document(policy: AssignmentPolicy) -> dict[str, Any]:
+    """Return a policy as JSON-ready data; instants as ISO 8601 with their offset."""
+    return _plain(policy)
+
+
+def from_document(document: dict[str, Any]) -> AssignmentPolicy:
+    """Return the policy that `to_document` wrote.
+
+    Raises:
+        ValueError: it is not one.
+    """
+    values = dict(document)
+    late = dict(values.pop("late"))
+    steps = tuple(LateStep(**step) for step in late.pop("steps"))
+    for name in _INSTANTS:
+        if values[name] is not None:
+            values[name] = datetime.fromisoformat(values[name])
+    values["hidden_items"] = tuple(values["hidden_items"])
+    values["counts"] = Counts(values["counts"])
+    return AssignmentPolicy(late=LateRule(steps=steps, **late), **values)
+
+
+@lru_cache(maxsize=1_024)
+def _read(document: str) -> AssignmentPolicy:
+    return from_document(json.loads(document))
+
+
+def _plain(value: AssignmentPolicy | Extension) -> dict[str, Any]:
+    return {
+        name: one.isoformat() if isinstance(one, datetime) else one for name, one in asdict(value).items()
+    }
+
+
+def _extension(row: ExtensionRow) -> Extension:
+    return Extension(due=row.due, extra_attempts=row.extra_attempts)
+
+
+def _course(signed: Signature) -> str:
+    if signed.course is None:
+        raise CourseError("there is no course: create one with `grader course create`")
+    return signed.course

@@ -1,0 +1,147 @@
+"""Laws of the rules of an assignment, for any rules and any instants."""
+
+from datetime import UTC, datetime, timedelta
+from zoneinfo import ZoneInfo
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grader import policy as rules
+from grader.contracts.policy import (
+    NO_EXTENSION,
+    AssignmentPolicy,
+    Attempt,
+    Counts,
+    Extension,
+    LateRule,
+    LateStep,
+)
+
+START = datetime(2026, 3, 1, tzinfo=UTC)
+ZONE = ZoneInfo("Asia/Shanghai")
+instants = st.integers(0, 60 * 86_400_000).map(lambda ms: START + timedelta(milliseconds=ms))
+
+
+@st.composite
+def late_rules(draw: st.DrawFn) -> LateRule:
+    kind = draw(st.sampled_from(["none", "linear", "steps"]))
+    if kind == "linear":
+        return LateRule(kind="linear", per_day=draw(st.floats(0.01, 1.0)))
+    if kind == "steps":
+        after = sorted(draw(st.sets(st.integers(0, 900_000), min_size=1, max_size=4)))
+        keep = sorted(
+            draw(st.lists(st.floats(0.0, 1.0), min_size=len(after), max_size=len(after))), reverse=True
+        )
+        return LateRule(
+            kind="steps",
+            steps=tuple(LateStep(after_s=a, keep=k) for a, k in zip(after, keep, strict=True)),
+        )
+    return LateRule()
+
+
+@st.composite
+def policies(draw: st.DrawFn) -> AssignmentPolicy:
+    due = draw(st.none() | instants)
+    counts = draw(st.sampled_from([Counts.BEST, Counts.LAST] + ([Counts.BEST_BEFORE_DUE] if due else [])))
+    return AssignmentPolicy(
+        opens=None if due is None else draw(st.none() | st.just(due - timedelta(days=7))),
+        due=due,
+        late=draw(late_rules()),
+        accept_late_s=draw(st.none() | st.integers(0, 900_000)),
+        attempts=draw(st.none() | st.integers(1, 5)),
+        attempts_per_day=draw(st.none() | st.integers(1, 3)),
+        counts=counts,
+    )
+
+
+extensions = st.builds(Extension, due=st.none() | instants, extra_attempts=st.integers(0, 3))
+attempts = st.lists(
+    st.builds(
+        Attempt,
+        id=st.uuids().map(str),
+        received_at=instants,
+        score=st.none() | st.floats(0.0, 10.0).map(lambda score: round(score, 2)),
+        costs=st.booleans(),
+    ),
+    max_size=6,
+)
+
+
+@given(policies(), extensions, instants, instants)
+def test_waiting_never_pays(
+    policy: AssignmentPolicy, extension: Extension, one: datetime, other: datetime
+) -> None:
+    early, late = sorted((one, other))
+    first, second = (rules.kept_share(policy, extension, at) for at in (early, late))
+    assert 0.0 <= second <= first <= 1.0
+
+
+@given(policies(), extensions, instants)
+def test_an_extension_takes_nothing_away(
+    policy: AssignmentPolicy, extension: Extension, at: datetime
+) -> None:
+    assert rules.kept_share(policy, extension, at) >= rules.kept_share(policy, NO_EXTENSION, at)
+    if rules.refusal(policy, NO_EXTENSION, [], at, ZONE) is None:
+        assert rules.refusal(policy, extension, [], at, ZONE) is None
+
+
+@given(policies(), extensions, instants)
+def test_on_time_is_whole(policy: AssignmentPolicy, extension: Extension, at: datetime) -> None:
+    due = rules.due_for(policy, extension)
+    if due is None or at <= due:
+        assert rules.kept_share(policy, extension, at) == 1.0
+
+
+@given(policies(), extensions, attempts, instants)
+def test_what_costs_nothing_changes_nothing(
+    policy: AssignmentPolicy, extension: Extension, made: list[Attempt], at: datetime
+) -> None:
+    costly = [one for one in made if one.costs]
+    assert rules.refusal(policy, extension, made, at, ZONE) == rules.refusal(
+        policy, extension, costly, at, ZONE
+    )
+    assert rules.counting(policy, extension, made) == rules.counting(policy, extension, costly)
+
+
+@given(policies(), extensions, attempts)
+def test_the_order_of_looking_does_not_matter(
+    policy: AssignmentPolicy, extension: Extension, made: list[Attempt]
+) -> None:
+    assert rules.counting(policy, extension, made) == rules.counting(policy, extension, made[::-1])
+
+
+@given(policies(), extensions, attempts)
+def test_the_best_keeps_most(policy: AssignmentPolicy, extension: Extension, made: list[Attempt]) -> None:
+    counted = rules.counting(policy, extension, made)
+    if counted is None or policy.counts is not Counts.BEST:
+        return
+    kept = [
+        rules.kept_score(policy, extension, one.score, one.received_at)
+        for one in made
+        if one.costs and one.score is not None
+    ]
+    assert counted.score == max(kept)
+    assert counted.score <= counted.attempt.score
+
+
+@given(policies(), extensions, attempts, st.floats(0.0, 10.0), instants)
+def test_another_attempt_never_lowers_the_best(
+    policy: AssignmentPolicy, extension: Extension, made: list[Attempt], score: float, at: datetime
+) -> None:
+    if policy.counts is Counts.LAST:
+        return
+    before = rules.counting(policy, extension, made)
+    after = rules.counting(policy, extension, [*made, Attempt(id="new", received_at=at, score=score)])
+    assert before is None or (after is not None and after.score >= before.score)
+
+
+@given(policies(), extensions, attempts, instants)
+def test_a_refusal_that_names_an_instant_ends_then(
+    policy: AssignmentPolicy, extension: Extension, made: list[Attempt], at: datetime
+) -> None:
+    made = [one for one in made if one.received_at <= at]
+    refused = rules.refusal(policy, extension, made, at, ZONE)
+    if refused is not None and refused.until is not None:
+        assert refused.until > at
+        later = rules.refusal(policy, extension, made, refused.until, ZONE)
+        assert later is None or later.code != refused.code

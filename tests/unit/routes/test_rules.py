@@ -1,0 +1,183 @@
+"""Rules of assignments over HTTP."""
+
+import json
+from collections.abc import Callable
+from datetime import timedelta
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.routes.services import Services
+from tests.fakes.clock import START, FakeClock
+
+Upload = Callable[..., httpx.Response]
+POLICY = "/api/v1/assignments/square/policy"
+
+
+@pytest.fixture
+def ruled(client: httpx.Client, school: Any) -> Callable[..., httpx.Response]:
+    def change(**rules: object) -> httpx.Response:
+        return client.put(POLICY, json=rules, headers=school.as_("wang"))
+
+    return change
+
+
+@pytest.fixture
+def hand_in(upload: Upload, school: Any) -> Callable[..., httpx.Response]:
+    def send(source: bytes = b"good good\n", person: str = "li") -> httpx.Response:
+        return upload(source, student="", headers={**school.as_(person), "Accept-Language": "en"})
+
+    return send
+
+
+def at(seconds: float) -> str:
+    return (START + timedelta(seconds=seconds)).isoformat()
+
+
+def test_rules_are_changed_whole_and_written_down(
+    client: httpx.Client, ruled: Callable[..., httpx.Response], school: Any
+) -> None:
+    assert ruled(due="2026-03-20T23:59:59", attempts=3, reason="term plan").status_code == 200
+    assert ruled(attempts=5).json()["due"] is None
+    document = client.get(POLICY, headers=school.as_("li")).json()
+    assert (document["rules"]["attempts"], document["attempts_left"]) == (5, 5)
+    second, first = client.get("/api/v1/audit", headers=school.as_("wang"), params={"limit": 2}).json()[
+        "entries"
+    ]
+    assert (first["action"], first["actor"], first["reason"]) == ("policy.change", "wang", "term plan")
+    assert first["before"]["due"] is None
+    assert first["after"]["due"] == second["before"]["due"] == "2026-03-20T23:59:59+08:00"
+
+
+def test_rules_hold_for_one_course(
+    client: httpx.Client, ruled: Callable[..., httpx.Response], school: Any
+) -> None:
+    ruled(attempts=3)
+    assert client.get(POLICY, headers=school.as_("li2")).json()["rules"]["attempts"] is None
+
+
+@pytest.mark.parametrize(
+    ("rules", "code"),
+    [
+        ({"opens": at(10), "due": at(5)}, "invalid_rules"),
+        ({"counts": "best_before_due"}, "invalid_rules"),
+        ({"late": {"kind": "linear"}}, "invalid_rules"),
+        ({"hidden_items": ["nose"]}, "invalid_rules"),
+        ({"attempts": 0}, "invalid_request"),
+        ({"attempts": 2.5}, "invalid_request"),
+        ({"due": "9999-12-31T23:59:59"}, "invalid_request"),
+        ({"deadline": at(5)}, "invalid_request"),
+    ],
+)
+def test_rules_that_make_no_sense(
+    ruled: Callable[..., httpx.Response], rules: dict[str, object], code: str
+) -> None:
+    response = ruled(**rules)
+    assert (response.status_code, response.json()["code"]) == (422, code)
+
+
+def test_too_early_and_too_late(
+    ruled: Callable[..., httpx.Response], hand_in: Callable[..., httpx.Response], clock: FakeClock
+) -> None:
+    ruled(opens=at(100), due=at(200), accept_late_s=50)
+    response = hand_in()
+    assert (response.status_code, response.json()["code"]) == (403, "not_open_yet")
+    assert at(100) in response.json()["detail"]
+    clock.advance(100)
+    assert hand_in().status_code == 202
+    clock.advance(151)
+    assert hand_in().json()["code"] == "closed"
+
+
+def test_staff_is_not_ruled(
+    ruled: Callable[..., httpx.Response], hand_in: Callable[..., httpx.Response]
+) -> None:
+    ruled(opens=at(100))
+    assert hand_in(person="wang").status_code == 202
+
+
+def test_attempts_run_out_and_faults_cost_none(
+    ruled: Callable[..., httpx.Response],
+    hand_in: Callable[..., httpx.Response],
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+) -> None:
+    ruled(attempts=1)
+    assert hand_in(b"def broken(").json()["code"] == "syntax_error"
+    assert hand_in().status_code == 202
+    assert hand_in().json()["code"] == "no_attempts_left"
+    for _ in range(3):
+        services.queue.fail(services.queue.claim("w"), "no")
+    assert client.get(POLICY, headers=school.as_("li")).json()["attempts_left"] == 1
+    assert hand_in().status_code == 202
+
+
+def test_an_extension_for_one(
+    client: httpx.Client,
+    ruled: Callable[..., httpx.Response],
+    hand_in: Callable[..., httpx.Response],
+    clock: FakeClock,
+    school: Any,
+) -> None:
+    ruled(due=at(100), accept_late_s=0)
+    url = "/api/v1/assignments/square/extensions"
+    body = {"due": at(1000), "reason": "ill"}
+    assert client.put(f"{url}/li", json=body, headers=school.as_("wang")).status_code == 200
+    assert client.put(f"{url}/nobody", json=body, headers=school.as_("wang")).status_code == 422
+    clock.advance(500)
+    assert hand_in(person="li").status_code == 202
+    assert hand_in(person="han").json()["code"] == "closed"
+    (listed,) = client.get(url, headers=school.as_("ta")).json()["extensions"]
+    assert (listed["student"], listed["extra_attempts"]) == ("li", 0)
+    client.put(f"{url}/li", json={}, headers=school.as_("wang"))
+    assert client.get(url, headers=school.as_("ta")).json()["extensions"] == []
+
+
+def test_lateness_shows_and_counts(
+    client: httpx.Client,
+    ruled: Callable[..., httpx.Response],
+    graded: Callable[..., str],
+    clock: FakeClock,
+    school: Any,
+) -> None:
+    ruled(due=at(100), late={"kind": "linear", "per_day": 0.5})
+    clock.advance(160)
+    url = graded(b"good good", student="", headers=school.as_("li"))
+    clock.advance(3600)
+    document = client.get(url, headers=school.as_("li")).json()
+    assert (document["score"], document["late_s"], document["kept_share"], document["kept_score"]) == (
+        10.0,
+        60.0,
+        0.5,
+        5.0,
+    )
+    standing = client.get(POLICY, headers=school.as_("li")).json()
+    assert (standing["counted_submission"], standing["counted_score"]) == (url, 5.0)
+    (row,) = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"]
+    assert (row["total_score"], row["assignments"]["square"]["passed"]) == (5.0, False)
+
+
+def test_hidden_items_are_nowhere_until_their_date(
+    client: httpx.Client,
+    ruled: Callable[..., httpx.Response],
+    graded: Callable[..., str],
+    clock: FakeClock,
+    school: Any,
+) -> None:
+    ruled(hidden_items=["closed"], hidden_until=at(1000))
+    url = graded(b"good good", student="", headers=school.as_("li"))
+    student, teacher = school.as_("li"), school.as_("wang")
+    seen = [
+        client.get(path, headers=student).text
+        for path in (url, url + "/report", POLICY, "/api/v1/assignments/square")
+    ]
+    assert all("closed" not in text for text in seen)
+    assert (json.loads(seen[0])["score"], json.loads(seen[0])["max_score"]) == (5.0, 5.0)
+    assert json.loads(seen[3])["max_score"] == 5.0
+    assert client.get(url + "/plot.png", headers=student).status_code == 200
+    assert client.get(url, headers=teacher).json()["score"] == 10.0
+    clock.advance(1000)
+    assert client.get(url, headers=student).json()["score"] == 10.0
+    assert "closed" in client.get("/api/v1/assignments/square", headers=student).text
