@@ -297,6 +297,30 @@ def test_the_layers_hold(sandbox: Sandbox) -> None:
     assert set(proof.environment) <= {*policy.ENVIRONMENT, "LC_CTYPE"}
 
 
+@pytest.mark.parametrize("namespaces", [True, False])
+def test_a_confined_process_has_no_rights_of_its_own(namespaces: bool) -> None:
+    """As the kernel tells it, from outside: user, groups, capabilities, session, signals and filters."""
+    with make(namespaces=namespaces) as sandbox, sandbox.open(Limits()) as jail:
+        pid = jail._process.pid
+        status = dict(line.split(":\t", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines())
+        session = os.getsid(pid)
+        owner = os.stat(f"/proc/{pid}/environ").st_uid
+        zygote_session = os.getsid(sandbox._zygote._process.pid)
+        expected = sandbox._config.box_uid if os.geteuid() == 0 else os.geteuid()
+        keep_read = sandbox._config.keep_read and "namespaces" in sandbox.missing_layers
+        unprivileged = "own_uid" not in sandbox.missing_layers
+    assert status["Uid"].split() == [str(expected)] * 4
+    if unprivileged:
+        assert status["Gid"].split() == [str(expected)] * 4
+        assert status["Groups"].split() == []
+    dac_read_search = 1 << 2
+    assert int(status["CapEff"], 16) == int(status["CapPrm"], 16) == (dac_read_search if keep_read else 0)
+    assert (int(status["CapInh"], 16), int(status["CapAmb"], 16)) == (0, 0)
+    assert (status["NoNewPrivs"], status["Seccomp"], status["Umask"]) == ("1", "2", "0077")
+    assert session not in (zygote_session, os.getsid(0))
+    assert owner == 0  # not dumpable: its like cannot look into it
+
+
 @pytest.mark.parametrize("layer", [Layer.LANDLOCK, Layer.SECCOMP])
 def test_leaving_out_a_required_layer_is_noticed_from_inside(layer: Layer) -> None:
     with make(Mode.BEST_EFFORT, layer, Layer.NAMESPACES) as sandbox:
