@@ -30,7 +30,7 @@ ITEM_MARK: Mapping[ItemStatus, str] = {
 GRADE_STATUS: Mapping[GradeStatus, Text] = {
     GradeStatus.GRADED: _t("已评分", "graded"),
     GradeStatus.NEEDS_MANUAL: _t("等待老师评分", "waiting for the teacher"),
-    GradeStatus.SYNTAX_ERROR: _t("语法错误,程序没有运行", "syntax error, the script did not run"),
+    GradeStatus.SYNTAX_ERROR: _t("语法错误，程序没有运行", "syntax error, the script did not run"),
     GradeStatus.CRASHED: _t("程序出错退出", "the script crashed"),
     GradeStatus.CPU_LIMIT: _t("用完了允许的 CPU 时间", "CPU time used up"),
     GradeStatus.MEMORY_LIMIT: _t("用完了允许的内存", "memory used up"),
@@ -38,14 +38,14 @@ GRADE_STATUS: Mapping[GradeStatus, Text] = {
     GradeStatus.STALLED: _t("程序卡住了", "the script waits for ever"),
     GradeStatus.FORBIDDEN: _t("做了不允许的操作", "did something not allowed"),
     GradeStatus.PROTOCOL: _t("干扰了与仿真器的通信", "interfered with the simulator's channel"),
-    GradeStatus.ASSIGNMENT_ERROR: _t("作业配置有误,请告诉老师", "the assignment is broken: tell the teacher"),
-    GradeStatus.INFRASTRUCTURE_ERROR: _t("评分系统故障,不算你的错", "fault of the grader, not yours"),
+    GradeStatus.ASSIGNMENT_ERROR: _t("作业配置有误，请告诉老师", "the assignment is broken: tell the teacher"),
+    GradeStatus.INFRASTRUCTURE_ERROR: _t("评分系统故障，不算你的错", "fault of the grader, not yours"),
 }
 
 RUN_STATUS: Mapping[RunStatus, Text] = {
     RunStatus.FINISHED: _t("程序正常结束", "the script finished"),
     RunStatus.INTERRUPTED: _t(
-        "运行到时限,由 Ctrl+C 结束(正常)", "ran to the time limit, ended by Ctrl+C (normal)"
+        "运行到时限，由 Ctrl+C 结束（正常）", "ran to the time limit, ended by Ctrl+C (normal)"
     ),
     RunStatus.SYNTAX_ERROR: GRADE_STATUS[GradeStatus.SYNTAX_ERROR],
     RunStatus.CRASHED: GRADE_STATUS[GradeStatus.CRASHED],
@@ -77,28 +77,28 @@ WALL: Mapping[str, Text] = {
 NOTES: Mapping[str, Text] = {
     "wall": _t("小车撞到了{text}", "the car touched {text}"),
     "lateral_command": _t(
-        "速度命令里有 linear.y,这辆车不能横着走,已忽略",
+        "速度命令里有 linear.y，这辆车不能横着走，已忽略",
         "some commands set linear.y, which this car cannot follow: ignored",
     ),
     "clamped_command": _t(
-        "有速度命令超过了小车的极限,按极限执行", "some commands exceeded what the car can do and were clamped"
+        "有速度命令超过了小车的极限，按极限执行", "some commands exceeded what the car can do and were clamped"
     ),
     "type_mismatch": _t(
-        "{text} 上的消息类型不对,连接不上", "the message type on {text} is a different one: not connected"
+        "{text} 上的消息类型不对，连接不上", "the message type on {text} is a different one: not connected"
     ),
     "incompatible_qos": _t(
-        "{text} 的 QoS 不兼容,连接不上", "the QoS on {text} is incompatible: not connected"
+        "{text} 的 QoS 不兼容，连接不上", "the QoS on {text} is incompatible: not connected"
     ),
-    "unreadable_message": _t("{text} 上有读不懂的消息,已丢弃", "unreadable messages on {text} were dropped"),
+    "unreadable_message": _t("{text} 上有读不懂的消息，已丢弃", "unreadable messages on {text} were dropped"),
     "too_many_requests": _t(
-        "对 {text} 的请求太多,已丢弃一部分", "too many requests to {text}: some were dropped"
+        "对 {text} 的请求太多，已丢弃一部分", "too many requests to {text}: some were dropped"
     ),
     "discovery": _t(
-        "{text} 的发布者刚创建就发消息,真机上最早的几条可能丢失",
+        "{text} 的发布者刚创建就发消息，真机上最早的几条可能丢失",
         "{text} was published to right after creation; on a real robot the first messages may be lost",
     ),
-    "thread_exception": _t("线程出错:{text}", "a thread failed: {text}"),
-    "forbidden": _t("不允许的操作:{text}", "not allowed: {text}"),
+    "thread_exception": _t("线程出错：{text}", "a thread failed: {text}"),
+    "forbidden": _t("不允许的操作：{text}", "not allowed: {text}"),
 }
 """Notes of a run by their code (see `grader.contracts.outcome.Note`)."""
 
@@ -115,15 +115,15 @@ WORDS: Mapping[str, Text] = {
     "wanted": _t("要求", "Wanted"),
     "next_step": _t("下一步", "Next step"),
     "your_error": _t("你的程序在这里出错", "Your script failed here"),
-    "at_line": _t("(第 {line} 行)", " (line {line})"),
-    "case": _t("(用例 {case})", " (case {case})"),
-    "notes": _t("说明(不影响得分)", "Notes (cost nothing)"),
+    "at_line": _t("（第 {line} 行）", " (line {line})"),
+    "case": _t("（用例 {case}）", " (case {case})"),
+    "notes": _t("说明（不影响得分）", "Notes (cost nothing)"),
     "cleanup_error": _t(
-        "Ctrl+C 之后的清理代码出错,不扣分:{error}",
+        "Ctrl+C 之后的清理代码出错，不扣分：{error}",
         "the clean-up after Ctrl+C failed, which costs nothing: {error}",
     ),
     "nonfinite": _t(
-        "{count} 条速度命令含 NaN 或无穷大,按 0 处理",
+        "{count} 条速度命令含 NaN 或无穷大，按 0 处理",
         "{count} velocity commands held NaN or infinity and counted as zero",
     ),
     "logs": _t("日志", "Log"),
@@ -134,7 +134,7 @@ WORDS: Mapping[str, Text] = {
     "time": _t("时间", "Time"),
     "event": _t("事件", "Event"),
     "command": _t("速度命令", "command"),
-    "repeated": _t("共 {count} 条,持续 {seconds:.2f} s", "{count} messages over {seconds:.2f} s"),
+    "repeated": _t("共 {count} 条，持续 {seconds:.2f} s", "{count} messages over {seconds:.2f} s"),
     "contact": _t("撞到{wall}", "touched {wall}"),
     "end": _t("结束", "end"),
     "student": _t("学生", "Student"),
@@ -142,13 +142,13 @@ WORDS: Mapping[str, Text] = {
     "pass_rate": _t("通过率", "Pass rate"),
     "mean": _t("平均分", "Mean"),
     "total": _t("总分", "Total"),
-    "worth": _t("满分 {points},时限 {seconds} 虚拟秒", "{points} points, {seconds} virtual seconds"),
+    "worth": _t("满分 {points}，时限 {seconds} 虚拟秒", "{points} points, {seconds} virtual seconds"),
     "submissions": _t("提交", "Submissions"),
     "hardest": _t("最常失分的评分项", "Most-failed rubric items"),
     "queue": _t("队列", "Queue"),
     "path": _t("行驶路径", "path"),
     "path_rest": _t("未计入的路径", "path not judged"),
-    "ideal": _t("标准图形(拟合)", "ideal figure (fitted)"),
+    "ideal": _t("标准图形（拟合）", "ideal figure (fitted)"),
     "side_ok": _t("合格的边与角", "within tolerance"),
     "side_bad": _t("不合格的边与角", "out of tolerance"),
     "start": _t("起点", "start"),

@@ -60,8 +60,8 @@ def test_marks_differ_without_colour() -> None:
     ("note", "zh"),
     [
         (Note(code="wall", text="right"), "小车撞到了右墙"),
-        (Note(code="type_mismatch", text="/turtle1/cmd_vel"), "/turtle1/cmd_vel 上的消息类型不对,连接不上"),
-        (Note(code="forbidden", text="{0} {evil}"), "不允许的操作:{0} {evil}"),
+        (Note(code="type_mismatch", text="/turtle1/cmd_vel"), "/turtle1/cmd_vel 上的消息类型不对，连接不上"),
+        (Note(code="forbidden", text="{0} {evil}"), "不允许的操作：{0} {evil}"),
         (Note(code="new_code", text="said so"), "said so"),
         (Note(code="new_code"), "new_code"),
     ],

@@ -92,7 +92,7 @@ def test_each_hint_is_said_once() -> None:
 
 def test_own_traceback() -> None:
     text = shown(report(score=0.0, status=GradeStatus.CRASHED, outcome=outcome(error=crash())))
-    assert "你的程序在这里出错(第 31 行)" in text
+    assert "你的程序在这里出错（第 31 行）" in text
     assert "msg.linear.x = 1" in text
     assert "AssertionError: The 'x' field must be of type 'float'" in text
 
