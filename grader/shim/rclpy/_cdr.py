@@ -8,19 +8,22 @@ from __future__ import annotations
 
 import struct
 from array import array
-from collections.abc import Callable
-from typing import Any, TypeVar
 
 from rclpy._cdr_source import DecoderSource, EncoderSource
 from rclpy._field_types import alias
 from rclpy._messages import STRUCTURES, interface_name
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any, TypeVar
+
+    _MessageT = TypeVar("_MessageT")
+    _Write = Callable[[Any, bytearray], None]
+    _Read = Callable[[bytes, int], tuple[Any, int]]
+
 HEADER = b"\x00\x01\x00\x00"
 PADDING = tuple(bytes(length) for length in range(8))
-
-_MessageT = TypeVar("_MessageT")
-_Write = Callable[[Any, bytearray], None]
-_Read = Callable[[bytes, int], tuple[Any, int]]
 
 
 class CdrError(RuntimeError):

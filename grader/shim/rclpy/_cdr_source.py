@@ -8,11 +8,14 @@ at all after a string or inside a sequence of structures; there the generated co
 from __future__ import annotations
 
 from struct import Struct
-from typing import Any
 
 from rclpy._definitions import Field, Structure
 from rclpy._field_types import ARRAY_CODES, alias, is_numeric, is_packed, packed_size
 from rclpy._messages import CLASSES, STRUCTURES
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 _CODES = {**ARRAY_CODES, "boolean": "?", "octet": "c"}
 _WIDTHS = {code: Struct("<" + code).size for code in _CODES.values()}

@@ -9,16 +9,16 @@ its names is first asked for. Importing this module installs the finder.
 from __future__ import annotations
 
 import sys
-from importlib import import_module
-from importlib.machinery import ModuleSpec
-from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from _frozen_importlib import ModuleSpec  # importlib.machinery has it from here
 
 from rclpy._definitions import INTERFACES, SITE_PACKAGES, Interface
-from rclpy._messages import define
+from rclpy._messages import define, interface_class
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from types import ModuleType
+    from typing import Any
 
 _PACKAGES = {interface.package for interface in INTERFACES.values()}
 _MODULES = {interface.module: interface for interface in INTERFACES.values()}
@@ -68,12 +68,14 @@ def _promise(module: ModuleType, interfaces: dict[str, Interface]) -> None:
 
     def __getattr__(name: str) -> Any:  # noqa: N807 - the hook of PEP 562
         if name in interfaces:
-            value = getattr(import_module(interfaces[name].module), name)
+            interface = interfaces[name]
+            value = interface_class(f"{interface.package}/{interface.kind}/{name}")
             setattr(module, name, value)
             return value
         submodule = f"{module.__name__}.{name}"
         if submodule in _MODULES:
-            return import_module(submodule)
+            __import__(submodule)
+            return sys.modules[submodule]
         raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}", name=name, obj=module)
 
     def __dir__() -> list[str]:  # noqa: N807 - the hook of PEP 562

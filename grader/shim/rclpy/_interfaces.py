@@ -6,11 +6,13 @@ makes all interface packages importable (see `rclpy._importer`).
 
 from __future__ import annotations
 
-from typing import Any
-
 import rclpy._importer  # noqa: F401 - installs the finder
 from rclpy._definitions import INTERFACES
 from rclpy._messages import interface_class, interface_name
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 _PACKAGES = (
     "builtin_interfaces",

@@ -15,7 +15,7 @@ Contract (compare trio's MockClock with autojump):
 Not promised: that a computation takes any virtual time, or that time passes as evenly as on a PC.
 """
 
-from collections.abc import Callable
+from __future__ import annotations
 
 from rclpy._scheduler import (
     CHARGE_NS,
@@ -27,10 +27,15 @@ from rclpy._scheduler import (
     TIMER_SLACK_NS,
     Scheduler,
     Thread,
-    World,
     charge_of,
     never,
 )
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from rclpy._scheduler import World
 
 
 class Kernel(Scheduler):

@@ -4,11 +4,27 @@ Without a channel (`connected` is False: the script runs without a simulator) th
 sent, and the other calls behave as if nobody listened.
 """
 
-from collections.abc import Callable
-from typing import Any, Protocol
+from __future__ import annotations
 
 from rclpy import _wire
 from rclpy._kernel import Kernel, kernel
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any, Protocol
+
+    Deliver = Callable[[int, int, bytes], None]
+
+    class Channel(Protocol):
+        """The two operations on a connected stream socket that the link uses."""
+
+        def sendall(self, data: bytes, /) -> None:
+            """Send all of `data`."""
+
+        def recv(self, size: int, /) -> bytes:
+            """Receive up to `size` bytes; empty at the end of the stream."""
+
 
 FLUSH_BYTES = 16_384
 MAX_ENTITIES = 512
@@ -31,18 +47,6 @@ _WHAT = {
     "service": _wire.SERVICE,
     "client": _wire.CLIENT,
 }
-
-Deliver = Callable[[int, int, bytes], None]
-
-
-class Channel(Protocol):
-    """The two operations on a connected stream socket that the link uses."""
-
-    def sendall(self, data: bytes, /) -> None:
-        """Send all of `data`."""
-
-    def recv(self, size: int, /) -> bytes:
-        """Receive up to `size` bytes; empty at the end of the stream."""
 
 
 class Link:

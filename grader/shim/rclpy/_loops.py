@@ -5,9 +5,14 @@ since threads switch only in the kernel. Each turn of a `while` loop therefore b
 `CHECKPOINT`, placed on the line of the loop's head; nothing else of the program changes.
 """
 
+from __future__ import annotations
+
 import _ast
-from types import CodeType
-from typing import Any
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from types import CodeType
+    from typing import Any
 
 CHECKPOINT = "__while_checkpoint__"
 """Name of the function called; the runner puts it among the builtins."""

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import sys
 from array import array
-from importlib import import_module
 from math import isinf
 from operator import attrgetter
-from typing import Any
 
 from rclpy._definitions import INTERFACES, SITE_PACKAGES, Field, Interface, Structure
 from rclpy._field_types import alias
 from rclpy._message_source import class_source, default_source
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 STRUCTURES: dict[type, Structure] = {}
 """The definition of every message class built so far."""
@@ -43,7 +45,9 @@ def interface_class(full_name: str) -> type:
     Raises:
         KeyError: there is no such interface.
     """
-    found: type = getattr(import_module(INTERFACES[full_name].module), full_name.rpartition("/")[2])
+    module = INTERFACES[full_name].module
+    __import__(module)  # importlib, whose function is nicer, costs more than a message class
+    found: type = getattr(sys.modules[module], full_name.rpartition("/")[2])
     return found
 
 
@@ -145,7 +149,7 @@ class _SlotTypes:
 
 
 def _slot_type(field: Field) -> object:
-    from rosidl_parser import definition  # noqa: PLC0415 - rarely needed
+    from rosidl_parser import definition
 
     value_type: definition.AbstractNestableType
     if field.is_message:
@@ -189,8 +193,8 @@ def _check_arguments(message: Any, arguments: dict[str, Any]) -> None:
 def _is_list(value: object) -> bool:
     if type(value) in (list, tuple):
         return True
-    from collections import UserString  # noqa: PLC0415 - rarely needed
-    from collections.abc import Sequence, Set  # noqa: PLC0415
+    from collections import UserString
+    from collections.abc import Sequence, Set
 
     return isinstance(value, (Sequence, Set)) and not isinstance(value, (str, UserString))
 
@@ -198,7 +202,7 @@ def _is_list(value: object) -> bool:
 def _is_text(value: object) -> bool:
     if isinstance(value, str):
         return True
-    from collections import UserString  # noqa: PLC0415 - rarely needed
+    from collections import UserString
 
     return isinstance(value, UserString)
 
@@ -209,7 +213,7 @@ def _is_ndarray(value: object) -> bool:
 
 
 def _to_numpy(value: Any, dtype: str) -> Any:
-    import numpy  # noqa: PLC0415 - costs more than a whole run; most scripts never need it
+    import numpy
 
     return numpy.array(value, dtype=dtype)
 

@@ -4,11 +4,16 @@ The sandbox bounds output as well, but notices a flood only when it comes round 
 covers `print`, the streams and the loggers; a script that writes to a descriptor itself meets the sandbox.
 """
 
+from __future__ import annotations
+
 import os
 import sys
-from collections.abc import Callable
 from io import BufferedWriter, RawIOBase, TextIOWrapper
-from typing import Any, NoReturn
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any, NoReturn
 
 _write = os.write
 

@@ -4,17 +4,22 @@
 imported already). Names that already imported modules have copied (`from time import monotonic`) follow.
 """
 
+from __future__ import annotations
+
 import _thread
 import os
 import sys
 import time
-from collections.abc import Callable, Sequence
 from importlib import import_module
 from importlib.machinery import ModuleSpec
-from types import ModuleType
-from typing import Any
 
 from rclpy import _patches_host, _patches_thread, _patches_time
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from types import ModuleType
+    from typing import Any
 
 LAZY = {
     "concurrent.futures.thread": ("_patches_threading", "patch_futures_thread"),

@@ -4,12 +4,17 @@ The boundary is the sandbox's; a script that goes round this module meets it. Bu
 depends on the host's layers (`EACCES`, `EPERM`, `EROFS`, a missing file), and a report must not.
 """
 
+from __future__ import annotations
+
 import errno
 import os
 import sys
-from typing import Any
 
 from rclpy._link import link
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
 
 FORBIDDEN = frozenset(
     {

@@ -4,11 +4,16 @@ The C classes cannot be changed, so subclasses take their places; a metaclass ma
 `issubclass` see no difference.
 """
 
+from __future__ import annotations
+
 import datetime as _datetime
-from types import ModuleType
-from typing import Any
 
 from rclpy._patches_time import time_ns
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from types import ModuleType
+    from typing import Any
 
 _real_datetime = _datetime.datetime
 _real_date = _datetime.date

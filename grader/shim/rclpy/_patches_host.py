@@ -1,11 +1,16 @@
 """What a script can learn of its host: randomness, process ids, processors. The same in each run."""
 
+from __future__ import annotations
+
 import _random
 import os
-from types import ModuleType
-from typing import Any
 
 from rclpy._kernel import kernel
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from types import ModuleType
+    from typing import Any
 
 PID = 4242
 CPUS = 4

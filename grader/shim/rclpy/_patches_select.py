@@ -4,13 +4,18 @@ The descriptors are real (only the script itself can write to them), so a wait a
 without blocking whenever the kernel looks for a thread to run.
 """
 
+from __future__ import annotations
+
 import select
-from collections.abc import Callable
-from types import ModuleType
-from typing import Any
 
 from rclpy._kernel import kernel
 from rclpy._locks import deadline_after
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import ModuleType
+    from typing import Any
 
 _select, _poll, _epoll = select.select, select.poll, select.epoll
 
@@ -69,7 +74,7 @@ class VirtualEpoll:
     def __getattr__(self, name: str) -> Any:
         return getattr(self._real, name)
 
-    def __enter__(self) -> "VirtualEpoll":
+    def __enter__(self) -> VirtualEpoll:
         self._real.__enter__()
         return self
 

@@ -4,17 +4,23 @@ A signal is delivered in the main thread: at once when that thread runs, otherwi
 in; when the handler returns, the wait goes on (PEP 475).
 """
 
+from __future__ import annotations
+
 import os
 import signal
 import sys
-from collections.abc import Callable
-from types import FrameType, ModuleType
-from typing import Any
 
 from rclpy._kernel import kernel
 from rclpy._patches_time import seconds_to_ns
 
-Handler = Callable[[int, FrameType | None], Any] | int | None
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import FrameType, ModuleType
+    from typing import Any
+
+    Handler = Callable[[int, FrameType | None], Any] | int | None
+
 
 _IGNORED_BY_DEFAULT = frozenset({signal.SIGCHLD, signal.SIGCONT, signal.SIGURG, signal.SIGWINCH})
 _UNCATCHABLE = frozenset({signal.SIGKILL, signal.SIGSTOP})

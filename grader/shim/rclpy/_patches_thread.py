@@ -5,14 +5,19 @@ One lock class replaces `_thread.allocate_lock`, one `_thread.RLock`; what `thre
 that runs only while it holds the kernel's baton.
 """
 
+from __future__ import annotations
+
 import _thread
 import sys
-from collections.abc import Callable
-from typing import Any
 
 from rclpy._kernel import kernel
 from rclpy._locks import Lock, RLock, deadline_after
 from rclpy._scheduler import Thread
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
 
 _start_os_thread = _thread.start_new_thread
 _os_ident = _thread.get_ident

@@ -1,12 +1,17 @@
 """What the modules built on `_thread` need beyond the replaced locks."""
 
+from __future__ import annotations
+
 import sys
-from collections.abc import Callable
-from types import ModuleType
-from typing import Any
 
 from rclpy import _locks, _patches_thread
 from rclpy._kernel import kernel
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import ModuleType
+    from typing import Any
 
 
 def patch_threading(threading: ModuleType) -> None:

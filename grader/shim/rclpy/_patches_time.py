@@ -1,11 +1,16 @@
 """The clocks and `time.sleep`."""
 
+from __future__ import annotations
+
 import _operator
 import time
-from types import ModuleType
-from typing import Any
 
 from rclpy._kernel import kernel
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from types import ModuleType
+    from typing import Any
 
 UPTIME_NS = 100_000 * 10**9
 """`time.monotonic()` at virtual time 0: like on a PC, far from 0 (`if monotonic() - last > 1` with last = 0)."""

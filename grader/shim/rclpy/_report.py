@@ -1,11 +1,16 @@
 """Exceptions in the student's own terms: frames of the student's file only, causes kept."""
 
+from __future__ import annotations
+
 import sys
-from types import FrameType, TracebackType
-from typing import Any
 
 from rclpy._kernel import Kernel
 from rclpy._scheduler import Thread
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from types import FrameType, TracebackType
+    from typing import Any
 
 
 class Script:

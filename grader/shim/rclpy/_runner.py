@@ -4,17 +4,22 @@
 pipes, and the channel.
 """
 
+from __future__ import annotations
+
 import builtins
 import gc
 import os
 import sys
 from types import CodeType, ModuleType
-from typing import Any, NoReturn
 
 import rclpy._importer  # noqa: F401 - the interface packages can be imported from now on
 from rclpy import _loops, _output, _patches, _report, _wire
 from rclpy._kernel import kernel
 from rclpy._link import link
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, NoReturn
 
 PIPE_BYTES = 65_536
 """Capacity of a Linux pipe; a longer stdin is served from memory."""

@@ -4,9 +4,32 @@ A thread is a real one that waits for its own raw lock, the baton. Only the thre
 scheduler's state, so nothing in here needs a lock.
 """
 
+from __future__ import annotations
+
 import _thread
-from collections.abc import Callable, Iterable
-from typing import NoReturn, Protocol
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable
+    from typing import NoReturn, Protocol
+
+    class World(Protocol):
+        """What the kernel needs of the link to the episode."""
+
+        coupled: bool
+
+        def advance(self, target_ns: int) -> int:
+            """Let the world run to `target_ns`, deliver what is due, return the instant reached."""
+
+    class Sentinel(Protocol):
+        """A lock that somebody who joins a thread waits for."""
+
+        def locked(self) -> bool:
+            """Return whether it is held."""
+
+        def release(self) -> None:
+            """Release it."""
+
 
 FOREVER_NS = 1 << 62
 """Deadline of a wait that only its condition can end."""
@@ -39,27 +62,8 @@ SIGINT = 2
 SIGALRM = 14
 
 
-class World(Protocol):
-    """What the kernel needs of the link to the episode."""
-
-    coupled: bool
-
-    def advance(self, target_ns: int) -> int:
-        """Let the world run to `target_ns`, deliver what is due, return the instant reached."""
-
-
 class StalledError(RuntimeError):
     """Every thread waits for something that can never happen. The text names the calls."""
-
-
-class Sentinel(Protocol):
-    """A lock that somebody who joins a thread waits for."""
-
-    def locked(self) -> bool:
-        """Return whether it is held."""
-
-    def release(self) -> None:
-        """Release it."""
 
 
 class Thread:

@@ -4,8 +4,9 @@ The world is trusted, so decoding only refuses what it cannot read. The episode'
 this one; `tests/golden/wire/` holds frames both agree on.
 """
 
+from __future__ import annotations
+
 import struct
-from typing import NamedTuple
 
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
 START, EVENTS = 0x80, 0x81
@@ -29,14 +30,17 @@ _SERVICE = struct.Struct("<IBHIq")
 _EVENT = struct.Struct("<BHIqI")
 
 
-class Event(NamedTuple):
+class Event:
     """Something that happened in the world, addressed to one entity of the script."""
 
-    what: int
-    id: int
-    sequence: int
-    t_ns: int
-    cdr: bytes
+    __slots__ = ("cdr", "id", "sequence", "t_ns", "what")
+
+    def __init__(self, what: int, ident: int, sequence: int, t_ns: int, cdr: bytes) -> None:
+        self.what = what
+        self.id = ident
+        self.sequence = sequence
+        self.t_ns = t_ns
+        self.cdr = cdr
 
 
 def bounded(text: str, most_bytes: int) -> bytes:
@@ -95,17 +99,28 @@ def note(code: str, text: str) -> bytes:
     return _frame(struct.pack("<B", NOTE) + _str(code) + _str(text, MAX_TEXT_BYTES))
 
 
-class Exit(NamedTuple):
+class Exit:
     """How the run ended; the fields of EXIT."""
 
-    t_ns: int
-    reason: int
-    after_interrupt: bool
-    code: int
-    type: str = ""
-    message: str = ""
-    line: int = 0
-    text: str = ""
+    def __init__(
+        self,
+        t_ns: int,
+        reason: int,
+        after_interrupt: bool,
+        code: int,
+        type: str = "",
+        message: str = "",
+        line: int = 0,
+        text: str = "",
+    ) -> None:
+        self.t_ns = t_ns
+        self.reason = reason
+        self.after_interrupt = after_interrupt
+        self.code = code
+        self.type = type
+        self.message = message
+        self.line = line
+        self.text = text
 
     def frame(self) -> bytes:
         """Return EXIT."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import weakref
+from _weakref import ref
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -14,15 +14,15 @@ class CallbackGroup:
 
     def __init__(self) -> None:
         super().__init__()
-        self.entities: set[weakref.ref[Any]] = set()
+        self.entities: set[ref[Any]] = set()
 
     def add_entity(self, entity: Any) -> None:
         """Add a timer, subscription, service, client, guard condition or waitable."""
-        self.entities.add(weakref.ref(entity))
+        self.entities.add(ref(entity))
 
     def has_entity(self, entity: Any) -> bool:
         """Whether the entity belongs to the group."""
-        return weakref.ref(entity) in self.entities
+        return ref(entity) in self.entities
 
     def can_execute(self, entity: Any) -> bool:
         """Whether a callback of `entity` may begin now."""
@@ -58,11 +58,11 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
         self._active_entity: Any = None
 
     def can_execute(self, entity: Any) -> bool:
-        assert weakref.ref(entity) in self.entities
+        assert ref(entity) in self.entities
         return self._active_entity is None
 
     def beginning_execution(self, entity: Any) -> bool:
-        assert weakref.ref(entity) in self.entities
+        assert ref(entity) in self.entities
         if self._active_entity is not None:
             return False
         self._active_entity = entity

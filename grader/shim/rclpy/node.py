@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import weakref
+from _weakref import ref
 
 from rclpy._errors import NodeNameNonExistentError as NodeNameNonExistentError
 from rclpy._handles import required
@@ -185,7 +185,7 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
             self.__executor_weakref = None
         else:
             new_executor.add_node(self)
-            self.__executor_weakref = weakref.ref(new_executor)
+            self.__executor_weakref = ref(new_executor)
 
     def _wake_executor(self) -> None:
         executor = self.executor

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import weakref
+from _weakref import ref
 
 from rclpy._lazy_type import LazyType
 from rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
@@ -21,7 +21,7 @@ class ParameterService:
     """Creates and answers the six parameter services of a node."""
 
     def __init__(self, node: Node) -> None:
-        self._node_weak_ref = weakref.ref(node)
+        self._node_weak_ref = ref(node)
         for name, kind, callback in (
             ("describe_parameters", "DescribeParameters", self._describe_parameters_callback),
             ("get_parameters", "GetParameters", self._get_parameters_callback),

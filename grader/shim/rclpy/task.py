@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import weakref
+from _weakref import ref
 
 from rclpy._kernel import kernel
 
@@ -115,7 +115,7 @@ class Future:
                 warnings.warn(f"Unhandled exception in done callback: {error}", stacklevel=2)
 
     def _set_executor(self, executor: Executor | None) -> None:
-        self._executor = _no_executor if executor is None else weakref.ref(executor)
+        self._executor = _no_executor if executor is None else ref(executor)
 
     def add_done_callback(self, callback: Callable[[Future], Any]) -> None:
         """Have `callback` called with this future when it is done; at once when it is done already."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import weakref
+from _weakref import ref
 
 from rclpy._enums import ClockType
 from rclpy.clock import ROSClock
@@ -72,7 +72,7 @@ class TimeSource:
             raise TypeError("Node must be of type rclpy.node.Node")
         if self._node_weak_ref is not None:
             self.detach_node()
-        self._node_weak_ref = weakref.ref(node)
+        self._node_weak_ref = ref(node)
         if not node.has_parameter(USE_SIM_TIME_NAME):
             node.declare_parameter(USE_SIM_TIME_NAME, False)
         parameter = node.get_parameter(USE_SIM_TIME_NAME)

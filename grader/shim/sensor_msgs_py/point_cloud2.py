@@ -138,6 +138,6 @@ def _layout(cloud: Any) -> Any:
 
 
 def _numpy() -> Any:
-    import numpy  # noqa: PLC0415 - costs more than a whole run
+    import numpy
 
     return numpy

@@ -86,7 +86,7 @@ class BufferCore:
         Raises:
             TransformException: there is none.
         """
-        from rclpy.time import Time  # noqa: PLC0415 - importable without the rest of rclpy
+        from rclpy.time import Time
 
         for name in (target_frame, source_frame):
             if name not in self._frames:

@@ -65,7 +65,7 @@ def from_message(message: Any) -> Sample:
 
 def to_message(rigid: Rigid, time_ns: int, target: str, source: str) -> Any:
     """Return the pose of `source` in `target` as a TransformStamped."""
-    from geometry_msgs.msg import TransformStamped  # noqa: PLC0415 - needs the finder of rclpy
+    from geometry_msgs.msg import TransformStamped
 
     message = TransformStamped(child_frame_id=source)
     message.header.frame_id = target

@@ -87,6 +87,6 @@ def unit_vector(data: Any, axis: int | None = None, out: Any = None) -> Any:
 
 
 def _numpy() -> Any:
-    import numpy  # noqa: PLC0415 - most scripts never ask for a matrix
+    import numpy
 
     return numpy
