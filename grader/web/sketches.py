@@ -10,10 +10,12 @@ from grader.contracts import trajectory_json
 from grader.contracts.codec import from_plain
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.figure import FigureSketch
+from grader.contracts.identity import Caller
 from grader.contracts.report import CaseRun, GradeReport
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
 from grader.contracts.verdict import Run
+from grader.routes.concealment import shown_assignment
 from grader.routes.services import Services
 
 
@@ -27,8 +29,10 @@ def run_of(report: GradeReport, case: str | None) -> CaseRun | None:
     return next((run for run in report.runs if case is None or run.case == case), None)
 
 
-def measured_figure(services: Services, stored: StoredReport, run: CaseRun) -> FigureSketch | None:
-    """Return the detected figure of a run.
+def measured_figure(
+    services: Services, caller: Caller, stored: StoredReport, run: CaseRun
+) -> FigureSketch | None:
+    """Return the detected figure of a run, judged by what the caller may see.
 
     None when nothing was recorded, or the assignment is no longer published in a form that can be measured.
     """
@@ -38,7 +42,7 @@ def measured_figure(services: Services, stored: StoredReport, run: CaseRun) -> F
     motion = trajectory_json.decode(gzip.decompress(content))
     report = report_of(stored)
     try:
-        assignment = services.assignments.get(report.assignment)
+        assignment = shown_assignment(services, caller, services.assignments.get(report.assignment))
         return sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
     except (AssignmentError, UnknownAssignmentError):
         return None

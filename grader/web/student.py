@@ -10,10 +10,11 @@ from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language, Text
-from grader.routes import submissions
-from grader.routes.concealment import shown_list
+from grader.routes import rules, submissions
+from grader.routes.concealment import shown_assignment, shown_list
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.problems import ProblemError
+from grader.routes.rule_views import StandingView
 from grader.routes.services import Services, ServicesDep
 from grader.routes.uploads import UploadRoute, arrival
 from grader.web import access
@@ -36,7 +37,8 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
             one.assignment not in best or one.score > (best[one.assignment].score or 0)
         ):
             best[one.assignment] = one
-    return page(request, "assignments.html", assignments=services.assignments.all(), best=best)
+    shown = [shown_assignment(services, visitor.caller, one) for one in services.assignments.all()]
+    return page(request, "assignments.html", assignments=shown, best=best)
 
 
 @router.get("/assignments/{assignment_id}")
@@ -103,17 +105,28 @@ def _assignment_page(
     request: Request, assignment: Assignment, problem: ProblemError | None = None, given: str = ""
 ) -> Response:
     services: Services = request.app.state.services
+    visitor = access.visitor_of(request)
     return page(
         request,
         "assignment.html",
         status=200 if problem is None else problem.status_code,
         assignment=assignment,
-        rubric=published_rubric(assignment),
-        attempts=_attempts(services, access.visitor_of(request), assignment.id)[:_MOST_ATTEMPTS],
+        rubric=published_rubric(shown_assignment(services, visitor.caller, assignment)),
+        standing=_standing(services, visitor, assignment),
+        attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],
         suffixes=SUFFIXES[assignment.input],
         max_bytes=services.settings.max_upload_bytes,
         refusal=None if problem is None else _refusal(problem, language_of(request)),
         given=given,
+    )
+
+
+def _standing(services: Services, visitor: Visitor, assignment: Assignment) -> StandingView | None:
+    """Return dates and attempts for a member of a course."""
+    if visitor.caller.course is None:
+        return None
+    return rules.read_policy(
+        services=services, caller=visitor.caller, response=Response(), assignment_id=assignment.id
     )
 
 

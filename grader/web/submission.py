@@ -12,11 +12,12 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.render.labels import SUBMISSION_STATE
 from grader.routes import recordings
+from grader.routes.concealment import shown_list
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SubmissionId
 from grader.web import access
-from grader.web.access import VisitorDep
+from grader.web.access import Visitor, VisitorDep
 from grader.web.pages import language_of, page
 from grader.web.result import figure_parts, result_page
 from grader.web.sketches import figure_document, measured_figure, report_of, run_of
@@ -48,9 +49,7 @@ def read(
         assignment=assignment,
         open=submission.state in _OPEN,
         position=_position(services, submission),
-        attempts=services.submissions.of_student(
-            submission.student, submission.assignment, submission.course
-        ),
+        attempts=_attempts(services, visitor, submission),
         **_result(request, services, assignment, stored, case),
     )
 
@@ -99,7 +98,11 @@ def read_sketch(
     """Return what the checks saw in the motion; an empty object when they cannot say."""
     _, stored = access.seen(services, visitor, submission_id)
     run = None if stored is None else run_of(report_of(stored), case)
-    figure = None if stored is None or run is None else measured_figure(services, stored, run)
+    figure = (
+        None
+        if stored is None or run is None
+        else measured_figure(services, access.visitor_of(request).caller, stored, run)
+    )
     document = {} if figure is None else figure_document(figure, language_of(request))
     return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
 
@@ -113,6 +116,12 @@ async def read_plot(
     return await recordings.read_plot(
         services=services, submission_id=submission_id, language=language_of(request), caller=visitor.caller
     )
+
+
+def _attempts(services: Services, visitor: Visitor, submission: Submission) -> tuple[Submission, ...]:
+    """Return the student's submissions to the same assignment, newest first."""
+    own = services.submissions.of_student(submission.student, submission.assignment, course=submission.course)
+    return shown_list(services, visitor.caller, own)
 
 
 def _published(services: Services, submission: Submission) -> Assignment | None:
@@ -145,7 +154,9 @@ def _result(
     run = run_of(report, case)
     if run is None and case is not None:
         raise ProblemError("no_trajectory", field="case", allowed=list(stored.cases))
-    figure = None if run is None else measured_figure(services, stored, run)
+    figure = (
+        None if run is None else measured_figure(services, access.visitor_of(request).caller, stored, run)
+    )
     names = {name: say(f"figure.{name}", language) for name in ("side", "corner", "gap")}
     return {
         "result": result_page(report, assignment, language),

@@ -6,7 +6,9 @@ import httpx
 import pytest
 from fastapi import Request, Response
 
+from grader.contracts.policy import AssignmentPolicy
 from grader.routes.services import Services
+from grader.store.audit import Signature
 from grader.web.entrance import own_address
 from grader.web.forms import COOKIE, set_private_cookie
 from tests.fakes import server
@@ -179,3 +181,18 @@ class TestCourse:
         browser.enter(token=tokens["wang"])
         assert browser.get(foreign).status_code == 404
         assert browser.get("/class/students/li").status_code == 404
+
+    def test_hidden_items_stay_hidden(
+        self, browser: Browser, services: Services, tokens: dict[str, str], put: Callable[..., str]
+    ) -> None:
+        hiding = AssignmentPolicy(hidden_items=("closed",), attempts=5)
+        services.policies.set("square", hiding, Signature(services.clock(), "ros", "wang"), "")
+        own = put(student="li", course="ros")
+        browser.enter(token=tokens["li"])
+        for path in ("/assignments/square", own, own + "/sketch.json", "/submissions"):
+            text = browser.get(path).text
+            assert "回到起点</h3>" not in text, path
+            assert '"ok":false' not in text, path
+        assert "还可提交 4 次" in browser.get("/assignments/square").text
+        browser.enter(token=tokens["wang"])
+        assert "回到起点</h3>" in browser.get(own).text
