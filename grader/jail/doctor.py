@@ -7,18 +7,29 @@ import os
 import platform
 import statistics
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import Final
 
 from grader.contracts.errors import SandboxError
-from grader.contracts.limits import Limits
+from grader.contracts.limits import MIB, Limits
 from grader.contracts.text import Language, Text
 from grader.jail import landlock, libc
 from grader.jail.box import SHIM_PATH, Proof, Sandbox
+from grader.jail.cgroups import Bound, own_bound
 from grader.jail.layers import REQUIRED, Layer, Mode
-from grader.jail.remarks import CANNOT_RUN, COST, LEAVES_OPEN, READY, REDUCED, STATES, TITLES
+from grader.jail.remarks import (
+    CANNOT_RUN,
+    COST,
+    LEAVES_OPEN,
+    NO_OUTER_BOUND,
+    OUTER_BOUND,
+    READY,
+    REDUCED,
+    STATES,
+    TITLES,
+)
 
 _TIMED_RUNS: Final = 40
 _BARE: Final = frozenset(Layer) - {Layer.PROCESS, Layer.RLIMITS}
@@ -58,6 +69,7 @@ class Diagnosis:
         exit_code: 0 ready for strict mode, 1 reduced isolation only, 2 cannot run scripts at all.
         start_ms: median time to start, confine, end and reap one process; None when none could be started.
         bare_start_ms: the same without confinement.
+        outer: the control groups' limits around the whole grader.
         error: why nothing could be run, or empty.
     """
 
@@ -66,6 +78,7 @@ class Diagnosis:
     findings: tuple[Finding, ...]
     start_ms: float | None
     bare_start_ms: float | None
+    outer: Bound = field(default_factory=Bound)
     error: str = ""
 
     def to_dict(self) -> dict[str, object]:
@@ -83,6 +96,7 @@ class Diagnosis:
             lines.append(f"{marks.get(finding.state, '✗')} {title}: {state}{detail}")
             if finding.leaves_open.en:
                 lines.append(f"    {finding.leaves_open.get(language)}")
+        lines.append(_outer_line(self.outer, language))
         if self.start_ms is not None and self.bare_start_ms is not None:
             lines += ["", COST.get(language).format(self.start_ms, self.bare_start_ms)]
         verdict = (READY, REDUCED, CANNOT_RUN)[self.exit_code].get(language)
@@ -101,7 +115,13 @@ def run_doctor(shim: Path = SHIM_PATH, entry: str = "rclpy._runner:run") -> Diag
             bare_start_ms = _median_start_ms(bare)
     except SandboxError as error:
         return Diagnosis(
-            exit_code=2, host=host, findings=(), start_ms=None, bare_start_ms=None, error=str(error)
+            exit_code=2,
+            host=host,
+            findings=(),
+            start_ms=None,
+            bare_start_ms=None,
+            outer=own_bound(),
+            error=str(error),
         )
     findings = tuple(_judge(layer, missing, proof) for layer in Layer)
     ready = not any(finding.state in (State.MISSING, State.BROKEN) for finding in findings)
@@ -111,7 +131,16 @@ def run_doctor(shim: Path = SHIM_PATH, entry: str = "rclpy._runner:run") -> Diag
         findings=findings,
         start_ms=start_ms,
         bare_start_ms=bare_start_ms,
+        outer=own_bound(),
     )
+
+
+def _outer_line(outer: Bound, language: Language) -> str:
+    """Say what bounds the grader as a whole: what a script's limits do not count exactly adds up to that."""
+    if outer.memory_bytes is None:
+        return f"○ {NO_OUTER_BOUND.get(language)}"
+    tasks = "–" if outer.tasks is None else str(outer.tasks)
+    return f"✓ {OUTER_BOUND.get(language).format(outer.version, outer.memory_bytes // MIB, tasks)}"
 
 
 def _judge(layer: Layer, missing: tuple[str, ...], proof: Proof) -> Finding:

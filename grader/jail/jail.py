@@ -284,8 +284,15 @@ class Jail:
             if number in _OUT_OF_MEMORY and peak_bytes >= _NEARLY_ALL * self._limits.memory_bytes:
                 return Verdict.MEMORY_LIMIT, None, name, f"{name} with all memory in use"
             return Verdict.CRASHED, None, name, f"the process was ended by {name}"
+        verdict, detail = self._judge_kill(ended_itself, cpu_ns, peak_bytes)
+        return verdict, None, name if verdict is Verdict.INFRASTRUCTURE else None, detail
+
+    def _judge_kill(self, ended_itself: bool, cpu_ns: int, peak_bytes: int) -> tuple[Verdict, str]:
+        """Say whose SIGKILL it was: the script cannot send one."""
         if not ended_itself:
-            return Verdict.FINISHED, None, None, ""
+            return Verdict.FINISHED, ""
         if self._clocks.exhausted(cpu_ns):
-            return Verdict.CPU_LIMIT, None, None, self._clocks.cpu_text
-        return Verdict.INFRASTRUCTURE, None, name, "the process was killed from outside the grader"
+            return Verdict.CPU_LIMIT, self._clocks.cpu_text
+        if peak_bytes >= self._limits.memory_bytes:  # the host, short of memory, ends the hungriest first
+            return Verdict.MEMORY_LIMIT, "the host ran out of memory, and this script had its fill"
+        return Verdict.INFRASTRUCTURE, "the process was killed from outside the grader"

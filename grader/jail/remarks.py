@@ -65,3 +65,12 @@ COST: Final = Text(
     zh="启动一次受限进程 {:.1f} ms（不设限 {:.1f} ms）",
     en="one confined start takes {:.1f} ms ({:.1f} ms unconfined)",
 )
+
+OUTER_BOUND: Final = Text(
+    zh="外层上限 (cgroup v{})：内存 {} MiB，进程与线程 {}",
+    en="outer bound (cgroup v{}): {} MiB of memory, processes and threads: {}",
+)
+NO_OUTER_BOUND: Final = Text(
+    zh="没有外层内存上限：请给容器 --memory，或给服务单元 MemoryMax=。",
+    en="no outer memory bound: give the container --memory, or the service's unit MemoryMax=.",
+)

@@ -177,6 +177,22 @@ def test_a_kill_from_outside_blames_the_host(sandbox: Sandbox) -> None:
         assert jail.close().verdict is Verdict.INFRASTRUCTURE
 
 
+def test_a_script_that_the_host_ended_with_more_than_its_memory_met_the_memory_limit(
+    sandbox: Sandbox,
+) -> None:
+    """Shared mappings are not private memory; the kernel ends the hungriest when the host runs short."""
+    hungry = (
+        "import mmap\nkept = mmap.mmap(-1, 200 << 20)\nfor at in range(0, len(kept), 4096): kept[at] = 1\n"
+        "frame(b'full')\nwhile True: pass"
+    )
+    with sandbox.open(Limits(memory_bytes=120 * MIB)) as jail:
+        jail.send(hungry.encode())
+        assert jail.receive() == b"full"
+        jail._process.kill()
+        assert jail.receive() is None
+        assert jail.close().verdict is Verdict.MEMORY_LIMIT
+
+
 def test_a_script_that_sleeps_for_ever_is_stalled(sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(policy, "IDLE_LIMIT_NS", 100_000_000)
     _, report = run(sandbox, "import os\nos.read(os.pipe()[0], 1)")
@@ -319,6 +335,27 @@ def test_a_confined_process_has_no_rights_of_its_own(namespaces: bool) -> None:
     assert (status["NoNewPrivs"], status["Seccomp"], status["Umask"]) == ("1", "2", "0077")
     assert session not in (zygote_session, os.getsid(0))
     assert owner == 0  # not dumpable: its like cannot look into it
+
+
+GROUPED = """
+import os, sys
+from pathlib import Path
+from grader.contracts.limits import Limits
+from grader.sandbox import Sandbox
+
+os.setgroups([4, 27, 4242])
+with Sandbox(shim_path=Path(sys.argv[1]), entry="bare_runner:run") as sandbox, sandbox.open(Limits()) as jail:
+    print(Path(f"/proc/{jail._process.pid}/status").read_text())
+"""
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="only root has groups to give up")
+def test_the_graders_groups_are_given_up() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", GROUPED, str(RUNNER)], capture_output=True, text=True, check=True
+    )
+    status = dict(line.split(":\t", 1) for line in done.stdout.splitlines() if ":\t" in line)
+    assert status["Groups"].split() == []
 
 
 @pytest.mark.parametrize("layer", [Layer.LANDLOCK, Layer.SECCOMP])
