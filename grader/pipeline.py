@@ -63,11 +63,7 @@ class Pipeline:
         self._car.close()
 
     def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
-        """Run and judge one submission; a text is only read.
-
-        Args:
-            job: what to grade.
-            on_run: called at the start of each run, while the script is compiled in its own process.
+        """Run and judge one submission; a text is only read. `on_run` is called when a run has begun.
 
         Raises:
             InfrastructureError, SandboxError: a fault of the grader or its host; nothing was judged.

@@ -139,11 +139,7 @@ class Slot:
         self._send(asdict(self._config), _SPARE_S)
 
     def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
-        """Grade `job` in the child.
-
-        Args:
-            job: what to grade.
-            on_run: called here when a run of the script has begun; the time it takes is the caller's own.
+        """Grade `job` in the child; call `on_run` here whenever a run of the script has begun there.
 
         Raises:
             InfrastructureError: the child died, did not answer in time or reported a fault of its own.

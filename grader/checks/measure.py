@@ -7,6 +7,7 @@ from typing import Literal
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
+from grader.contracts.record import record
 from grader.contracts.text import Text
 from grader.contracts.verdict import Run
 
@@ -73,7 +74,7 @@ Options = Mapping[str, Callable[[Option], str | None]]
 """Names of options, with what is wrong about a value (or None)."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Kind:
     """What checks of scripts and of texts have in common.
 
@@ -89,7 +90,7 @@ class Kind:
     consult: Callable[[Assignment], tuple[tuple[str, str], ...]] = lambda assignment: ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Check(Kind):
     """A check of what a script did: an entry of the table in `grader.checks`.
 
@@ -103,7 +104,7 @@ class Check(Kind):
     sketch: Callable[[Assignment, Run], FigureSketch]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class TextCheck(Kind):
     """A check of a handed-in text: an entry of the other table in `grader.checks`.
 

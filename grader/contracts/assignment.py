@@ -1,9 +1,10 @@
 """An assignment as data: what is handed in, in which world it runs, and how it earns points."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 from grader.contracts.limits import Limits
+from grader.contracts.record import record
 from grader.contracts.services import ServiceCall
 from grader.contracts.text import EMPTY, Text
 
@@ -16,7 +17,7 @@ BY_PERSON = "by_person"
 """The measure of rubric items that a person judges. They have no band and earn nothing until then."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class StartPose:
     """Pose of the car at the start of an episode, in turtlesim's frame."""
 
@@ -25,7 +26,7 @@ class StartPose:
     heading_deg: float = 0.0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class World:
     """The simulated world of an episode.
 
@@ -43,7 +44,7 @@ class World:
     seed: int = 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Case:
     """One run of the script: what it is given. Most assignments have the single case ``default``.
 
@@ -60,7 +61,7 @@ class Case:
     seed: int | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class ItemSpec:
     """One rubric item as the instructor wrote it.
 
@@ -84,7 +85,7 @@ class ItemSpec:
     needs: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Answer:
     """A number that students are known to answer, and what it tells about their thinking.
 
@@ -99,7 +100,7 @@ class Answer:
     remark: Text
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Assignment:
     """A validated assignment.
 
@@ -137,7 +138,7 @@ class Assignment:
         return sum(item.points for item in self.items)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class WrongAttempt:
     """A wrong script that comes with an assignment, and the verdict it must get.
 

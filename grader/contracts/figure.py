@@ -4,9 +4,9 @@ The checks compute it (`grader.checks.sketch`), the renderers draw it; neither i
 Points are (x, y) in metres in turtlesim's frame, in the order driven.
 """
 
-from dataclasses import dataclass
 from typing import Literal
 
+from grader.contracts.record import record
 from grader.contracts.text import Text
 
 Point = tuple[float, float]
@@ -14,7 +14,7 @@ Point = tuple[float, float]
 View = Literal["path", "heading", "log"]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class SketchSide:
     """A detected straight run.
 
@@ -30,7 +30,7 @@ class SketchSide:
     ok: bool | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class SketchCorner:
     """A detected turn between two runs.
 
@@ -45,7 +45,7 @@ class SketchCorner:
     ok: bool | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class SketchLabel:
     """A remark at a point, e.g. the gap at the end of an open figure."""
 
@@ -54,7 +54,7 @@ class SketchLabel:
     ok: bool | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class FigureSketch:
     """What a plot shows beside the bare path.
 

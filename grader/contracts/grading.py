@@ -1,14 +1,14 @@
 """What goes into one grading and what comes out of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Protocol
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.record import record
 from grader.contracts.report import GradeReport, Measurements
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class GradingJob:
     """One submission to be graded.
 
@@ -22,7 +22,7 @@ class GradingJob:
     assignment: Assignment
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class GradingResult:
     """A finished grading.
 
@@ -35,7 +35,7 @@ class GradingResult:
     measurements: Measurements
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class SyntaxProblem:
     """Why a file is not Python: what the compiler said and where (1-based, None when unknown)."""
 
@@ -98,7 +98,7 @@ class AssignmentSource(Protocol):
         """
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class SandboxState:
     """Whether submissions can be confined on this host.
 

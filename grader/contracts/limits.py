@@ -1,11 +1,11 @@
 """What one run may use."""
 
-from dataclasses import dataclass
+from grader.contracts.record import record
 
 MIB = 1024 * 1024
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Limits:
     """Budget of one jailed run.
 

@@ -1,7 +1,9 @@
 """What happened when a script ran: how it ended, what it said, what it connected to."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
+
+from grader.contracts.record import record
 
 
 class Blame(StrEnum):
@@ -36,7 +38,7 @@ class RunStatus(StrEnum):
         return Blame.GRADER if self is RunStatus.INFRASTRUCTURE else Blame.STUDENT
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Stream:
     """Captured text of one output stream, decoded with replacement; the middle of a long one is dropped."""
 
@@ -44,7 +46,7 @@ class Stream:
     dropped_bytes: int = 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class StudentError:
     """The exception that ended the script, in the student's own terms.
 
@@ -61,7 +63,7 @@ class StudentError:
     traceback: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Endpoint:
     """A publisher, subscription, service or client that the script created.
 
@@ -77,7 +79,7 @@ class Endpoint:
     count: int = 0
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class LogRecord:
     """One message that reached /rosout. `level` is 10, 20, 30, 40 or 50."""
 
@@ -87,7 +89,7 @@ class LogRecord:
     message: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Note:
     """Something worth telling the student that costs nothing, by a stable code, with bounded text."""
 
@@ -95,7 +97,7 @@ class Note:
     text: str = ""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class RunOutcome:
     """Everything about one run except where the car went. Deterministic: no wall-clock quantity.
 

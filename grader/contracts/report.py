@@ -2,10 +2,11 @@
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from enum import StrEnum
 
 from grader.contracts.outcome import RunOutcome, Stream
+from grader.contracts.record import record
 from grader.contracts.rubric import RubricItem
 from grader.contracts.text import EMPTY, Text
 
@@ -29,7 +30,7 @@ class GradeStatus(StrEnum):
     INFRASTRUCTURE_ERROR = "infrastructure_error"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class CaseRun:
     """One run of the script under one of the assignment's cases (most assignments have one, ``default``).
 
@@ -42,7 +43,7 @@ class CaseRun:
     trajectory_sha256: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class GradeReport:
     """The graded part of a result. Instants, CPU time and isolation mode stand beside it, never in it.
 
@@ -84,7 +85,7 @@ class GradeReport:
         return hashlib.sha256(self.canonical_bytes()).hexdigest()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class CaseOutput:
     """What the script printed in one run."""
 
@@ -93,7 +94,7 @@ class CaseOutput:
     stderr: Stream
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Measurements:
     """What a grading cost and how it was isolated. Never part of the graded report.
 

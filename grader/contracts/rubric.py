@@ -1,8 +1,8 @@
 """Rubric items: what was asked, what was measured, what it earned."""
 
-from dataclasses import dataclass
 from enum import StrEnum
 
+from grader.contracts.record import record
 from grader.contracts.text import EMPTY, Text
 
 
@@ -15,7 +15,7 @@ class ItemStatus(StrEnum):
     NOT_CHECKED = "not_checked"  # an item it depends on failed, so measuring it would mean nothing
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class RubricItem:
     """One line of the checklist, judged.
 
@@ -43,7 +43,7 @@ class RubricItem:
     wanted: Text = EMPTY
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class PublishedItem:
     """One line of the rubric as it is published before anything is submitted.
 
@@ -61,7 +61,7 @@ class PublishedItem:
     needs: Text = EMPTY
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class PublishedRubric:
     """What a student reads before submitting, generated from the data the scores come from.
 

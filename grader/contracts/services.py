@@ -1,13 +1,15 @@
 """Requests that an assignment sends to the script's own services, and what became of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
+
+from grader.contracts.record import record
 
 Scalar = float | int | str | bool
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class ServiceCall:
     """A request due at `at_ns`, or as soon after as the script offers the service.
 
@@ -22,7 +24,7 @@ class ServiceCall:
     values: dict[str, Scalar] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class ServiceResult:
     """What became of a call.
 

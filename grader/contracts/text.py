@@ -1,13 +1,14 @@
 """Text in the two languages of the course."""
 
-from dataclasses import dataclass
 from typing import Literal
+
+from grader.contracts.record import record
 
 Language = Literal["zh", "en"]
 LANGUAGES: tuple[Language, ...] = ("zh", "en")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Text:
     """One sentence in Chinese and in English. Both are always present."""
 

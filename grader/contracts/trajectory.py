@@ -5,11 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from grader.contracts.record import record
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Contact:
     """The car touched a wall during [start_ns, end_ns]. `wall` is left, right, top or bottom."""
 
@@ -18,7 +20,7 @@ class Contact:
     wall: str
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Command:
     """A velocity command as the car received it, at most one per physics step (the last wins)."""
 

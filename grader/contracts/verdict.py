@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from grader.contracts.outcome import RunOutcome
+from grader.contracts.record import record
 from grader.contracts.rubric import RubricItem
 from grader.contracts.services import ServiceResult
 from grader.contracts.text import EMPTY, Text
@@ -24,7 +25,7 @@ class Run:
     calls: tuple[ServiceResult, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class Verdict:
     """The checks' answer for one submission.
 

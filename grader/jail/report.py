@@ -1,9 +1,10 @@
 """How one confined process ended, and what it used."""
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from enum import StrEnum
 
 from grader.contracts.outcome import Stream
+from grader.contracts.record import record
 
 
 class Verdict(StrEnum):
@@ -20,7 +21,7 @@ class Verdict(StrEnum):
     INFRASTRUCTURE = "infrastructure"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class JailReport:
     """The account of one run.
 

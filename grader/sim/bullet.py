@@ -213,14 +213,12 @@ class BulletCar:
             _step_once(client)
             step += 1
             (x, y, _), (_, _, qz, qw) = _get_pose(body, client)
-            if step == next_sample or resting:
-                next_sample += SAMPLE_STEPS
+            if step in (next_sample, end) or resting:
                 self.step, self._x, self._y, self._vx, self._vy = step, x, y, vx, vy
                 self._qz, self._qw = qz, qw
-                self.observe()
-        if step > first:
-            self.step, self._x, self._y, self._vx, self._vy = step, x, y, vx, vy
-            self._qz, self._qw = qz, qw
+                if step == next_sample or resting:
+                    next_sample += SAMPLE_STEPS
+                    self.observe()
         self.steps_run += step - first
 
     def _held(self, step: int, position: float, velocity: float, low: str, high: str) -> float:

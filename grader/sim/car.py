@@ -11,11 +11,11 @@ properties of turtlesim's instant response:
 
 import math
 import random
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, TypeAlias
 
 from grader.contracts.assignment import Profile
+from grader.contracts.record import record
 from grader.sim.timeline import STEP_S
 
 PlanarPose: TypeAlias = tuple[float, float, float]
@@ -35,7 +35,7 @@ just as 1000 m/s does, and at 100 rad/s a turn still spans 15 steps, so that the
 _SETTLED: Final = 1e-6  # m/s and rad/s: an exponential never arrives; from here on it would move 17 nm more
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class CarParameters:
     """How a car answers commands.
 

@@ -2,12 +2,13 @@
 
 import struct
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any, Final
 
 from grader.contracts.assignment import World
 from grader.contracts.errors import ProtocolError
 from grader.contracts.outcome import Endpoint, LogRecord, Note
+from grader.contracts.record import record
 from grader.contracts.services import ServiceCall, ServiceResult
 from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
@@ -41,7 +42,7 @@ DEFAULT_EPOCH_NS: Final = 1_700_000_000 * 1_000_000_000
 _TWIST: Final = struct.Struct("<4s6d")
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class EpisodeSpec:
     """Everything an episode depends on besides the script's behaviour.
 
@@ -65,7 +66,7 @@ class EpisodeSpec:
     output_bytes: int | None = None
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@record
 class EpisodeResult:
     """What the episode saw. The sandbox's report says the rest (signals, limits, streams).
 
@@ -111,9 +112,7 @@ class Episode:
     def run(self, link: Link, meanwhile: Callable[[], None] = lambda: None) -> EpisodeResult:
         """Drive the episode until the script has ended and the car has come to rest, or the horizon.
 
-        Args:
-            link: the channel to the script's process.
-            meanwhile: called once, while the script is compiled over there.
+        `meanwhile` is called once, while the script is compiled at the other end of `link`.
 
         Raises:
             InfrastructureError: the simulator failed. Nothing that the jailed process does raises.
@@ -215,18 +214,12 @@ class Episode:
             return
         if entity.type != kind:
             self._journal.note("type_mismatch", entity.name)
-        elif entity.what == PUBLISHER:
-            self._connect_publisher(entity)
-        elif entity.transient_local and not self._world.keeps_last(entity.name):
+        elif entity.what == PUBLISHER and entity.reliable:
+            self._sinks[entity.id] = self._command
+        elif entity.what == PUBLISHER or (entity.transient_local and not self._world.keeps_last(entity.name)):
             self._journal.note("incompatible_qos", entity.name)
         else:
             self._world.listen(entity.name, entity.id, entity.t_ns)
-
-    def _connect_publisher(self, entity: Entity) -> None:
-        if entity.reliable:
-            self._sinks[entity.id] = self._command
-        else:
-            self._journal.note("incompatible_qos", entity.name)
 
     def _log(self, t_ns: int, payload: bytes) -> None:
         """Take a log record; see `_command` for one that is none."""
