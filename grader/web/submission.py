@@ -25,9 +25,7 @@ from grader.web.words import say
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
 _OPEN = (SubmissionState.QUEUED, SubmissionState.RUNNING)
-_REPLAY_WORDS = (
-    "play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "commanded", "driven", "start", "end",
-)  # fmt: skip
+_REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading")
 Case = Annotated[str | None, Query(max_length=64)]
 
 
