@@ -1,11 +1,15 @@
 """Every refusal is a problem document that says what, where and what to do."""
 
+import json
+import unicodedata
 from collections.abc import Callable
 
 import httpx
 import pytest
+from fastapi import Request
 
 from grader.contracts.errors import InfrastructureError, SandboxError
+from grader.routes import problems
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.services import Services
 from tests.fakes.server import TOKEN
@@ -23,7 +27,17 @@ def problem(response: httpx.Response, status: int, code: str) -> dict:
     assert document["type"] == f"/api/v1/problems/{code}"
     assert document["instance"].startswith("urn:uuid:")
     assert None not in document.values()
+    assert {unicodedata.category(each) for each in texts(document)}.isdisjoint({"Cc", "Cf", "Zl", "Zp"})
     return document
+
+
+def texts(value: object) -> str:
+    """All strings anywhere in a JSON document."""
+    if isinstance(value, dict):
+        return texts([*value.keys(), *value.values()])
+    if isinstance(value, list):
+        return "".join(map(texts, value))
+    return str(value)
 
 
 def nothing_stored(services: Services) -> bool:
@@ -59,6 +73,20 @@ def test_a_file_that_is_not_python(upload: Upload, services: Services) -> None:
 def test_a_syntax_error_cannot_smuggle_control_characters(upload: Upload) -> None:
     document = problem(upload("def broken( # \u202e\x1b[2J\n".encode()), 422, "syntax_error")
     assert document["text"] == "def broken( # \\u202e\\x1b[2J"
+
+
+@pytest.mark.parametrize("field", ["name", "assignment", "student"])
+def test_a_refusal_that_quotes_the_sender_shows_it_escaped(upload: Upload, field: str) -> None:
+    evil = "\u202e\u200bsquare\u2066<script>"
+    response = upload(**{field: evil})
+    document = problem(response, response.status_code, response.json()["code"])
+    assert document["status"] in (404, 415, 422)
+
+
+def test_an_address_that_hides_something_is_quoted_escaped(client: httpx.Client) -> None:
+    problem(client.get("/api/v1/assignments/%1B%5B2J%E2%80%AE"), 404, "assignment_not_found")
+    problem(client.get("/api/v1/submissions/%1B%5B2J%E2%80%AE"), 404, "submission_not_found")
+    problem(client.get("/api/v1/assignments?lang=%1B%5B2J%E2%80%AE"), 422, "invalid_request")
 
 
 @pytest.mark.parametrize("fault", [InfrastructureError("it died"), SandboxError("no zygote")])
@@ -260,3 +288,12 @@ def test_every_type_is_explained_at_its_address(client: httpx.Client, code: str)
 
 def test_an_unknown_type(client: httpx.Client) -> None:
     problem(client.get("/api/v1/problems/nonsense"), 404, "problem_not_found")
+
+
+def test_whatever_a_message_quotes_is_shown_escaped() -> None:
+    request = Request({"type": "http", "method": "GET", "path": "/", "headers": [], "query_string": b""})
+    found = [problems._field_error({"loc": ("body", "\u202ename"), "msg": "not \x1b[2J"})]
+    answer = problems._answer(request, "invalid_request", "line 1\nnot \x1b[2J\u202e", errors=found)
+    document = json.loads(bytes(answer.body))
+    assert document["detail"] == "line 1\nnot \\x1b[2J\\u202e"
+    assert document["errors"] == [{"field": "\\u202ename", "detail": "not \\x1b[2J"}]
