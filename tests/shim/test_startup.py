@@ -28,3 +28,35 @@ def test_nothing_costly_is_imported_with_a_node_and_its_messages() -> None:
     assert {"rclpy.node", "geometry_msgs.msg._twist", "turtlesim.msg._pose"} <= modules
     assert modules.isdisjoint(COSTLY)
     assert "geometry_msgs.msg._pose" not in modules
+
+
+def _with_warm_shim(program: str) -> list[str]:
+    head = f"import sys\nsys.path.insert(0, {str(SHIM)!r})\nimport rclpy._warm\n"
+    command = [sys.executable, "-I", "-S", "-c", head + program]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
+
+
+def test_what_is_loaded_ahead_is_not_there_before_it_is_imported() -> None:
+    program = """
+import rclpy, geometry_msgs
+print(hasattr(rclpy, "node"), hasattr(rclpy, "executors"), hasattr(rclpy, "qos"), hasattr(geometry_msgs, "msg"))
+print("rclpy.node" in sys.modules, "geometry_msgs.msg._twist" in sys.modules)
+import rclpy.node, geometry_msgs.msg
+print(hasattr(rclpy, "node"), hasattr(rclpy, "executors"), hasattr(rclpy, "qos"), hasattr(geometry_msgs, "msg"))
+"""
+    assert _with_warm_shim(program) == ["False False False False", "False False", "True True True True"]
+
+
+def test_what_is_loaded_ahead_is_the_same_once_imported() -> None:
+    program = """
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+import rclpy.executors, rclpy.impl.rcutils_logger
+rclpy.init()
+node = rclpy.create_node("n")
+print(type(node) is Node, isinstance(rclpy.get_global_executor(), rclpy.executors.Executor))
+print(sys.modules["rclpy.node"].__spec__.origin, Twist.__module__, rclpy.executors.__spec__.name)
+"""
+    node = SHIM / "rclpy" / "node.py"
+    assert _with_warm_shim(program) == ["True True", f"{node} geometry_msgs.msg._twist rclpy.executors"]

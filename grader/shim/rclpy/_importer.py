@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
 
-_PACKAGES = {interface.package for interface in INTERFACES.values()}
+PACKAGES = {interface.package for interface in INTERFACES.values()}
+"""Names of the interface packages."""
+
 _MODULES = {interface.module: interface for interface in INTERFACES.values()}
 _NAMESPACES: dict[str, dict[str, Interface]] = {}
 for _interface in INTERFACES.values():
@@ -38,7 +40,7 @@ class InterfaceFinder:
         """Return the spec of an interface package or of one of its modules, None for anything else."""
         if fullname in _MODULES:
             is_package = False
-        elif fullname in _PACKAGES or fullname in _NAMESPACES:
+        elif fullname in PACKAGES or fullname in _NAMESPACES:
             is_package = True
         else:
             return None

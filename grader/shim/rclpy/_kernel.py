@@ -35,7 +35,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from rclpy._scheduler import World
+    from rclpy._protocols import World
 
 
 class Kernel(Scheduler):

@@ -12,18 +12,11 @@ from rclpy._kernel import Kernel, kernel
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any, Protocol
+    from typing import Any
+
+    from rclpy._protocols import Channel
 
     Deliver = Callable[[int, int, bytes], None]
-
-    class Channel(Protocol):
-        """The two operations on a connected stream socket that the link uses."""
-
-        def sendall(self, data: bytes, /) -> None:
-            """Send all of `data`."""
-
-        def recv(self, size: int, /) -> bytes:
-            """Receive up to `size` bytes; empty at the end of the stream."""
 
 
 FLUSH_BYTES = 16_384

@@ -14,6 +14,7 @@ from types import CodeType, ModuleType
 
 import rclpy._importer  # noqa: F401 - the interface packages can be imported from now on
 from rclpy import _loops, _output, _patches, _report, _wire
+from rclpy._channel import Descriptor
 from rclpy._kernel import kernel
 from rclpy._link import link
 
@@ -25,32 +26,6 @@ PIPE_BYTES = 65_536
 """Capacity of a Linux pipe; a longer stdin is served from memory."""
 
 _end_process = os._exit
-
-
-class Descriptor:
-    """The channel as a plain descriptor: neither `socket` nor its imports are needed.
-
-    When the episode has closed its end, nobody wants to know more: the process ends.
-    """
-
-    def __init__(self, number: int) -> None:
-        self._number = number
-        self._read = os.read
-        self._write = os.write
-
-    def sendall(self, data: bytes, /) -> None:
-        view = memoryview(data)
-        try:
-            while view:
-                view = view[self._write(self._number, view) :]
-        except OSError:
-            _end_process(0)
-
-    def recv(self, size: int, /) -> bytes:
-        data = self._read(self._number, size)
-        if not data:
-            _end_process(0)
-        return data
 
 
 class Ending:

@@ -11,24 +11,9 @@ import _thread
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from typing import NoReturn, Protocol
+    from typing import NoReturn
 
-    class World(Protocol):
-        """What the kernel needs of the link to the episode."""
-
-        coupled: bool
-
-        def advance(self, target_ns: int) -> int:
-            """Let the world run to `target_ns`, deliver what is due, return the instant reached."""
-
-    class Sentinel(Protocol):
-        """A lock that somebody who joins a thread waits for."""
-
-        def locked(self) -> bool:
-            """Return whether it is held."""
-
-        def release(self) -> None:
-            """Release it."""
+    from rclpy._protocols import Sentinel, World
 
 
 FOREVER_NS = 1 << 62

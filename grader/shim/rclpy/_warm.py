@@ -1,27 +1,50 @@
 """Import this last in the process that scripts are forked from: what every run needs is then done once.
 
-Nothing here depends on a script, and nothing a script can see is changed but what has been imported already.
+Nothing here depends on a script, and nothing a script can see is changed: what ``import rclpy`` does not bring
+stays out of its sight until it is imported.
 """
+
+from __future__ import annotations
 
 import _sitebuiltins  # noqa: F401
 import atexit  # noqa: F401
 import json  # noqa: F401
 import linecache  # noqa: F401
+import sys
 import traceback  # noqa: F401
+import typing  # noqa: F401 - many scripts annotate
+import weakref  # noqa: F401
 
-import geometry_msgs.msg
-import rcl_interfaces.msg
-
-import rclpy._patches_audit
-import rclpy._patches_select
-import rclpy._runner
-import rclpy.node  # noqa: F401
 from rclpy import _patches
+from rclpy._importer import PACKAGES
+from rclpy._shelf import shelf
 
-# Classes are built when they are first asked for: these are what every node and every mover asks for.
-for _name in ("FloatingPointRange", "IntegerRange", "ParameterDescriptor", "SetParametersResult"):
-    getattr(rcl_interfaces.msg, _name)
-for _name in ("Twist", "Vector3"):
-    getattr(geometry_msgs.msg, _name)
+_with_rclpy = set(sys.modules)
 
+
+def _is_for_scripts(name: str) -> bool:
+    """Return whether a script may import a module by its name: not the shim's private ones."""
+    package, *modules = name.split(".")
+    return package in PACKAGES or (package == "rclpy" and not any(part.startswith("_") for part in modules))
+
+
+def _load() -> None:
+    """Import what most scripts import, and build the classes that every node and every mover asks for."""
+    import geometry_msgs.msg
+    import rcl_interfaces.msg
+
+    import rclpy._patches_audit
+    import rclpy._patches_select
+    import rclpy._runner
+    import rclpy.executors
+    import rclpy.node  # noqa: F401
+
+    for name in ("FloatingPointRange", "IntegerRange", "ParameterDescriptor", "SetParametersResult"):
+        getattr(rcl_interfaces.msg, name)
+    for name in ("Twist", "Vector3"):
+        getattr(geometry_msgs.msg, name)
+
+
+_load()
 _patches.find_copies()
+shelf.put(sorted(name for name in sys.modules if name not in _with_rclpy and _is_for_scripts(name)))
