@@ -291,7 +291,9 @@ def test_an_unknown_type(client: httpx.Client) -> None:
 
 
 def test_whatever_a_message_quotes_is_shown_escaped() -> None:
-    request = Request({"type": "http", "method": "GET", "path": "/", "headers": [], "query_string": b""})
+    request = Request(
+        {"type": "http", "method": "GET", "path": "/", "headers": [], "query_string": b"lang=en"}
+    )
     found = [problems._field_error({"loc": ("body", "\u202ename"), "msg": "not \x1b[2J"})]
     answer = problems._answer(request, "invalid_request", "line 1\nnot \x1b[2J\u202e", errors=found)
     document = json.loads(bytes(answer.body))
