@@ -59,12 +59,10 @@ def test_a_result_shows_everything(browser: Browser, put: Callable[..., str]) ->
         assert words in text
 
 
-def test_what_stands_in_line_says_its_place(browser: Browser, put: Callable[..., str]) -> None:
-    browser.enter(student="s1")
-    first, second = put(grading=None), put(grading=None)
-    places = [browser.get(one + "/state.json").json()["position"] for one in (first, second)]
-    assert places == [0, 1]
-    assert "1 before yours" in browser.get(second + "?lang=en").text
+def test_what_stands_in_line_says_its_place(instructor: Browser, put: Callable[..., str]) -> None:
+    waiting = [put(student=one, grading=None) for one in ("s1", "s2")]
+    assert [instructor.get(one + "/state.json").json()["position"] for one in waiting] == [0, 1]
+    assert "1 before yours" in instructor.get(waiting[1] + "?lang=en").text
 
 
 def test_state_ends_when_graded(browser: Browser, put: Callable[..., str]) -> None:
