@@ -181,3 +181,14 @@ print(buffer.lookup_transform('world', 'turtle1', Time()).transform.translation.
 )
 def test_submodules_are_importable_by_their_names(run_script: Run, name: str) -> None:
     assert run_script(f"import {name}\nprint({name}.__name__)\n").stdout == f"{name}\n"
+
+
+def test_the_package_passes_on_what_tutorials_take_from_it() -> None:
+    import tf2_ros
+    from geometry_msgs.msg import TransformStamped
+    from rclpy.time import Time
+
+    assert tf2_ros.TransformStamped is TransformStamped
+    assert tf2_ros.Time is Time
+    with pytest.raises(AttributeError, match="has no attribute 'Twist'"):
+        tf2_ros.Twist  # noqa: B018
