@@ -18,6 +18,7 @@ from grader.contracts.text import Language
 _PREFIX = "GRADER_"
 _SHORTEST_TOKEN = 16
 _RENEWALS_PER_LEASE = 3
+_SILENT_BEATS = 4
 _MAX_UPLOAD_BYTES = 4 * 1024 * 1024
 _BACKENDS = ("sqlite",)
 
@@ -94,6 +95,11 @@ class Settings(BaseSettings):
     drain_s: float = Field(
         default=30.0, ge=0.0, description="Time that running gradings get to finish when the service stops."
     )
+
+    @property
+    def silent_s(self) -> float:
+        """Return after how long a worker that says nothing no longer counts as alive."""
+        return self.heartbeat_s * _SILENT_BEATS
 
     @field_validator("database_url")
     @classmethod

@@ -29,6 +29,8 @@ class NewSubmission:
         source: kept byte for byte.
         course: None while there are no courses.
         received_at: instant of the upload; None: now.
+        key: under which the client sends the same upload again if it got no answer.
+        assignment_version: the published version; when given, the same bytes again are recognised.
         ruled: whether the rules of the assignment decide; they do not for a course's staff.
     """
 
@@ -38,6 +40,8 @@ class NewSubmission:
     source: bytes
     course: str | None = None
     received_at: datetime | None = None
+    key: str | None = None
+    assignment_version: int | None = None
     ruled: bool = False
 
 

@@ -12,7 +12,6 @@ from grader.routes.problems import responses
 from grader.routes.services import Services, ServicesDep
 
 router = APIRouter(tags=["health"])
-_SILENT_BEATS = 4
 
 
 class SandboxView(BaseModel):
@@ -84,8 +83,7 @@ def read(services: ServicesDep, response: Response) -> Health:
 
 def alive(services: Services) -> list[WorkerView]:
     """Return the workers that were heard of lately."""
-    silent_s = services.settings.heartbeat_s * _SILENT_BEATS
-    return [_worker(state) for state in services.workers.alive(silent_s)]
+    return [_worker(state) for state in services.workers.alive(services.settings.silent_s)]
 
 
 def _worker(state: WorkerState) -> WorkerView:

@@ -203,6 +203,11 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             en="Correct the line given in line (look at the one above, too), run it at home, then upload it.",
         ),
     ),
+    "key_reused": ProblemType(
+        status=422,
+        title=Text(zh="Idempotency-Key 已用于另一次上传", en="The Idempotency-Key belongs to another upload"),
+        fix=Text(zh="每次新的上传使用新的键。", en="Use a fresh key for each new upload."),
+    ),
     "too_many_open": ProblemType(
         status=429,
         title=Text(zh="等待评分的提交太多", en="Too many submissions are waiting"),

@@ -7,6 +7,7 @@ from fastapi import Depends, Request
 
 from grader.contracts.grading import AssignmentSource, Preflight
 from grader.routes.access import InstructorGate
+from grader.routes.estimates import Estimates
 from grader.routes.limits import RateLimit
 from grader.routes.plots import PlotCache
 from grader.settings import Settings
@@ -45,6 +46,7 @@ class Services:
     tokens: Tokens
     audit: AuditLog
     policies: Policies
+    estimates: Estimates
     request_limit: RateLimit
     upload_limit: RateLimit
     doorbell: Doorbell
@@ -64,12 +66,13 @@ class Services:
         gate: InstructorGate,
     ) -> Self:
         """Return the services over one database that is up to date."""
+        queue, workers = Queue(database, clock, policy), Workers(database, clock)
         return cls(
             settings=settings,
             assignments=assignments,
             submissions=Submissions(database, clock),
-            queue=Queue(database, clock, policy),
-            workers=Workers(database, clock),
+            queue=queue,
+            workers=workers,
             dashboard=Dashboard(database),
             preflight=preflight,
             plots=plots,
@@ -78,6 +81,7 @@ class Services:
             tokens=Tokens(database, clock),
             audit=AuditLog(database),
             policies=Policies(database),
+            estimates=Estimates(queue, workers, clock, settings.silent_s),
             request_limit=RateLimit(settings.requests_per_minute, clock),
             upload_limit=RateLimit(settings.uploads_per_minute, clock),
             doorbell=Doorbell(),

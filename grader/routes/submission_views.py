@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
@@ -43,6 +44,10 @@ class Receipt(BaseModel):
     student: str = Field(examples=["20260123"])
     sha256: str = Field(description="Of the uploaded bytes.", examples=["9f86d081884c7d65" * 4])
     received_at: datetime = Field(examples=["2026-03-02T08:00:00Z"])
+    repeated: bool = Field(
+        description="This is an earlier submission: the same was sent again. It cost no attempt.",
+        examples=[False],
+    )
 
 
 class RubricItemView(BaseModel):
@@ -134,6 +139,9 @@ class SubmissionView(BaseModel):
         examples=["graded"],
     )
     queue_position: int | None = Field(description="Submissions before this one while it waits.")
+    estimated_finish_at: datetime | None = Field(
+        description="From how long gradings took lately; null when it is graded or nobody can say."
+    )
     received_at: datetime
     queued_at: datetime
     started_at: datetime | None
@@ -157,7 +165,15 @@ class SubmissionView(BaseModel):
     links: Links
 
 
-def receipt(submission: Submission) -> Receipt:
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a submission stands in the queue."""
+
+    position: int | None
+    estimated_finish_at: datetime | None
+
+
+def receipt(submission: Submission, *, repeated: bool) -> Receipt:
     """Return what an upload is answered with."""
     return Receipt(
         id=submission.id,
@@ -167,13 +183,14 @@ def receipt(submission: Submission) -> Receipt:
         student=submission.student,
         sha256=submission.sha256,
         received_at=submission.received_at,
+        repeated=repeated,
     )
 
 
 def view(
     submission: Submission,
     stored: StoredReport | None,
-    position: int | None,
+    place: Place,
     known: Rules,
     language: Language,
 ) -> SubmissionView:
@@ -188,7 +205,8 @@ def view(
         sha256=submission.sha256,
         size_bytes=submission.size_bytes,
         status=submission.state,
-        queue_position=position,
+        queue_position=place.position,
+        estimated_finish_at=place.estimated_finish_at,
         received_at=submission.received_at,
         queued_at=submission.queued_at,
         started_at=submission.started_at,

@@ -4,10 +4,10 @@ from dataclasses import replace
 from datetime import datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, File, Form, Path, Response, UploadFile
+from fastapi import APIRouter, Depends, File, Form, Header, Path, Response, UploadFile
 
-from grader.contracts.assignment import Input
-from grader.contracts.errors import UnknownAssignmentError, UploadRefusedError
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import SubmissionError, UnknownAssignmentError, UploadRefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.policy import Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
@@ -17,7 +17,7 @@ from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.language import requested_language
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
-from grader.routes.submission_views import Receipt, SubmissionView, receipt, view
+from grader.routes.submission_views import Place, Receipt, SubmissionView, receipt, view
 from grader.routes.uploads import UploadRoute, arrival, check_content, checked_name, submitter
 
 uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
@@ -28,6 +28,25 @@ SubmissionId = Annotated[
         description="As the upload was answered with.",
         max_length=64,
         examples=["0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"],
+    ),
+]
+UploadedFile = Annotated[
+    UploadFile, File(description="The script as it runs at home, or a text; at most 256 KiB.")
+]
+AssignmentField = Annotated[str, Form(description="Id of the assignment.", examples=["square"])]
+StudentField = Annotated[
+    str,
+    Form(
+        description="Student id. In a course it is the caller's when left out; only instructors may hand in for "
+        "somebody else.",
+        examples=["20260123"],
+    ),
+]
+IdempotencyKey = Annotated[
+    str | None,
+    Header(
+        max_length=255,
+        description="Sent again with the same upload when there was no answer: it is then stored once.",
     ),
 ]
 LanguageDep = Annotated[Language, Depends(requested_language)]
@@ -75,6 +94,7 @@ router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], dependenc
             "not_utf8",
             "contains_nul",
             "syntax_error",
+            "key_reused",
             "too_many_open",
         ),
     },
@@ -85,18 +105,10 @@ def upload(  # noqa: PLR0913
     response: Response,
     arrived_at: Annotated[datetime, Depends(arrival)],
     *,
-    file: Annotated[
-        UploadFile, File(description="The script as it runs at home, or a text; at most 256 KiB.")
-    ],
-    assignment: Annotated[str, Form(description="Id of the assignment.", examples=["square"])],
-    student: Annotated[
-        str,
-        Form(
-            description="Student id. In a course it is the caller's when left out; only instructors may hand "
-            "in for somebody else.",
-            examples=["20260123"],
-        ),
-    ] = "",
+    file: UploadedFile,
+    assignment: AssignmentField,
+    student: StudentField = "",
+    idempotency_key: IdempotencyKey = None,
 ) -> Receipt:
     """Check a file's form, store it and queue it for grading.
 
@@ -111,22 +123,33 @@ def upload(  # noqa: PLR0913
         file_name=file.filename or "",
         source=b"",
         received_at=arrived_at,
+        key=idempotency_key,
         ruled=caller.role is Role.STUDENT,
     )
-    kind = _input_of(services, assignment)
-    _require_accepted(services.submissions.refusal(new))
-    name = checked_name(file.filename, kind)
-    source = file.file.read(services.settings.max_upload_bytes + 1)
-    check_content(services, source, name, kind)
-    if services.submissions.open_count(student, caller.course) >= services.settings.max_open_submissions:
-        raise ProblemError("too_many_open", headers={"Retry-After": str(_RETRY_AFTER_S)}, field="student")
-    try:
-        added = receipt(services.submissions.add(replace(new, file_name=name, source=source)))
-    except UploadRefusedError as error:
-        raise _refused(error.refusal) from None
+    submission, repeated = _store(services, new, file)
+    added = receipt(submission, repeated=repeated)
     services.doorbell.ring()
     response.headers["Location"] = added.status_url
     return added
+
+
+def _store(services: Services, new: NewSubmission, file: UploadFile) -> tuple[Submission, bool]:
+    """Check a file and store it; return its submission, and whether that is an earlier one."""
+    published = _published(services, new.assignment)
+    if new.key is None:  # else it may be one that was accepted before
+        _require_accepted(services.submissions.refusal(new))
+    name = checked_name(file.filename, published.input)
+    source = file.file.read(services.settings.max_upload_bytes + 1)
+    check_content(services, source, name, published.input)
+    if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
+        raise ProblemError("too_many_open", headers={"Retry-After": str(_RETRY_AFTER_S)}, field="student")
+    new = replace(new, file_name=name, source=source, assignment_version=published.version)
+    try:
+        return services.submissions.accept(new)
+    except UploadRefusedError as error:
+        raise _refused(error.refusal) from None
+    except SubmissionError as error:
+        raise ProblemError(error.code) from None
 
 
 @router.get(
@@ -149,7 +172,8 @@ def read(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
     known = services.policies.rules(submission.course)
-    return view(submission, report, position, known, language)
+    place = Place(position, services.estimates.finish(submission, position))
+    return view(submission, report, place, known, language)
 
 
 @router.get(
@@ -214,9 +238,9 @@ def _refused(refusal: Refusal) -> ProblemError:
     return ProblemError(refusal.code, detail)
 
 
-def _input_of(services: Services, assignment: str) -> Input:
+def _published(services: Services, assignment: str) -> Assignment:
     try:
-        return services.assignments.get(assignment).input
+        return services.assignments.get(assignment)
     except UnknownAssignmentError:
         allowed = [known.id for known in services.assignments.all()]
         raise ProblemError("unknown_assignment", field="assignment", allowed=allowed) from None

@@ -21,8 +21,8 @@ from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
 from grader.store.course_tables import MemberRow
 from grader.store.database import Database
+from grader.store.intake import costs_an_attempt
 from grader.store.policies import Rules, rules_of
-from grader.store.submissions import costs_an_attempt
 from grader.store.tables import GradedItemRow, GradedMistakeRow, SubmissionRow
 
 

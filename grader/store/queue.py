@@ -10,6 +10,7 @@ or a submission delivered twice, changes nothing. A claim whose lease ran out go
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from statistics import fmean
 from typing import Any
 
 from sqlalchemy import ColumnElement, CursorResult, Select, case, func, select, update
@@ -23,6 +24,7 @@ from grader.store.results import detail_rows, grading_row
 from grader.store.tables import SourceRow, SubmissionRow
 
 _TROUBLE_CHARACTERS = 2_000
+_LATEST = 100  # gradings whose durations tell the pace
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -167,21 +169,37 @@ class Queue:
     def position(self, submission_id: str) -> int | None:
         """Return how many submissions are before a waiting one, or None when it does not wait."""
         mine = select(
-            col(SubmissionRow.state), col(SubmissionRow.priority), col(SubmissionRow.queued_at)
+            col(SubmissionRow.state), col(SubmissionRow.priority), col(SubmissionRow.turn_at)
         ).where(col(SubmissionRow.id) == submission_id)
         with self._database.reading() as session:
             row = session.execute(mine).first()
             if row is None or row[0] != SubmissionState.QUEUED.value:
                 return None
-            _, priority, queued_at = row
+            _, priority, turn_at = row
             first = case(
                 (col(SubmissionRow.priority) != priority, col(SubmissionRow.priority) < priority),
-                (col(SubmissionRow.queued_at) != queued_at, col(SubmissionRow.queued_at) < queued_at),
+                (col(SubmissionRow.turn_at) != turn_at, col(SubmissionRow.turn_at) < turn_at),
                 else_=col(SubmissionRow.id) < submission_id,
             )
             waiting = col(SubmissionRow.state) == SubmissionState.QUEUED.value
             ahead = select(func.count()).select_from(SubmissionRow).where(waiting, first)
             return int(session.execute(ahead).scalar_one())
+
+    def mean_duration_s(self) -> float | None:
+        """Return how long the latest gradings took from claim to result; None when there are none yet."""
+        statement = (
+            select(col(SubmissionRow.started_at), col(SubmissionRow.finished_at))
+            .where(
+                col(SubmissionRow.state) == SubmissionState.GRADED.value,
+                col(SubmissionRow.started_at).is_not(None),
+                col(SubmissionRow.finished_at).is_not(None),
+            )
+            .order_by(col(SubmissionRow.finished_at).desc())
+            .limit(_LATEST)
+        )
+        with self._database.reading() as session:
+            spans = [(end - start).total_seconds() for start, end in session.execute(statement)]
+        return fmean(spans) if spans else None
 
     def _claim(self, session: Session, worker: str, now: datetime) -> Claim | None:
         statement = (
@@ -214,14 +232,14 @@ class Queue:
 
 
 def _due(now: datetime) -> Select[str]:
-    """The submission to grade next: by priority, then by the instant of queueing."""
+    """The submission to grade next: by priority, then by turn."""
     return (
         select(col(SubmissionRow.id))
         .where(
             col(SubmissionRow.state) == SubmissionState.QUEUED.value,
             col(SubmissionRow.not_before) <= now,
         )
-        .order_by(col(SubmissionRow.priority), col(SubmissionRow.queued_at), col(SubmissionRow.id))
+        .order_by(col(SubmissionRow.priority), col(SubmissionRow.turn_at), col(SubmissionRow.id))
         .limit(1)
     )
 

@@ -1,26 +1,17 @@
 """Submissions and their gradings: adding uploads, and reading what became of them."""
 
-import hashlib
-import uuid
-from datetime import datetime
-
 from sqlalchemy import Select, func, select
 from sqlmodel import Session, col
 
-from grader import policy as rules
-from grader.contracts.errors import UploadRefusedError
 from grader.contracts.policy import Attempt, Refusal
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.store.columns import Clock
 from grader.store.database import Database
-from grader.store.policies import rules_of
+from grader.store.intake import attempts_of, refusal_of, take_in
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, TrajectoryRow
 
-_FREE_VERDICTS = (GradeStatus.SYNTAX_ERROR.value, GradeStatus.ASSIGNMENT_ERROR.value)
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
-_UUID_VERSION_7 = 0x7 << 76
-_UUID_VARIANT = 0b10 << 62
 
 
 class Submissions:
@@ -37,41 +28,35 @@ class Submissions:
             UploadRefusedError: the rules of the assignment do not accept it. Uploads at the same moment are
                 counted one after the other.
         """
-        now = upload.received_at or self._clock()
-        row = SubmissionRow(
-            id=new_id(now),
-            course=upload.course,
-            student=upload.student,
-            assignment=upload.assignment,
-            file_name=upload.file_name,
-            source_sha256=hashlib.sha256(upload.source).hexdigest(),
-            size_bytes=len(upload.source),
-            state=SubmissionState.QUEUED.value,
-            received_at=now,
-            queued_at=now,
-            not_before=now,
-        )
+        return self.accept(upload)[0]
+
+    def accept(self, upload: NewSubmission) -> tuple[Submission, bool]:
+        """Do what `add` does, unless the same was sent before.
+
+        That is an upload under the same key, or, when `upload.assignment_version` is given, one with the
+        same bytes as the student's latest submission. Nothing is stored then.
+
+        Returns:
+            The submission, and whether it is an earlier one.
+
+        Raises:
+            UploadRefusedError: as `add`. SubmissionError: ``key_reused``: the key belongs to another upload.
+        """
         with self._database.writing() as session:
-            if upload.ruled and (refusal := _refusal(session, upload, now)) is not None:
-                raise UploadRefusedError(refusal)
-            if session.get(SourceRow, row.source_sha256) is None:
-                session.add(SourceRow(sha256=row.source_sha256, content=upload.source))
-                session.flush()
-            session.add(row)
-            session.flush()
-            return _submission(row)
+            row, repeated = take_in(session, upload, upload.received_at or self._clock())
+            return _submission(row), repeated
 
     def refusal(self, upload: NewSubmission) -> Refusal | None:
         """Return why `add` would refuse an upload by the rules, before anybody looks at its content."""
         if not upload.ruled:
             return None
         with self._database.reading() as session:
-            return _refusal(session, upload, upload.received_at or self._clock())
+            return refusal_of(session, upload, upload.received_at or self._clock())
 
     def attempts(self, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
         """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
         with self._database.reading() as session:
-            return _attempts(session, student, assignment, course)
+            return attempts_of(session, student, assignment, course)
 
     def get(self, submission_id: str) -> Submission | None:
         """Return one submission, or None."""
@@ -131,39 +116,6 @@ class Submissions:
         )
         with self._database.reading() as session:
             return int(session.execute(statement).scalar_one())
-
-
-def costs_an_attempt(state: str, verdict: str | None) -> bool:
-    """Whether a submission counts against a student's limits: not when nobody could have graded it."""
-    return state != SubmissionState.INFRASTRUCTURE_ERROR.value and verdict not in _FREE_VERDICTS
-
-
-def _attempts(session: Session, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
-    row = SubmissionRow
-    statement = (
-        select(col(row.id), col(row.received_at), col(row.score), col(row.state), col(row.verdict))
-        .where(col(row.assignment) == assignment, col(row.student) == student, col(row.course) == course)
-        .order_by(col(row.received_at), col(row.id))
-    )
-    return tuple(
-        Attempt(id=one[0], received_at=one[1], score=one[2], costs=costs_an_attempt(one[3], one[4]))
-        for one in session.execute(statement)
-    )
-
-
-def _refusal(session: Session, upload: NewSubmission, received_at: datetime) -> Refusal | None:
-    known = rules_of(session, upload.course)
-    earlier = _attempts(session, upload.student, upload.assignment, upload.course)
-    extension = known.extension(upload.assignment, upload.student)
-    return rules.refusal(known.policy(upload.assignment), extension, earlier, received_at, known.zone)
-
-
-def new_id(now: datetime) -> str:
-    """Return a UUID version 7 (RFC 9562): sorts by instant, and 74 random bits keep it unguessable."""
-    milliseconds = int(now.timestamp() * 1000) & ((1 << 48) - 1)
-    random_bits = uuid.uuid4().int
-    high, low = (random_bits >> 64) & 0xFFF, random_bits & ((1 << 62) - 1)
-    return str(uuid.UUID(int=(milliseconds << 80) | _UUID_VERSION_7 | (high << 64) | _UUID_VARIANT | low))
 
 
 def _report(session: Session, submission_id: str) -> StoredReport | None:

@@ -27,13 +27,16 @@ class SourceRow(SQLModel, table=True):
 
 
 class SubmissionRow(SQLModel, table=True):
-    """One upload. `attempt` fences, `lease_until` frees; see `grader.store.queue`."""
+    """One upload. `attempt` fences, `lease_until` frees; see `grader.store.queue`.
+
+    Waiting rows are graded in order of `priority`, then of `turn_at`; see `grader.store.intake`.
+    """
 
     __tablename__: ClassVar[str] = "submission"
     __table_args__ = (
         CheckConstraint(f"state IN ({_STATES})", name="submission_state"),
         CheckConstraint("state != 'running' OR lease_until IS NOT NULL", name="running_has_a_lease"),
-        Index("submission_queue", "state", "priority", "queued_at", "id"),
+        Index("submission_queue", "state", "priority", "turn_at", "id"),
         Index("submission_owner", "assignment", "student", "received_at"),
     )
 
@@ -48,6 +51,7 @@ class SubmissionRow(SQLModel, table=True):
     priority: int = 0
     received_at: datetime = Field(sa_column=instant_column())
     queued_at: datetime = Field(sa_column=instant_column())
+    turn_at: datetime = Field(sa_column=instant_column())
     not_before: datetime = Field(sa_column=instant_column())
     started_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
     finished_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
@@ -61,6 +65,18 @@ class SubmissionRow(SQLModel, table=True):
     score: float | None = None
     max_score: float | None = None
     report_sha256: str | None = Field(default=None, max_length=SHA256_LENGTH)
+
+
+class UploadKeyRow(SQLModel, table=True):
+    """A key that came with an upload, and a digest of what the upload was. Forgotten after some days."""
+
+    __tablename__: ClassVar[str] = "upload_key"
+
+    owner: str = Field(primary_key=True, max_length=160)
+    key: str = Field(primary_key=True, max_length=255)
+    digest: str = Field(max_length=SHA256_LENGTH)
+    submission_id: str = Field(foreign_key="submission.id", max_length=36)
+    at: datetime = Field(sa_column=instant_column())
 
 
 class GradingRow(SQLModel, table=True):

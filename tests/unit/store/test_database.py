@@ -10,9 +10,10 @@ from sqlmodel import SQLModel
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.submission import NewSubmission, WorkerState
 from grader.store.database import Database
+from grader.store.intake import new_id
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.schema import migrate
-from grader.store.submissions import Submissions, new_id
+from grader.store.submissions import Submissions
 from grader.store.workers import Workers, presence
 from tests.fakes.clock import START, FakeClock
 

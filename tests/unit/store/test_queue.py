@@ -30,6 +30,44 @@ def result_of(claim: Claim):
     return grade(GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment()))
 
 
+def test_of_quick_uploads_the_newest_goes_first_and_nobody_else_waits_longer(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    ids = []
+    for student in ("a", "b", "a", "c", "a"):
+        ids.append(submissions.add(upload(student)).id)
+        clock.advance(0.5)
+    first, other, second, third, newest = ids
+    assert [queue.position(id_) for id_ in (newest, other, second, third, first)] == [0, 1, 2, 3, 4]
+    assert [claimed(queue).submission_id for _ in ids] == [newest, other, second, third, first]
+
+
+def test_quick_uploads_at_one_instant_keep_their_order(queue: Queue, submissions: Submissions) -> None:
+    ids = [submissions.add(upload("a")).id for _ in range(3)]
+    taken = [claimed(queue).submission_id for _ in ids]
+    assert taken[0] == ids[2]
+    assert set(taken) == set(ids)
+
+
+def test_uploads_to_other_assignments_wait_for_their_turn(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    first = submissions.add(upload("a")).id
+    clock.advance(1)
+    submissions.add(NewSubmission(student="a", assignment="straight", file_name="f.py", source=GOOD))
+    assert claimed(queue).submission_id == first
+
+
+def test_the_pace_is_measured(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
+    assert queue.mean_duration_s() is None
+    for seconds in (1.0, 3.0):
+        submissions.add(upload())
+        claim = claimed(queue)
+        clock.advance(seconds)
+        queue.finish(claim, result_of(claim))
+    assert queue.mean_duration_s() == 2.0
+
+
 def test_a_claim_carries_the_uploaded_bytes(queue: Queue, submissions: Submissions) -> None:
     source = b"\xef\xbb\xbf# \xe4\xbd\xa0\r\n"
     added = submissions.add(upload(source=source))
