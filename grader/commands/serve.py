@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     require_safe_exposure(settings)
     app = create_app(lambda: running(settings))
     with _listening(settings.host, settings.port) as listener:
-        sys.stderr.write(f"grader: {_url(listener)}/api/v1/assignments\n")
+        sys.stderr.write(f"grader: {_url(listener)}/\n")
         sys.stderr.flush()
         server = uvicorn.Server(uvicorn.Config(app, log_level="warning", server_header=False))
         server.run(sockets=[listener])
