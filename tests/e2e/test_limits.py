@@ -74,7 +74,7 @@ ENDINGS = {
     "waits for ever": (
         "threading.Event().wait()\n",
         RunStatus.STALLED,
-        (f"line {FIRST_LINE}", f"line {FIRST_LINE}"),
+        (f"第 {FIRST_LINE} 行", f"line {FIRST_LINE}"),
     ),
     "takes all memory": (
         "kept = []\nwhile True:\n    kept.append(bytearray(1 << 20))\n",
