@@ -23,6 +23,7 @@ SET_LATER = (
         "while not done: time.time()",
         "while not done: time.sleep(0)",
         "while t.is_alive(): pass",
+        "import itertools\nfor _ in itertools.count():\n    if done: break",
         "lock = threading.Lock(); lock.acquire()\nwhile not done: lock.acquire(False)",
         "def spin():\n    while not done: pass\nspin()",
     ],

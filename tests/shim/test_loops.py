@@ -1,4 +1,4 @@
-"""Checkpoints change nothing of a program but its `while` loops' first step."""
+"""Checkpoints change nothing of a program but the first step of its loops that may never end."""
 
 import builtins
 import dis
@@ -43,9 +43,16 @@ def run(source: str) -> dict[str, Any]:
         ("match 1:\n    case 1:\n        while True:\n            break", 1),
         ("if 0:\n    pass\nelse:\n    while True:\n        while True:\n            break\n        break", 2),
         ("for i in range(5): pass", 0),
+        ("import itertools\nfor i in itertools.count():\n    if i == 2: break", 3),
+        ("from itertools import cycle\nfor i in cycle('ab'):\n    if i == 'b': break", 2),
+        ("from itertools import repeat\nfor i in repeat(0, 4): pass", 4),
+        ("for i in iter([1, 0].pop, 1): pass", 1),
+        ("x = 'abc'\nfor i in range(x.count('a')): pass", 0),
     ],
 )
-def test_each_turn_of_a_while_loop_is_counted(turns: list[int], source: str, expected: int) -> None:
+def test_each_turn_of_a_loop_that_may_never_end_is_counted(
+    turns: list[int], source: str, expected: int
+) -> None:
     run(source)
     assert len(turns) == expected
 

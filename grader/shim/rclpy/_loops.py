@@ -1,8 +1,9 @@
-"""Checkpoints in the `while` loops of a script.
+"""Checkpoints in the loops of a script that may never end.
 
 A loop that neither blocks nor asks anything (``while not done: pass``) would keep the processor for ever,
-since threads switch only in the kernel. Each turn of a `while` loop therefore begins with a call of
-`CHECKPOINT`, placed on the line of the loop's head; nothing else of the program changes.
+since threads switch only in the kernel. Each turn of a `while` loop, and of a `for` loop over one of `ENDLESS`,
+therefore begins with a call of `CHECKPOINT`, placed on the line of the loop's head; nothing else of the program
+changes. Other `for` loops end by themselves and go without: computing takes no virtual time.
 """
 
 from __future__ import annotations
@@ -17,6 +18,10 @@ if TYPE_CHECKING:
 CHECKPOINT = "__while_checkpoint__"
 """Name of the function called; the runner puts it among the builtins."""
 
+ENDLESS = frozenset({"count", "cycle", "repeat", "iter"})
+"""Functions (of itertools, and the builtin) by whose names a `for` loop that may never end is known."""
+
+_WORDS = (b"while", *(name.encode() for name in sorted(ENDLESS)))
 _BODIES = ("body", "orelse", "finalbody", "handlers", "cases")
 
 
@@ -26,7 +31,7 @@ def compile_script(source: bytes, file_name: str) -> CodeType:
     Raises:
         SyntaxError, ValueError, RecursionError, MemoryError, OverflowError: as `compile` does.
     """
-    if b"while" not in source:
+    if not any(word in source for word in _WORDS):
         return _compile(source, file_name)
     try:
         tree: Any = compile(source, file_name, "exec", _ast.PyCF_ONLY_AST, dont_inherit=True)
@@ -42,7 +47,7 @@ def _compile(source: bytes | _ast.Module, file_name: str) -> CodeType:
 
 
 def _mark(tree: _ast.AST) -> None:
-    """Insert a checkpoint into every `while` loop below `tree`; only statements can hold one."""
+    """Insert a checkpoint into every loop below `tree` that may never end; only statements can hold one."""
     waiting = [tree]
     while waiting:
         node = waiting.pop()
@@ -52,6 +57,16 @@ def _mark(tree: _ast.AST) -> None:
                 waiting.extend(children)
         if isinstance(node, _ast.While):
             node.body.insert(0, _checkpoint(node.test))
+        elif isinstance(node, _ast.For) and _is_endless(node.iter):
+            node.body.insert(0, _checkpoint(node.iter))
+
+
+def _is_endless(iterable: _ast.expr) -> bool:
+    if not isinstance(iterable, _ast.Call):
+        return False
+    function = iterable.func
+    name = function.attr if isinstance(function, _ast.Attribute) else getattr(function, "id", "")
+    return name in ENDLESS
 
 
 def _checkpoint(head: _ast.expr) -> _ast.Expr:
