@@ -20,6 +20,7 @@ from grader.routes import (
     problem_pages,
     problems,
     recordings,
+    regrades,
     rules,
     submissions,
 )
@@ -35,6 +36,8 @@ _ROUTERS = (
     recordings.router,
     assignments.router,
     rules.router,
+    regrades.router,
+    regrades.history,
     dashboard.router,
     people.router,
     problem_pages.router,

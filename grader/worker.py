@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import (
     AssignmentSource,
@@ -132,7 +133,7 @@ class GradingSlot:
             job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
             self._grader.start()
             result = _checked(self._grader.grade(job), claim)
-            stored = self._store(claim, result)
+            stored = self._store(claim, result, assignment)
         except SandboxUnavailableError as error:
             self._sandbox.failed(error)
             self._parts.queue.hand_back(claim)
@@ -142,13 +143,13 @@ class GradingSlot:
         else:
             _log.info("%s %s", claim.submission_id, result.report.status if stored else "dropped: fenced off")
 
-    def _store(self, claim: Claim, result: GradingResult) -> bool:
+    def _store(self, claim: Claim, result: GradingResult, assignment: Assignment) -> bool:
         for _ in range(_STORE_TRIES - 1):
             try:
-                return self._parts.queue.finish(claim, result)
+                return self._parts.queue.finish(claim, result, assignment)
             except InfrastructureError as error:
                 _log.warning("%s: the report could not be stored yet: %s", claim.submission_id, error)
-        return self._parts.queue.finish(claim, result)
+        return self._parts.queue.finish(claim, result, assignment)
 
     def _fail(self, claim: Claim, error: Exception) -> None:
         self._grader.close()

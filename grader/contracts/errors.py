@@ -5,6 +5,7 @@ GraderError
 ├── UnknownAssignmentError no assignment of that name
 ├── SubmissionError        the student's file cannot be accepted: names the reason and the fix
 ├── CourseError            a course, its people or its rules cannot be changed as asked
+├── RegradeError           a re-grade cannot be opened or decided
 ├── UploadRefusedError     the rules of the assignment do not accept an upload (any more, yet)
 ├── SettingsError          the operator's configuration is wrong
 ├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
@@ -46,6 +47,18 @@ class SubmissionError(GraderError):
 
 class CourseError(GraderError):
     """A course, its people or its rules cannot be changed as asked."""
+
+
+class RegradeError(GraderError):
+    """A re-grade cannot be opened or decided.
+
+    Attributes:
+        code: ``unknown``, ``nothing``, ``open``, ``waiting`` or ``decided``.
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
 
 
 class UploadRefusedError(GraderError):

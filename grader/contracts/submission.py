@@ -103,6 +103,7 @@ class StoredReport:
 
     Attributes:
         content: canonical bytes of the report; `sha256` is their digest.
+        assignment_sha256: digest of the assignment as it was graded; None for old gradings.
         cases: case id to the digest of its trajectory, in the order of the report.
     """
 
@@ -112,6 +113,7 @@ class StoredReport:
     content: bytes
     sha256: str
     cases: dict[str, str]
+    assignment_sha256: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -14,6 +14,7 @@ TAGS = [
     {"name": "recordings", "description": "What the car did."},
     {"name": "assignments", "description": "What is asked and how it earns points."},
     {"name": "rules", "description": "Dates, limits and what lateness costs."},
+    {"name": "regrades", "description": "Grading again: on trial, then applied or discarded."},
     {"name": "dashboard", "description": "The class at a glance; for instructors."},
     {"name": "people", "description": "Who one is, who is in the course, what was changed."},
     {"name": "problems", "description": "What went wrong and what to do about it."},

@@ -100,6 +100,11 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             en="Check the parameter case; a script that never ran has no trajectory.",
         ),
     ),
+    "regrade_not_found": ProblemType(
+        status=404,
+        title=Text(zh="没有这次重评", en="There is no such re-grade"),
+        fix=Text(zh="/api/v1/regrades 列出全部重评。", en="/api/v1/regrades lists all of them."),
+    ),
     "problem_not_found": ProblemType(
         status=404,
         title=Text(zh="没有这种错误类型", en="There is no such kind of problem"),
@@ -152,6 +157,26 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             zh="使用 1 到 64 个字母、数字或 . _ @ - ，以字母或数字开头。",
             en="Use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit.",
         ),
+    ),
+    "regrade_open": ProblemType(
+        status=409,
+        title=Text(zh="这个作业已有一次重评未决", en="The assignment has an open re-grade"),
+        fix=Text(zh="先采用或放弃那一次。", en="Apply or discard that one first."),
+    ),
+    "regrade_running": ProblemType(
+        status=409,
+        title=Text(zh="试评还没有全部完成", en="Not every trial grading is made yet"),
+        fix=Text(zh="等 waiting 变成 0 再试。", en="Try again when `waiting` is 0."),
+    ),
+    "regrade_decided": ProblemType(
+        status=409,
+        title=Text(zh="这次重评已经采用或放弃", en="The re-grade was applied or discarded already"),
+        fix=Text(zh="需要时新开一次重评。", en="Start another one if need be."),
+    ),
+    "nothing_to_regrade": ProblemType(
+        status=422,
+        title=Text(zh="没有符合条件的提交", en="No submission fits"),
+        fix=Text(zh="放宽 which 或 students。", en="Widen `which` or `students`."),
     ),
     "no_course": ProblemType(
         status=409,

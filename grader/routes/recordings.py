@@ -125,10 +125,11 @@ def _drawable(
 ) -> tuple[Assignment, StoredReport, bytes]:
     submission, _ = found(services, submission_id)
     report = graded(services, submission_id, caller)
+    graded_one = services.submissions.graded_assignment(report)
     try:
-        published = services.assignments.get(submission.assignment)
+        drawn = graded_one or services.assignments.get(submission.assignment)
     except UnknownAssignmentError:
         raise ProblemError("assignment_not_found") from None
-    assignment = shown_assignment(services, caller, published)
+    assignment = shown_assignment(services, caller, drawn)
     content, _ = _recorded(services, report, None)
     return assignment, report, gzip.decompress(content)

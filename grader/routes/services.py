@@ -19,6 +19,7 @@ from grader.store.database import Database
 from grader.store.doorbell import Doorbell
 from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
+from grader.store.regrades import Regrades
 from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
 from grader.store.workers import Workers
@@ -46,6 +47,7 @@ class Services:
     tokens: Tokens
     audit: AuditLog
     policies: Policies
+    regrades: Regrades
     estimates: Estimates
     request_limit: RateLimit
     upload_limit: RateLimit
@@ -81,6 +83,7 @@ class Services:
             tokens=Tokens(database, clock),
             audit=AuditLog(database),
             policies=Policies(database),
+            regrades=Regrades(database),
             estimates=Estimates(queue, workers, clock, settings.silent_s),
             request_limit=RateLimit(settings.requests_per_minute, clock),
             upload_limit=RateLimit(settings.uploads_per_minute, clock),

@@ -50,7 +50,7 @@ class Dashboard:
 def _in_class(course: str | None) -> ColumnElement[bool]:
     """What belongs to a class: its students' work, not what its staff hands in to try things out."""
     if course is None:
-        return col(SubmissionRow.course).is_(None)
+        return and_(col(SubmissionRow.course).is_(None), col(SubmissionRow.regrade).is_(None))
     students = select(col(MemberRow.person)).where(
         col(MemberRow.course) == course, col(MemberRow.role) == Role.STUDENT.value
     )

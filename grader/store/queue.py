@@ -16,12 +16,13 @@ from typing import Any
 from sqlalchemy import ColumnElement, CursorResult, Select, case, func, select, update
 from sqlmodel import Session, col
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.submission import Claim, QueueState, SubmissionState
 from grader.store.columns import Clock
 from grader.store.database import Database
-from grader.store.results import detail_rows, grading_row
-from grader.store.tables import SourceRow, SubmissionRow
+from grader.store.results import assignment_row, detail_rows, grading_row
+from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow
 
 _TROUBLE_CHARACTERS = 2_000
 _LATEST = 100  # gradings whose durations tell the pace
@@ -76,13 +77,15 @@ class Queue:
                     held.add(claim.submission_id)
         return held
 
-    def finish(self, claim: Claim, result: GradingResult) -> bool:
+    def finish(self, claim: Claim, result: GradingResult, assignment: Assignment | None = None) -> bool:
         """Store `result` as the grading of `claim`; False when the claim is no longer valid.
 
-        The row and everything that belongs to the grading change in one transaction.
+        `assignment` is kept as it was graded. The row and everything that belongs to the grading change in
+        one transaction.
         """
         now, report = self._clock(), result.report
-        grading, details = grading_row(claim, result, now), detail_rows(claim, result)
+        graded = None if assignment is None else assignment_row(assignment)
+        grading = grading_row(claim, result, now, None if graded is None else graded.sha256)
         values = {
             "state": SubmissionState.GRADED.value,
             "finished_at": now,
@@ -97,9 +100,12 @@ class Queue:
         with self._database.writing() as session:
             if not _change(session, claim, values):
                 return False
+            if graded is not None and session.get(GradedAssignmentRow, graded.sha256) is None:
+                session.add(graded)
+                session.flush()
             session.add(grading)
             session.flush()  # the rows below refer to it
-            session.add_all(details)
+            session.add_all(detail_rows(claim, result))
         return True
 
     def fail(self, claim: Claim, trouble: str) -> SubmissionState | None:

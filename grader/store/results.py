@@ -9,14 +9,24 @@ from typing import Any
 
 from sqlmodel import SQLModel
 
+from grader.contracts.assignment import Assignment
+from grader.contracts.codec import to_plain
 from grader.contracts.grading import GradingResult
 from grader.contracts.submission import Claim
-from grader.store.tables import GradedItemRow, GradedMistakeRow, GradingRow, TrajectoryRow
+from grader.store.tables import (
+    GradedAssignmentRow,
+    GradedItemRow,
+    GradedMistakeRow,
+    GradingRow,
+    TrajectoryRow,
+)
 
 _GZIP_LEVEL = 5  # four times smaller than plain; higher levels cost time and gain a few per cent
 
 
-def grading_row(claim: Claim, result: GradingResult, finished_at: datetime) -> GradingRow:
+def grading_row(
+    claim: Claim, result: GradingResult, finished_at: datetime, assignment_sha256: str | None = None
+) -> GradingRow:
     """Return the row of the grading itself."""
     report = result.report
     content = report.canonical_bytes()
@@ -32,8 +42,17 @@ def grading_row(claim: Claim, result: GradingResult, finished_at: datetime) -> G
         max_score=report.max_score,
         report_sha256=hashlib.sha256(content).hexdigest(),
         report=content,
+        assignment_sha256=assignment_sha256,
         measurements=json.dumps(asdict(result.measurements), sort_keys=True, allow_nan=False),
     )
+
+
+def assignment_row(assignment: Assignment) -> GradedAssignmentRow:
+    """Return the row of an assignment as it is graded."""
+    content = json.dumps(
+        to_plain(assignment), ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False
+    ).encode()
+    return GradedAssignmentRow(sha256=hashlib.sha256(content).hexdigest(), content=content)
 
 
 def detail_rows(claim: Claim, result: GradingResult) -> list[SQLModel]:

@@ -1,15 +1,19 @@
 """Submissions and their gradings: adding uploads, and reading what became of them."""
 
+import json
+
 from sqlalchemy import Select, func, select
 from sqlmodel import Session, col
 
+from grader.contracts.assignment import Assignment
+from grader.contracts.codec import from_plain
 from grader.contracts.policy import Attempt, Refusal
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.intake import attempts_of, refusal_of, take_in
-from grader.store.tables import GradingRow, SourceRow, SubmissionRow, TrajectoryRow
+from grader.store.tables import GradedAssignmentRow, GradingRow, SourceRow, SubmissionRow, TrajectoryRow
 
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 
@@ -91,6 +95,14 @@ class Submissions:
             row = session.get(TrajectoryRow, (report.submission_id, report.attempt, case_id))
             return None if row is None else row.content
 
+    def graded_assignment(self, report: StoredReport) -> Assignment | None:
+        """Return the assignment as it was when `report` was made; None when that was not kept."""
+        if report.assignment_sha256 is None:
+            return None
+        with self._database.reading() as session:
+            row = session.get(GradedAssignmentRow, report.assignment_sha256)
+            return None if row is None else from_plain(Assignment, json.loads(row.content))
+
     def of_student(
         self, student: str, assignment: str | None = None, course: str | None = None
     ) -> tuple[Submission, ...]:
@@ -129,6 +141,7 @@ def _report(session: Session, submission_id: str) -> StoredReport | None:
         content=row.report,
         sha256=row.report_sha256,
         cases=_cases(session, row),
+        assignment_sha256=row.assignment_sha256,
     )
 
 

@@ -29,7 +29,8 @@ class SourceRow(SQLModel, table=True):
 class SubmissionRow(SQLModel, table=True):
     """One upload. `attempt` fences, `lease_until` frees; see `grader.store.queue`.
 
-    Waiting rows are graded in order of `priority`, then of `turn_at`; see `grader.store.intake`.
+    A row with `regrade` is a trial grading of the row `original`; see `grader.store.regrades`. Waiting rows are
+    graded in order of `priority`, then of `turn_at`; see `grader.store.intake`.
     """
 
     __tablename__: ClassVar[str] = "submission"
@@ -37,6 +38,7 @@ class SubmissionRow(SQLModel, table=True):
         CheckConstraint(f"state IN ({_STATES})", name="submission_state"),
         CheckConstraint("state != 'running' OR lease_until IS NOT NULL", name="running_has_a_lease"),
         Index("submission_queue", "state", "priority", "turn_at", "id"),
+        Index("submission_regrade", "regrade"),
         Index("submission_owner", "assignment", "student", "received_at"),
     )
 
@@ -65,6 +67,8 @@ class SubmissionRow(SQLModel, table=True):
     score: float | None = None
     max_score: float | None = None
     report_sha256: str | None = Field(default=None, max_length=SHA256_LENGTH)
+    regrade: str | None = Field(default=None, foreign_key="regrade.id", max_length=16)
+    original: str | None = Field(default=None, foreign_key="submission.id", max_length=36)
 
 
 class UploadKeyRow(SQLModel, table=True):
@@ -96,6 +100,38 @@ class GradingRow(SQLModel, table=True):
     report_sha256: str = Field(max_length=SHA256_LENGTH)
     report: bytes = Field(sa_column=bytes_column())
     measurements: str = Field(sa_column=text_column())
+    assignment_sha256: str | None = Field(
+        default=None, foreign_key="graded_assignment.sha256", max_length=SHA256_LENGTH
+    )
+    regrade: str | None = Field(default=None, foreign_key="regrade.id", max_length=16)
+
+
+class GradedAssignmentRow(SQLModel, table=True):
+    """An assignment as it was graded, once per content: `grader.contracts.codec` as canonical JSON."""
+
+    __tablename__: ClassVar[str] = "graded_assignment"
+
+    sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
+    content: bytes = Field(sa_column=bytes_column())
+
+
+class RegradeRow(SQLModel, table=True):
+    """A re-grade. `wanted` and, once it is decided, `outcome` are JSON of `grader.contracts.regrade`."""
+
+    __tablename__: ClassVar[str] = "regrade"
+    __table_args__ = (CheckConstraint("state IN ('open', 'applied', 'discarded')", name="regrade_state"),)
+
+    id: str = Field(primary_key=True, max_length=16)
+    course: str | None = Field(default=None, foreign_key="course.id", max_length=64)
+    assignment: str = Field(max_length=64)
+    state: str = Field(max_length=16)
+    wanted: str = Field(sa_column=text_column())
+    created_at: datetime = Field(sa_column=instant_column())
+    created_by: str = Field(max_length=64)
+    decided_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    decided_by: str = Field(default="", max_length=64)
+    reason: str = Field(default="", sa_column=text_column())
+    outcome: str = Field(default="", sa_column=text_column())
 
 
 class GradedItemRow(SQLModel, table=True):

@@ -188,11 +188,11 @@ def test_a_report_is_stored_although_the_database_was_away_for_a_moment(bench: B
     class Reluctant(Queue):
         refusals = 2
 
-        def finish(self, claim, result):
+        def finish(self, claim, result, assignment):
             if self.refusals:
                 self.refusals -= 1
                 raise InfrastructureError("database is locked")
-            return super().finish(claim, result)
+            return super().finish(claim, result, assignment)
 
     queue = Reluctant(bench.database, bench.clock, RetryPolicy())
     bench.parts = replace(bench.parts, queue=queue)

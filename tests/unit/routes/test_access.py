@@ -49,6 +49,12 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/assignments/{assignment_id}/extensions": STAFF,
     # the student is of the first course: the other's instructor is told that there is none
     "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 403, 403, 403, 200, 403, 422),
+    "get /api/v1/submissions/{submission_id}/gradings": (401, 401, 403, 404, 200, 200, 404, 404),
+    "post /api/v1/regrades": (401, 401, 403, 403, 403, 202, 403, 422),  # the other course has nothing
+    "get /api/v1/regrades": STAFF,
+    "get /api/v1/regrades/{regrade_id}": (401, 401, 403, 403, 404, 404, 403, 404),  # there is none
+    "post /api/v1/regrades/{regrade_id}/apply": (401, 401, 403, 403, 403, 404, 403, 404),
+    "post /api/v1/regrades/{regrade_id}/discard": (401, 401, 403, 403, 403, 404, 403, 404),
     "get /api/v1/dashboard": STAFF,
     "get /api/v1/me": MEMBERS,
     "get /api/v1/members": STAFF,
@@ -72,6 +78,12 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "put /api/v1/assignments/{assignment_id}/policy": (401, 401, 409),
     "get /api/v1/assignments/{assignment_id}/extensions": OPERATOR_ONLY,
     "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 409),
+    "get /api/v1/submissions/{submission_id}/gradings": OPERATOR_ONLY,
+    "post /api/v1/regrades": (401, 401, 202),
+    "get /api/v1/regrades": OPERATOR_ONLY,
+    "get /api/v1/regrades/{regrade_id}": (401, 401, 404),
+    "post /api/v1/regrades/{regrade_id}/apply": (401, 401, 404),
+    "post /api/v1/regrades/{regrade_id}/discard": (401, 401, 404),
     "get /api/v1/dashboard": OPERATOR_ONLY,
     "get /api/v1/me": OPEN_TO_ALL,
     "get /api/v1/members": OPERATOR_ONLY,
@@ -87,7 +99,10 @@ def send(
     method, path = operation.split()
     path = path.replace("{submission_id}", submission).replace("{assignment_id}", "square")
     path = path.replace("{code}", "empty").replace("{student}", "li")
+    path = path.replace("{regrade_id}", "none")
     body: dict[str, Any] = {"json": {}} if method == "put" else {}
+    if "regrades" in path and method == "post":
+        body = {"json": {"reason": "x"} if "none" in path else {"assignment": "square"}}
     if operation == "post /api/v1/submissions":
         body = {
             "files": {"file": ("a.py", b"x = 1\n")},

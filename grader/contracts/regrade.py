@@ -1,0 +1,93 @@
+"""A re-grade: a trial first, then applied or discarded as a whole."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from enum import StrEnum
+from typing import Literal
+
+Which = Literal["latest", "best", "all", "faults"]
+
+
+class RegradeState(StrEnum):
+    """Where a re-grade is. While ``open``, its trial gradings run or wait for a decision."""
+
+    OPEN = "open"
+    APPLIED = "applied"
+    DISCARDED = "discarded"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wanted:
+    """Which submissions to one assignment are graded again.
+
+    Attributes:
+        which: each student's ``latest`` or ``best`` graded one, ``all`` that are graded, or those that the
+            service failed to grade (``faults``).
+        students: only theirs; empty: everybody's.
+    """
+
+    assignment: str
+    which: Which = "all"
+    students: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ItemChange:
+    """What one rubric item earned before and earns now; None where the item is not in the rubric."""
+
+    item: str
+    before: float | None
+    after: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ScoreChange:
+    """What a re-grade does to one submission. Scores are None where there is no grading."""
+
+    submission: str
+    student: str
+    before: float | None
+    after: float | None
+    items: tuple[ItemChange, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Regrade:
+    """A re-grade and what it does.
+
+    Attributes:
+        waiting: trial gradings still to be made. failed: those that the service failed to make, which leave
+            their submissions as they are.
+        changes: of the submissions whose score or items change, by student. same: how many stay as they are.
+        decided_by, decided_at: who applied or discarded it, and when; empty and None while it is open.
+    """
+
+    id: str
+    course: str | None
+    wanted: Wanted
+    state: RegradeState
+    created_at: datetime
+    created_by: str
+    decided_at: datetime | None
+    decided_by: str
+    reason: str
+    waiting: int
+    failed: int
+    same: int
+    changes: tuple[ScoreChange, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PastGrading:
+    """One grading in a submission's history. `by` is who applied the re-grade it came from, or empty."""
+
+    attempt: int
+    finished_at: datetime
+    grader_version: str
+    assignment_version: int
+    status: str
+    score: float | None
+    max_score: float
+    report_sha256: str
+    by: str
+    reason: str

@@ -1,0 +1,253 @@
+"""Grading again: first on trial, with what would change, then applied with a reason or discarded."""
+
+from datetime import datetime
+from typing import Annotated
+
+from fastapi import APIRouter, Path, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.contracts.errors import RegradeError, UnknownAssignmentError
+from grader.contracts.identity import Caller
+from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, Wanted, Which
+from grader.routes.access import ENTRY_PROBLEMS, InstructorDep, StaffDep
+from grader.routes.problems import ProblemError, responses
+from grader.routes.services import Services, ServicesDep
+from grader.routes.submissions import SIGHT, SubmissionId
+from grader.store.audit import Signature
+
+router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
+history = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
+RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]
+_PATH = "/api/v1/submissions/"
+_KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
+_CODES = {
+    "unknown": "regrade_not_found",
+    "nothing": "nothing_to_regrade",
+    "open": "regrade_open",
+    "waiting": "regrade_running",
+    "decided": "regrade_decided",
+}
+
+
+class RegradeOrder(BaseModel):
+    """Which submissions are graded again, with the assignment as it is now."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    assignment: Annotated[str, Field(max_length=64, examples=["square"])]
+    which: Which = Field(
+        default="all",
+        description="Of each student the `latest` or `best` graded one, `all` graded ones, or those that the "
+        "service failed to grade (`faults`).",
+    )
+    students: list[Annotated[str, Field(max_length=64)]] = Field(
+        default_factory=list, max_length=500, description="Only theirs; empty: everybody's."
+    )
+
+
+class Decision(BaseModel):
+    """Why a re-grade is applied or discarded."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    reason: Annotated[str, Field(min_length=1, max_length=1_000, examples=["the tolerance was too tight"])]
+
+
+class ItemChangeView(BaseModel):
+    """What one rubric item earned before and earns now; null where the rubric does not have it."""
+
+    item: str = Field(examples=["closed"])
+    before: float | None = Field(examples=[0.0])
+    after: float | None = Field(examples=[5.0])
+
+
+class ScoreChangeView(BaseModel):
+    """What happens to one submission."""
+
+    submission: str = Field(description="Its address.")
+    student: str = Field(examples=["20260123"])
+    before: float | None = Field(description="Null: it had no grading.", examples=[5.0])
+    after: float | None = Field(examples=[10.0])
+    items: list[ItemChangeView]
+
+
+class RegradeView(BaseModel):
+    """A re-grade: while `open` and `waiting` is 0 it can be applied."""
+
+    id: str
+    assignment: str
+    which: Which
+    students: list[str]
+    state: RegradeState
+    created_at: datetime
+    created_by: str
+    decided_at: datetime | None
+    decided_by: str
+    reason: str
+    waiting: int = Field(description="Trial gradings still to be made.", examples=[0])
+    failed: int = Field(description="That the service failed to make: these stay as they are.", examples=[0])
+    same: int = Field(description="Submissions that nothing changes for.", examples=[25])
+    gain: int = Field(description="Submissions whose score rises.", examples=[4])
+    lose: int = Field(description="Submissions whose score falls.", examples=[1])
+    changes: list[ScoreChangeView] = Field(
+        description="In order of student; the whole trial, even while it runs."
+    )
+
+
+class RegradeList(BaseModel):
+    """Re-grades, newest first."""
+
+    regrades: list[RegradeView]
+
+
+class PastGradingView(BaseModel):
+    """One grading of a submission."""
+
+    attempt: int
+    finished_at: datetime
+    grader_version: str = Field(examples=["0.1.0"])
+    assignment_version: int = Field(examples=[1])
+    verdict: str = Field(examples=["graded"])
+    score: float | None
+    max_score: float
+    report_sha256: str
+    by: str = Field(description="Who applied the re-grade it came from; empty: the upload itself.")
+    reason: str
+
+
+class History(BaseModel):
+    """All gradings of a submission, oldest first; the last one stands."""
+
+    gradings: list[PastGradingView]
+
+
+@router.post(
+    "",
+    status_code=202,
+    summary="Grade again, on trial",
+    responses=responses(*_KNOWN, "assignment_not_found", "nothing_to_regrade", "regrade_open"),
+)
+def start(
+    services: ServicesDep, caller: InstructorDep, response: Response, order: RegradeOrder
+) -> RegradeView:
+    """Queue trial gradings behind all fresh submissions. Nothing changes until they are applied."""
+    try:
+        services.assignments.get(order.assignment)
+    except UnknownAssignmentError:
+        allowed = [known.id for known in services.assignments.all()]
+        raise ProblemError("assignment_not_found", field="assignment", allowed=allowed) from None
+    wanted = Wanted(assignment=order.assignment, which=order.which, students=tuple(order.students))
+    try:
+        opened = services.regrades.open(wanted, _signed(services, caller))
+    except RegradeError as error:
+        raise ProblemError(_CODES[error.code]) from None
+    services.doorbell.ring()
+    response.headers["Location"] = f"/api/v1/regrades/{opened.id}"
+    return _view(opened)
+
+
+@router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
+def read_all(services: ServicesDep, caller: StaffDep) -> RegradeList:
+    """Return the re-grades of the caller's course."""
+    return RegradeList(regrades=[_view(one) for one in services.regrades.all(caller.course)])
+
+
+@router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
+def read(services: ServicesDep, caller: StaffDep, regrade_id: RegradeId) -> RegradeView:
+    """Return how far a re-grade is, who gains and who loses, by which item."""
+    regrade = services.regrades.get(regrade_id, caller.course)
+    if regrade is None:
+        raise ProblemError("regrade_not_found")
+    return _view(regrade)
+
+
+@router.post(
+    "/{regrade_id}/apply",
+    summary="Make it count",
+    responses=responses(*_KNOWN, "regrade_not_found", "regrade_running", "regrade_decided"),
+)
+def apply(
+    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
+) -> RegradeView:
+    """Make the trial gradings the submissions' latest; earlier ones stay in their history."""
+    try:
+        return _view(services.regrades.apply(regrade_id, _signed(services, caller), decision.reason))
+    except RegradeError as error:
+        raise ProblemError(_CODES[error.code]) from None
+
+
+@router.post(
+    "/{regrade_id}/discard",
+    summary="Forget it",
+    responses=responses(*_KNOWN, "regrade_not_found", "regrade_decided"),
+)
+def discard(
+    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
+) -> RegradeView:
+    """Drop the trial gradings; every submission stays as it is."""
+    try:
+        return _view(services.regrades.discard(regrade_id, _signed(services, caller), decision.reason))
+    except RegradeError as error:
+        raise ProblemError(_CODES[error.code]) from None
+
+
+@history.get(
+    "/{submission_id}/gradings",
+    summary="Every grading of a submission",
+    responses=responses(*_KNOWN, "submission_not_found"),
+)
+def read_history(services: ServicesDep, _caller: StaffDep, submission_id: SubmissionId) -> History:
+    """Return when, with which versions and why a submission was graded, and by whom again."""
+    return History(gradings=[_past(one) for one in services.regrades.history(submission_id)])
+
+
+def _signed(services: Services, caller: Caller) -> Signature:
+    return Signature(services.clock(), caller.course, caller.signature)
+
+
+def _view(regrade: Regrade) -> RegradeView:
+    moved = [(one.after or 0.0) - (one.before or 0.0) for one in regrade.changes]
+    return RegradeView(
+        id=regrade.id,
+        assignment=regrade.wanted.assignment,
+        which=regrade.wanted.which,
+        students=list(regrade.wanted.students),
+        state=regrade.state,
+        created_at=regrade.created_at,
+        created_by=regrade.created_by,
+        decided_at=regrade.decided_at,
+        decided_by=regrade.decided_by,
+        reason=regrade.reason,
+        waiting=regrade.waiting,
+        failed=regrade.failed,
+        same=regrade.same,
+        gain=sum(one > 0 for one in moved),
+        lose=sum(one < 0 for one in moved),
+        changes=[_change(one) for one in regrade.changes],
+    )
+
+
+def _change(change: ScoreChange) -> ScoreChangeView:
+    items = [ItemChangeView(item=one.item, before=one.before, after=one.after) for one in change.items]
+    return ScoreChangeView(
+        submission=_PATH + change.submission,
+        student=change.student,
+        before=change.before,
+        after=change.after,
+        items=items,
+    )
+
+
+def _past(grading: PastGrading) -> PastGradingView:
+    return PastGradingView(
+        attempt=grading.attempt,
+        finished_at=grading.finished_at,
+        grader_version=grading.grader_version,
+        assignment_version=grading.assignment_version,
+        verdict=grading.status,
+        score=grading.score,
+        max_score=grading.max_score,
+        report_sha256=grading.report_sha256,
+        by=grading.by,
+        reason=grading.reason,
+    )

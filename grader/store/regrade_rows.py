@@ -1,0 +1,127 @@
+"""The rows of a re-grade's trials: what they would change, and moving their gradings to their submissions."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import delete, insert, literal, select, update
+from sqlmodel import Session, SQLModel, col
+
+from grader.contracts.regrade import ItemChange, ScoreChange
+from grader.contracts.submission import SubmissionState
+from grader.store.tables import (
+    GradedItemRow,
+    GradedMistakeRow,
+    GradingRow,
+    SubmissionRow,
+    TrajectoryRow,
+)
+
+_OF_GRADING: tuple[type[SQLModel], ...] = (TrajectoryRow, GradedMistakeRow, GradedItemRow, GradingRow)
+_ENDS = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """One trial grading, the submission it is made of, and what would change."""
+
+    row: SubmissionRow
+    original: SubmissionRow
+    change: ScoreChange
+
+    @property
+    def waits(self) -> bool:
+        """Whether it is still to be made."""
+        return self.row.state not in _ENDS
+
+    @property
+    def failed(self) -> bool:
+        """Whether the service failed to make it."""
+        return self.row.state == SubmissionState.INFRASTRUCTURE_ERROR.value
+
+
+def trials_of(session: Session, regrade_id: str) -> list[Trial]:
+    """Return the trials of a re-grade in order of student and arrival."""
+    rows = session.execute(select(SubmissionRow).where(col(SubmissionRow.regrade) == regrade_id)).scalars()
+    trials = {row.original: row for row in rows}
+    of_regrade = select(col(SubmissionRow.original)).where(col(SubmissionRow.regrade) == regrade_id)
+    statement = (
+        select(SubmissionRow)
+        .where(col(SubmissionRow.id).in_(of_regrade))
+        .order_by(col(SubmissionRow.student), col(SubmissionRow.received_at), col(SubmissionRow.id))
+    )
+    originals = list(session.execute(statement).scalars())
+    earned = _earned(session, [*originals, *trials.values()])
+    return [Trial(trials[one.id], one, _change(one, trials[one.id], earned)) for one in originals]
+
+
+def adopt(session: Session, trial: Trial, regrade_id: str, now: datetime) -> bool:
+    """Copy a trial's grading to its submission as the latest one; False when that is being graded right now."""
+    original, made = trial.original, trial.row
+    if original.state not in _ENDS:
+        return False
+    attempt = original.attempt + 1  # fences off whoever still believes to grade it
+    for table in reversed(_OF_GRADING):
+        names = [name for name in table.model_fields if name not in ("submission_id", "attempt", "regrade")]
+        columns = [getattr(table, name) for name in names]
+        key: list[Any] = [literal(original.id), literal(attempt)]
+        origin = [literal(regrade_id)] if table is GradingRow else []
+        source = select(*key, *origin, *columns).where(
+            table.submission_id == made.id,  # type: ignore[attr-defined]
+            table.attempt == made.graded_attempt,  # type: ignore[attr-defined]
+        )
+        target = ["submission_id", "attempt", *(["regrade"] if origin else []), *names]
+        session.execute(insert(table).from_select(target, source))
+    session.execute(
+        update(SubmissionRow)
+        .where(col(SubmissionRow.id) == original.id)
+        .values(
+            state=SubmissionState.GRADED.value,
+            attempt=attempt,
+            graded_attempt=attempt,
+            finished_at=now,
+            trouble="",
+            verdict=made.verdict,
+            score=made.score,
+            max_score=made.max_score,
+            report_sha256=made.report_sha256,
+        )
+    )
+    return True
+
+
+def delete_trials(session: Session, trials: list[Trial]) -> None:
+    """Delete trials and their gradings; whoever still grades one finds its claim void."""
+    for trial in trials:
+        for table in _OF_GRADING:
+            session.execute(delete(table).where(table.submission_id == trial.row.id))  # type: ignore[attr-defined]
+        session.execute(delete(SubmissionRow).where(col(SubmissionRow.id) == trial.row.id))
+
+
+def _earned(session: Session, rows: list[SubmissionRow]) -> dict[str, dict[str, float]]:
+    """Return what each item earned in the latest grading of each of `rows`, by submission."""
+    latest = {row.id: row.graded_attempt for row in rows if row.graded_attempt is not None}
+    earned: dict[str, dict[str, float]] = {id_: {} for id_ in latest}
+    ids = list(latest)
+    for start in range(0, len(ids), 500):  # below SQLite's limit of variables
+        part = col(GradedItemRow.submission_id).in_(ids[start : start + 500])
+        for item in session.execute(select(GradedItemRow).where(part)).scalars():
+            if item.attempt == latest[item.submission_id]:
+                earned[item.submission_id][item.item] = item.earned
+    return earned
+
+
+def _change(original: SubmissionRow, made: SubmissionRow, earned: dict[str, dict[str, float]]) -> ScoreChange:
+    before, after = earned.get(original.id, {}), earned.get(made.id, {})
+    items = tuple(
+        ItemChange(item=item, before=before.get(item), after=after.get(item))
+        for item in dict.fromkeys([*before, *after])
+        if before.get(item) != after.get(item)
+    )
+    return ScoreChange(
+        submission=original.id,
+        student=original.student,
+        before=original.score,
+        after=made.score,
+        items=items,
+    )

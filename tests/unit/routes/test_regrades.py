@@ -1,0 +1,250 @@
+"""Grading again: trial, what would change, apply or discard."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.contracts.grading import GradingJob
+from grader.contracts.policy import AssignmentPolicy
+from grader.routes.services import Services
+from grader.store.audit import Signature
+from tests.fakes.clock import START, FakeClock
+from tests.fakes.grading import grade
+
+URL = "/api/v1/regrades"
+
+
+def tighten(services: Services) -> None:
+    """Put a new first item into the rubric, which takes one ``good`` of the source from ``closed``."""
+    square = services.assignments.get("square")
+    extra = replace(square.items[0], id="start", title=square.items[0].title)
+    changed = replace(square, version=square.version + 1, items=(extra, *square.items))
+    services.assignments.assignments = (services.assignments.assignments[0], changed)
+
+
+def work(services: Services) -> int:
+    done = 0
+    while (claim := services.queue.claim("w")) is not None:
+        assignment = services.assignments.get(claim.assignment)
+        job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+        assert services.queue.finish(claim, grade(job), assignment)
+        done += 1
+    return done
+
+
+@pytest.fixture
+def klass(client: httpx.Client, school: Any, graded: Callable[..., str], clock: FakeClock) -> dict[str, str]:
+    urls = {}
+    for person, source in (("li", b"good good good"), ("han", b"good good")):
+        urls[person] = graded(source, student="", headers=school.as_(person))
+        clock.advance(10)
+    return urls
+
+
+@pytest.fixture
+def post(client: httpx.Client, school: Any) -> Callable[..., httpx.Response]:
+    def send(url: str = URL, **body: object) -> httpx.Response:
+        return client.post(url, json=body, headers=school.as_("wang"))
+
+    return send
+
+
+def test_a_trial_lists_exactly_those_it_changes(
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    klass: dict[str, str],
+    post: Callable[..., httpx.Response],
+) -> None:
+    tighten(services)
+    response = post(assignment="square")
+    url = response.headers["Location"]
+    assert (response.status_code, response.json()["waiting"]) == (202, 2)
+    assert work(services) == 2
+    document = client.get(url, headers=school.as_("ta")).json()
+    assert (document["waiting"], document["gain"], document["lose"], document["same"]) == (0, 1, 0, 0)
+    han, li = document["changes"]
+    assert (han["student"], han["submission"], han["before"], han["after"]) == (
+        "han",
+        klass["han"],
+        10.0,
+        10.0,
+    )
+    assert {one["item"]: (one["before"], one["after"]) for one in han["items"]} == {
+        "closed": (5.0, 0.0),
+        "start": (None, 5.0),
+    }
+    assert (li["student"], li["before"], li["after"]) == ("li", 10.0, 15.0)
+
+
+def test_nothing_changes_until_it_is_applied(
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    klass: dict[str, str],
+    post: Callable[..., httpx.Response],
+) -> None:
+    before = {url: client.get(url + "/report", headers=school.as_("ta")).content for url in klass.values()}
+    dashboard = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"]
+    tighten(services)
+    url = post(assignment="square").headers["Location"]
+    work(services)
+    assert {one: client.get(one + "/report", headers=school.as_("ta")).content for one in before} == before
+    assert client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"] == dashboard
+    assert services.submissions.open_count("li", "ros") == 0
+    discarded = post(f"{url}/discard", reason="a mistake").json()
+    assert (discarded["state"], discarded["gain"]) == ("discarded", 1)
+    assert {one: client.get(one + "/report", headers=school.as_("ta")).content for one in before} == before
+    with services.submissions._database.reading() as session:
+        rows = session.connection().exec_driver_sql("SELECT count(*) FROM submission").scalar_one()
+        assert rows == 2
+        assert session.connection().exec_driver_sql("PRAGMA foreign_key_check").all() == []
+
+
+def test_applied_it_counts_and_the_old_grading_stays(
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    klass: dict[str, str],
+    post: Callable[..., httpx.Response],
+) -> None:
+    tighten(services)
+    url = post(assignment="square").headers["Location"]
+    assert post(f"{url}/apply", reason="too early").json()["code"] == "regrade_running"
+    work(services)
+    applied = post(f"{url}/apply", reason="the rubric grew").json()
+    assert (applied["state"], applied["decided_by"], applied["reason"]) == (
+        "applied",
+        "wang",
+        "the rubric grew",
+    )
+    assert post(f"{url}/apply", reason="again").json()["code"] == "regrade_decided"
+    li = client.get(klass["li"], headers=school.as_("li")).json()
+    assert (li["score"], li["max_score"], li["assignment_version"]) == (15.0, 15.0, 4)
+    assert client.get(klass["li"] + "/trajectory", headers=school.as_("li")).status_code == 200
+    first, second = client.get(klass["li"] + "/gradings", headers=school.as_("ta")).json()["gradings"]
+    assert (first["assignment_version"], first["score"], first["by"]) == (3, 10.0, "")
+    assert (second["assignment_version"], second["score"], second["by"]) == (4, 15.0, "wang")
+    changes = [
+        (one["subject"], one["before"], one["after"], one["reason"])
+        for one in client.get("/api/v1/audit", headers=school.as_("wang")).json()["entries"]
+        if one["action"] == "grade.change"
+    ]
+    id_ = klass["li"].rpartition("/")[2]
+    assert (f"submission {id_}", {"score": 10.0}, {"score": 15.0}, "the rubric grew") in changes
+    students = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"]
+    assert {one["student"]: one["total_score"] for one in students} == {"han": 10.0, "li": 15.0}
+
+
+def test_fresh_submissions_go_first(
+    services: Services,
+    school: Any,
+    klass: dict[str, str],
+    post: Callable[..., httpx.Response],
+    upload: Callable[..., httpx.Response],
+    clock: FakeClock,
+) -> None:
+    post(assignment="square")
+    clock.advance(60)
+    fresh = upload(student="", headers=school.as_("han")).json()["id"]
+    assert services.queue.claim("w").submission_id == fresh
+
+
+@pytest.mark.parametrize(
+    ("which", "students", "count"),
+    [("all", [], 3), ("latest", [], 2), ("best", ["li"], 1), ("all", ["li"], 2), ("all", ["han"], 1)],
+)
+def test_filters(
+    school: Any,
+    klass: dict[str, str],
+    graded: Callable[..., str],
+    post: Callable[..., httpx.Response],
+    which: str,
+    students: list[str],
+    count: int,
+) -> None:
+    graded(b"x = 1", student="", headers=school.as_("li"))
+    assert post(assignment="square", which=which, students=students).json()["waiting"] == count
+
+
+def test_what_the_service_failed_to_grade(
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    upload: Callable[..., httpx.Response],
+    post: Callable[..., httpx.Response],
+) -> None:
+    assert post(assignment="square", which="faults").json()["code"] == "nothing_to_regrade"
+    url = upload(b"good", student="", headers=school.as_("li")).headers["Location"]
+    for _ in range(3):
+        services.queue.fail(services.queue.claim("w"), "no")
+    regrade = post(assignment="square", which="faults").headers["Location"]
+    work(services)
+    post(f"{regrade}/apply", reason="the disk was full")
+    document = client.get(url, headers=school.as_("li")).json()
+    assert (document["status"], document["score"]) == ("graded", 5.0)
+
+
+def test_a_trial_that_cannot_be_made_leaves_its_submission(
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    klass: dict[str, str],
+    post: Callable[..., httpx.Response],
+) -> None:
+    url = post(assignment="square", students=["li"]).headers["Location"]
+    for _ in range(3):
+        services.queue.fail(services.queue.claim("w"), "no")
+    assert post(f"{url}/apply", reason="x").json()["failed"] == 1
+    assert client.get(klass["li"], headers=school.as_("li")).json()["score"] == 10.0
+
+
+def test_a_worker_late_with_a_discarded_trial_changes_nothing(
+    services: Services, klass: dict[str, str], post: Callable[..., httpx.Response]
+) -> None:
+    url = post(assignment="square", students=["li"]).headers["Location"]
+    claim = services.queue.claim("w")
+    post(f"{url}/discard", reason="x")
+    job = GradingJob(file_name="a.py", source=claim.source, assignment=services.assignments.get("square"))
+    assert not services.queue.finish(claim, grade(job))
+
+
+def test_one_at_a_time(
+    klass: dict[str, str], post: Callable[..., httpx.Response], client: httpx.Client, school: Any
+) -> None:
+    url = post(assignment="square").headers["Location"]
+    assert post(assignment="square").json()["code"] == "regrade_open"
+    assert post(assignment="nose").json()["code"] == "assignment_not_found"
+    assert client.get(url, headers=school.as_("zhao")).status_code == 404
+    assert len(client.get(URL, headers=school.as_("ta")).json()["regrades"]) == 1
+
+
+def test_a_plot_shows_the_assignment_that_was_graded(
+    client: httpx.Client, services: Services, school: Any, upload: Callable[..., httpx.Response]
+) -> None:
+    url = upload(b"good", student="", headers=school.as_("li")).headers["Location"]
+    work(services)
+    stored = services.submissions.report(url.rpartition("/")[2])
+    graded_one = services.assignments.get("square")
+    tighten(services)
+    assert services.submissions.graded_assignment(stored) == graded_one
+    services.assignments.assignments = services.assignments.assignments[:1]
+    assert client.get(url + "/plot.png", headers=school.as_("li")).status_code == 200
+
+
+def test_rules_that_hide_items_hold_for_regrades(
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    klass: dict[str, str],
+    post: Callable[..., httpx.Response],
+) -> None:
+    policy = AssignmentPolicy(hidden_items=("closed",))
+    services.policies.set("square", policy, Signature(START, "ros", "test"))
+    url = post(assignment="square").headers["Location"]
+    work(services)
+    post(f"{url}/apply", reason="x")
+    assert "closed" not in client.get(klass["li"], headers=school.as_("li")).text
