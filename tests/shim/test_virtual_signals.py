@@ -81,3 +81,26 @@ def test_signal_refuses_what_pythons_refuses(run_bare: RunScript) -> None:
         "True",
         "ValueError signal only works in main thread of the main interpreter",
     ]
+
+
+@pytest.mark.parametrize("send", ["signal.raise_signal", "lambda s: os.kill(os.getpid(), s)"])
+@pytest.mark.parametrize(
+    ("name", "raised"), [("SIGINT", "KeyboardInterrupt"), ("SIGTERM", "ExternalShutdownException")]
+)
+def test_a_signal_shuts_the_context_down_whoever_sends_it(
+    run_script: Callable[..., Any], send: str, name: str, raised: str
+) -> None:
+    run = run_script(
+        "import os, signal, threading, time, rclpy\n"
+        f"send = {send}\n"
+        "rclpy.init()\nnode = rclpy.create_node('n')\n"
+        f"threading.Thread(target=lambda: (time.sleep(1), send(signal.{name}))).start()\n"
+        "try:\n    rclpy.spin(node)\nexcept BaseException as error:\n    print(type(error).__name__)\n"
+        "print(rclpy.ok(), time.time() < 1.7e9 + 1.1)\n"
+    )
+    assert run.stdout == f"{raised}\nFalse True\n"
+
+
+def test_without_rclpy_sigterm_ends_the_process(run_script: Callable[..., Any]) -> None:
+    run = run_script("import signal\nsignal.raise_signal(signal.SIGTERM)\nprint('never')\n")
+    assert (run.stdout, run.exit["code"]) == ("", 143)

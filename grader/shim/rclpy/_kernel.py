@@ -23,6 +23,7 @@ from rclpy._scheduler import (
     FOREVER_NS,
     IDENT_STEP,
     MAX_THREADS,
+    SIGINT,
     SPINS_PER_SLICE,
     TIMER_SLACK_NS,
     Scheduler,
@@ -137,7 +138,7 @@ class Kernel(Scheduler):
             me.ready, me.deadline_ns, me.why, me.idle = before
 
     def on_interrupt(self, callback: Callable[[], None]) -> None:
-        """Have `callback` run when the horizon is reached, before KeyboardInterrupt."""
+        """Have `callback` run at each Ctrl+C, before KeyboardInterrupt."""
         self._on_interrupt.append(callback)
 
     # For the patches and the runner ----------------------------------------------------------------
@@ -189,6 +190,8 @@ class Kernel(Scheduler):
 
     def raise_signal(self, number: int) -> None:
         """Let a signal arrive at the main thread."""
+        if number == SIGINT:
+            self._tell_of_interrupt()
         self._signals.append(number)
         self.replan()
         if self.running is self.main:

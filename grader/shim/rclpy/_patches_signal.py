@@ -49,6 +49,8 @@ class Signals:
             if self.wakeup_fd >= 0:
                 os.write(self.wakeup_fd, bytes([number]))
             handler(number, _student_frame())
+        elif number == signal.SIGTERM and kernel.on_terminate is not None:
+            kernel.on_terminate()
         elif number not in _IGNORED_BY_DEFAULT:
             kernel.end(f"signal {number}")
 

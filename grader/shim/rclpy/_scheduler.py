@@ -117,6 +117,7 @@ class Scheduler:
         running: the thread that runs.
         threads: those alive, in order of creation; the first is the main thread.
         deliver: called in the main thread with the number of a signal that arrived there.
+        on_terminate: called instead of ending the run when SIGTERM arrives and the script has no handler.
         end: called (in any thread) with the exit reason when the run cannot go on; does not return.
     """
 
@@ -130,6 +131,7 @@ class Scheduler:
         self.threads = [self.main]
         self.deliver: Callable[[int], None] = _raise_keyboard_interrupt
         self.at_horizon: Callable[[], None] = _nothing
+        self.on_terminate: Callable[[], None] | None = None
         self.end: Callable[[str], NoReturn] = _raise_stalled
         self._world: World | None = None
         self._limit_ns = FOREVER_NS
@@ -225,10 +227,12 @@ class Scheduler:
         if not self.interrupted:
             self.at_horizon()
         self.interrupted = True
-        callbacks, self._on_interrupt = self._on_interrupt, []
-        for callback in callbacks:
-            callback()
+        self._tell_of_interrupt()
         self._signals.append(SIGINT)
+
+    def _tell_of_interrupt(self) -> None:
+        for callback in self._on_interrupt:
+            callback()
 
     def _pause(self) -> None:
         """A charge went past the end of the slice: catch up with the world, let the others run."""

@@ -16,7 +16,7 @@ _registered = False
 
 
 def _on_ctrl_c() -> None:
-    """At the horizon: every context is shut down before KeyboardInterrupt is raised."""
+    """Every context is shut down before KeyboardInterrupt is raised."""
     if _installed in (SignalHandlerOptions.ALL, SignalHandlerOptions.SIGINT):
         shutdown_all_contexts()
 
@@ -25,6 +25,8 @@ def install_signal_handlers(options: SignalHandlerOptions = SignalHandlerOptions
     """Take over the signals named by `options`."""
     global _installed, _registered
     _installed = options
+    takes_sigterm = options in (SignalHandlerOptions.ALL, SignalHandlerOptions.SIGTERM)
+    kernel.on_terminate = shutdown_all_contexts if takes_sigterm else None
     if options is not SignalHandlerOptions.NO and not _registered:
         _registered = True
         kernel.on_interrupt(_on_ctrl_c)
@@ -39,6 +41,7 @@ def uninstall_signal_handlers() -> None:
     """Leave all signals to Python again."""
     global _installed
     _installed = SignalHandlerOptions.NO
+    kernel.on_terminate = None
 
 
 class SignalHandlerGuardCondition(GuardCondition):
