@@ -16,6 +16,7 @@ TAGS = [
     {"name": "rules", "description": "Dates, limits and what lateness costs."},
     {"name": "regrades", "description": "Grading again: on trial, then applied or discarded."},
     {"name": "dashboard", "description": "The class at a glance; for instructors."},
+    {"name": "gradebook", "description": "Grades for other systems."},
     {"name": "people", "description": "Who one is, who is in the course, what was changed."},
     {"name": "problems", "description": "What went wrong and what to do about it."},
     {"name": "health", "description": "Whether the service can do its work."},

@@ -1,0 +1,106 @@
+"""Grades for other systems: the gradebook, and single reports in other graders' formats."""
+
+import json
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Response
+from fastapi.responses import JSONResponse
+
+from grader.contracts.codec import from_plain
+from grader.contracts.errors import InfrastructureError
+from grader.contracts.identity import Caller, Member, Role
+from grader.contracts.report import GradeReport
+from grader.render.documents import to_gradescope, to_prairielearn
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep, StaffDep
+from grader.routes.gradebook_tables import canvas, plain
+from grader.routes.problems import ProblemError, responses
+from grader.routes.services import Services, ServicesDep
+from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
+
+router = APIRouter(prefix="/api/v1", tags=["gradebook"])
+exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT])
+Format = Literal["plain", "canvas"]
+_JSON = {"application/json": {"schema": {"type": "object"}}}
+_ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
+
+
+@router.get(
+    "/gradebook.csv",
+    summary="The gradebook",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "CSV in UTF-8: every student of the course, the points that count by the rules.",
+            "content": {"text/csv": {"schema": {"type": "string"}}},
+        },
+        **responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+    },
+)
+def read_gradebook(
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
+) -> Response:
+    """Return everybody's points; without courses of everybody who handed something in."""
+    progress = services.dashboard.state(caller.course).progress
+    scores = {(one.student, one.assignment): one for one in progress}
+    members = _students(services, caller.course) or _seen({one.student for one in progress})
+    assignments = services.assignments.all()
+    table = (
+        canvas(members, assignments, scores, language)
+        if format == "canvas"
+        else plain(members, assignments, scores)
+    )
+    headers = {
+        "Content-Disposition": f'attachment; filename="gradebook-{format}.csv"',
+        "Cache-Control": "no-store",
+        "Vary": "Accept-Language, Authorization",
+    }
+    return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
+
+
+@exports.get(
+    "/{submission_id}/gradescope.json",
+    summary="The report as Gradescope's results.json",
+    response_class=JSONResponse,
+    responses={
+        200: {"description": "Ready to be written to results.json by an autograder.", "content": _JSON},
+        **responses(*_ONE),
+    },
+)
+def read_gradescope(
+    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
+) -> Response:
+    """Return what a Gradescope autograder writes."""
+    try:
+        document = to_gradescope(_report(services, caller, submission_id), language)
+    except InfrastructureError:
+        raise ProblemError("not_graded_yet") from None
+    return JSONResponse(document, headers={"Cache-Control": "no-store"})
+
+
+@exports.get(
+    "/{submission_id}/prairielearn.json",
+    summary="The report as PrairieLearn's results.json",
+    response_class=JSONResponse,
+    responses={200: {"description": "Without the plot.", "content": _JSON}, **responses(*_ONE)},
+)
+def read_prairielearn(
+    services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
+) -> Response:
+    """Return what a PrairieLearn external grader writes."""
+    document = to_prairielearn(_report(services, caller, submission_id), language=language)
+    return JSONResponse(document, headers={"Cache-Control": "no-store"})
+
+
+def _report(services: Services, caller: Caller, submission_id: str) -> GradeReport:
+    return from_plain(GradeReport, json.loads(graded(services, submission_id, caller).content))
+
+
+def _students(services: Services, course: str | None) -> tuple[Member, ...]:
+    return () if course is None else services.courses.members(course, Role.STUDENT)
+
+
+def _seen(students: set[str]) -> tuple[Member, ...]:
+    return tuple(Member(course="", id=one, name="", role=Role.STUDENT) for one in sorted(students))

@@ -1,0 +1,67 @@
+"""The gradebook as CSV: a plain table, and the one Canvas imports.
+
+Cells that a spreadsheet program would take for a formula are made text by an apostrophe before them (OWASP,
+"CSV Injection").
+"""
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.dashboard import Progress
+from grader.contracts.identity import Member
+from grader.contracts.text import Language
+
+_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+_BOM = "\ufeff"  # without it, Excel takes Chinese for another encoding
+Scores = Mapping[tuple[str, str], Progress]
+
+
+def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: Scores) -> str:
+    """Return one line per student and per assignment one column of points and one of attempts."""
+    head = ["student", "name"]
+    for assignment in assignments:
+        head += [f"{assignment.id} ({assignment.max_score:g})", f"{assignment.id} attempts"]
+    rows: list[list[str]] = [[*head, "total"]]
+    for member in members:
+        cells, total = [_text(member.id), _text(member.name)], 0.0
+        for assignment in assignments:
+            progress = scores.get((member.id, assignment.id))
+            total += (progress.counted_score or 0.0) if progress else 0.0
+            cells += [_points(progress), "0" if progress is None else str(progress.attempts)]
+        rows.append([*cells, f"{round(total, 2):g}"])
+    return _BOM + _written(rows)
+
+
+def canvas(
+    members: Sequence[Member], assignments: Sequence[Assignment], scores: Scores, language: Language
+) -> str:
+    """Return what Canvas imports as grades.
+
+    The columns before the first assignment and the line ``Points Possible`` are as Canvas exports them; students
+    are matched by ``SIS User ID``, and columns it does not know become assignments (Canvas Instructor Guide, "How
+    do I import grades in the Gradebook?"). A student without a score has an empty cell, which changes nothing.
+    """
+    head = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
+    titles = [_text(f"{one.title.get(language)} [{one.id}]") for one in assignments]
+    possible = ["    Points Possible", "", "", "", "", *(f"{one.max_score:g}" for one in assignments)]
+    rows = [[*head, *titles], possible]
+    for member in members:
+        person = [_text(member.name or member.id), "", _text(member.id), _text(member.id), ""]
+        rows.append([*person, *(_points(scores.get((member.id, one.id))) for one in assignments)])
+    return _written(rows)
+
+
+def _points(progress: Progress | None) -> str:
+    return "" if progress is None or progress.counted_score is None else f"{progress.counted_score:g}"
+
+
+def _text(value: str) -> str:
+    return "'" + value if value.startswith(_FORMULA) else value
+
+
+def _written(rows: Sequence[Sequence[str]]) -> str:
+    out = io.StringIO()
+    csv.writer(out, lineterminator="\r\n").writerows(rows)
+    return out.getvalue()

@@ -1,0 +1,92 @@
+"""Grades for other systems."""
+
+import csv
+import io
+from collections.abc import Callable
+from datetime import timedelta
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.contracts.identity import Member, Role, RosterEntry
+from grader.contracts.policy import AssignmentPolicy, LateRule
+from grader.routes.gradebook_tables import canvas, plain
+from grader.routes.services import Services
+from grader.store.audit import Signature
+from tests.fakes.clock import START, FakeClock
+from tests.fakes.grading import assignment
+from tests.fakes.server import TOKEN
+
+URL = "/api/v1/gradebook.csv"
+HEAD = ("Student", "ID", "SIS User ID", "SIS Login ID", "Section")
+
+
+def table(response: httpx.Response) -> list[list[str]]:
+    assert response.headers["content-type"] == "text/csv; charset=utf-8"
+    assert "attachment" in response.headers["content-disposition"]
+    return list(csv.reader(io.StringIO(response.content.decode("utf-8-sig"))))
+
+
+def test_every_student_has_a_line_with_what_counts(
+    client: httpx.Client, services: Services, graded: Callable[..., str], clock: FakeClock, school: Any
+) -> None:
+    late = AssignmentPolicy(due=START + timedelta(hours=1), late=LateRule(kind="linear", per_day=0.5))
+    services.policies.set("square", late, Signature(START, "ros", "test"))
+    services.courses.import_roster("ros", [RosterEntry(id="li", name="李雷", role=Role.STUDENT)], "test")
+    graded(b"good", student="", headers=school.as_("li"))
+    clock.advance(7200)
+    graded(b"good good # late", student="", headers=school.as_("li"))
+    graded(b"good", student="", assignment="straight", headers=school.as_("li"))
+    graded(b"good", student="", headers=school.as_("wang"))
+    rows = table(client.get(URL, headers=school.as_("ta")))
+    assert rows == [
+        ["student", "name", "straight (10)", "straight attempts", "square (10)", "square attempts", "total"],
+        ["han", "han", "", "0", "", "0", "0"],
+        ["li", "李雷", "5", "1", "5", "2", "10"],
+    ]
+
+
+def test_canvas(client: httpx.Client, graded: Callable[..., str], school: Any, services: Services) -> None:
+    graded(b"good", student="", headers=school.as_("li"))
+    response = client.get(URL, params={"format": "canvas", "lang": "en"}, headers=school.as_("ta"))
+    assert not response.content.startswith(b"\xef\xbb\xbf")
+    assert table(response) == [
+        [*HEAD, "Exercise straight [straight]", "Exercise square [square]"],
+        ["    Points Possible", "", "", "", "", "10", "10"],
+        ["han", "", "han", "han", "", "", ""],
+        ["li", "", "li", "li", "", "", "5"],
+    ]
+
+
+def test_without_courses_everybody_who_handed_in(client: httpx.Client, graded: Callable[..., str]) -> None:
+    graded(b"good", student="ann")
+    rows = table(client.get(URL, headers={"Authorization": f"Bearer {TOKEN}"}))
+    assert [row[0] for row in rows] == ["student", "ann"]
+
+
+@pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@x", "\t=1"])
+def test_no_cell_is_a_formula(name: str) -> None:
+    member = Member(course="c", id="1", name=name, role=Role.STUDENT)
+    for text in (plain([member], [assignment()], {}), canvas([member], [assignment()], {}, "en")):
+        cells = [cell for row in csv.reader(io.StringIO(text.removeprefix("\ufeff"))) for cell in row]
+        assert "'" + name in cells
+        assert name not in cells
+
+
+def test_reports_for_other_graders(client: httpx.Client, graded: Callable[..., str], school: Any) -> None:
+    url = graded(b"good", student="", headers=school.as_("li"))
+    gradescope = client.get(url + "/gradescope.json", headers=school.as_("li")).json()
+    assert (gradescope["score"], len(gradescope["tests"])) == (5.0, 2)
+    prairielearn = client.get(url + "/prairielearn.json", headers=school.as_("li")).json()
+    assert (prairielearn["gradable"], prairielearn["score"]) == (True, 0.5)
+
+
+def test_hidden_items_are_in_no_other_format_either(
+    client: httpx.Client, services: Services, graded: Callable[..., str], school: Any
+) -> None:
+    services.policies.set("square", AssignmentPolicy(hidden_items=("closed",)), Signature(START, "ros", "t"))
+    url = graded(b"good good", student="", headers=school.as_("li"))
+    for name in ("gradescope", "prairielearn"):
+        assert len(client.get(f"{url}/{name}.json", headers=school.as_("li")).json()["tests"]) == 1
+        assert len(client.get(f"{url}/{name}.json", headers=school.as_("wang")).json()["tests"]) == 2
