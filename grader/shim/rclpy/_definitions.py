@@ -74,21 +74,40 @@ class Structure:
 class Interface:
     """A message, service or action: what becomes one module.
 
+    Most are never asked for anything, so what they are made of is taken apart when it is.
+
     Attributes:
-        module: dotted name of its module, e.g. ``geometry_msgs.msg._twist``.
+        full_name: e.g. ``geometry_msgs/msg/Twist``.
     """
 
-    __slots__ = ("_text", "kind", "module", "name", "package")
+    __slots__ = ("_entry", "full_name")
 
-    def __init__(self, full_name: str, module: str, text: str) -> None:
-        self.package, self.kind, self.name = full_name.split("/")
-        self.module = f"{self.package}.{self.kind}._{module}"
-        self._text = text
+    def __init__(self, full_name: str, entry: str) -> None:
+        self.full_name = full_name
+        self._entry = entry
+
+    @property
+    def package(self) -> str:
+        return self.full_name.split("/")[0]
+
+    @property
+    def kind(self) -> str:
+        return self.full_name.split("/")[1]
+
+    @property
+    def name(self) -> str:
+        return self.full_name.split("/")[2]
+
+    @property
+    def module(self) -> str:
+        """Dotted name of its module, e.g. ``geometry_msgs.msg._twist``."""
+        head = self._entry.partition("\n")[0]
+        return f"{self.package}.{self.kind}._{head.partition(' ')[2]}"
 
     def structures(self) -> list[Structure]:
         """Parse the structures it consists of, in order of definition."""
         found: list[Structure] = []
-        for line in self._text.splitlines():
+        for line in self._entry.splitlines()[1:]:
             if line.startswith("="):
                 found.append(Structure(f"{self.package}/{self.kind}/{line[1:]}"))
                 continue
@@ -105,9 +124,8 @@ def _load() -> dict[str, Interface]:
         entries = file.read().split("\n@")[1:]
     interfaces = {}
     for entry in entries:
-        head, _, text = entry.partition("\n")
-        full_name, _, module = head.partition(" ")
-        interfaces[full_name] = Interface(full_name, module, text)
+        full_name = entry[: entry.index(" ")]
+        interfaces[full_name] = Interface(full_name, entry)
     return interfaces
 
 

@@ -20,14 +20,27 @@ if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
 
-PACKAGES = {interface.package for interface in INTERFACES.values()}
+PACKAGES = {full_name.partition("/")[0] for full_name in INTERFACES}
 """Names of the interface packages."""
 
-_MODULES = {interface.module: interface for interface in INTERFACES.values()}
-_NAMESPACES: dict[str, dict[str, Interface]] = {}
-for _interface in INTERFACES.values():
-    _key = f"{_interface.package}.{_interface.kind}"
-    _NAMESPACES.setdefault(_key, {})[_interface.name] = _interface
+_NAMESPACES = {full_name.rpartition("/")[0].replace("/", ".") for full_name in INTERFACES}
+_by_module: dict[str, dict[str, Interface]] = {}
+
+
+def _interfaces_of(namespace: str) -> dict[str, Interface]:
+    """Return the interfaces of e.g. ``geometry_msgs.msg`` by the names of their modules."""
+    found = _by_module.get(namespace)
+    if found is None:
+        prefix = namespace.replace(".", "/") + "/"
+        members = [interface for name, interface in INTERFACES.items() if name.startswith(prefix)]
+        found = _by_module[namespace] = {interface.module: interface for interface in members}
+    return found
+
+
+def _interface(module: str) -> Interface | None:
+    """Return the interface whose module has this name."""
+    namespace = module.rpartition(".")[0]
+    return _interfaces_of(namespace).get(module) if namespace in _NAMESPACES else None
 
 
 class InterfaceFinder:
@@ -38,10 +51,10 @@ class InterfaceFinder:
         fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Return the spec of an interface package or of one of its modules, None for anything else."""
-        if fullname in _MODULES:
-            is_package = False
-        elif fullname in PACKAGES or fullname in _NAMESPACES:
+        if fullname in PACKAGES or fullname in _NAMESPACES:
             is_package = True
+        elif _interface(fullname) is not None:
+            is_package = False
         else:
             return None
         origin = SITE_PACKAGES + fullname.replace(".", "/") + ("/__init__.py" if is_package else ".py")
@@ -59,10 +72,10 @@ class InterfaceFinder:
     def exec_module(module: ModuleType) -> None:
         """Fill a module: with its classes, or with the promise of them."""
         name = module.__name__
-        if name in _MODULES:
-            define(_MODULES[name], module.__dict__)
-        elif name in _NAMESPACES:
-            _promise(module, _NAMESPACES[name])
+        if name in _NAMESPACES:
+            _promise(module, {interface.name: interface for interface in _interfaces_of(name).values()})
+        elif (interface := _interface(name)) is not None:
+            define(interface, module.__dict__)
 
 
 def _promise(module: ModuleType, interfaces: dict[str, Interface]) -> None:
@@ -70,12 +83,11 @@ def _promise(module: ModuleType, interfaces: dict[str, Interface]) -> None:
 
     def __getattr__(name: str) -> Any:  # noqa: N807 - the hook of PEP 562
         if name in interfaces:
-            interface = interfaces[name]
-            value = interface_class(f"{interface.package}/{interface.kind}/{name}")
+            value = interface_class(interfaces[name].full_name)
             setattr(module, name, value)
             return value
         submodule = f"{module.__name__}.{name}"
-        if submodule in _MODULES:
+        if _interface(submodule) is not None:
             __import__(submodule)
             return sys.modules[submodule]
         raise AttributeError(f"module {module.__name__!r} has no attribute {name!r}", name=name, obj=module)

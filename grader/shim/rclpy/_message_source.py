@@ -80,14 +80,12 @@ def _initial(field: Field) -> str:
 
 
 def _constructor(fields: list[Field]) -> list[str]:
-    lines = ["    def __init__(self, **kwargs):", "        if not kwargs:"]
-    lines += [f"            self._{field.name} = {_initial(field)}" for field in fields]
-    lines += ["            return", "        _check_arguments(self, kwargs)"]
+    lines = ["    def __init__(self, **kwargs):"]
+    lines += [f"        self._{field.name} = {_initial(field)}" for field in fields]
+    lines += ["        if not kwargs:", "            return", "        _check_arguments(self, kwargs)"]
     for field in fields:
         lines += [
-            f"        if {field.name!r} not in kwargs:",
-            f"            self._{field.name} = {_initial(field)}",
-            "        else:",
+            f"        if {field.name!r} in kwargs:",
             *(f"            {line}" for line in _assignment(field)),
         ]
     return lines

@@ -8,7 +8,6 @@ from rclpy._graph import graph_of
 from rclpy._handles import ContextHandle, Handle, required
 from rclpy._link import link
 from rclpy._names import expand, full_topic_name_fault, namespace_fault, node_name_fault
-from rclpy._ros_args import parse_ros_args
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -43,6 +42,8 @@ class NodeHandle(Handle):
     ) -> None:
         super().__init__()
         self.context = required(context)
+        from rclpy._ros_args import parse_ros_args
+
         local = parse_ros_args(cli_args or (), reject_unknown=True, of_node=True)
         self._args: list[RosArgs] = [local, context.ros_args] if use_global_arguments else [local]
         if node_name_fault(name) is not None:
