@@ -19,6 +19,7 @@ class Progress:
         counted_submission: that attempt.
         state, verdict: of the latest submission.
         last_activity_at: instant of the latest upload.
+        shares: of each attempt that counts against limits, in order, the share of the points it earned.
     """
 
     student: str
@@ -33,6 +34,7 @@ class Progress:
     state: SubmissionState
     verdict: GradeStatus | None
     last_activity_at: datetime
+    shares: tuple[float | None, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,8 +63,13 @@ class MistakeCount:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ClassState:
-    """Everything the store knows about a class, from one snapshot."""
+    """Everything the store knows about a class, from one snapshot.
+
+    Attributes:
+        mark: differs between snapshots that differ.
+    """
 
     progress: tuple[Progress, ...]
     failures: tuple[ItemFailures, ...]
     mistakes: tuple[MistakeCount, ...]
+    mark: str = ""

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from statistics import fmean
+from typing import Literal
 
 from pydantic import BaseModel, Field
 
@@ -16,6 +17,7 @@ from grader.contracts.text import Language
 from grader.routes.health import QueueView, WorkerView
 
 _BINS = 10
+_STUCK_ATTEMPTS = 3
 
 
 class CellView(BaseModel):
@@ -80,8 +82,22 @@ class AssignmentStatistics(BaseModel):
     pass_rate: float | None = Field(description="Of those who submitted; null for nobody.", examples=[0.75])
     mean_score: float | None = Field(description="Of the best scores.", examples=[8.1])
     score_distribution: list[BinView]
+    mean_attempts_to_pass: float | None = Field(
+        description="Of those who passed, up to the first attempt that did; before lateness.", examples=[1.8]
+    )
     most_failed_items: list[FailedItemView] = Field(description="Most failed first.")
     most_common_mistakes: list[MistakeView] = Field(description="Most common first.")
+
+
+class RiskView(BaseModel):
+    """A student who may need help."""
+
+    student: str = Field(examples=["20260123"])
+    reason: Literal["not_started", "stuck"] = Field(
+        description="Handed in nothing at all; or tried an assignment three times or more without passing."
+    )
+    assignment: str | None = Field(description="Where the student is stuck.", examples=["square"])
+    attempts: int = Field(examples=[4])
 
 
 class DashboardView(BaseModel):
@@ -90,10 +106,22 @@ class DashboardView(BaseModel):
     generated_at: datetime
     pass_fraction: float = Field(description="Share of the points that counts as passed.", examples=[0.6])
     students: list[StudentView]
+    total_students: int = Field(description="That fit the filters, on all pages.", examples=[30])
+    at_risk: list[RiskView]
     assignments: list[AssignmentStatistics]
     queue: QueueView
     oldest_queued_at: datetime | None
     workers: list[WorkerView]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Selection:
+    """Which students a dashboard shows. `limit` None: all."""
+
+    search: str = ""
+    at_risk: bool = False
+    offset: int = 0
+    limit: int | None = None
 
 
 @dataclass(frozen=True)
@@ -111,6 +139,7 @@ def overview(  # noqa: PLR0913
     queue: QueueState,
     workers: list[WorkerView],
     *,
+    roster: Sequence[str],
     generated_at: datetime,
     pass_fraction: float,
     language: Language,
@@ -131,6 +160,8 @@ def overview(  # noqa: PLR0913
         generated_at=generated_at,
         pass_fraction=pass_fraction,
         students=[_student(student, cells) for student, cells in students.items()],
+        total_students=len(students),
+        at_risk=_at_risk(students, roster),
         assignments=[_statistics(id_, known.get(id_), told[id_], pass_fraction, language) for id_ in ids],
         queue=QueueView(
             queued=queue.queued, running=queue.running, infrastructure_error=queue.infrastructure_errors
@@ -138,6 +169,50 @@ def overview(  # noqa: PLR0913
         oldest_queued_at=queue.oldest_queued_at,
         workers=workers,
     )
+
+
+def selected(view: DashboardView, selection: Selection) -> DashboardView:
+    """Return the dashboard with the chosen students only."""
+    risky = {one.student for one in view.at_risk}
+    fitting = [
+        one
+        for one in view.students
+        if selection.search in one.student and (not selection.at_risk or one.student in risky)
+    ]
+    end = None if selection.limit is None else selection.offset + selection.limit
+    page = fitting[selection.offset : end]
+    return view.model_copy(update={"students": page, "total_students": len(fitting)})
+
+
+def _at_risk(students: Mapping[str, Mapping[str, CellView]], roster: Sequence[str]) -> list[RiskView]:
+    idle = [
+        RiskView(student=one, reason="not_started", assignment=None, attempts=0)
+        for one in roster
+        if one not in students
+    ]
+    stuck = [
+        RiskView(student=student, reason="stuck", assignment=assignment, attempts=cell.attempts)
+        for student, cells in students.items()
+        for assignment, cell in cells.items()
+        if not cell.passed and cell.attempts >= _STUCK_ATTEMPTS
+    ]
+    return idle + stuck
+
+
+def _mean_attempts_to_pass(progress: Iterable[Progress], pass_fraction: float) -> float | None:
+    needed = [
+        next(
+            (
+                i
+                for i, share in enumerate(one.shares, start=1)
+                if share is not None and share >= pass_fraction
+            ),
+            None,
+        )
+        for one in progress
+    ]
+    passed = [one for one in needed if one is not None]
+    return round(fmean(passed), 2) if passed else None
 
 
 def _student(student: str, cells: dict[str, CellView]) -> StudentView:
@@ -192,6 +267,7 @@ def _statistics(
         pass_rate=passed / students if students else None,
         mean_score=round(fmean(scores), 2) if scores else None,
         score_distribution=_distribution(told.progress),
+        mean_attempts_to_pass=_mean_attempts_to_pass(told.progress, pass_fraction),
         most_failed_items=[_failed(failure, titles) for failure in told.failures],
         most_common_mistakes=[MistakeView(code=one.code, students=one.students) for one in told.mistakes],
     )

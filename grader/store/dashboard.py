@@ -19,7 +19,7 @@ from grader.contracts.policy import Attempt
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
-from grader.store.course_tables import MemberRow
+from grader.store.course_tables import AuditRow, MemberRow
 from grader.store.database import Database
 from grader.store.intake import costs_an_attempt
 from grader.store.policies import Rules, rules_of
@@ -31,20 +31,49 @@ class Dashboard:
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        self._latest: dict[str | None, ClassState] = {}
 
     def state(self, course: str | None = None) -> ClassState:
         """Count everything of a course on one snapshot, students in order of name.
 
-        Without courses (None) everything that was handed in is one class.
+        Without courses (None) everything that was handed in is one class. While nothing changes, counting
+        again is a matter of looking at the marks.
         """
         with self._database.reading() as session:
+            mark = _mark(session, course)
+            known = self._latest.get(course)
+            if known is not None and known.mark == mark:
+                return known
             progress = _progress(session, course, rules_of(session, course))
             best = {one.best_submission for one in progress}
-            return ClassState(
+            state = ClassState(
                 progress=progress,
                 failures=_failures(session, course, best),
                 mistakes=_mistakes(session, course),
+                mark=mark,
             )
+        self._latest[course] = state
+        return state
+
+
+def _mark(session: Session, course: str | None) -> str:
+    """Return what changes with everything that is counted: claims, gradings, states, people and rules.
+
+    Claims and gradings raise their numbers for ever, so no two changes cancel out; people, rules and re-grades
+    are in the audit log.
+    """
+    row = SubmissionRow
+    sums = select(
+        col(row.state),
+        func.count(),
+        func.sum(col(row.attempt)),
+        func.sum(func.coalesce(col(row.graded_attempt), 0)),
+    ).where(col(row.course) == course, col(row.regrade).is_(None))
+    states = session.execute(sums.group_by(col(row.state)).order_by(col(row.state))).all()
+    changes = session.execute(
+        select(func.max(col(AuditRow.id))).where(col(AuditRow.course) == course)
+    ).scalar_one()
+    return repr(([tuple(one) for one in states], changes))
 
 
 def _in_class(course: str | None) -> ColumnElement[bool]:
@@ -110,6 +139,11 @@ def _one_progress(own: list[Any], known: Rules) -> Progress:
         state=SubmissionState(latest.state),
         verdict=None if latest.verdict is None else GradeStatus(latest.verdict),
         last_activity_at=latest.received_at,
+        shares=tuple(
+            row.score / row.max_score if row.score is not None and row.max_score else None
+            for row, one in zip(own, attempts, strict=True)
+            if one.costs
+        ),
     )
 
 

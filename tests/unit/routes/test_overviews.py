@@ -104,6 +104,79 @@ def test_the_dashboard(
     assert document["oldest_queued_at"] == "2026-03-02T08:01:00Z"
 
 
+def test_pages_and_filters_choose_students(client: httpx.Client, graded: Callable[..., str]) -> None:
+    for student in ("a1", "a2", "b1"):
+        graded(b"good good", student=student)
+
+    def asked(**params: object) -> tuple[list[str], int]:
+        document = client.get("/api/v1/dashboard", headers=INSTRUCTOR, params=params).json()
+        assert document["assignments"][1]["students"] == 3
+        return [one["student"] for one in document["students"]], document["total_students"]
+
+    assert asked() == (["a1", "a2", "b1"], 3)
+    assert asked(search="a") == (["a1", "a2"], 2)
+    assert asked(limit=1, offset=1) == (["a2"], 3)
+    assert asked(offset=9) == ([], 3)
+    assert asked(at_risk=True) == ([], 0)
+
+
+def test_who_may_need_help(client: httpx.Client, graded: Callable[..., str], school: Any) -> None:
+    for number in range(3):
+        graded(f"x = {number}".encode(), student="", headers=school.as_("li"))
+    document = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()
+    assert document["at_risk"] == [
+        {"student": "han", "reason": "not_started", "assignment": None, "attempts": 0},
+        {"student": "li", "reason": "stuck", "assignment": "square", "attempts": 3},
+    ]
+
+
+def test_attempts_to_pass(client: httpx.Client, graded: Callable[..., str], clock: FakeClock) -> None:
+    for student, tries in (
+        ("a", (b"x", b"good", b"good good", b"y")),
+        ("b", (b"good good",)),
+        ("c", (b"x",)),
+    ):
+        for source in tries:
+            graded(source, student=student)
+            clock.advance(1)
+    _, square = client.get("/api/v1/dashboard", headers=INSTRUCTOR).json()["assignments"]
+    assert square["mean_attempts_to_pass"] == 2.0
+
+
+def test_an_unchanged_class_is_not_sent_again(
+    client: httpx.Client,
+    graded: Callable[..., str],
+    upload: Callable[..., httpx.Response],
+    services: Services,
+    clock: FakeClock,
+) -> None:
+    def ask(tag: str, **params: object) -> httpx.Response:
+        return client.get("/api/v1/dashboard", headers={**INSTRUCTOR, "If-None-Match": tag}, params=params)
+
+    def changed(tag: str) -> str:
+        response = ask(tag)
+        assert response.status_code == 200
+        return response.headers["ETag"]
+
+    graded(b"good", student="a")
+    tag = changed('"none"')
+    clock.advance(60)
+    same = ask(f'"other", {tag}')
+    assert (same.status_code, same.content, same.headers["ETag"]) == (304, b"", tag)
+    assert ask(tag, search="a").status_code == 200
+    upload(student="a")
+    tag = changed(tag)
+    claim = services.queue.claim("w")
+    tag = changed(tag)
+    services.queue.hand_back(claim)
+    tag = changed(tag)
+    services.workers.report(worker(clock))
+    tag = changed(tag)
+    clock.advance(1)
+    services.workers.report(worker(clock))
+    assert ask(tag).status_code == 304
+
+
 def test_the_terminal_can_show_the_dashboard(client: httpx.Client, graded: Callable[..., str]) -> None:
     graded(b"good", student="ann")
     document = client.get("/api/v1/dashboard", headers=INSTRUCTOR).json()
