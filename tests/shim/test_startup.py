@@ -60,3 +60,12 @@ print(sys.modules["rclpy.node"].__spec__.origin, Twist.__module__, rclpy.executo
 """
     node = SHIM / "rclpy" / "node.py"
     assert _with_warm_shim(program) == ["True True", f"{node} geometry_msgs.msg._twist rclpy.executors"]
+
+
+def test_upstreams_node_module_passes_on_what_it_imports() -> None:
+    program = """
+import rclpy.node, rclpy.timer, rclpy.qos
+from rclpy.node import Executor, Node, Optional, Publisher, QoSProfile, SetParametersResult, Subscription, Timer
+print(Timer is rclpy.timer.Timer, QoSProfile is rclpy.qos.QoSProfile, hasattr(rclpy.node, "Twist"))
+"""
+    assert _with_warm_shim(program) == ["True True False"]

@@ -13,7 +13,6 @@ from rclpy.exceptions import InvalidTopicNameException
 from rclpy.guard_condition import GuardCondition
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile, qos_profile_services_default
-from rclpy.qos_event import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.service import Service
 from rclpy.subscription import Subscription
 from rclpy.timer import Rate, Timer
@@ -32,6 +31,7 @@ if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
     from rclpy.clock import Clock
     from rclpy.context import Context
+    from rclpy.qos_event import PublisherEventCallbacks, SubscriptionEventCallbacks
     from rclpy.qos_overriding_options import QoSOverridingOptions
     from rclpy.waitable import Waitable
 
@@ -149,6 +149,8 @@ class EntityMixin(DestructionMixin):
         event_callbacks: PublisherEventCallbacks | None,
         group: CallbackGroup,
     ) -> Publisher:
+        from rclpy.qos_event import PublisherEventCallbacks
+
         callbacks = event_callbacks or PublisherEventCallbacks()
         try:
             publisher = publisher_class(impl, *identity, event_callbacks=callbacks, callback_group=group)
@@ -174,6 +176,8 @@ class EntityMixin(DestructionMixin):
         raw: bool = False,
     ) -> Subscription:
         """Create a subscription; `callback` gets each message (bytes when `raw`). Raises as a publisher."""
+        from rclpy.qos_event import SubscriptionEventCallbacks
+
         qos_profile = self._validate_qos_or_depth_parameter(qos_profile)
         group = callback_group or self.default_callback_group
         self._prepare_topic(Subscription, topic, qos_profile, qos_overriding_options)

@@ -35,9 +35,13 @@ def _load() -> None:
 
     import rclpy._patches_audit
     import rclpy._patches_select
+    import rclpy._ros_args
     import rclpy._runner
     import rclpy.executors
-    import rclpy.node  # noqa: F401
+    import rclpy.node
+    import rclpy.parameter_service
+    import rclpy.qos_event
+    import rclpy.time_source  # noqa: F401
 
     for name in ("FloatingPointRange", "IntegerRange", "ParameterDescriptor", "SetParametersResult"):
         getattr(rcl_interfaces.msg, name)

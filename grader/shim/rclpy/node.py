@@ -5,6 +5,7 @@ from __future__ import annotations
 from _weakref import ref
 
 from rclpy._errors import NodeNameNonExistentError as NodeNameNonExistentError
+from rclpy._forwarding import forwarding
 from rclpy._handles import required
 from rclpy._lazy_type import LazyType
 from rclpy._node_entities import EntityMixin
@@ -16,10 +17,8 @@ from rclpy.clock import ROSClock
 from rclpy.exceptions import NotInitializedException
 from rclpy.logging import get_logger
 from rclpy.parameter import Parameter
-from rclpy.parameter_service import ParameterService
 from rclpy.publisher import Publisher
 from rclpy.qos import qos_profile_parameter_events
-from rclpy.time_source import TimeSource
 from rclpy.utilities import get_default_context
 from rclpy.validate_namespace import validate_namespace
 from rclpy.validate_node_name import validate_node_name
@@ -42,6 +41,36 @@ if TYPE_CHECKING:
     from rclpy.waitable import Waitable
 
 HIDDEN_NODE_PREFIX = "_"
+
+__getattr__ = forwarding(
+    __name__,
+    {
+        "rcl_interfaces.msg": "FloatingPointRange IntegerRange ParameterDescriptor ParameterEvent ParameterType "
+        "ParameterValue SetParametersResult",
+        "rclpy.callback_groups": "CallbackGroup ReentrantCallbackGroup",
+        "rclpy.client": "Client",
+        "rclpy.clock": "Clock",
+        "rclpy.context": "Context",
+        "rclpy.exceptions": "InvalidHandle InvalidParameterTypeException InvalidParameterValueException "
+        "InvalidTopicNameException ParameterAlreadyDeclaredException ParameterImmutableException "
+        "ParameterNotDeclaredException ParameterUninitializedException",
+        "rclpy.executors": "Executor",
+        "rclpy.expand_topic_name": "expand_topic_name",
+        "rclpy.guard_condition": "GuardCondition",
+        "rclpy.parameter": "PARAMETER_SEPARATOR_STRING",
+        "rclpy.parameter_service": "ParameterService",
+        "rclpy.qos": "QoSProfile qos_profile_services_default",
+        "rclpy.qos_event": "PublisherEventCallbacks SubscriptionEventCallbacks",
+        "rclpy.qos_overriding_options": "QoSOverridingOptions",
+        "rclpy.service": "Service",
+        "rclpy.subscription": "Subscription",
+        "rclpy.time_source": "TimeSource",
+        "rclpy.timer": "Rate Timer",
+        "rclpy.topic_endpoint_info": "TopicEndpointInfo",
+        "rclpy.waitable": "Waitable",
+        "typing": "Any Callable Dict Iterator List Optional Sequence Tuple Type TypeVar Union",
+    },
+)
 
 
 class Node(EntityMixin, ParameterMixin, GraphMixin):
@@ -96,9 +125,15 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
         self._clock = ROSClock()
         if automatically_declare_parameters_from_overrides:
             self._declare_overrides()
+        self._start_services(self._clock, start_parameter_services)
+
+    def _start_services(self, clock: ROSClock, of_parameters: bool) -> None:
+        from rclpy.parameter_service import ParameterService
+        from rclpy.time_source import TimeSource
+
         self._time_source = TimeSource(node=self)
-        self._time_source.attach_clock(self._clock)
-        if start_parameter_services:
+        self._time_source.attach_clock(clock)
+        if of_parameters:
             self._parameter_service = ParameterService(self)
 
     def _declare_overrides(self) -> None:

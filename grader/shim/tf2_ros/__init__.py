@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import forwarding
 from tf2_py import (
     BufferCore,
     ConnectivityException,
@@ -48,42 +49,20 @@ __all__ = [
     "convert",
 ]
 
-TYPE_CHECKING = False
-if TYPE_CHECKING:
-    from typing import Any
-
-_PASSED_ON = {
-    **dict.fromkeys(
-        (
-            "PointStamped",
-            "PoseStamped",
-            "PoseWithCovarianceStamped",
-            "TransformStamped",
-            "Vector3Stamped",
-        ),
-        "geometry_msgs.msg",
-    ),
-    "DurabilityPolicy": "rclpy.qos",
-    "Duration": "rclpy.duration",
-    "FrameGraph": "tf2_msgs.srv",
-    "Future": "rclpy.task",
-    "Header": "std_msgs.msg",
-    "HistoryPolicy": "rclpy.qos",
-    "Node": "rclpy.node",
-    "PointCloud2": "sensor_msgs.msg",
-    "QoSProfile": "rclpy.qos",
-    "ReentrantCallbackGroup": "rclpy.callback_groups",
-    "SingleThreadedExecutor": "rclpy.executors",
-    "TFMessage": "tf2_msgs.msg",
-    "Time": "rclpy.time",
-}
-"""Upstream's modules import these and the package passes them on; tutorials take them from here."""
-
-
-def __getattr__(name: str) -> Any:
-    """Import a name that upstream's package passes on."""
-    if name not in _PASSED_ON:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    from importlib import import_module
-
-    return getattr(import_module(_PASSED_ON[name]), name)
+__getattr__ = forwarding(
+    __name__,
+    {
+        "geometry_msgs.msg": "PointStamped PoseStamped PoseWithCovarianceStamped TransformStamped Vector3Stamped",
+        "rclpy.callback_groups": "ReentrantCallbackGroup",
+        "rclpy.duration": "Duration",
+        "rclpy.executors": "SingleThreadedExecutor",
+        "rclpy.node": "Node",
+        "rclpy.qos": "DurabilityPolicy HistoryPolicy QoSProfile",
+        "rclpy.task": "Future",
+        "rclpy.time": "Time",
+        "sensor_msgs.msg": "PointCloud2",
+        "std_msgs.msg": "Header",
+        "tf2_msgs.msg": "TFMessage",
+        "tf2_msgs.srv": "FrameGraph",
+    },
+)
