@@ -1,0 +1,164 @@
+"""`grader submit FILE --server URL`: hand a file in, follow its way, show the table that `grader check` shows."""
+
+import argparse
+import json
+import os
+import sys
+import time
+import uuid
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlsplit
+
+import httpx
+from rich.console import Console
+
+from grader.catalog import Catalog
+from grader.commands.check import EXIT_FULL_MARKS, EXIT_NOT_FULL, read_source
+from grader.contracts.codec import from_plain
+from grader.contracts.errors import InfrastructureError, SubmissionError, UnknownAssignmentError
+from grader.contracts.report import GradeReport
+from grader.contracts.text import LANGUAGES, Text
+from grader.render.escape import visible, visible_line
+from grader.render.labels import SUBMISSION_STATE
+from grader.render.terminal import console, render_report
+from grader.settings import is_loopback
+
+_OPEN_STATES = ("queued", "running")
+_TRIES = 4
+_PAUSE_S = 0.25
+_LONGEST_PAUSE_S = 2.0
+_TIMEOUT_S = 30.0
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("file", type=Path, help="the script or answer to hand in / 要提交的文件")
+    parser.add_argument(
+        "--server",
+        default=os.environ.get("GRADER_SERVER", "http://127.0.0.1:8080"),
+        help="address of the service (default: GRADER_SERVER, else http://127.0.0.1:8080)",
+    )
+    parser.add_argument("-a", "--assignment", help="assignment id; guessed from the file name when left out")
+    parser.add_argument("--student", default="", help="student id; not needed with a token")
+    parser.add_argument(
+        "--token-file",
+        type=Path,
+        metavar="FILE",
+        help="file with your token (default: variable GRADER_TOKEN)",
+    )
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh")
+    parser.add_argument("--json", action="store_true", help="print the graded report as JSON")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Hand in and wait; 0 full marks, 1 not, 2 could not be handed in or graded (raised as GraderError)."""
+    source = read_source(arguments.file)
+    assignment = arguments.assignment or _guess(arguments.file.name)
+    headers = {"Accept-Language": arguments.lang, **_authorization(arguments)}
+    with httpx.Client(base_url=arguments.server, headers=headers, timeout=_TIMEOUT_S) as client:
+        url = _upload(client, arguments, source, assignment)
+        document = _await(client, url, arguments)
+        content = _asked(client, "GET", url + "/report").content
+        title = _asked(client, "GET", f"/api/v1/assignments/{document['assignment']}").json()["title"]
+    if arguments.json:
+        sys.stdout.write(content.decode() + "\n")
+    report = from_plain(GradeReport, json.loads(content))
+    if not arguments.json:
+        name, heading = arguments.file.name, Text(zh=title, en=title)
+        console().print(render_report(report, language=arguments.lang, file_name=name, title=heading))
+    return EXIT_FULL_MARKS if report.score == report.max_score else EXIT_NOT_FULL
+
+
+def _upload(client: httpx.Client, arguments: argparse.Namespace, source: bytes, assignment: str) -> str:
+    response = _asked(
+        client,
+        "POST",
+        "/api/v1/submissions",
+        data={"assignment": assignment, "student": arguments.student},
+        files={"file": (arguments.file.name, source)},
+        headers={"Idempotency-Key": uuid.uuid4().hex},  # a lost answer must not cost an attempt
+    )
+    return str(response.json()["status_url"])
+
+
+def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dict[str, Any]:
+    """Show where the submission stands until it is graded; return its document."""
+    pause_s = _PAUSE_S
+    progress = Console(stderr=True, markup=False, emoji=False, highlight=False)
+    with progress.status("") as display:
+        while True:
+            document: dict[str, Any] = _asked(client, "GET", url).json()
+            if document["status"] not in _OPEN_STATES:
+                break
+            display.update(_standing(document, arguments))
+            time.sleep(pause_s)
+            pause_s = min(pause_s * 1.2, _LONGEST_PAUSE_S)
+    if document["status"] != "graded":
+        raise InfrastructureError(SUBMISSION_STATE[document["status"]].get(arguments.lang))
+    return document
+
+
+def _standing(document: dict[str, Any], arguments: argparse.Namespace) -> str:
+    state = SUBMISSION_STATE[document["status"]].get(arguments.lang)
+    position = document["queue_position"]
+    return state if position is None else f"{state} ({position + 1})"
+
+
+def _asked(client: httpx.Client, method: str, url: str, **content: Any) -> httpx.Response:
+    """Return the answer to a request that may be sent again when none came."""
+    for attempt in range(_TRIES):
+        try:
+            response = client.request(method, url, **content)
+        except httpx.TransportError as error:
+            if attempt == _TRIES - 1:
+                raise InfrastructureError(f"{client.base_url} does not answer: {error}") from error
+        except (httpx.InvalidURL, httpx.UnsupportedProtocol) as error:
+            raise SubmissionError("server", f"--server {client.base_url}: {error}") from error
+        else:
+            wait = response.headers.get("Retry-After", "")
+            if response.status_code not in (429, 503) or attempt == _TRIES - 1:
+                return _accepted(response)
+            time.sleep(min(float(wait) if wait.isdecimal() else 1.0, 60.0))
+            continue
+        time.sleep(_PAUSE_S * 2**attempt)
+    raise AssertionError("the last try returns or raises")
+
+
+def _accepted(response: httpx.Response) -> httpx.Response:
+    if response.is_success:
+        return response
+    try:
+        problem = response.json()
+        lines = [f"{problem['title']}: {problem['detail']}", problem.get("text") or "", problem["fix"]]
+        code = str(problem["code"])
+    except (ValueError, KeyError, TypeError):
+        raise InfrastructureError(f"{response.url} answered {response.status_code}") from None
+    raise SubmissionError(code, "\n".join(visible(str(line)) for line in lines if line))
+
+
+def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
+    token = os.environ.get("GRADER_TOKEN", "")
+    if arguments.token_file is not None:
+        try:
+            token = arguments.token_file.read_text(encoding="ascii")
+        except (OSError, UnicodeDecodeError) as error:
+            raise SubmissionError("token", f"--token-file {arguments.token_file}: {error}") from error
+    token = token.strip()
+    if not token:
+        return {}
+    address = urlsplit(arguments.server)
+    if address.scheme != "https" and not is_loopback(address.hostname or ""):
+        raise SubmissionError("token", f"{arguments.server} is not encrypted: a token goes over https only")
+    if not (token.isascii() and token.isprintable()) or " " in token:
+        raise SubmissionError("token", "this is no token: it is one word of letters, digits, - and _")
+    return {"Authorization": f"Bearer {token}"}
+
+
+def _guess(file_name: str) -> str:
+    guess = Catalog().guess_assignment(file_name)
+    if guess is None:
+        raise UnknownAssignmentError(
+            f"the file name {visible_line(file_name, 100)} does not tell the assignment; say it with --assignment"
+        )
+    return guess

@@ -1,0 +1,125 @@
+"""`grader submit` against a real server whose worker is a thread of the test."""
+
+import json
+import threading
+from collections.abc import Iterator
+from datetime import timedelta
+from pathlib import Path
+
+import pytest
+
+from grader import cli
+from grader.contracts.grading import GradingJob
+from grader.contracts.identity import Role, RosterEntry
+from grader.routes.services import Services
+from grader.settings import Settings
+from tests.fakes import server
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import grade
+
+
+def work(services: Services, stop: threading.Event) -> None:
+    while not stop.wait(0.02):
+        claim = services.queue.claim("w")
+        if claim is not None:
+            assignment = services.assignments.get(claim.assignment)
+            job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+            services.queue.finish(claim, grade(job), assignment)
+
+
+@pytest.fixture
+def services(tmp_path: Path) -> Iterator[Services]:
+    made = server.services(Settings(database_url=f"sqlite:///{tmp_path / 'grader.db'}"), FakeClock())
+    yield made
+    made.plots.close()
+    made.submissions._database.close()
+
+
+@pytest.fixture
+def submit(
+    services: Services,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.delenv("GRADER_TOKEN", raising=False)
+    stop = threading.Event()
+    worker = threading.Thread(target=work, args=(services, stop))
+    worker.start()
+
+    with server.serving(server.application(services)) as client:
+
+        def run(source: str, *arguments: str, name: str = "square_mover.py") -> tuple[int, str, str]:
+            path = tmp_path / name
+            path.write_text(source)
+            status = cli.run(["submit", str(path), "--server", str(client.base_url), *arguments])
+            return (status, *capsys.readouterr())
+
+        yield run
+        stop.set()
+        worker.join()
+
+
+def test_full_marks(submit) -> None:
+    status, output, _ = submit("good good", "--student", "s1", "--lang", "en")
+    assert status == 0
+    assert "Exercise square" in output
+    assert "10" in output
+
+
+def test_less_than_that_shows_the_next_step(submit, services: Services) -> None:
+    status, output, _ = submit("good", "--student", "s1", "--lang", "en")
+    assert status == 1
+    assert "try again" in output
+    assert services.dashboard.state().progress[0].attempts == 1
+
+
+def test_as_json_it_is_the_stored_report(submit, services: Services) -> None:
+    _, output, _ = submit("good", "--student", "s1", "--json")
+    submission = services.dashboard.state().progress[0].latest_submission
+    assert output.strip().encode() == services.submissions.report(submission).content
+    assert json.loads(output)["assignment"] == "square"
+
+
+def test_a_refusal_says_what_to_do(submit) -> None:
+    status, _, errors = submit("x = 1\ndef broken(\n", "--student", "s1", "--lang", "en")
+    assert status == 2
+    assert "line 2" in errors
+    assert "def broken(" in errors
+    assert "Traceback" not in errors
+
+
+def test_in_a_course_the_token_says_who(
+    submit, services: Services, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    services.courses.create("ros", "ROS", "UTC", "test")
+    services.courses.import_roster("ros", [RosterEntry(id="li", name="李", role=Role.STUDENT)], "test")
+    _, token = services.tokens.issue("ros", "li", timedelta(days=1), "test")
+    assert submit("good", "--lang", "en")[0] == 2
+    monkeypatch.setenv("GRADER_TOKEN", token)
+    assert submit("good")[0] == 1
+    assert services.dashboard.state("ros").progress[0].student == "li"
+    path = tmp_path / "token"
+    path.write_text(token + "\n")
+    monkeypatch.delenv("GRADER_TOKEN")
+    assert submit("good", "--token-file", str(path))[0] == 1
+
+
+def test_a_token_is_not_sent_in_the_clear(submit, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("GRADER_TOKEN", "grader_abc")
+    status, _, errors = submit("good", "--server", "http://grader.example.org")
+    assert status == 2
+    assert "https" in errors
+
+
+def test_a_server_that_is_not_there(submit, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.commands.submit._PAUSE_S", 0.0)
+    status, _, errors = submit("good", "--server", "http://127.0.0.1:9", "--student", "s1")
+    assert status == 2
+    assert "does not answer" in errors
+
+
+def test_a_name_that_tells_nothing(submit) -> None:
+    status, _, errors = submit("good", "--student", "s1", name="x.py")
+    assert status == 2
+    assert "--assignment" in errors
