@@ -22,6 +22,7 @@ COMMANDS: dict[str, str] = {
     "course": "create a course and import its people / 创建课程、导入名单",
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
     "policy": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
+    "db": "back the service's database up, and put a backup back / 备份与恢复",
     "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
     "demo": "grade a small class over HTTP and show the dashboard / 演示",
 }
