@@ -167,3 +167,33 @@ def test_a_listener_without_talkers_idles_until_the_horizon(run_script):
     source = "node.create_subscription(String, 'a', print, 1)\nwhile rclpy.ok():\n    rclpy.spin_once(node)\n"
     run = run_script(PREFIX + source, horizon_s=5)
     assert (run.exit["reason"], run.exit["t_ns"], run.exit["after_interrupt"]) == (0, 5_000_000_000, 1)
+
+
+def test_the_end_of_the_program_waits_for_callbacks_under_way(run_script):
+    run = run_script(
+        """
+import time
+import rclpy
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.executors import ExternalShutdownException, MultiThreadedExecutor
+rclpy.init()
+node = rclpy.create_node("n")
+group = ReentrantCallbackGroup()
+def slow():
+    first.cancel()
+    time.sleep(3)
+    print("slow", round(time.time() - 1.7e9, 2))
+first = node.create_timer(0.1, slow, group)
+node.create_timer(0.5, rclpy.shutdown, group)
+executor = MultiThreadedExecutor()
+executor.add_node(node)
+try:
+    executor.spin()
+except ExternalShutdownException:
+    pass
+print("main", round(time.time() - 1.7e9, 2))
+""",
+        horizon_s=10,
+    )
+    assert run.stdout.splitlines() == ["main 0.5", "slow 3.1"]
+    assert (run.exit["reason"], run.exit["t_ns"] // 10**8) == (0, 31)

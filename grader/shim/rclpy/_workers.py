@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 class WorkerPool:
     """Runs callables in up to `size` threads, started when they are needed.
 
-    What a callable raises is lost, as in a thread pool nobody asks for results.
+    What a callable raises is lost, as in a thread pool nobody asks for results. The end of the program waits for
+    what has been submitted, as it does for upstream's thread pool.
     """
 
     def __init__(self, size: int) -> None:
@@ -25,6 +26,7 @@ class WorkerPool:
         self._work: deque[Callable[[], Any]] = deque()
         self._idle = 0
         self._started = 0
+        self._busy = 0
 
     def submit(self, work: Callable[[], Any]) -> None:
         """Have `work` called in one of the threads."""
@@ -33,10 +35,15 @@ class WorkerPool:
             self._start()
 
     def _start(self) -> None:
-        from threading import Thread
+        import threading
 
+        if not self._started:
+            target: Any = threading
+            target._register_atexit(self._finish)
         self._started += 1
-        Thread(target=self._run, name=f"ThreadPoolExecutor-0_{self._started - 1}", daemon=True).start()
+        threading.Thread(
+            target=self._run, name=f"ThreadPoolExecutor-0_{self._started - 1}", daemon=True
+        ).start()
 
     def _run(self) -> None:
         while True:
@@ -45,7 +52,14 @@ class WorkerPool:
             self._idle -= 1
             if self._work:
                 work = self._work.popleft()
+                self._busy += 1
                 try:
                     work()
-                except BaseException:  # noqa: S112
-                    continue
+                except BaseException:  # noqa: S110
+                    pass
+                finally:
+                    self._busy -= 1
+
+    def _finish(self) -> None:
+        why = "the end of the program waits for callbacks of the executor's threads"
+        kernel.wait(lambda: not self._busy and not self._work, None, why)
