@@ -14,7 +14,6 @@ GraderError
 └── InfrastructureError    anything else on the grader's side; retried
 """
 
-
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:

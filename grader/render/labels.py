@@ -38,7 +38,9 @@ GRADE_STATUS: Mapping[GradeStatus, Text] = {
     GradeStatus.STALLED: _t("程序卡住了", "the script waits for ever"),
     GradeStatus.FORBIDDEN: _t("做了不允许的操作", "did something not allowed"),
     GradeStatus.PROTOCOL: _t("干扰了与仿真器的通信", "interfered with the simulator's channel"),
-    GradeStatus.ASSIGNMENT_ERROR: _t("作业配置有误，请告诉老师", "the assignment is broken: tell the teacher"),
+    GradeStatus.ASSIGNMENT_ERROR: _t(
+        "作业配置有误，请告诉老师", "the assignment is broken: tell the teacher"
+    ),
     GradeStatus.INFRASTRUCTURE_ERROR: _t("评分系统故障，不算你的错", "fault of the grader, not yours"),
 }
 
@@ -81,7 +83,8 @@ NOTES: Mapping[str, Text] = {
         "some commands set linear.y, which this car cannot follow: ignored",
     ),
     "clamped_command": _t(
-        "有速度命令超过了小车的极限，按极限执行", "some commands exceeded what the car can do and were clamped"
+        "有速度命令超过了小车的极限，按极限执行",
+        "some commands exceeded what the car can do and were clamped",
     ),
     "type_mismatch": _t(
         "{text} 上的消息类型不对，连接不上", "the message type on {text} is a different one: not connected"

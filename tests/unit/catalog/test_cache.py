@@ -89,9 +89,7 @@ def test_a_wrong_file_does_not_hinder_guessing(own: Path, remembering: Assignmen
     assert Catalog(own, remembering).guess_assignment("square.py") == "square"
 
 
-@pytest.mark.parametrize(
-    "damage", [b"", b"{", b"[]", b'"text"', b"{}", b'{"key": 1}', b"\xff\xfe"], ids=repr
-)
+@pytest.mark.parametrize("damage", [b"", b"{", b"[]", b'"text"', b"{}", b'{"key": 1}', b"\xff\xfe"], ids=repr)
 def test_a_damaged_entry_is_replaced(damage: bytes, remembering: AssignmentCache, tmp_path: Path) -> None:
     good = Catalog(cache=remembering).get("square")
     (entry,) = (tmp_path / "cache").iterdir()

@@ -82,7 +82,12 @@ def test_every_id_in_use_exists() -> None:
 
 
 def test_no_sentence_is_idle() -> None:
-    families = ("mistake.", "figure.", "wall.", "stall.")  # chosen at run time; mistakes have a test of their own
+    families = (
+        "mistake.",
+        "figure.",
+        "wall.",
+        "stall.",
+    )  # chosen at run time; mistakes have a test of their own
     rest = {key for key in catalog_texts("zh") if not key.startswith(families)}
     assert rest == {key for key in literal_ids() | measure_ids() if not key.startswith(families)}
 
