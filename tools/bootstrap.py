@@ -30,7 +30,7 @@ COMMANDS: dict[str, list[list[str]]] = {
         ["-m", "mypy"],
         ["tools/lint_layers.py"],
     ],
-    "bench": [["-m", "benchmarks.bench"]],
+    "bench": [["-m", "benchmarks.bench"], ["-m", "benchmarks.startup"]],
     "messages": [["tools/compile_messages.py"]],
     "interfaces": [["tools/generate_interfaces.py"]],
 }
