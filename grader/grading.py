@@ -43,10 +43,10 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
 
     with Pipeline(sandbox) as pipeline:
         proof.join()
-        gc.freeze()  # nothing that was imported is garbage; it has been off until now
-        gc.enable()
+        gc.freeze()  # nothing that was imported is garbage
         while (request := channel.receive()) is not None:
             channel.send(_answer(pipeline, request, lambda: channel.send({"kind": "running"})))
+            gc.collect()  # automatic collection stays off: here nobody waits for it
 
 
 def _warm_up(sandbox: Sandbox) -> None:
