@@ -79,7 +79,7 @@ class AssignmentStatistics(BaseModel):
     students: int = Field(description="Who submitted.", examples=[28])
     submissions: int = Field(examples=[71])
     passed: int = Field(examples=[21])
-    pass_rate: float | None = Field(description="Of those who submitted; null for nobody.", examples=[0.75])
+    pass_rate: float | None = Field(description="Of those who have a score; null for nobody.", examples=[0.75])
     mean_score: float | None = Field(description="Of the best scores.", examples=[8.1])
     score_distribution: list[BinView]
     mean_attempts_to_pass: float | None = Field(
@@ -255,6 +255,7 @@ def _statistics(
 ) -> AssignmentStatistics:
     students = len(told.progress)
     passed = sum(_passed(one, pass_fraction) for one in told.progress)
+    scored = sum(one.counted_score is not None for one in told.progress)
     scores = [one.best_score for one in told.progress if one.best_score is not None]
     titles = {} if assignment is None else {item.id: item.title.get(language) for item in assignment.items}
     return AssignmentStatistics(
@@ -264,7 +265,7 @@ def _statistics(
         students=students,
         submissions=sum(one.attempts for one in told.progress),
         passed=passed,
-        pass_rate=passed / students if students else None,
+        pass_rate=passed / scored if scored else None,
         mean_score=round(fmean(scores), 2) if scores else None,
         score_distribution=_distribution(told.progress),
         mean_attempts_to_pass=_mean_attempts_to_pass(told.progress, pass_fraction),
@@ -274,7 +275,8 @@ def _statistics(
 
 
 def _failed(failure: ItemFailures, titles: Mapping[str, str]) -> FailedItemView:
-    title = titles.get(failure.item) or titles.get(failure.item.rpartition("/")[2]) or failure.item
+    case, _, item = failure.item.rpartition("/")
+    title = titles.get(item, item) + (f" ({case})" if case else "")
     return FailedItemView(id=failure.item, title=title, count=failure.ever, still=failure.still)
 
 
