@@ -79,7 +79,9 @@ class AssignmentStatistics(BaseModel):
     students: int = Field(description="Who submitted.", examples=[28])
     submissions: int = Field(examples=[71])
     passed: int = Field(examples=[21])
-    pass_rate: float | None = Field(description="Of those who have a score; null for nobody.", examples=[0.75])
+    pass_rate: float | None = Field(
+        description="Of those who have a score; null for nobody.", examples=[0.75]
+    )
     mean_score: float | None = Field(description="Of the best scores.", examples=[8.1])
     score_distribution: list[BinView]
     mean_attempts_to_pass: float | None = Field(
