@@ -3,7 +3,7 @@
 Unknown fields are ignored and missing ones shown as a dash, so that client and server may differ in age.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 from rich import box
 from rich.console import Group, RenderableType
@@ -17,6 +17,7 @@ from grader.render.labels import SUBMISSION_STATE, word
 
 _NAME_CHARACTERS = 24
 _HARDEST = 3
+_ASSIGNMENTS_PER_TABLE = 7  # as many as fit 80 columns beside names and totals
 _CELL_COLUMNS = 6
 
 Json = Mapping[str, object]
@@ -29,23 +30,35 @@ def render_dashboard(data: Json, *, language: Language) -> RenderableType:
     queue = _object(data.get("queue"))
     counts = "  ".join(f"{_state(state, language)} {_shown(count)}" for state, count in queue.items())
     return Group(
-        _students(students, assignments, language),
+        *_matrix(students, assignments, language),
         _assignments(assignments, language),
         Text(f"{word('queue', language)}: {counts or quantity.NOTHING}"),
     )
 
 
-def _students(students: Sequence[Json], assignments: Sequence[Json], language: Language) -> Table:
+def _matrix(students: Sequence[Json], assignments: Sequence[Json], language: Language) -> Iterator[Table]:
+    """Yield students by assignments, a few assignments to a table; the last table has the totals."""
+    starts = range(0, max(len(assignments), 1), _ASSIGNMENTS_PER_TABLE)
+    for start in starts:
+        some = assignments[start : start + _ASSIGNMENTS_PER_TABLE]
+        yield _students(students, some, language, with_total=start == starts[-1])
+
+
+def _students(
+    students: Sequence[Json], assignments: Sequence[Json], language: Language, *, with_total: bool
+) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column(word("student", language), no_wrap=True)
     for assignment in assignments:
         table.add_column(Text(_name(assignment), overflow="fold"), justify="right", min_width=_CELL_COLUMNS)
-    table.add_column(word("total", language), justify="right", no_wrap=True, min_width=_CELL_COLUMNS)
+    if with_total:
+        table.add_column(word("total", language), justify="right", no_wrap=True, min_width=_CELL_COLUMNS)
     for student in students:
         cells = _object(student.get("assignments"))
-        marks = (_cell(_object(cells.get(str(assignment.get("id")))), language) for assignment in assignments)
-        name = visible_line(str(student.get("student")), _NAME_CHARACTERS)
-        table.add_row(Text(name), *marks, Text(_shown(student.get("total_score"))))
+        marks = [_cell(_object(cells.get(str(assignment.get("id")))), language) for assignment in assignments]
+        if with_total:
+            marks.append(Text(_shown(student.get("total_score"))))
+        table.add_row(Text(visible_line(str(student.get("student")), _NAME_CHARACTERS)), *marks)
     return table
 
 

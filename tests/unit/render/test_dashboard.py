@@ -107,3 +107,14 @@ def test_any_json_prints(data: dict[str, object]) -> None:
 @pytest.mark.parametrize("data", [{}, {"students": [], "assignments": []}])
 def test_an_empty_dashboard_prints(data: dict[str, object]) -> None:
     assert "学生" in shown(data)
+
+
+def test_more_assignments_than_fit_go_on_in_a_second_table() -> None:
+    names = [f"figure{number}" for number in range(9)]
+    cells = {name: {"best_score": float(number), "max_score": 100.0} for number, name in enumerate(names)}
+    student = {"student": "ann", "assignments": cells, "total_score": 36.0}
+    text = shown(
+        {"students": [student], "assignments": [{"id": name, "title": name} for name in names]}, width=80
+    )
+    rows = [line.split() for line in text.split("\n") if line.strip().startswith("ann")]
+    assert rows == [["ann", "0", "1", "2", "3", "4", "5", "6"], ["ann", "7", "8", "36"]]
