@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / "bin" / "python"
 STAMP = VENV / ".lock-digest"
-LOCKS = (ROOT / "requirements.lock", ROOT / "requirements-dev.lock")
+LOCKS = (ROOT / "requirements-postgres.lock", ROOT / "requirements-dev.lock")
 SHIM = ROOT / "grader" / "shim"
 
 COMMANDS: dict[str, list[list[str]]] = {
