@@ -15,8 +15,10 @@ from grader.routes import (
     assignments,
     dashboard,
     documentation,
+    events,
     gradebook,
     health,
+    metrics,
     people,
     problem_pages,
     problems,
@@ -26,6 +28,7 @@ from grader.routes import (
     submissions,
 )
 from grader.routes.headers import SafeHeaders
+from grader.routes.observing import Observed
 from grader.routes.services import Services
 from grader.web import routing as pages
 
@@ -34,17 +37,20 @@ ServicesOpener = Callable[[], AbstractContextManager[Services]]
 _ROUTERS = (
     submissions.uploads,
     submissions.router,
+    events.submission,
     recordings.router,
     assignments.router,
     rules.router,
     regrades.router,
     regrades.history,
     dashboard.router,
+    events.dashboard,
     gradebook.router,
     gradebook.exports,
     people.router,
     problem_pages.router,
     health.router,
+    metrics.router,
 )
 
 
@@ -69,7 +75,9 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
         title=documentation.TITLE, version=__version__, docs_url=None, redoc_url=None, lifespan=lifespan
     )
     app.add_middleware(SafeHeaders)
+    app.add_middleware(Observed)  # added last, so around everything else
     problems.install(app)
+    events.install(app)
     for router in _ROUTERS:
         app.include_router(router)
     pages.install(app)

@@ -123,6 +123,7 @@ def running(
             gate=InstructorGate(_token(settings, courses, announce or _announce)),
         )
         stack.callback(services.plots.close)
+        stack.callback(services.watching.close)
         if settings.slots:
             stack.enter_context(working(services))
         yield services
@@ -140,6 +141,7 @@ def working(services: Services) -> Iterator[Worker]:
         probe=_probe,
         doorbell=services.doorbell,
         clock=services.clock,
+        observer=services.metrics,
     )
     config = WorkerConfig(
         slots=settings.slots,

@@ -5,7 +5,7 @@
 
 import ipaddress
 import os
-from typing import Any, Self
+from typing import Any, Literal, Self
 
 from pydantic import AliasChoices, Field, SecretStr, ValidationError, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -14,6 +14,9 @@ from sqlalchemy.exc import ArgumentError
 
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import Language
+
+LogFormat = Literal["text", "json"]
+LogLevel = Literal["debug", "info", "warning", "error"]
 
 _PREFIX = "GRADER_"
 _SHORTEST_TOKEN = 16
@@ -96,6 +99,24 @@ class Settings(BaseSettings):
         default=30.0, ge=0.0, description="Time that running gradings get to finish when the service stops."
     )
 
+    max_streams: int = Field(
+        default=500, ge=1, le=10_000, description="Most streams of events (live progress) open at once."
+    )
+    streams_per_person: int = Field(
+        default=10, ge=1, description="Most streams of events one person may have open."
+    )
+    metrics_token: SecretStr | None = Field(
+        default=None,
+        description="Token that opens `/metrics`, at least 16 characters; without it, only those who may see the "
+        "class see the measurements.",
+    )
+    log_format: LogFormat = Field(
+        default="text", description="Lines of the log on stderr: `text` for people, `json` for machines."
+    )
+    log_level: LogLevel = Field(
+        default="info", description="Least important lines the log has: `debug`, `info`, `warning`, `error`."
+    )
+
     @property
     def silent_s(self) -> float:
         """Return after how long a worker that says nothing no longer counts as alive."""
@@ -114,7 +135,7 @@ class Settings(BaseSettings):
             raise ValueError("must name a file: a database in memory would lose every submission")
         return value
 
-    @field_validator("instructor_token")
+    @field_validator("instructor_token", "metrics_token")
     @classmethod
     def _hard_to_guess(cls, value: SecretStr | None) -> SecretStr | None:
         if value is None:

@@ -13,7 +13,7 @@ import socket
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
@@ -26,10 +26,12 @@ from grader.contracts.grading import (
 )
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Claim, SubmissionState, WorkerState
+from grader.contracts.telemetry import GradingObserver, Unobserved
 from grader.store.columns import Clock
 from grader.store.doorbell import Doorbell
 from grader.store.queue import Queue
 from grader.store.workers import Workers
+from grader.telemetry.context import bound
 
 _log = logging.getLogger(__name__)
 _STORE_TRIES = 3
@@ -53,6 +55,7 @@ class WorkerParts:
     Attributes:
         make_grader: returns a new grader; called once per slot.
         probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
+        observer: is told how gradings went.
     """
 
     queue: Queue
@@ -62,6 +65,7 @@ class WorkerParts:
     probe: Callable[[], SandboxState]
     doorbell: Doorbell
     clock: Clock
+    observer: GradingObserver = field(default_factory=Unobserved)
 
 
 class Sandbox:
@@ -113,8 +117,12 @@ class GradingSlot:
         if claim is None:
             return False
         self.claim = claim
+        submission, worker = claim.submission_id, claim.worker
         try:
-            self._grade(claim)
+            with bound(
+                submission=submission, attempt=claim.attempt, assignment=claim.assignment, worker=worker
+            ):
+                self._grade(claim)
         finally:
             self.claim = None
         return True
@@ -128,6 +136,7 @@ class GradingSlot:
         self._grader.close()
 
     def _grade(self, claim: Claim) -> None:
+        begun_s = time.monotonic()
         try:
             assignment = self._parts.assignments.get(claim.assignment)
             job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
@@ -142,6 +151,13 @@ class GradingSlot:
             self._fail(claim, error)
         else:
             _log.info("%s %s", claim.submission_id, result.report.status if stored else "dropped: fenced off")
+            if stored:
+                self._tell(claim, result, time.monotonic() - begun_s)
+
+    def _tell(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
+        now, since = self._parts.clock(), claim.queued_at
+        waited_s = None if since is None else max((now - since).total_seconds(), 0.0)
+        self._parts.observer.graded(result.report.status, grading_s, waited_s)
 
     def _store(self, claim: Claim, result: GradingResult, assignment: Assignment) -> bool:
         for _ in range(_STORE_TRIES - 1):
@@ -154,6 +170,10 @@ class GradingSlot:
     def _fail(self, claim: Claim, error: Exception) -> None:
         self._grader.close()
         state = self._parts.queue.fail(claim, f"{type(error).__name__}: {error}")
+        if state is SubmissionState.INFRASTRUCTURE_ERROR:
+            self._parts.observer.given_up()
+        elif state is not None:
+            self._parts.observer.retried()
         level = logging.ERROR if state is SubmissionState.INFRASTRUCTURE_ERROR else logging.WARNING
         unexpected = error if not isinstance(error, GraderError) else None
         _log.log(level, "%s, try %d: %s", claim.submission_id, claim.tries, error, exc_info=unexpected)
@@ -210,6 +230,8 @@ class Worker:
         mended = self._parts.queue.reconcile()
         if mended.requeued or mended.given_up:
             _log.warning("%d lost gradings queued again, %d given up", mended.requeued, mended.given_up)
+            self._parts.observer.retried(mended.requeued)
+            self._parts.observer.given_up(mended.given_up)
             self._parts.doorbell.ring()
         self._parts.workers.report(self._state(len(claims)))
 
@@ -251,7 +273,9 @@ class Worker:
             except Exception:  # the database is away; leases heal what was under way
                 _log.exception("a slot could not take work")
                 busy = False
-            if not busy and not self._draining.is_set():
+            if busy:
+                self._parts.doorbell.ring()  # for those who watch
+            elif not self._draining.is_set():
                 self._parts.doorbell.wait(heard, self._config.poll_s)
         slot.close()
 

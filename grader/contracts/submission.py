@@ -86,6 +86,7 @@ class Claim:
 
     Attributes:
         attempt: fencing token; a result is taken only from the latest claim.
+        queued_at: instant of the last (re-)queueing.
     """
 
     submission_id: str
@@ -95,6 +96,7 @@ class Claim:
     assignment: str
     file_name: str
     source: bytes
+    queued_at: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -23,7 +23,7 @@ ENTRY_PROBLEMS = ("unauthorized", "too_many_requests")
 """Problems of every endpoint that asks who it is."""
 
 _TOKEN_BYTES = 24
-_bearer = HTTPBearer(
+bearer = HTTPBearer(
     auto_error=False,
     scheme_name="Token",
     description="The token of a member of a course; without courses, the one the service prints when it starts.",
@@ -56,7 +56,7 @@ def identify(services: "Services", token: str | None) -> Caller | None:
 
 
 def caller_of(
-    request: Request, credentials: Annotated[HTTPAuthorizationCredentials | None, Depends(_bearer)]
+    request: Request, credentials: Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
 ) -> Caller:
     """Dependency of every endpoint that shows or changes something of somebody.
 

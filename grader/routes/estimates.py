@@ -3,6 +3,7 @@
 import threading
 from datetime import datetime, timedelta
 
+from grader.contracts.progress import Standing
 from grader.contracts.submission import Submission, SubmissionState
 from grader.store.columns import Clock
 from grader.store.queue import Queue
@@ -24,7 +25,7 @@ class Estimates:
         self._mean_s: float | None = None
         self._slots = 0
 
-    def finish(self, submission: Submission, position: int | None) -> datetime | None:
+    def finish(self, submission: Submission | Standing, position: int | None) -> datetime | None:
         """Return when a submission will probably be graded; None when it is, or nobody can say.
 
         Args:

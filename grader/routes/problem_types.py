@@ -246,6 +246,21 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             en="Wait as many seconds as the header Retry-After says, then try again.",
         ),
     ),
+    "too_many_streams": ProblemType(
+        status=429,
+        title=Text(zh="同时打开的进度流太多", en="Too many streams of events are open"),
+        fix=Text(
+            zh="关闭其他正在等待评分的页面或程序，或者改为隔几秒查询一次。",
+            en="Close other pages or programs that wait for gradings, or ask every few seconds instead.",
+        ),
+    ),
+    "streams_full": ProblemType(
+        status=503,
+        title=Text(zh="进度流已满", en="No more streams of events can be opened"),
+        fix=Text(
+            zh="改为隔几秒查询一次；评分不受影响。", en="Ask every few seconds instead; grading goes on."
+        ),
+    ),
     "internal_error": ProblemType(
         status=500, title=Text(zh="服务内部错误", en="The service made a mistake"), fix=_ASK
     ),

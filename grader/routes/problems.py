@@ -16,6 +16,7 @@ from grader.contracts.text import Text
 from grader.render.escape import visible, visible_line
 from grader.routes.language import language_of
 from grader.routes.problem_types import PROBLEM_TYPES
+from grader.telemetry import context
 
 _log = logging.getLogger(__name__)
 MEDIA_TYPE = "application/problem+json"
@@ -71,6 +72,9 @@ class Problem(BaseModel):
     status: int = Field(description="HTTP status.")
     detail: str = Field(description="What happened this time.")
     instance: str = Field(description="Names this occurrence, also in the log of the service.")
+    request_id: str | None = Field(
+        default=None, description="Of the request, as in the header X-Request-ID and in the log."
+    )
     code: str = Field(description="Stable name of this kind of problem.")
     fix: str = Field(description="What to do about it.")
     field: str | None = Field(default=None, description="The field of the request that is meant.")
@@ -152,22 +156,27 @@ def _answer(
 ) -> JSONResponse:
     language, kind = language_of(request), PROBLEM_TYPES[code]
     spoken = kind.title if detail is None else detail
+    request_id = getattr(request.state, "request_id", None)
     problem = Problem(
         type=TYPE_PATH + code,
         title=kind.title.get(language),
         status=status or kind.status,
         detail=visible(spoken if isinstance(spoken, str) else spoken.get(language)),
         instance=uuid.uuid4().urn,
+        request_id=request_id,
         code=code,
         fix=kind.fix.get(language),
         **members,
     )
-    _log.info("%s %s: %d %s %s", request.method, request.url.path, problem.status, code, problem.instance)
+    context.note(code=code, instance=problem.instance)
+    own = {"Content-Language": language, "Cache-Control": "no-store"}
+    if request_id is not None:  # what answers after a bug stands outside of the middleware that adds it
+        own["X-Request-ID"] = request_id
     return JSONResponse(
         problem.model_dump(exclude_none=True),
         status_code=problem.status,
         media_type=MEDIA_TYPE,
-        headers={"Content-Language": language, "Cache-Control": "no-store", **(headers or {})},
+        headers={**own, **(headers or {})},
     )
 
 

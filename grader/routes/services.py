@@ -10,6 +10,7 @@ from grader.routes.access import InstructorGate
 from grader.routes.estimates import Estimates
 from grader.routes.limits import RateLimit
 from grader.routes.plots import PlotCache
+from grader.routes.watching import Watching, WatchLimits
 from grader.settings import Settings
 from grader.store.audit import AuditLog
 from grader.store.columns import Clock
@@ -17,12 +18,15 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
+from grader.store.measures import Measures
 from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.regrades import Regrades
+from grader.store.standings import Standings
 from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
 from grader.store.workers import Workers
+from grader.telemetry.metrics import Metrics
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +56,8 @@ class Services:
     request_limit: RateLimit
     upload_limit: RateLimit
     doorbell: Doorbell
+    watching: Watching
+    metrics: Metrics
     clock: Clock
 
     @classmethod
@@ -69,6 +75,14 @@ class Services:
     ) -> Self:
         """Return the services over one database that is up to date."""
         queue, workers = Queue(database, clock, policy), Workers(database, clock)
+        estimates = Estimates(queue, workers, clock, settings.silent_s)
+        doorbell = Doorbell()
+        limits = WatchLimits(
+            most=settings.max_streams, most_each=settings.streams_per_person, poll_s=settings.poll_s
+        )
+        watching = Watching(Standings(database), estimates, doorbell, limits)
+        metrics = Metrics(Measures(database, workers, clock, settings.silent_s).state)
+        metrics.measure_streams(lambda: watching.streams)
         return cls(
             settings=settings,
             assignments=assignments,
@@ -84,10 +98,12 @@ class Services:
             audit=AuditLog(database),
             policies=Policies(database),
             regrades=Regrades(database),
-            estimates=Estimates(queue, workers, clock, settings.silent_s),
+            estimates=estimates,
             request_limit=RateLimit(settings.requests_per_minute, clock),
             upload_limit=RateLimit(settings.uploads_per_minute, clock),
-            doorbell=Doorbell(),
+            doorbell=doorbell,
+            watching=watching,
+            metrics=metrics,
             clock=clock,
         )
 

@@ -234,6 +234,7 @@ class Queue:
             assignment=row.assignment,
             file_name=row.file_name,
             source=session.execute(source).scalar_one(),
+            queued_at=row.queued_at,
         )
 
 

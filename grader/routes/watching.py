@@ -1,0 +1,205 @@
+"""Everybody who watches a submission or a class, told by one thread that looks at the rows.
+
+The rows are the truth, so it makes no difference which process grades. However many watch, one look serves all of
+them, and each watcher keeps the latest standing only: a slow one misses steps in between, and delays nobody.
+"""
+
+import asyncio
+import logging
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from grader.contracts.errors import InfrastructureError
+from grader.contracts.progress import ClassStanding, Standing
+from grader.routes.estimates import Estimates
+from grader.routes.problems import ProblemError
+from grader.store.doorbell import Doorbell
+from grader.store.standings import Standings
+
+Subject = tuple[str, str | None]
+"""``("submission", id)`` or ``("class", course)``."""
+
+_PAUSE_S = 0.1  # however often the doorbell rings
+_CLASS_EVERY = 4  # looks at submissions per look at classes, which reads more rows
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WatchLimits:
+    """How many may watch, and for how long.
+
+    Attributes:
+        most: streams of this process. most_each: of one person.
+        life_s: after this a stream ends, and whoever still watches opens another: so nobody keeps what a token
+            opened for long after it was revoked.
+        poll_s: how often rows are looked at that nobody announced.
+    """
+
+    most: int
+    most_each: int
+    life_s: float = 60.0
+    poll_s: float = 0.5
+
+
+class Watch:
+    """One watcher. Belongs to the event loop it was made in."""
+
+    def __init__(self, subject: Subject) -> None:
+        self.subject = subject
+        self.latest: Standing | ClassStanding | None = None
+        self._loop = asyncio.get_running_loop()
+        self._news = asyncio.Event()
+        self._ended = False
+
+    def tell(self, standing: Standing | ClassStanding) -> None:
+        """Put a standing in place of the one before; from any thread."""
+        self._later(lambda: self._take(standing))
+
+    def end(self) -> None:
+        """Tell the watcher that nothing more will come; from any thread."""
+        self._later(self._finish)
+
+    async def news(self, timeout_s: float) -> Standing | ClassStanding | None:
+        """Return the next standing that differs from the one before, or None at the end or after `timeout_s`."""
+        try:
+            async with asyncio.timeout(timeout_s):
+                await self._news.wait()
+        except TimeoutError:
+            return None
+        self._news.clear()
+        return None if self._ended else self.latest
+
+    def _take(self, standing: Standing | ClassStanding) -> None:
+        if standing != self.latest:
+            self.latest = standing
+            self._news.set()
+
+    def _finish(self) -> None:
+        self._ended = True
+        self._news.set()
+
+    def _later(self, call: Callable[[], None]) -> None:
+        try:
+            self._loop.call_soon_threadsafe(call)
+        except RuntimeError:  # the loop is closed, and with it the connection
+            _log.debug("a watcher is gone")
+
+
+class Watching:
+    """All watchers of this process. Its thread lives while somebody watches."""
+
+    def __init__(
+        self, standings: Standings, estimates: Estimates, doorbell: Doorbell, limits: WatchLimits
+    ) -> None:
+        self.limits = limits
+        self._standings = standings
+        self._estimates = estimates
+        self._doorbell = doorbell
+        self._lock = threading.Lock()
+        self._watches: dict[Watch, str] = {}
+        self._owners: Counter[str] = Counter()
+        self._thread: threading.Thread | None = None
+        self._closing = threading.Event()
+
+    @property
+    def streams(self) -> int:
+        """How many watch."""
+        with self._lock:
+            return len(self._watches)
+
+    @contextmanager
+    def watch(self, subject: Subject, owner: str) -> Iterator[Watch]:
+        """Watch `subject` in the running event loop, counted as one of `owner`'s streams.
+
+        Raises:
+            ProblemError: too many watch, or the service stops.
+        """
+        watch = Watch(subject)
+        self._add(watch, owner)
+        try:
+            yield watch
+        finally:
+            self._remove(watch)
+
+    def look(self, subject: Subject) -> Standing | ClassStanding | None:
+        """Return where `subject` stands now; None when there is no such thing."""
+        return self._look({subject}).get(subject)
+
+    def end(self) -> None:
+        """End all streams and refuse new ones; returns at once."""
+        self._closing.set()
+        self._doorbell.ring()
+        with self._lock:
+            for watch in self._watches:
+                watch.end()
+
+    def close(self) -> None:
+        """Do what `end` does and wait until the rows are no longer looked at."""
+        self.end()
+        with self._lock:
+            thread = self._thread
+        if thread is not None:
+            thread.join()
+
+    def _add(self, watch: Watch, owner: str) -> None:
+        with self._lock:
+            if self._closing.is_set():
+                raise ProblemError("unavailable")
+            if self._owners[owner] >= self.limits.most_each:
+                raise ProblemError("too_many_streams")
+            if len(self._watches) >= self.limits.most:
+                raise ProblemError("streams_full")
+            self._watches[watch] = owner
+            self._owners[owner] += 1
+            if self._thread is None:
+                self._thread = threading.Thread(target=self._run, name="grader-watching", daemon=True)
+                self._thread.start()
+
+    def _remove(self, watch: Watch) -> None:
+        with self._lock:
+            owner = self._watches.pop(watch)
+            self._owners[owner] -= 1
+            if not self._owners[owner]:
+                del self._owners[owner]
+
+    def _run(self) -> None:
+        looks = 0
+        while True:
+            heard = self._doorbell.heard()
+            with self._lock:
+                if not self._watches or self._closing.is_set():
+                    self._thread = None
+                    return
+                watches = list(self._watches)
+            with_classes = looks % _CLASS_EVERY == 0
+            self._tell([one for one in watches if with_classes or one.subject[0] != "class"])
+            looks += 1
+            self._doorbell.wait(heard, self.limits.poll_s)
+            self._closing.wait(_PAUSE_S)
+
+    def _tell(self, watches: list[Watch]) -> None:
+        try:
+            standings = self._look({one.subject for one in watches})
+        except InfrastructureError as error:
+            _log.warning("nobody who watches is told: %s", error)
+            return
+        except Exception:  # watchers would wait for ever for a thread that died
+            _log.exception("nobody who watches is told")
+            return
+        for watch in watches:
+            if (standing := standings.get(watch.subject)) is not None:
+                watch.tell(standing)
+
+    def _look(self, subjects: set[Subject]) -> dict[Subject, Standing | ClassStanding]:
+        ids = {name for what, name in subjects if what == "submission" and name is not None}
+        courses = {name for what, name in subjects if what == "class"}
+        found: dict[Subject, Standing | ClassStanding] = {}
+        for id_, standing in self._standings.of(ids).items():
+            estimated_at = self._estimates.finish(standing, standing.position)
+            found["submission", id_] = replace(standing, estimated_at=estimated_at)
+        for course, class_standing in self._standings.of_classes(courses).items():
+            found["class", course] = class_standing
+        return found

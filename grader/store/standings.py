@@ -1,0 +1,109 @@
+"""Where submissions and classes stand: one narrow query for all that somebody watches."""
+
+import hashlib
+from collections import defaultdict
+from collections.abc import Collection
+from typing import Any
+
+from sqlalchemy import func, or_, select
+from sqlmodel import Session, col
+
+from grader.contracts.progress import ClassStanding, Standing
+from grader.contracts.submission import SubmissionState
+from grader.store.course_tables import AuditRow
+from grader.store.database import Database
+from grader.store.tables import SubmissionRow
+
+_MARK_CHARACTERS = 16
+
+
+class Standings:
+    """Reads where submissions and classes stand; safe to share between threads."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def of(self, submissions: Collection[str]) -> dict[str, Standing]:
+        """Return where `submissions` stand, by id; those that do not exist are left out."""
+        if not submissions:
+            return {}
+        row = SubmissionRow
+        turn = func.row_number().over(order_by=(col(row.priority), col(row.turn_at), col(row.id)))
+        waiting = (
+            select(col(row.id).label("id"), (turn - 1).label("position"))
+            .where(col(row.state) == SubmissionState.QUEUED.value)
+            .subquery()
+        )
+        statement = (
+            select(col(row.id), col(row.state), col(row.attempt), waiting.c.position, col(row.started_at))
+            .outerjoin(waiting, waiting.c.id == col(row.id))
+            .where(col(row.id).in_(submissions))
+        )
+        with self._database.reading() as session:
+            return {
+                one[0]: Standing(
+                    id=one[0],
+                    state=SubmissionState(one[1]),
+                    attempt=one[2],
+                    position=one[3],
+                    started_at=one[4],
+                )
+                for one in session.execute(statement)
+            }
+
+    def of_classes(self, courses: Collection[str | None]) -> dict[str | None, ClassStanding]:
+        """Return where the classes of `courses` stand; None is the class of a service without courses."""
+        if not courses:
+            return {}
+        with self._database.reading() as session:
+            counts, changes = _counts(session, courses), _changes(session, courses)
+        return {course: _class(counts[course], changes.get(course)) for course in courses}
+
+
+def _counts(
+    session: Session, courses: Collection[str | None]
+) -> dict[str | None, dict[str, tuple[Any, ...]]]:
+    """Count by course and state. Claims and gradings raise their numbers for ever: no two changes cancel out."""
+    row = SubmissionRow
+    statement = (
+        select(
+            col(row.course),
+            col(row.state),
+            func.count(),
+            func.sum(col(row.attempt)),
+            func.sum(func.coalesce(col(row.graded_attempt), 0)),
+        )
+        .where(_among(col(row.course), courses), col(row.regrade).is_(None))
+        .group_by(col(row.course), col(row.state))
+    )
+    found: dict[str | None, dict[str, tuple[Any, ...]]] = defaultdict(dict)
+    for course, state, *numbers in session.execute(statement):
+        found[course][state] = tuple(int(number) for number in numbers)
+    return found
+
+
+def _changes(session: Session, courses: Collection[str | None]) -> dict[str | None, int]:
+    """Return each course's latest change of people, rules or grades."""
+    course = col(AuditRow.course)
+    statement = select(course, func.max(col(AuditRow.id))).where(_among(course, courses)).group_by(course)
+    return {one[0]: one[1] for one in session.execute(statement)}
+
+
+def _among(column: Any, courses: Collection[str | None]) -> Any:
+    named = [course for course in courses if course is not None]
+    return or_(column.in_(named), column.is_(None)) if None in courses else column.in_(named)
+
+
+def _class(states: dict[str, tuple[Any, ...]], latest_change: int | None) -> ClassStanding:
+    told = repr((sorted(states.items()), latest_change))
+
+    def count(state: SubmissionState) -> int:
+        return int(states[state.value][0]) if state.value in states else 0
+
+    return ClassStanding(
+        queued=count(SubmissionState.QUEUED),
+        running=count(SubmissionState.RUNNING),
+        graded=count(SubmissionState.GRADED),
+        infrastructure_errors=count(SubmissionState.INFRASTRUCTURE_ERROR),
+        mark=hashlib.sha256(told.encode()).hexdigest()[:_MARK_CHARACTERS],
+    )

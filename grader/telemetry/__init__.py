@@ -1,0 +1,1 @@
+"""What the service says about itself to whoever runs it: log lines and measurements, never student's text."""

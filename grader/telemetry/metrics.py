@@ -1,0 +1,132 @@
+"""Measurements for Prometheus: counted in this process, or read from the rows when somebody asks.
+
+Every label has few values: no student, no submission and no address as it was sent is ever one.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from importlib.metadata import version
+
+from prometheus_client import (
+    CollectorRegistry,
+    Counter,
+    Gauge,
+    Histogram,
+    Info,
+    ProcessCollector,
+    generate_latest,
+    start_http_server,
+)
+
+from grader import __version__
+from grader.contracts.report import GradeStatus
+from grader.contracts.telemetry import ServiceState
+from grader.telemetry.rows import RowCollector
+
+MEDIA_TYPE = "text/plain; version=0.0.4; charset=utf-8"
+_GRADING_S = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60)
+_WAITED_S = (0.5, 1, 2, 5, 10, 30, 60, 300, 900, 3600)
+_REQUEST_S = (0.005, 0.02, 0.05, 0.1, 0.25, 1, 5)
+
+
+class Metrics:
+    """The measurements of one process, in a registry of their own. Is a `GradingObserver`.
+
+    Args:
+        state: reads the rows; called once per scrape. None: only what this process counts.
+    """
+
+    def __init__(self, state: Callable[[], ServiceState] | None = None) -> None:
+        self.registry = registry = CollectorRegistry()
+        ProcessCollector(registry=registry)
+        if state is not None:
+            registry.register(RowCollector(state))
+        build = Info("grader_build", "What runs here.", registry=registry)
+        build.info({"version": __version__, "simulator": f"pybullet {version('pybullet')}"})
+        self._gradings = Counter(
+            "grader_gradings", "Gradings stored by this process.", ["verdict"], registry=registry
+        )
+        self._grading_s = Histogram(
+            "grader_grading_seconds",
+            "From a claim until its grading was stored.",
+            buckets=_GRADING_S,
+            registry=registry,
+        )
+        self._waited_s = Histogram(
+            "grader_time_to_grade_seconds",
+            "From the queueing of a submission until its grading was stored.",
+            buckets=_WAITED_S,
+            registry=registry,
+        )
+        self._retries = Counter(
+            "grader_retries", "Tries that failed through the grader's own fault.", registry=registry
+        )
+        self._lost = Counter(
+            "grader_given_up", "Submissions whose last try failed: no grade.", registry=registry
+        )
+        self._uploads = Counter(
+            "grader_uploads",
+            "Uploads by what they were answered: accepted, repeated, or the problem's code.",
+            ["code"],
+            registry=registry,
+        )
+        self._request_s = Histogram(
+            "grader_http_request_seconds",
+            "Requests by the template of their route; streams of events count until they end.",
+            ["method", "route", "status"],
+            buckets=_REQUEST_S,
+            registry=registry,
+        )
+        self._streams = Gauge("grader_event_streams", "Streams of events that are open.", registry=registry)
+
+    def graded(self, verdict: GradeStatus, grading_s: float, waited_s: float | None) -> None:
+        """Count a grading that was stored."""
+        self._gradings.labels(verdict.value).inc()
+        self._grading_s.observe(grading_s)
+        if waited_s is not None:
+            self._waited_s.observe(waited_s)
+
+    def retried(self, tries: int = 1) -> None:
+        """Count tries that failed and are made again."""
+        self._retries.inc(tries)
+
+    def given_up(self, submissions: int = 1) -> None:
+        """Count submissions that end without a grade."""
+        self._lost.inc(submissions)
+
+    def uploaded(self, code: str) -> None:
+        """Count an upload. `code` is ``accepted``, ``repeated`` or the code of a problem."""
+        self._uploads.labels(code).inc()
+
+    def requested(self, method: str, route: str, status: int, duration_s: float) -> None:
+        """Count a request. `route` is a template such as ``/api/v1/submissions/{submission_id}``."""
+        self._request_s.labels(method, route, str(status)).observe(duration_s)
+
+    def measure_streams(self, streams: Callable[[], float]) -> None:
+        """Ask `streams` at each scrape how many streams of events are open."""
+        self._streams.set_function(streams)
+
+    def exposition(self) -> bytes:
+        """Return everything in Prometheus' text format (`MEDIA_TYPE`)."""
+        return generate_latest(self.registry)
+
+
+@contextmanager
+def exported(metrics: Metrics, port: int, host: str = "127.0.0.1") -> Iterator[int]:
+    """Answer GET /metrics on a port of its own while the context lasts; for processes that serve no HTTP.
+
+    Nobody is asked who they are: `host` must not be reachable by those who should not see it.
+
+    Yields:
+        The port; `port` 0 takes a free one.
+
+    Raises:
+        OSError: the port is taken.
+    """
+    server, thread = start_http_server(port, host, metrics.registry)
+    try:
+        yield server.server_port
+    finally:
+        server.shutdown()
+        server.server_close()
+        thread.join()
