@@ -32,6 +32,7 @@ class NewSubmission:
         key: under which the client sends the same upload again if it got no answer.
         assignment_version: the published version; when given, the same bytes again are recognised.
         ruled: whether the rules of the assignment decide; they do not for a course's staff.
+        by: who hands it in for the student; None: the student.
     """
 
     student: str
@@ -43,6 +44,7 @@ class NewSubmission:
     key: str | None = None
     assignment_version: int | None = None
     ruled: bool = False
+    by: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -19,6 +19,7 @@ from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import Place, Receipt, SubmissionView, receipt, view
 from grader.routes.uploads import UploadRoute, arrival, check_content, checked_name, submitter
+from grader.telemetry.context import note
 
 uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
 
@@ -62,6 +63,7 @@ def require_sight(services: ServicesDep, caller: CallerDep, submission_id: Submi
     submission = services.submissions.get(submission_id)
     if submission is None or not caller.may_see(submission.course, submission.student):
         raise ProblemError("submission_not_found")
+    note(submission=submission.id, assignment=submission.assignment)
 
 
 SIGHT = Depends(require_sight)
@@ -125,8 +127,11 @@ def upload(  # noqa: PLR0913
         received_at=arrived_at,
         key=idempotency_key,
         ruled=caller.role is Role.STUDENT,
+        by=None if student == caller.person or caller.course is None else caller.signature,
     )
     submission, repeated = _store(services, new, file)
+    code = "repeated" if repeated else "accepted"
+    note(submission=submission.id, assignment=submission.assignment, code=code)
     added = receipt(submission, repeated=repeated)
     services.doorbell.ring()
     response.headers["Location"] = added.status_url

@@ -10,6 +10,7 @@ from grader.contracts.codec import from_plain
 from grader.contracts.policy import Attempt, Refusal
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
+from grader.store.audit import Signature, record
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.intake import attempts_of, refusal_of, take_in
@@ -48,6 +49,8 @@ class Submissions:
         """
         with self._database.writing() as session:
             row, repeated = take_in(session, upload, upload.received_at or self._clock())
+            if upload.by is not None and not repeated:
+                _record_handed_in(session, upload.by, row)
             return _submission(row), repeated
 
     def refusal(self, upload: NewSubmission) -> Refusal | None:
@@ -128,6 +131,12 @@ class Submissions:
         )
         with self._database.reading() as session:
             return int(session.execute(statement).scalar_one())
+
+
+def _record_handed_in(session: Session, by: str, row: SubmissionRow) -> None:
+    signed = Signature(row.received_at, row.course, by)
+    what = {"student": row.student, "assignment": row.assignment, "sha256": row.source_sha256}
+    record(session, signed, "submission.hand_in", f"submission {row.id}", after=what)
 
 
 def _report(session: Session, submission_id: str) -> StoredReport | None:

@@ -17,6 +17,7 @@ from grader.routes.problems import ProblemError
 from grader.routes.rule_views import StandingView
 from grader.routes.services import Services, ServicesDep
 from grader.routes.uploads import UploadRoute, arrival
+from grader.telemetry.context import note
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
 from grader.web.forms import require_own_form
@@ -72,6 +73,7 @@ def hand_in(
             student=given,
         )
     except ProblemError as problem:
+        note(code=problem.code)
         return _assignment_page(request, assignment, problem, student)
     response = RedirectResponse(f"/submissions/{receipt.id}", status_code=303)
     if visitor.open:

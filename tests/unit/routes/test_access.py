@@ -40,6 +40,7 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "post /api/v1/submissions": (401, 401, 202, 202, 202, 202, 202, 202),
     "get /api/v1/submissions/{submission_id}": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/report": SUBMISSION,
+    "get /api/v1/submissions/{submission_id}/events": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/trajectory": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/plot.png": SUBMISSION,
     "get /api/v1/assignments": MEMBERS,
@@ -59,11 +60,13 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/submissions/{submission_id}/prairielearn.json": SUBMISSION,
     "get /api/v1/gradebook.csv": STAFF,
     "get /api/v1/dashboard": STAFF,
+    "get /api/v1/dashboard/events": STAFF,
     "get /api/v1/me": MEMBERS,
     "get /api/v1/members": STAFF,
     "get /api/v1/audit": INSTRUCTORS,
     "get /api/v1/problems/{code}": EVERYBODY,
     "get /healthz": (503,) * 8,  # no worker lives in these tests
+    "get /metrics": STAFF,
 }
 
 # without courses: anybody, a wrong token, the operator
@@ -73,6 +76,7 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "post /api/v1/submissions": (202, 401, 202),
     "get /api/v1/submissions/{submission_id}": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/report": OPEN_TO_ALL,
+    "get /api/v1/submissions/{submission_id}/events": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/trajectory": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/plot.png": OPEN_TO_ALL,
     "get /api/v1/assignments": OPEN_TO_ALL,
@@ -91,11 +95,13 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/submissions/{submission_id}/prairielearn.json": OPEN_TO_ALL,
     "get /api/v1/gradebook.csv": OPERATOR_ONLY,
     "get /api/v1/dashboard": OPERATOR_ONLY,
+    "get /api/v1/dashboard/events": OPERATOR_ONLY,
     "get /api/v1/me": OPEN_TO_ALL,
     "get /api/v1/members": OPERATOR_ONLY,
     "get /api/v1/audit": OPERATOR_ONLY,
     "get /api/v1/problems/{code}": (200, 200, 200),
     "get /healthz": (503, 503, 503),
+    "get /metrics": OPERATOR_ONLY,
 }
 
 
@@ -114,7 +120,8 @@ def send(
             "files": {"file": ("a.py", b"x = 1\n")},
             "data": {"assignment": "square", "student": student},
         }
-    return client.request(method, path, headers=headers, **body).status_code
+    with client.stream(method, path, headers=headers, **body) as response:  # some answers never end
+        return response.status_code
 
 
 def headers_of(school: Any, role: str) -> dict[str, str]:
@@ -165,6 +172,19 @@ def test_a_student_hands_in_for_nobody_else(upload: Callable[..., httpx.Response
     assert upload(student="li", headers=school.as_("wang")).json()["student"] == "li"
     response = upload(student="nobody", headers=school.as_("wang"))
     assert response.json()["code"] == "unknown_student"
+
+
+def test_handing_in_for_somebody_else_is_written_down(
+    client: httpx.Client, upload: Callable[..., httpx.Response], school: Any
+) -> None:
+    upload(student="li", headers=school.as_("li"))
+    upload(student="", headers=school.as_("wang"))
+    submission = upload(source=b"x = 1\n", student="li", headers=school.as_("wang")).json()["id"]
+    assert upload(source=b"x = 1\n", student="li", headers=school.as_("wang")).json()["repeated"]
+    entries = client.get("/api/v1/audit", headers=school.as_("wang")).json()["entries"]
+    (entry,) = (one for one in entries if one["action"] == "submission.hand_in")
+    assert (entry["actor"], entry["subject"]) == ("wang", f"submission {submission}")
+    assert entry["after"]["student"] == "li"
 
 
 def test_the_dashboard_shows_the_students_of_ones_own_course(
