@@ -30,11 +30,12 @@ from grader.contracts.telemetry import GradingObserver, Unobserved
 from grader.store.columns import Clock
 from grader.store.doorbell import Doorbell
 from grader.store.queue import Queue
+from grader.store.work import PolledWork, WorkSource
 from grader.store.workers import Workers
 from grader.telemetry.context import bound
 
 _log = logging.getLogger(__name__)
-_STORE_TRIES = 3
+_STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, 4.0)  # a database server that restarts is back by then
 _ABORT_S = 5.0
 
 
@@ -56,6 +57,7 @@ class WorkerParts:
         make_grader: returns a new grader; called once per slot.
         probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
         observer: is told how gradings went.
+        work: tells the slots when to look for work; by default the doorbell and a look every `poll_s`.
     """
 
     queue: Queue
@@ -66,6 +68,7 @@ class WorkerParts:
     doorbell: Doorbell
     clock: Clock
     observer: GradingObserver = field(default_factory=Unobserved)
+    work: WorkSource | None = None
 
 
 class Sandbox:
@@ -160,11 +163,12 @@ class GradingSlot:
         self._parts.observer.graded(result.report.status, grading_s, waited_s)
 
     def _store(self, claim: Claim, result: GradingResult, assignment: Assignment) -> bool:
-        for _ in range(_STORE_TRIES - 1):
+        for pause_s in _STORE_PAUSES_S:
             try:
                 return self._parts.queue.finish(claim, result, assignment)
             except InfrastructureError as error:
                 _log.warning("%s: the report could not be stored yet: %s", claim.submission_id, error)
+                time.sleep(pause_s)
         return self._parts.queue.finish(claim, result, assignment)
 
     def _fail(self, claim: Claim, error: Exception) -> None:
@@ -191,7 +195,7 @@ class Worker:
         self._slots = [
             GradingSlot(f"{self.id}/{number}", parts, self._sandbox) for number in range(config.slots)
         ]
-        self._draining = threading.Event()
+        self._work = parts.work or PolledWork(parts.doorbell, config.poll_s)
         self._stopped = threading.Event()
         self._heart = threading.Thread(target=self._beat_on, name="grader-heart", daemon=True)
         self._threads = [
@@ -202,13 +206,13 @@ class Worker:
     def start(self) -> None:
         """Try the sandbox, then begin to take work."""
         self._heart.start()
+        self._work.start(len(self._slots), lambda: self._sandbox.state.ready)
         for thread in self._threads:
             thread.start()
 
     def stop(self) -> None:
         """Take no more work, let running gradings finish, and return to the queue what takes too long."""
-        self._draining.set()
-        self._parts.doorbell.ring()
+        self._work.drain()
         self._join(self._config.drain_s)
         self._stopped.set()
         self._heart.join(_ABORT_S)
@@ -218,6 +222,7 @@ class Worker:
         except InfrastructureError as error:
             _log.warning("stopped without the database, leases will end what was under way: %s", error)
         self._join(_ABORT_S)
+        self._work.close()
 
     def beat(self) -> None:
         """Renew leases, mend what crashed workers left, say how this worker is."""
@@ -229,7 +234,8 @@ class Worker:
             self._parts.doorbell.ring()
         mended = self._parts.queue.reconcile()
         if mended.requeued or mended.given_up:
-            _log.warning("%d lost gradings queued again, %d given up", mended.requeued, mended.given_up)
+            level = logging.ERROR if mended.given_up else logging.WARNING
+            _log.log(level, "%d lost gradings queued again, %d given up", mended.requeued, mended.given_up)
             self._parts.observer.retried(mended.requeued)
             self._parts.observer.given_up(mended.given_up)
             self._parts.doorbell.ring()
@@ -265,18 +271,14 @@ class Worker:
                 return
 
     def _work_on(self, slot: GradingSlot) -> None:
-        slot.warm_up()
-        while not self._draining.is_set():
-            heard = self._parts.doorbell.heard()
-            try:
-                busy = slot.step()
-            except Exception:  # the database is away; leases heal what was under way
-                _log.exception("a slot could not take work")
-                busy = False
+        def step() -> bool:
+            busy = slot.step()
             if busy:
                 self._parts.doorbell.ring()  # for those who watch
-            elif not self._draining.is_set():
-                self._parts.doorbell.wait(heard, self._config.poll_s)
+            return busy
+
+        slot.warm_up()
+        self._work.serve(step)
         slot.close()
 
     def _join(self, timeout_s: float) -> None:

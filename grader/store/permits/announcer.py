@@ -1,0 +1,96 @@
+"""Announcing rows as permits, and the sweep that keeps permits and rows in step."""
+
+from collections.abc import Sequence
+from datetime import datetime, timedelta
+
+from sqlalchemy import ColumnElement, column, exists, func, literal, select, table, text
+from sqlmodel import Session, col
+
+from grader.contracts.submission import SubmissionState
+from grader.store.announcing import Waiting
+from grader.store.permits.jobs import QUEUE, defer, lock_of
+from grader.store.tables import SubmissionRow
+
+_LATE_S = 5.0  # a row due for so long should have met a permit, if permits are not scarce
+_SILENT_S = 10.0  # workers tell Procrastinate that they live every two seconds
+_STUCK_S = 600.0  # no grading takes so long: its job could not be ended when the database was away
+_AGAIN_S = 0.2
+_AT_ONCE = 1_000
+_SWEEP_KEY = 0x67726164  # of the advisory lock: one sweep at a time
+
+_jobs = table("procrastinate_jobs", column("queueing_lock"), column("queue_name"), column("status"))
+_LEFT_OVER = text(
+    "DELETE FROM procrastinate_jobs AS job WHERE job.queue_name = :queue AND job.status <> 'todo' AND ("
+    " job.status <> 'doing' OR job.worker_id IS NULL"
+    " OR EXISTS (SELECT FROM procrastinate_workers AS worker WHERE worker.id = job.worker_id"
+    "  AND worker.last_heartbeat < now() - make_interval(secs => :silent_s))"
+    " OR NOT EXISTS (SELECT FROM procrastinate_events AS event WHERE event.job_id = job.id"
+    "  AND event.type = 'started' AND event.at > now() - make_interval(secs => :stuck_s)))"
+)
+_PERMITS = text(
+    "SELECT count(*) FROM procrastinate_jobs WHERE queue_name = :queue AND status = 'todo'"
+    " AND (scheduled_at IS NULL OR scheduled_at <= :now)"
+)
+
+
+class PermitAnnouncer:
+    """Announces a row by a job of Procrastinate."""
+
+    def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
+        """Defer a permit for each row."""
+        session.flush()
+        defer(session, waiting, now)
+
+    def mend(self, session: Session, now: datetime) -> int:
+        """Sweep, unless another worker does so at this moment.
+
+        Jobs that nobody runs any more are deleted: their rows wait, and then count as late, or run under a lease,
+        which ends. Rows that are late while there are fewer permits than late rows get one.
+        """
+        if not session.execute(select(func.pg_try_advisory_xact_lock(_SWEEP_KEY))).scalar_one():
+            return 0
+        left_over = {"queue": QUEUE, "silent_s": _SILENT_S, "stuck_s": _STUCK_S}
+        session.execute(_LEFT_OVER, left_over)
+        late = _late(now)
+        count = session.execute(select(func.count()).select_from(SubmissionRow).where(*late)).scalar_one()
+        permits = session.execute(_PERMITS, {"queue": QUEUE, "now": now}).scalar_one()
+        missing = min(int(count) - int(permits), _AT_ONCE)
+        if missing <= 0:
+            return 0
+        rows = session.execute(
+            select(col(SubmissionRow.id), col(SubmissionRow.priority), col(SubmissionRow.not_before))
+            .where(*late, ~_has_a_permit())
+            .order_by(col(SubmissionRow.priority), col(SubmissionRow.turn_at), col(SubmissionRow.id))
+            .limit(missing)
+        ).all()
+        defer(session, [Waiting(submission_id=row[0], priority=row[1], due_at=row[2]) for row in rows], now)
+        return len(rows)
+
+
+def defer_again(session: Session, submission_id: str, now: datetime) -> None:
+    """Give a permit back that was not used, if anything waits that it could still be for.
+
+    Its worker stops, its clock lags behind that of who queued the row, or another transaction held the row.
+    """
+    soon = now + timedelta(seconds=_AGAIN_S)
+    row = session.get(SubmissionRow, submission_id)
+    waits = col(SubmissionRow.state) == SubmissionState.QUEUED.value
+    if row is not None and row.state == SubmissionState.QUEUED.value:
+        own = Waiting(submission_id=row.id, priority=row.priority, due_at=max(row.not_before, soon))
+        defer(session, [own], now)
+    elif session.execute(
+        select(col(SubmissionRow.id)).where(waits, col(SubmissionRow.not_before) <= now)
+    ).first():
+        defer(session, [Waiting(submission_id=submission_id, priority=0, due_at=soon)], now)
+
+
+def _late(now: datetime) -> tuple[ColumnElement[bool], ...]:
+    return (
+        col(SubmissionRow.state) == SubmissionState.QUEUED.value,
+        col(SubmissionRow.not_before) <= now - timedelta(seconds=_LATE_S),
+    )
+
+
+def _has_a_permit() -> ColumnElement[bool]:
+    lock = literal(lock_of("")) + col(SubmissionRow.id)
+    return exists().where(_jobs.c.queueing_lock == lock, _jobs.c.status == text("'todo'"))
