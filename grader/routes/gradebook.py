@@ -12,7 +12,7 @@ from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.report import GradeReport
 from grader.render.documents import to_gradescope, to_prairielearn
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, StaffDep
-from grader.routes.gradebook_tables import canvas, plain
+from grader.routes.gradebook_tables import Scores, canvas, plain
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
@@ -43,9 +43,7 @@ def read_gradebook(
     format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
 ) -> Response:
     """Return everybody's points; without courses of everybody who handed something in."""
-    progress = services.dashboard.state(caller.course).progress
-    scores = {(one.student, one.assignment): one for one in progress}
-    members = _students(services, caller.course) or _seen({one.student for one in progress})
+    members, scores = book(services, caller)
     assignments = services.assignments.all()
     table = (
         canvas(members, assignments, scores, language)
@@ -92,6 +90,13 @@ def read_prairielearn(
     """Return what a PrairieLearn external grader writes."""
     document = to_prairielearn(_report(services, caller, submission_id), language=language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
+
+
+def book(services: Services, caller: Caller) -> tuple[tuple[Member, ...], Scores]:
+    """Return everybody who has a line in the gradebook, and what they reached by student and assignment."""
+    progress = services.dashboard.state(caller.course).progress
+    members = _students(services, caller.course) or _seen({one.student for one in progress})
+    return members, {(one.student, one.assignment): one for one in progress}
 
 
 def _report(services: Services, caller: Caller, submission_id: str) -> GradeReport:

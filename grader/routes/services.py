@@ -19,6 +19,7 @@ from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
 from grader.store.measures import Measures
+from grader.store.past_gradings import PastGradings
 from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.regrades import Regrades
@@ -52,6 +53,7 @@ class Services:
     audit: AuditLog
     policies: Policies
     regrades: Regrades
+    past_gradings: PastGradings
     estimates: Estimates
     request_limit: RateLimit
     upload_limit: RateLimit
@@ -98,6 +100,7 @@ class Services:
             audit=AuditLog(database),
             policies=Policies(database),
             regrades=Regrades(database),
+            past_gradings=PastGradings(database),
             estimates=estimates,
             request_limit=RateLimit(settings.requests_per_minute, clock),
             upload_limit=RateLimit(settings.uploads_per_minute, clock),

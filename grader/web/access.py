@@ -96,6 +96,20 @@ def require_staff(visitor: VisitorDep) -> Visitor:
 StaffDep = Annotated[Visitor, Depends(require_staff)]
 
 
+def require_instructor(visitor: StaffDep) -> Visitor:
+    """Dependency of pages and forms that show or change what only instructors may.
+
+    Raises:
+        ProblemError: the visitor is an assistant.
+    """
+    if not visitor.caller.is_instructor:
+        raise ProblemError("forbidden")
+    return visitor
+
+
+InstructorDep = Annotated[Visitor, Depends(require_instructor)]
+
+
 def require_known(visitor: Visitor) -> None:
     """Ask for the visitor's name before anything personal is looked up.
 

@@ -15,6 +15,7 @@ from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.comparison import compare
 from grader.web.matrix import SHOWS, STUCK_ATTEMPTS, MatrixQuery, matrix
 from grader.web.pages import language_of, page
+from grader.web.roster import names, person
 from grader.web.sketches import report_of
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
@@ -31,7 +32,7 @@ def read_matrix(
         request,
         "class.html",
         overview=overview,
-        matrix=matrix(overview, query),
+        matrix=matrix(overview, query, names(services, visitor.caller)),
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
     )
@@ -60,14 +61,23 @@ def read_student(
 ) -> Response:
     """Show the attempts of one student, at one assignment or all, two of them to be compared."""
     attempts = services.submissions.of_student(student, assignment or None, course=visitor.caller.course)
-    if not attempts:
+    known = names(services, visitor.caller)
+    if not attempts and student not in known:
         raise ProblemError("submission_not_found")
     by_assignment: dict[str, list[Submission]] = {one.id: [] for one in services.assignments.all()}
     for one in attempts:
         by_assignment.setdefault(one.assignment, []).append(one)
     groups = [(id_, own) for id_, own in by_assignment.items() if own]
     titles = {one.id: one.title for one in services.assignments.all()}
-    return page(request, "class_student.html", student=student, only=assignment, groups=groups, titles=titles)
+    return page(
+        request,
+        "class_student.html",
+        student=student,
+        person=person(known, student),
+        only=assignment,
+        groups=groups,
+        titles=titles,
+    )
 
 
 @router.get("/compare")

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from typing import Any, Literal, get_args
 from urllib.parse import urlencode
 
@@ -10,11 +11,13 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.submission import SubmissionState
 from grader.routes.dashboard_views import AssignmentStatistics, CellView, DashboardView, StudentView
+from grader.web.roster import named
 
-Show = Literal["all", "unfinished", "not_begun", "stuck", "waiting", "fault"]
+Show = Literal["all", "at_risk", "unfinished", "not_begun", "stuck", "waiting", "fault"]
 SHOWS: tuple[Show, ...] = get_args(Show)
 STUCK_ATTEMPTS = 3
 _PAGE_STUDENTS = 100
+_NEVER = datetime.min.replace(tzinfo=UTC)
 _WAITING = (SubmissionState.QUEUED, SubmissionState.RUNNING)
 
 
@@ -22,7 +25,8 @@ class MatrixQuery(BaseModel):
     """What the instructor asked for.
 
     Attributes:
-        search: part of a student id. show: which students; assignment: judge that by this assignment only.
+        search: part of a student's id or name. show: which students (``at_risk``: handed in nothing at all, or
+            stuck); assignment: judge that by this assignment only.
         sort: ``student``, ``total``, ``activity`` or the id of an assignment.
     """
 
@@ -52,32 +56,39 @@ class Cell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
-    """One student, cells in the order of the assignments."""
+    """One student, cells in the order of the assignments. `name` may be empty."""
 
     student: StudentView
+    name: str
     cells: tuple[Cell, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Matrix:
-    """One page of the matrix. `found` students in all fit the query."""
+    """One page of the matrix. `found` of `all` students fit the query."""
 
     assignments: Sequence[AssignmentStatistics]
     rows: tuple[Row, ...]
     found: int
+    all: int
     pages: int
     query: MatrixQuery
 
 
-def matrix(dashboard: DashboardView, query: MatrixQuery) -> Matrix:
-    """Return the page of the class that `query` asks for; beyond the last page, the last."""
+def matrix(dashboard: DashboardView, query: MatrixQuery, names: Mapping[str, str]) -> Matrix:
+    """Return the page of the class that `query` asks for; beyond the last page, the last.
+
+    `names` are those of everybody on the roster, by id: who handed in nothing has a row, too.
+    """
     ids = [one.id for one in dashboard.assignments]
     judged = [query.assignment] if query.assignment in ids else ids
     wanted = query.search.strip().lower()
+    everybody = _everybody(dashboard, names)
     students = [
         student
-        for student in dashboard.students
-        if wanted in student.student.lower() and _fits(student, judged, query.show)
+        for student in everybody
+        if (wanted in student.student.lower() or wanted in names.get(student.student, "").lower())
+        and _fits(student, judged, query.show)
     ]
     students.sort(key=_sort_key(query.sort), reverse=query.descending)
     pages = max(1, math.ceil(len(students) / _PAGE_STUDENTS))
@@ -85,17 +96,25 @@ def matrix(dashboard: DashboardView, query: MatrixQuery) -> Matrix:
     shown = students[(page - 1) * _PAGE_STUDENTS : page * _PAGE_STUDENTS]
     return Matrix(
         assignments=dashboard.assignments,
-        rows=tuple(_row(student, ids) for student in shown),
+        rows=tuple(_row(student, ids, named(names, student.student)) for student in shown),
         found=len(students),
+        all=len(everybody),
         pages=pages,
         query=query.model_copy(update={"page": page}),
     )
 
 
-def _row(student: StudentView, ids: Sequence[str]) -> Row:
+def _everybody(dashboard: DashboardView, names: Mapping[str, str]) -> list[StudentView]:
+    active = {one.student for one in dashboard.students}
+    idle = [StudentView(student=one, total_score=0.0, assignments={}) for one in names if one not in active]
+    return [*dashboard.students, *idle]
+
+
+def _row(student: StudentView, ids: Sequence[str], name: str) -> Row:
     cells = (student.assignments.get(one) for one in ids)
     return Row(
         student=student,
+        name=name,
         cells=tuple(
             Cell(assignment=id_, look=_look(cell), cell=cell) for id_, cell in zip(ids, cells, strict=True)
         ),
@@ -113,6 +132,8 @@ def _look(cell: CellView | None) -> str:
 def _fits(student: StudentView, judged: Sequence[str], show: Show) -> bool:
     if show == "all":
         return True
+    if show == "at_risk":
+        return not student.assignments or _fits(student, judged, "stuck")
     return any(_CONDITIONS[show](student.assignments.get(one)) for one in judged)
 
 
@@ -129,7 +150,10 @@ def _sort_key(sort: str) -> Callable[[StudentView], Any]:
     if sort == "total":
         return lambda one: (one.total_score, one.student)
     if sort == "activity":
-        return lambda one: (max(cell.last_activity_at for cell in one.assignments.values()), one.student)
+        return lambda one: (
+            max((cell.last_activity_at for cell in one.assignments.values()), default=_NEVER),
+            one.student,
+        )
     if sort == "student":
         return lambda one: one.student
     return lambda one: (_score(one.assignments.get(sort)), one.student)

@@ -3,14 +3,37 @@
 from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 
-from grader.web import classroom, entrance, errors, progress, student, submission
+from grader.web import (
+    classroom,
+    entrance,
+    errors,
+    gradebook_page,
+    gradings,
+    people_pages,
+    regrading,
+    rule_pages,
+    student,
+    submission,
+)
 from grader.web.pages import FOLDER
+
+_ROUTERS = (
+    student.router,
+    student.uploads,
+    submission.router,
+    entrance.router,
+    classroom.router,
+    gradings.router,
+    gradebook_page.router,
+    regrading.router,
+    rule_pages.router,
+    people_pages.router,
+)
 
 
 def install(app: FastAPI) -> None:
     """Add all pages to `app`; its handlers of failures must stand already."""
-    routers = (student.router, student.uploads, submission.router, progress.router, entrance.router)
-    for router in (*routers, classroom.router):
+    for router in _ROUTERS:
         app.include_router(router)
     app.mount("/static", StaticFiles(directory=FOLDER / "static"), name="static")
     errors.install(app)

@@ -180,7 +180,10 @@ class TestCourse:
         foreign = put(student="li", course=None)
         browser.enter(token=tokens["wang"])
         assert browser.get(foreign).status_code == 404
-        assert browser.get("/class/students/li").status_code == 404
+        own = browser.get("/class/students/li?lang=en").text
+        assert "Nothing handed in yet" in own
+        assert foreign not in own
+        assert browser.get("/class/students/nobody").status_code == 404
 
     def test_hidden_items_stay_hidden(
         self, browser: Browser, services: Services, tokens: dict[str, str], put: Callable[..., str]

@@ -93,7 +93,7 @@ def test_two_attempts_stand_side_by_side(instructor: Browser, school: dict[str, 
     ids = [school[one].rpartition("/")[2] for one in ("bo again", "bo")]  # in either order
     text = instructor.get(f"/class/compare?first={ids[0]}&second={ids[1]}&lang=en").text
     assert text.index("A · 0") < text.index("B · 10")
-    assert text.count("<strong>+5</strong>") == 2
+    assert text.count(">+5</strong>") == 2
     assert '<span class="added">+changed = 1</span>' in text
     assert text.count("/plot.png") == 2
 

@@ -1,0 +1,115 @@
+"""The gradebook as a page: the points that count, for everybody, and as files for other systems."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated
+from urllib.parse import urlencode
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.dashboard import Progress
+from grader.contracts.identity import Member
+from grader.routes import gradebook
+from grader.routes.gradebook import Format
+from grader.routes.gradebook_tables import Scores
+from grader.routes.services import ServicesDep
+from grader.web.access import StaffDep, require_staff
+from grader.web.pages import language_of, page
+
+router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
+_PAGE_STUDENTS = 100
+_CENT = 2
+
+
+class BookQuery(BaseModel):
+    """Which students are shown: those whose id or name contains `search`, one page of them."""
+
+    model_config = ConfigDict(frozen=True)
+
+    search: str = Field(default="", max_length=100)
+    page: int = Field(default=1, ge=1, le=100_000)
+
+    def address(self, **changes: object) -> str:
+        """Return the query string of this view with some fields changed."""
+        return "?" + urlencode({**self.model_dump(), **changes})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BookLine:
+    """One student. `cells` in the order of the assignments, None where nothing was handed in."""
+
+    member: Member
+    total: float
+    cells: tuple[Progress | None, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Book:
+    """One page of the gradebook. `means` of the points that count, None where there are none."""
+
+    lines: tuple[BookLine, ...]
+    means: tuple[float | None, ...]
+    found: int
+    all: int
+    pages: int
+    query: BookQuery
+
+
+def book_page(
+    members: Sequence[Member], scores: Scores, assignments: Sequence[Assignment], query: BookQuery
+) -> Book:
+    """Return the page of the gradebook that `query` asks for; beyond the last page, the last."""
+    wanted = query.search.strip().lower()
+    fitting = [one for one in members if wanted in one.id.lower() or wanted in one.name.lower()]
+    pages = max(1, math.ceil(len(fitting) / _PAGE_STUDENTS))
+    number = min(query.page, pages)
+    shown = fitting[(number - 1) * _PAGE_STUDENTS : number * _PAGE_STUDENTS]
+    return Book(
+        lines=tuple(_line(one, scores, assignments) for one in shown),
+        means=tuple(_mean(one.id, members, scores) for one in assignments),
+        found=len(fitting),
+        all=len(members),
+        pages=pages,
+        query=query.model_copy(update={"page": number}),
+    )
+
+
+@router.get("/gradebook")
+def read(
+    request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[BookQuery, Query()]
+) -> Response:
+    """Show the points that count by student and assignment."""
+    members, scores = gradebook.book(services, visitor.caller)
+    assignments = services.assignments.all()
+    return page(
+        request,
+        "gradebook.html",
+        book=book_page(members, scores, assignments, query),
+        assignments=assignments,
+        pass_fraction=services.settings.pass_fraction,
+    )
+
+
+@router.get("/gradebook.csv")
+def download(
+    request: Request, services: ServicesDep, visitor: StaffDep, format: Annotated[Format, Query()] = "plain"
+) -> Response:
+    """Return the whole gradebook as a file."""
+    return gradebook.read_gradebook(
+        services=services, caller=visitor.caller, language=language_of(request), format=format
+    )
+
+
+def _line(member: Member, scores: Scores, assignments: Sequence[Assignment]) -> BookLine:
+    cells = tuple(scores.get((member.id, one.id)) for one in assignments)
+    counted = [one.counted_score for one in cells if one is not None and one.counted_score is not None]
+    return BookLine(member=member, total=round(sum(counted), _CENT), cells=cells)
+
+
+def _mean(assignment_id: str, members: Sequence[Member], scores: Scores) -> float | None:
+    reached = [scores.get((one.id, assignment_id)) for one in members]
+    counted = [one.counted_score for one in reached if one is not None and one.counted_score is not None]
+    return round(sum(counted) / len(counted), 1) if counted else None

@@ -1,0 +1,108 @@
+"""Every grading of a submission, two of them side by side, and the report in other graders' formats."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from grader.contracts.submission import StoredReport
+from grader.routes import gradebook, regrades
+from grader.routes.problems import ProblemError
+from grader.routes.services import Services, ServicesDep
+from grader.routes.submissions import SubmissionId
+from grader.web import access
+from grader.web.access import StaffDep, require_staff
+from grader.web.comparison import compare
+from grader.web.pages import language_of, page
+from grader.web.roster import names, person
+from grader.web.sketches import report_of
+
+router = APIRouter(
+    prefix="/class/submissions/{submission_id}",
+    include_in_schema=False,
+    dependencies=[Depends(require_staff)],
+)
+_Attempt = Annotated[int, Query(ge=0, le=1_000_000)]
+
+
+@router.get("/gradings")
+def read_all(
+    request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
+) -> Response:
+    """Show when, with which versions and why a submission was graded."""
+    submission, _ = access.seen(services, visitor, submission_id)
+    history = regrades.read_history(services=services, _caller=visitor.caller, submission_id=submission.id)
+    return page(
+        request,
+        "gradings.html",
+        submission=submission,
+        person=person(names(services, visitor.caller), submission.student),
+        gradings=history.gradings,
+        titles={one.id: one.title for one in services.assignments.all()},
+    )
+
+
+@router.get("/gradings/compare")
+def read_comparison(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    submission_id: SubmissionId,
+    first: _Attempt,
+    second: _Attempt,
+) -> Response:
+    """Show two gradings of one submission side by side, the earlier first."""
+    submission, _ = access.seen(services, visitor, submission_id)
+    earlier, later = (
+        _grading(services, submission.id, attempt) for attempt in (min(first, second), max(first, second))
+    )
+    return page(
+        request,
+        "compare_gradings.html",
+        submission=submission,
+        person=person(names(services, visitor.caller), submission.student),
+        comparison=compare(report_of(earlier), report_of(later), "", "", language_of(request)),
+        gradings=(earlier, later),
+        regrade=None,
+    )
+
+
+@router.get("/gradescope.json")
+def read_gradescope(
+    request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
+) -> Response:
+    """Return the report as a Gradescope autograder writes it, to be saved."""
+    submission, _ = access.seen(services, visitor, submission_id)
+    response = gradebook.read_gradescope(
+        services=services,
+        caller=visitor.caller,
+        language=language_of(request),
+        submission_id=submission.id,
+    )
+    return _saved(response, f"gradescope-{submission.id}.json")
+
+
+@router.get("/prairielearn.json")
+def read_prairielearn(
+    request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
+) -> Response:
+    """Return the report as a PrairieLearn external grader writes it, to be saved."""
+    submission, _ = access.seen(services, visitor, submission_id)
+    response = gradebook.read_prairielearn(
+        services=services,
+        caller=visitor.caller,
+        language=language_of(request),
+        submission_id=submission.id,
+    )
+    return _saved(response, f"prairielearn-{submission.id}.json")
+
+
+def _saved(response: Response, file_name: str) -> Response:
+    response.headers["Content-Disposition"] = f'attachment; filename="{file_name}"'
+    return response
+
+
+def _grading(services: Services, submission_id: str, attempt: int) -> StoredReport:
+    stored = services.past_gradings.get(submission_id, attempt)
+    if stored is None:
+        raise ProblemError("submission_not_found")
+    return stored

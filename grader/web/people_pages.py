@@ -1,0 +1,81 @@
+"""Who is in the course, and what was changed by whom."""
+
+import json
+import re
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Query, Request, Response
+
+from grader.routes import people
+from grader.routes.services import ServicesDep
+from grader.web.access import InstructorDep, StaffDep, require_staff
+from grader.web.pages import page
+
+router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
+_ENTRIES = 50
+_LARGEST_ID = 2**63 - 1
+_LONGEST_SHOWN = 400
+_ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
+
+
+@router.get("/people")
+def read_people(
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    search: Annotated[str, Query(max_length=100)] = "",
+) -> Response:
+    """Show the roster."""
+    known = people.read_members(services=services, caller=visitor.caller, response=Response())
+    me = people.read_me(services=services, caller=visitor.caller, response=Response())
+    wanted = search.strip().lower()
+    found = [one for one in known.members if wanted in one.id.lower() or wanted in one.name.lower()]
+    return page(
+        request, "people.html", course=me.course, members=found, all=len(known.members), search=search
+    )
+
+
+@router.get("/audit")
+def read_audit(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    before: Annotated[int | None, Query(ge=0, le=_LARGEST_ID)] = None,
+) -> Response:
+    """Show changes of grades and settings, newest first."""
+    log = people.read_audit(
+        services=services, caller=visitor.caller, response=Response(), before=before, limit=_ENTRIES
+    )
+    lines = [(entry, differences(entry.before, entry.after), address(entry.subject)) for entry in log.entries]
+    return page(request, "audit.html", lines=lines, next_before=log.next_before, newest=before is None)
+
+
+def address(subject: str) -> str:
+    """Return the page of what an entry of the log is about, empty where there is none."""
+    kind, _, name = subject.partition(" ")
+    if kind == "submission" and _ID.fullmatch(name):
+        return f"/submissions/{name}"
+    if kind == "assignment" and _ID.fullmatch(name):
+        return f"/class/rules/{name}"
+    return f"/class/regrades/{name.split()[0]}" if kind == "regrade" and name else ""
+
+
+def differences(before: Any, after: Any) -> list[tuple[str, str, str]]:
+    """Return what changed as name, text before and text after; only the fields that differ of two records."""
+    if not (isinstance(before, dict) or isinstance(after, dict)):
+        return [("", _text(before), _text(after))]
+    old, new = (one if isinstance(one, dict) else {} for one in (before, after))
+    return [
+        (name, _text(old.get(name)), _text(new.get(name)))
+        for name in dict.fromkeys([*old, *new])
+        if old.get(name) != new.get(name)
+    ]
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return "—"
+    if isinstance(value, float):
+        return f"{value:g}"
+    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, sort_keys=True)
+    return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN] + "…"

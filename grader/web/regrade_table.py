@@ -1,0 +1,142 @@
+"""What a re-grade changes as its page shows it: by student and by rubric item. Pure functions."""
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
+from urllib.parse import urlencode
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.text import Language
+from grader.routes.regrades import ItemChangeView, RegradeView, ScoreChangeView
+from grader.web.roster import item_title, named
+
+Part = Literal["all", "gain", "lose", "moved"]
+PARTS: tuple[Part, ...] = get_args(Part)
+_PAGE_LINES = 100
+
+
+class ChangesQuery(BaseModel):
+    """Which changes are shown. `part`: all; those who gain, who lose; or whose points only move between items."""
+
+    model_config = ConfigDict(frozen=True)
+
+    part: Part = "all"
+    page: int = Field(default=1, ge=1, le=100_000)
+
+    def address(self, **changes: object) -> str:
+        """Return the query string of this view with some fields changed."""
+        return "?" + urlencode({**self.model_dump(), **changes})
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Move:
+    """Points from one number to another, None where there were or are none; `by` is the difference."""
+
+    title: str
+    before: float | None
+    after: float | None
+    by: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChangeLine:
+    """One submission: its score, and the items that make the difference."""
+
+    submission: str
+    student: str
+    name: str
+    score: Move
+    items: tuple[Move, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ItemTotal:
+    """For how many submissions one item earns more or less."""
+
+    title: str
+    more: int
+    less: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Changes:
+    """One page of the changes, and the items over all of them. `counts`: lines of each part."""
+
+    lines: tuple[ChangeLine, ...]
+    totals: tuple[ItemTotal, ...]
+    counts: Mapping[Part, int]
+    pages: int
+    query: ChangesQuery
+
+
+def changes(
+    regrade: RegradeView,
+    assignment: Assignment | None,
+    names: Mapping[str, str],
+    language: Language,
+    query: ChangesQuery,
+) -> Changes:
+    """Return the page of changes that `query` asks for; beyond the last page, the last."""
+    titles = _Titles(assignment, language)
+    fitting = {part: [one for one in regrade.changes if _FITS[part](_by(one))] for part in PARTS}
+    shown = fitting[query.part]
+    pages = max(1, math.ceil(len(shown) / _PAGE_LINES))
+    page = min(query.page, pages)
+    lines = shown[(page - 1) * _PAGE_LINES : page * _PAGE_LINES]
+    return Changes(
+        lines=tuple(_line(one, names, titles) for one in lines),
+        totals=tuple(_totals(regrade.changes, titles)),
+        counts={part: len(found) for part, found in fitting.items()},
+        pages=pages,
+        query=query.model_copy(update={"page": page}),
+    )
+
+
+class _Titles:
+    """Titles of rubric items, in the order of the rubric."""
+
+    def __init__(self, assignment: Assignment | None, language: Language) -> None:
+        self._assignment = assignment
+        self._language = language
+
+    def __call__(self, item: str) -> str:
+        return item_title(self._assignment, item, self._language)
+
+
+_FITS: Mapping[Part, Callable[[float], bool]] = {
+    "all": lambda by: True,
+    "gain": lambda by: by > 0,
+    "lose": lambda by: by < 0,
+    "moved": lambda by: by == 0,
+}
+
+
+def _by(change: ScoreChangeView | ItemChangeView) -> float:
+    return round((change.after or 0.0) - (change.before or 0.0), 2)
+
+
+def _line(change: ScoreChangeView, names: Mapping[str, str], titles: Callable[[str], str]) -> ChangeLine:
+    return ChangeLine(
+        submission=change.submission.rpartition("/")[2],
+        student=change.student,
+        name=named(names, change.student),
+        score=_move("", change),
+        items=tuple(_move(titles(item.item), item) for item in change.items),
+    )
+
+
+def _move(title: str, change: ScoreChangeView | ItemChangeView) -> Move:
+    return Move(title=title, before=change.before, after=change.after, by=_by(change))
+
+
+def _totals(found: Sequence[ScoreChangeView], titles: Callable[[str], str]) -> Iterable[ItemTotal]:
+    more: Counter[str] = Counter()
+    less: Counter[str] = Counter()
+    for item in (item for change in found for item in change.items):
+        (more if _by(item) >= 0 else less)[item.item] += 1
+    for item_id in dict.fromkeys(item.item for change in found for item in change.items):
+        yield ItemTotal(title=titles(item_id), more=more[item_id], less=less[item_id])

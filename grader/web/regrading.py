@@ -1,0 +1,225 @@
+"""Grading again, as pages: choose, watch the trial, look at who gains and loses, then apply or discard."""
+
+import re
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi.responses import JSONResponse, RedirectResponse
+from pydantic import BaseModel, Field
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.identity import is_person_id
+from grader.contracts.regrade import Which
+from grader.routes import regrades
+from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.problems import ProblemError
+from grader.routes.regrades import Decision, RegradeId, RegradeOrder, RegradeView
+from grader.routes.services import Services, ServicesDep
+from grader.web import access
+from grader.web.access import InstructorDep, StaffDep, require_staff
+from grader.web.comparison import compare
+from grader.web.forms import require_own_form
+from grader.web.pages import language_of, page
+from grader.web.regrade_table import PARTS, ChangesQuery, changes
+from grader.web.roster import names, person
+from grader.web.sketches import report_of
+from grader.web.words import say
+
+router = APIRouter(prefix="/class/regrades", include_in_schema=False, dependencies=[Depends(require_staff)])
+WHICH: tuple[Which, ...] = ("all", "latest", "best", "faults")
+_SEPARATORS = re.compile(r"[\s,;，；、]+")
+_MOST_STUDENTS = 500
+_LONGEST_LIST = 40_000
+
+
+class Order(BaseModel):
+    """What the form says: `students` are ids with anything between them, nobody's for everybody's."""
+
+    assignment: str = Field(default="", max_length=64)
+    which: Which = "all"
+    students: str = Field(default="", max_length=_LONGEST_LIST)
+
+
+class Verdict(BaseModel):
+    """What an instructor decides about a re-grade, and why."""
+
+    decision: Literal["apply", "discard"]
+    reason: str = Field(default="", max_length=1_000)
+
+
+class Refusal(BaseModel):
+    """Which field was not accepted, and what to do about it."""
+
+    field: Literal["assignment", "which", "students", "reason"]
+    text: str
+
+
+@router.get("")
+def read_all(
+    request: Request, services: ServicesDep, visitor: StaffDep, order: Annotated[Order, Query()]
+) -> Response:
+    """Show all re-grades and the form that starts one; `order` fills the form."""
+    return _list(request, services, visitor, order)
+
+
+@router.post("", dependencies=[Depends(require_own_form)])
+def start(
+    request: Request, services: ServicesDep, visitor: InstructorDep, order: Annotated[Order, Form()]
+) -> Response:
+    """Start a trial and lead to its page; on a refusal show the form with the reason."""
+    students = [one for one in _SEPARATORS.split(order.students) if one]
+    refusal = _refused_students(request, services, visitor, students)
+    if refusal is not None:
+        return _list(request, services, visitor, order, refusal)
+    try:
+        started = regrades.start(
+            services=services,
+            caller=visitor.caller,
+            response=Response(),
+            order=RegradeOrder(assignment=order.assignment, which=order.which, students=students),
+        )
+    except ProblemError as problem:
+        return _list(request, services, visitor, order, _refusal(request, problem))
+    return RedirectResponse(f"/class/regrades/{started.id}", status_code=303)
+
+
+@router.get("/{regrade_id}")
+def read(
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    regrade_id: RegradeId,
+    query: Annotated[ChangesQuery, Query()],
+) -> Response:
+    """Show how far a re-grade is and what it changes."""
+    return _one(request, services, visitor, regrade_id, query)
+
+
+@router.get("/{regrade_id}/state.json")
+def read_state(services: ServicesDep, visitor: StaffDep, regrade_id: RegradeId) -> Response:
+    """Say how far a trial is: what its page asks for again and again."""
+    regrade = regrades.read(services=services, caller=visitor.caller, regrade_id=regrade_id)
+    document = {"waiting": regrade.waiting, "total": total(regrade), "open": regrade.state == "open"}
+    return JSONResponse(document, headers={"Cache-Control": "no-store"})
+
+
+@router.post("/{regrade_id}", dependencies=[Depends(require_own_form)])
+def decide(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    regrade_id: RegradeId,
+    verdict: Annotated[Verdict, Form()],
+) -> Response:
+    """Apply or discard; without a reason show the page again."""
+    if not verdict.reason.strip():
+        refusal = Refusal(field="reason", text=say("form.reason_needed", language_of(request)))
+        return _one(request, services, visitor, regrade_id, ChangesQuery(), refusal)
+    act = regrades.apply if verdict.decision == "apply" else regrades.discard
+    decision = Decision(reason=verdict.reason.strip())
+    act(services=services, caller=visitor.caller, regrade_id=regrade_id, decision=decision)
+    return RedirectResponse(f"/class/regrades/{regrade_id}", status_code=303)
+
+
+@router.get("/{regrade_id}/changes/{submission_id}")
+def read_change(
+    request: Request, services: ServicesDep, visitor: StaffDep, regrade_id: RegradeId, submission_id: str
+) -> Response:
+    """Show a submission's grading before a re-grade and the one made by it, side by side."""
+    regrade = regrades.read(services=services, caller=visitor.caller, regrade_id=regrade_id)
+    submission, _ = access.seen(services, visitor, submission_id)
+    first, second = services.past_gradings.around(regrade.id, submission.id)
+    if first is None or second is None:
+        raise ProblemError("not_graded_yet")
+    both = compare(report_of(first), report_of(second), "", "", language_of(request))
+    return page(
+        request,
+        "compare_gradings.html",
+        submission=submission,
+        person=person(names(services, visitor.caller), submission.student),
+        comparison=both,
+        gradings=(first, second),
+        regrade=regrade,
+    )
+
+
+def total(regrade: RegradeView) -> int:
+    """Return of how many submissions a re-grade makes trial gradings."""
+    return regrade.waiting + regrade.failed + regrade.same + len(regrade.changes)
+
+
+def _list(
+    request: Request,
+    services: Services,
+    visitor: access.Visitor,
+    order: Order,
+    refusal: Refusal | None = None,
+) -> Response:
+    known = regrades.read_all(services=services, caller=visitor.caller)
+    assignments = services.assignments.all()
+    return page(
+        request,
+        "regrades.html",
+        status=200 if refusal is None else 422,
+        regrades=known.regrades,
+        total=total,
+        titles={one.id: one.title for one in assignments},
+        assignments=assignments,
+        order=order,
+        choices=WHICH,
+        refusal=refusal,
+    )
+
+
+def _one(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: Services,
+    visitor: access.Visitor,
+    regrade_id: str,
+    query: ChangesQuery,
+    refusal: Refusal | None = None,
+) -> Response:
+    regrade = regrades.read(services=services, caller=visitor.caller, regrade_id=regrade_id)
+    known, language = names(services, visitor.caller), language_of(request)
+    assignment = _published(services, regrade.assignment)
+    values: dict[str, Any] = {
+        "regrade": regrade,
+        "total": total(regrade),
+        "title": regrade.assignment if assignment is None else assignment.title.get(language),
+        "changes": changes(regrade, assignment, known, language, query),
+        "parts": PARTS,
+        "people": [person(known, one) for one in regrade.students],
+        "refusal": refusal,
+    }
+    return page(request, "regrade.html", status=200 if refusal is None else 422, **values)
+
+
+def _published(services: Services, assignment_id: str) -> Assignment | None:
+    try:
+        return services.assignments.get(assignment_id)
+    except UnknownAssignmentError:
+        return None
+
+
+def _refused_students(
+    request: Request, services: Services, visitor: access.Visitor, students: list[str]
+) -> Refusal | None:
+    """Return what is wrong with the named students, None when nothing is."""
+    language, known = language_of(request), names(services, visitor.caller)
+    wrong = [one for one in students if not is_person_id(one) or (known and one not in known)]
+    if wrong:
+        text = say("regrade.unknown_students", language, students=", ".join(wrong[:10]))
+        return Refusal(field="students", text=text)
+    if len(students) > _MOST_STUDENTS:
+        return Refusal(field="students", text=say("regrade.many_students", language, most=_MOST_STUDENTS))
+    return None
+
+
+def _refusal(request: Request, problem: ProblemError) -> Refusal:
+    language = language_of(request)
+    if problem.code == "nothing_to_regrade":
+        return Refusal(field="students", text=say("regrade.nothing_fits", language))
+    if problem.code == "regrade_open":
+        return Refusal(field="assignment", text=say("regrade.open_already", language))
+    return Refusal(field="assignment", text=PROBLEM_TYPES[problem.code].title.get(language))

@@ -1,0 +1,36 @@
+"""Who the class is, for its pages: everybody of the roster, also those who handed in nothing."""
+
+from collections.abc import Mapping
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.identity import Caller, Role
+from grader.contracts.text import Language
+from grader.routes.services import Services
+
+
+def names(services: Services, caller: Caller) -> dict[str, str]:
+    """Return id and name of every student of the course, in order of id; nobody while there is no course."""
+    if caller.course is None:
+        return {}
+    return {member.id: member.name for member in services.courses.members(caller.course, Role.STUDENT)}
+
+
+def named(known: Mapping[str, str], student: str) -> str:
+    """Return a student's name if there is one that says more than the id, else nothing."""
+    name = known.get(student, "")
+    return "" if name == student else name
+
+
+def person(known: Mapping[str, str], student: str) -> str:
+    """Return a student's id with the name behind it, if there is one that says more."""
+    return f"{student} {named(known, student)}".rstrip()
+
+
+def item_title(assignment: Assignment | None, item_id: str, language: Language) -> str:
+    """Return the title of a rubric item, with the case where there are several; the id when it is not known."""
+    case_id, _, name = item_id.rpartition("/")
+    if assignment is None:
+        return item_id
+    title = next((item.title.get(language) for item in assignment.items if item.id == name), name)
+    case = next((case.title.get(language) for case in assignment.cases if case.id == case_id), case_id)
+    return f"{title} ({case})" if case else title

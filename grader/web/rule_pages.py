@@ -1,0 +1,147 @@
+"""The rules of the assignments as pages: everybody of the staff reads them, instructors change them."""
+
+from typing import Annotated, Any
+
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi.responses import RedirectResponse
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import CourseError, UnknownAssignmentError
+from grader.contracts.policy import NO_EXTENSION, Extension
+from grader.routes.problems import ProblemError
+from grader.routes.rules import AssignmentId, signature
+from grader.routes.services import Services, ServicesDep
+from grader.store.policies import Rules
+from grader.web.access import InstructorDep, StaffDep, Visitor, require_staff
+from grader.web.forms import require_own_form
+from grader.web.pages import page
+from grader.web.roster import names
+from grader.web.rule_form import (
+    ExtensionForm,
+    Reader,
+    RuleForm,
+    extension_form_of,
+    form_of,
+)
+
+router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=[Depends(require_staff)])
+LATE_KINDS = ("none", "linear", "steps")
+COUNTS = ("best", "last", "best_before_due")
+
+
+@router.get("")
+def read_all(request: Request, services: ServicesDep, visitor: StaffDep) -> Response:
+    """Show the rules of every assignment in a line."""
+    known = services.policies.rules(visitor.caller.course)
+    lines = [
+        (one, known.policy(one.id), len(_extensions(known, one.id))) for one in services.assignments.all()
+    ]
+    return page(request, "rules.html", lines=lines, zone=known.zone, course=visitor.caller.course)
+
+
+@router.get("/{assignment_id}")
+def read(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    assignment_id: AssignmentId,
+    student: Annotated[str, Query(max_length=64)] = "",
+    saved: Annotated[str, Query(pattern="^(|rules|extension)$")] = "",
+) -> Response:
+    """Show the rules of one assignment and who got more; `student` fills the form of extensions."""
+    assignment = _assignment(services, assignment_id)
+    known = services.policies.rules(visitor.caller.course)
+    extension = extension_form_of(student, known.extension(assignment.id, student), known.zone)
+    return _page(request, services, visitor, assignment, extension=extension, saved=saved)
+
+
+@router.post("/{assignment_id}", dependencies=[Depends(require_own_form)])
+def change(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    assignment_id: AssignmentId,
+    form: Annotated[RuleForm, Form()],
+) -> Response:
+    """Put new rules in place of the old ones, or show the form again with what is wrong at its fields."""
+    assignment = _assignment(services, assignment_id)
+    signed = signature(services, visitor.caller)
+    known = services.policies.rules(visitor.caller.course)
+    reader = Reader(known.zone)
+    items = frozenset(item.id for item in assignment.items)
+    policy = reader.policy(form, known.policy(assignment.id), items)
+    if reader.errors:
+        return _page(request, services, visitor, assignment, form=form, errors=reader.errors)
+    services.policies.set(assignment.id, policy, signed, form.reason.strip())
+    return RedirectResponse(f"/class/rules/{assignment.id}?saved=rules", status_code=303)
+
+
+@router.post("/{assignment_id}/extensions", dependencies=[Depends(require_own_form)])
+def extend(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    assignment_id: AssignmentId,
+    form: Annotated[ExtensionForm, Form()],
+) -> Response:
+    """Give one student more, or show the form again; an empty extension takes back what there was."""
+    assignment = _assignment(services, assignment_id)
+    signed = signature(services, visitor.caller)
+    known = services.policies.rules(visitor.caller.course)
+    student = form.student.strip()
+    reader = Reader(known.zone)
+    extension = reader.extension(form, known.extension(assignment.id, student))
+    if not reader.errors:
+        try:
+            services.policies.extend(assignment.id, student, extension, signed, form.reason.strip())
+        except CourseError:
+            reader.errors["student"] = "rules.error.student"
+    if reader.errors:
+        return _page(request, services, visitor, assignment, extension=form, extension_errors=reader.errors)
+    return RedirectResponse(f"/class/rules/{assignment.id}?saved=extension#extensions", status_code=303)
+
+
+def _page(  # noqa: PLR0913
+    request: Request,
+    services: Services,
+    visitor: Visitor,
+    assignment: Assignment,
+    *,
+    form: RuleForm | None = None,
+    errors: dict[str, str] | None = None,
+    extension: ExtensionForm | None = None,
+    extension_errors: dict[str, str] | None = None,
+    saved: str = "",
+) -> Response:
+    known = services.policies.rules(visitor.caller.course)
+    values: dict[str, Any] = {
+        "assignment": assignment,
+        "policy": known.policy(assignment.id),
+        "zone": known.zone,
+        "form": form or form_of(known.policy(assignment.id), known.zone),
+        "errors": errors or {},
+        "extensions": _extensions(known, assignment.id),
+        "extension": extension or ExtensionForm(),
+        "extension_errors": extension_errors or {},
+        "names": names(services, visitor.caller),
+        "may_change": visitor.caller.is_instructor and visitor.caller.course is not None,
+        "late_kinds": LATE_KINDS,
+        "counts": COUNTS,
+        "saved": saved,
+    }
+    return page(request, "rules_assignment.html", status=422 if errors or extension_errors else 200, **values)
+
+
+def _extensions(known: Rules, assignment_id: str) -> list[tuple[str, Extension]]:
+    return sorted(
+        (student, one)
+        for (assignment, student), one in known.extensions.items()
+        if assignment == assignment_id and one != NO_EXTENSION
+    )
+
+
+def _assignment(services: Services, assignment_id: str) -> Assignment:
+    try:
+        return services.assignments.get(assignment_id)
+    except UnknownAssignmentError:
+        raise ProblemError("assignment_not_found") from None
