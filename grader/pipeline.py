@@ -8,10 +8,16 @@ from typing import Self
 
 from grader import __version__
 from grader.contracts import trajectory_json
-from grader.contracts.assignment import BY_PERSON, Assignment, Case
+from grader.contracts.assignment import Assignment, Case
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.outcome import RunOutcome, RunStatus
-from grader.contracts.report import CaseOutput, CaseRun, GradeReport, GradeStatus, Measurements
+from grader.contracts.report import (
+    CaseOutput,
+    CaseRun,
+    GradeReport,
+    GradeStatus,
+    Measurements,
+    status_of,
+)
 from grader.contracts.verdict import Run, Verdict
 from grader.outcome import INTERRUPTED_NOTE, is_repeatable, masked_stream, merge
 from grader.sandbox import Jail, JailReport, Sandbox
@@ -20,16 +26,6 @@ from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.wire import NOTE
 
 _INTERRUPTED_FRAME = bytes([NOTE]) + len(INTERRUPTED_NOTE).to_bytes(2, "little") + INTERRUPTED_NOTE.encode()
-_UNUSUAL = {
-    RunStatus.SYNTAX_ERROR: GradeStatus.SYNTAX_ERROR,
-    RunStatus.CRASHED: GradeStatus.CRASHED,
-    RunStatus.STALLED: GradeStatus.STALLED,
-    RunStatus.CPU_LIMIT: GradeStatus.CPU_LIMIT,
-    RunStatus.MEMORY_LIMIT: GradeStatus.MEMORY_LIMIT,
-    RunStatus.OUTPUT_LIMIT: GradeStatus.OUTPUT_LIMIT,
-    RunStatus.FORBIDDEN: GradeStatus.FORBIDDEN,
-    RunStatus.PROTOCOL: GradeStatus.PROTOCOL,
-}
 
 
 class _Link:
@@ -142,7 +138,7 @@ def _report(
     job: GradingJob, runs: list[Run], verdict: Verdict, trajectories: dict[str, bytes]
 ) -> GradeReport:
     assignment: Assignment = job.assignment
-    status = _grade_status(assignment, [run.outcome for run in runs])
+    status = status_of(verdict.items, [run.outcome for run in runs])
     score = round(sum(item.earned for item in verdict.items), 2)
     return GradeReport(
         submission_sha256=hashlib.sha256(job.source).hexdigest(),
@@ -167,14 +163,3 @@ def _report(
         hint=verdict.hint,
         mistakes=verdict.mistakes,
     )
-
-
-def _grade_status(assignment: Assignment, outcomes: list[RunOutcome]) -> GradeStatus:
-    """Return the first unusual end among the runs; scripts that ended, or idled to the horizon, are graded.
-
-    With items that a person has to judge nothing is final, however the script ended.
-    """
-    if any(item.measure == BY_PERSON for item in assignment.items):
-        return GradeStatus.NEEDS_MANUAL
-    unusual = (_UNUSUAL[outcome.status] for outcome in outcomes if outcome.status in _UNUSUAL)
-    return next(unusual, GradeStatus.GRADED)

@@ -58,8 +58,7 @@ def evaluate_text(assignment: Assignment, text: str) -> Verdict:
         raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} judges scripts, not texts")
     findings = check.examine(assignment, text)
     items = judge(check, assignment.items, findings)
-    waiting = any(spec.measure == BY_PERSON for spec in assignment.items)
-    return summarise_text(items, findings, waiting=waiting)
+    return summarise_text(items, findings)
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

@@ -58,7 +58,7 @@ def judge(
             message = say("item.not_checked", items=join(blockers, _LIST_SEPARATOR))
             judged[spec.id] = replace(blank, message=message)
         elif spec.measure == BY_PERSON:
-            judged[spec.id] = replace(blank, message=say("item.by_person"))
+            judged[spec.id] = replace(blank, status=ItemStatus.NEEDS_MANUAL, message=say("item.by_person"))
         else:
             judged[spec.id] = _judged(check, spec, blank, findings)
     return list(judged.values())

@@ -10,6 +10,7 @@ from grader.contracts.text import EMPTY, Text
 from grader.contracts.verdict import Verdict
 from grader.messages import join, say
 
+_NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 _LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
@@ -17,7 +18,9 @@ def summarise(
     items: Sequence[RubricItem], findings: Sequence[Findings], outcomes: Sequence[RunOutcome]
 ) -> Verdict:
     """Put summary, hint and recognised mistakes to the items; none of the latter when all is right."""
-    wrong = [item for item in items if item.status is not ItemStatus.PASSED]
+    wrong = [item for item in items if item.status not in _NOTHING_LOST]
+    if not wrong and _waits(items):
+        return Verdict(items=tuple(items), summary=say("summary.waiting"))
     if not wrong:
         return Verdict(items=tuple(items), summary=_all_passed(outcomes))
     mistakes = _distinct(findings)
@@ -30,13 +33,18 @@ def summarise(
     )
 
 
-def summarise_text(items: Sequence[RubricItem], findings: Findings, *, waiting: bool) -> Verdict:
-    """Put summary, hint and mistakes to the items of a text; `waiting`: a person has still to judge some."""
-    if not waiting:
+def summarise_text(items: Sequence[RubricItem], findings: Findings) -> Verdict:
+    """Put summary, hint and mistakes to the items of a text."""
+    if not _waits(items):
         return summarise(items, [findings], [])
     short = next((item for item in items if item.status is ItemStatus.FAILED), None)
     hint = EMPTY if short is None else short.hint
     return Verdict(items=tuple(items), summary=say("summary.waiting"), hint=hint)
+
+
+def _waits(items: Sequence[RubricItem]) -> bool:
+    """Whether a person has still to judge some of the items."""
+    return any(item.status is ItemStatus.NEEDS_MANUAL for item in items)
 
 
 def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:

@@ -19,6 +19,7 @@ class Progress:
         counted_submission: that attempt.
         state, verdict: of the latest submission.
         last_activity_at: instant of the latest upload.
+        waiting_submission: the newest that is a person's to judge, while it waits; None when none does.
         shares: of each attempt that counts against limits, in order, the share of the points it earned.
     """
 
@@ -35,6 +36,7 @@ class Progress:
     verdict: GradeStatus | None
     last_activity_at: datetime
     shares: tuple[float | None, ...] = ()
+    waiting_submission: str | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,6 +6,7 @@ GraderError
 ├── SubmissionError        the student's file cannot be accepted: names the reason and the fix
 ├── CourseError            a course, its people or its rules cannot be changed as asked
 ├── RegradeError           a re-grade cannot be opened or decided
+├── JudgementError         a person's points for a rubric item cannot be taken
 ├── UploadRefusedError     the rules of the assignment do not accept an upload (any more, yet)
 ├── SettingsError          the operator's configuration is wrong
 ├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
@@ -53,6 +54,20 @@ class RegradeError(GraderError):
 
     Attributes:
         code: ``unknown``, ``nothing``, ``open``, ``waiting`` or ``decided``.
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+
+
+class JudgementError(GraderError):
+    """A person's points for a rubric item cannot be taken.
+
+    Attributes:
+        code: ``submission``: there is none, or no grading; ``item``: no person judges it; ``range``: the points
+            are not in [0, the item's points]; ``stale``: somebody else judged it, or it was graded again,
+            since it was looked at.
     """
 
     def __init__(self, code: str, message: str) -> None:

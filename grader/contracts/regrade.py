@@ -42,13 +42,20 @@ class ItemChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScoreChange:
-    """What a re-grade does to one submission. Scores are None where there is no grading."""
+    """What a re-grade does to one submission. Scores are None where there is no grading, or no total yet.
+
+    Attributes:
+        kept: rubric items whose judgement by a person stands in the new grading, too.
+        void: those whose judgement does not, because the rubric gives them other points or none.
+    """
 
     submission: str
     student: str
     before: float | None
     after: float | None
     items: tuple[ItemChange, ...]
+    kept: tuple[str, ...] = ()
+    void: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,6 +66,7 @@ class Regrade:
         waiting: trial gradings still to be made. failed: those that the service failed to make, which leave
             their submissions as they are.
         changes: of the submissions whose score or items change, by student. same: how many stay as they are.
+        kept: judgements by people that stand in the new gradings, of all submissions.
         decided_by, decided_at: who applied or discarded it, and when; empty and None while it is open.
     """
 
@@ -75,6 +83,7 @@ class Regrade:
     failed: int
     same: int
     changes: tuple[ScoreChange, ...]
+    kept: int = 0
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

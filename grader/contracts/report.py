@@ -2,12 +2,13 @@
 
 import hashlib
 import json
+from collections.abc import Iterable
 from dataclasses import asdict
 from enum import StrEnum
 
-from grader.contracts.outcome import RunOutcome, Stream
+from grader.contracts.outcome import RunOutcome, RunStatus, Stream
 from grader.contracts.record import record
-from grader.contracts.rubric import RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 
 SCHEMA_VERSION = 1
@@ -28,6 +29,29 @@ class GradeStatus(StrEnum):
     PROTOCOL = "protocol"
     ASSIGNMENT_ERROR = "assignment_error"
     INFRASTRUCTURE_ERROR = "infrastructure_error"
+
+
+_UNUSUAL = {
+    RunStatus.SYNTAX_ERROR: GradeStatus.SYNTAX_ERROR,
+    RunStatus.CRASHED: GradeStatus.CRASHED,
+    RunStatus.STALLED: GradeStatus.STALLED,
+    RunStatus.CPU_LIMIT: GradeStatus.CPU_LIMIT,
+    RunStatus.MEMORY_LIMIT: GradeStatus.MEMORY_LIMIT,
+    RunStatus.OUTPUT_LIMIT: GradeStatus.OUTPUT_LIMIT,
+    RunStatus.FORBIDDEN: GradeStatus.FORBIDDEN,
+    RunStatus.PROTOCOL: GradeStatus.PROTOCOL,
+}
+
+
+def status_of(items: Iterable[RubricItem], outcomes: Iterable[RunOutcome]) -> GradeStatus:
+    """Return the first unusual end among the runs; scripts that ended, or idled to the horizon, are graded.
+
+    While an item waits for a person nothing is final, however the script ended.
+    """
+    if any(item.status is ItemStatus.NEEDS_MANUAL for item in items):
+        return GradeStatus.NEEDS_MANUAL
+    unusual = (_UNUSUAL[outcome.status] for outcome in outcomes if outcome.status in _UNUSUAL)
+    return next(unusual, GradeStatus.GRADED)
 
 
 @record

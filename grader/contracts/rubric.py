@@ -13,6 +13,7 @@ class ItemStatus(StrEnum):
     PARTIAL = "partial"
     FAILED = "failed"
     NOT_CHECKED = "not_checked"  # an item it depends on failed, so measuring it would mean nothing
+    NEEDS_MANUAL = "needs_manual"  # a person judges it: see `grader.contracts.judgement`
 
 
 @record

@@ -8,8 +8,12 @@ since the submission was last queued and bounds the retries.
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
+from typing import TYPE_CHECKING
 
 from grader.contracts.report import GradeStatus
+
+if TYPE_CHECKING:
+    from grader.contracts.judgement import Judgement
 
 
 class SubmissionState(StrEnum):
@@ -56,8 +60,10 @@ class Submission:
         queued_at: instant of the last (re-)queueing. started_at: of the last claim.
         attempt: claims so far. tries: claims since it was last queued afresh.
         trouble: why the last try failed on the grader's side, empty if none did.
-        verdict, score, max_score, report_sha256: of the latest grading, None before the first.
+        verdict, score, max_score, report_sha256: of the latest grading, None before the first; verdict and
+            score with what people judged.
         graded_attempt: claim number under which that grading was made.
+        to_judge: rubric items that still wait for a person; None when none is a person's to judge.
     """
 
     id: str
@@ -80,6 +86,7 @@ class Submission:
     report_sha256: str | None
     graded_attempt: int | None
     course: str | None = None
+    to_judge: int | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,6 +116,7 @@ class StoredReport:
         content: canonical bytes of the report; `sha256` is their digest.
         assignment_sha256: digest of the assignment as it was graded; None for old gradings.
         cases: case id to the digest of its trajectory, in the order of the report.
+        judgements: everything that people decided about the submission, in order of item and revision.
     """
 
     submission_id: str
@@ -118,6 +126,7 @@ class StoredReport:
     sha256: str
     cases: dict[str, str]
     assignment_sha256: str | None = None
+    judgements: "tuple[Judgement, ...]" = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

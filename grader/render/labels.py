@@ -17,6 +17,7 @@ ITEM_STATUS: Mapping[ItemStatus, Text] = {
     ItemStatus.PARTIAL: _t("部分", "partial"),
     ItemStatus.FAILED: _t("未过", "failed"),
     ItemStatus.NOT_CHECKED: _t("未查", "not checked"),
+    ItemStatus.NEEDS_MANUAL: _t("待评", "waits"),
 }
 
 ITEM_MARK: Mapping[ItemStatus, str] = {
@@ -24,6 +25,7 @@ ITEM_MARK: Mapping[ItemStatus, str] = {
     ItemStatus.PARTIAL: "~",
     ItemStatus.FAILED: "✗",
     ItemStatus.NOT_CHECKED: "-",
+    ItemStatus.NEEDS_MANUAL: "…",
 }
 """Readable without colour."""
 

@@ -29,6 +29,7 @@ _STYLE = {
     ItemStatus.PARTIAL: "yellow",
     ItemStatus.FAILED: "red",
     ItemStatus.NOT_CHECKED: "dim",
+    ItemStatus.NEEDS_MANUAL: "cyan",
 }
 _WANTED_COLUMNS = 24
 _HEAD_LINES = 12

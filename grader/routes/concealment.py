@@ -6,13 +6,16 @@ the sentences about the whole are left out. It has a digest of its own.
 
 import hashlib
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
 from grader import policy as rules
 from grader.contracts.assignment import Assignment
 from grader.contracts.identity import Caller, Role
+from grader.contracts.judgement import judged, to_judge
+from grader.contracts.report import GradeStatus
+from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import StoredReport, Submission
 from grader.routes.services import Services
 
@@ -52,7 +55,17 @@ def shown(
     content = json.dumps(report, ensure_ascii=False, sort_keys=True, separators=(",", ":")).encode()
     digest = hashlib.sha256(content).hexdigest()
     told = replace(submission, score=report["score"], max_score=report["max_score"], report_sha256=digest)
-    return told, replace(stored, content=content, sha256=digest)
+    copy = replace(
+        stored,
+        content=content,
+        sha256=digest,
+        judgements=tuple(one for one in stored.judgements if not rules.is_hidden(one.item, hidden)),
+    )
+    if submission.to_judge is None:
+        return told, copy
+    whole = judged(copy)
+    waiting = to_judge(whole.items)
+    return replace(told, score=whole.score, verdict=whole.status, to_judge=waiting), copy
 
 
 def shown_list(
@@ -68,7 +81,15 @@ def shown_list(
 
 def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
     items = [item for item in report["items"] if not rules.is_hidden(item["id"], hidden)]
-    earned = None if report["score"] is None else round(sum(item["earned"] for item in items), _CENT)
+    waits = _waits(items)
+    unknown = waits or (report["score"] is None and not _waits(report["items"]))
+    earned = None if unknown else round(sum(item["earned"] for item in items), _CENT)
     points = sum(item["points"] for item in items)
-    about_the_whole = {"summary": _EMPTY, "hint": _EMPTY, "mistakes": []}
+    about_the_whole: dict[str, Any] = {"summary": _EMPTY, "hint": _EMPTY, "mistakes": []}
+    if not unknown and report["status"] == GradeStatus.NEEDS_MANUAL.value:
+        about_the_whole["status"] = GradeStatus.GRADED.value  # whoever sees the rest waits for nobody
     return {**report, **about_the_whole, "items": items, "score": earned, "max_score": points}
+
+
+def _waits(items: Iterable[Mapping[str, Any]]) -> bool:
+    return any(item["status"] == ItemStatus.NEEDS_MANUAL.value for item in items)

@@ -17,6 +17,7 @@ from grader.contracts.text import Language
 from grader.routes.health import QueueView, WorkerView
 
 _BINS = 10
+_PATH = "/api/v1/submissions/"
 _STUCK_ATTEMPTS = 3
 
 
@@ -26,6 +27,7 @@ class CellView(BaseModel):
     best_score: float | None = Field(description="Null while nothing was scored.", examples=[8.5])
     max_score: float | None = Field(examples=[10.0])
     passed: bool
+    waits_for_person: bool = Field(description="An answer of theirs is still to be judged.")
     status: SubmissionState = Field(description="Of the latest submission.", examples=["graded"])
     verdict: GradeStatus | None = Field(description="Of the latest submission.", examples=["graded"])
     attempts: int = Field(description="Faults of the service do not count.", examples=[3])
@@ -77,6 +79,7 @@ class AssignmentStatistics(BaseModel):
     title: str = Field(examples=["Drive a square"])
     max_score: float | None = Field(examples=[10.0])
     students: int = Field(description="Who submitted.", examples=[28])
+    waiting_for_person: int = Field(description="Students whose newest answer is to be judged.", examples=[0])
     submissions: int = Field(examples=[71])
     passed: int = Field(examples=[21])
     pass_rate: float | None = Field(
@@ -110,6 +113,7 @@ class DashboardView(BaseModel):
     students: list[StudentView]
     total_students: int = Field(description="That fit the filters, on all pages.", examples=[30])
     at_risk: list[RiskView]
+    waiting_for_person: int = Field(description="Answers to be judged, in all.", examples=[0])
     assignments: list[AssignmentStatistics]
     queue: QueueView
     oldest_queued_at: datetime | None
@@ -164,6 +168,7 @@ def overview(  # noqa: PLR0913
         students=[_student(student, cells) for student, cells in students.items()],
         total_students=len(students),
         at_risk=_at_risk(students, roster),
+        waiting_for_person=sum(one.waiting_submission is not None for one in state.progress),
         assignments=[_statistics(id_, known.get(id_), told[id_], pass_fraction, language) for id_ in ids],
         queue=QueueView(
             queued=queue.queued, running=queue.running, infrastructure_error=queue.infrastructure_errors
@@ -196,7 +201,7 @@ def _at_risk(students: Mapping[str, Mapping[str, CellView]], roster: Sequence[st
         RiskView(student=student, reason="stuck", assignment=assignment, attempts=cell.attempts)
         for student, cells in students.items()
         for assignment, cell in cells.items()
-        if not cell.passed and cell.attempts >= _STUCK_ATTEMPTS
+        if not cell.passed and not cell.waits_for_person and cell.attempts >= _STUCK_ATTEMPTS
     ]
     return idle + stuck
 
@@ -223,29 +228,29 @@ def _student(student: str, cells: dict[str, CellView]) -> StudentView:
 
 
 def _cell(progress: Progress, pass_fraction: float) -> CellView:
-    path = "/api/v1/submissions/"
-    best = progress.best_submission
     return CellView(
         best_score=progress.best_score,
         max_score=progress.max_score,
         passed=_passed(progress, pass_fraction),
+        waits_for_person=progress.waiting_submission is not None,
         status=progress.state,
         verdict=progress.verdict,
         attempts=progress.attempts,
         last_activity_at=progress.last_activity_at,
-        best_submission=None if best is None else path + best,
+        best_submission=_address(progress.best_submission),
         counted_score=progress.counted_score,
-        counted_submission=None
-        if progress.counted_submission is None
-        else path + progress.counted_submission,
-        latest_submission=path + progress.latest_submission,
+        counted_submission=_address(progress.counted_submission),
+        latest_submission=_PATH + progress.latest_submission,
     )
 
 
+def _address(submission: str | None) -> str | None:
+    return None if submission is None else _PATH + submission
+
+
 def _passed(progress: Progress, pass_fraction: float) -> bool:
-    if progress.counted_score is None or progress.max_score is None:
-        return False
-    return progress.counted_score >= pass_fraction * progress.max_score
+    score, most = progress.counted_score, progress.max_score
+    return score is not None and most is not None and score >= pass_fraction * most
 
 
 def _statistics(
@@ -265,6 +270,7 @@ def _statistics(
         title=assignment_id if assignment is None else assignment.title.get(language),
         max_score=None if assignment is None else assignment.max_score,
         students=students,
+        waiting_for_person=sum(one.waiting_submission is not None for one in told.progress),
         submissions=sum(one.attempts for one in told.progress),
         passed=passed,
         pass_rate=passed / scored if scored else None,

@@ -1,14 +1,13 @@
 """Grades for other systems: the gradebook, and single reports in other graders' formats."""
 
-import json
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import JSONResponse
 
-from grader.contracts.codec import from_plain
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.identity import Caller, Member, Role
+from grader.contracts.judgement import judged
 from grader.contracts.report import GradeReport
 from grader.render.documents import to_gradescope, to_prairielearn
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, StaffDep
@@ -100,7 +99,7 @@ def book(services: Services, caller: Caller) -> tuple[tuple[Member, ...], Scores
 
 
 def _report(services: Services, caller: Caller, submission_id: str) -> GradeReport:
-    return from_plain(GradeReport, json.loads(graded(services, submission_id, caller).content))
+    return judged(graded(services, submission_id, caller))
 
 
 def _students(services: Services, course: str | None) -> tuple[Member, ...]:

@@ -105,6 +105,11 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
         title=Text(zh="没有这次重评", en="There is no such re-grade"),
         fix=Text(zh="/api/v1/regrades 列出全部重评。", en="/api/v1/regrades lists all of them."),
     ),
+    "item_not_found": ProblemType(
+        status=404,
+        title=Text(zh="没有这个由老师评分的项目", en="No person judges such a rubric item"),
+        fix=Text(zh="使用 allowed 中的项目之一。", en="Use one of the items in allowed."),
+    ),
     "problem_not_found": ProblemType(
         status=404,
         title=Text(zh="没有这种错误类型", en="There is no such kind of problem"),
@@ -120,6 +125,14 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
         title=Text(zh="还没有评分结果", en="There is no grading yet"),
         fix=Text(
             zh="等提交的 status 变成 graded 再试。", en="Try again when the submission's status is graded."
+        ),
+    ),
+    "judged_meanwhile": ProblemType(
+        status=412,
+        title=Text(zh="这一项已有更新的评分", en="The item was judged or graded again meanwhile"),
+        fix=Text(
+            zh="重新读取这一项，看过别人的评分后，把它的 ETag 填入 If-Match 再提交。",
+            en="Read the item again, look at what was given, and send its ETag as If-Match.",
         ),
     ),
     "too_large": ProblemType(
@@ -149,6 +162,14 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
         status=422,
         title=Text(zh="请求中有字段不正确", en="A field of the request is wrong"),
         fix=Text(zh="改正 errors 中列出的字段。", en="Correct the fields listed in errors."),
+    ),
+    "invalid_points": ProblemType(
+        status=422,
+        title=Text(zh="分数不在允许的范围内", en="The points are out of range"),
+        fix=Text(
+            zh="给 0 到这一项满分之间的分数，最多两位小数。",
+            en="Give points from 0 to the most the item can earn, with at most two decimals.",
+        ),
     ),
     "invalid_student": ProblemType(
         status=422,

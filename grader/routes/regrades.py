@@ -69,6 +69,8 @@ class ScoreChangeView(BaseModel):
     before: float | None = Field(description="Null: it had no grading.", examples=[5.0])
     after: float | None = Field(examples=[10.0])
     items: list[ItemChangeView]
+    kept: list[str] = Field(description="Items whose judgement by a person stands in the new grading, too.")
+    void: list[str] = Field(description="Items that a person has to judge again: their points changed.")
 
 
 class RegradeView(BaseModel):
@@ -89,6 +91,7 @@ class RegradeView(BaseModel):
     same: int = Field(description="Submissions that nothing changes for.", examples=[25])
     gain: int = Field(description="Submissions whose score rises.", examples=[4])
     lose: int = Field(description="Submissions whose score falls.", examples=[1])
+    kept: int = Field(description="Judgements by people that stand in the new gradings.", examples=[0])
     changes: list[ScoreChangeView] = Field(
         description="In order of student; the whole trial, even while it runs."
     )
@@ -221,6 +224,7 @@ def _view(regrade: Regrade) -> RegradeView:
         waiting=regrade.waiting,
         failed=regrade.failed,
         same=regrade.same,
+        kept=regrade.kept,
         gain=sum(one > 0 for one in moved),
         lose=sum(one < 0 for one in moved),
         changes=[_change(one) for one in regrade.changes],
@@ -235,6 +239,8 @@ def _change(change: ScoreChange) -> ScoreChangeView:
         before=change.before,
         after=change.after,
         items=items,
+        kept=list(change.kept),
+        void=list(change.void),
     )
 
 

@@ -20,6 +20,7 @@ from grader.store.database import Database
 from grader.store.doorbell import Doorbell
 from grader.store.measures import Measures
 from grader.store.past_gradings import PastGradings
+from grader.store.judgements import Judgements
 from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.regrades import Regrades
@@ -53,6 +54,7 @@ class Services:
     audit: AuditLog
     policies: Policies
     regrades: Regrades
+    judgements: Judgements
     past_gradings: PastGradings
     estimates: Estimates
     request_limit: RateLimit
@@ -100,6 +102,7 @@ class Services:
             audit=AuditLog(database),
             policies=Policies(database),
             regrades=Regrades(database),
+            judgements=Judgements(database),
             past_gradings=PastGradings(database),
             estimates=estimates,
             request_limit=RateLimit(settings.requests_per_minute, clock),

@@ -9,6 +9,7 @@ from typing import Any
 from pydantic import BaseModel, Field
 
 from grader import policy as rules
+from grader.contracts.judgement import judged
 from grader.contracts.outcome import Blame, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
@@ -62,7 +63,10 @@ class RubricItemView(BaseModel):
     target: float | None = Field(examples=[4.0])
     tolerance: float | None = Field(examples=[0.0])
     unit: str = Field(description="`m`, `deg`, `s`, `%` or empty.", examples=[""])
-    message: str = Field(description="What was seen.", examples=["The path has 4 sides."])
+    message: str = Field(
+        description="What was seen; of an item that a person judged, their comment.",
+        examples=["The path has 4 sides."],
+    )
     hint: str = Field(description="One next step; empty when there is nothing to do.", examples=[""])
 
 
@@ -148,8 +152,11 @@ class SubmissionView(BaseModel):
     finished_at: datetime | None
     tries: int = Field(description="How often grading was begun since it was queued.", examples=[1])
     verdict: GradeStatus | None = Field(description="How grading ended.", examples=["graded"])
-    score: float | None = Field(examples=[10.0])
+    score: float | None = Field(
+        description="With the points that people gave; null while something waits for them.", examples=[10.0]
+    )
     max_score: float | None = Field(examples=[10.0])
+    to_judge: int | None = Field(description="Rubric items that wait for a person; null: none ever did.")
     late_s: float = Field(description="Seconds after the student's due date.", examples=[0.0])
     kept_share: float = Field(description="Of the points, after lateness.", examples=[1.0])
     kept_score: float | None = Field(description="The score after lateness.", examples=[10.0])
@@ -195,8 +202,7 @@ def view(
     language: Language,
 ) -> SubmissionView:
     """Return a submission and its latest grading in `language`, judged by the rules of its course."""
-    report = {} if stored is None else json.loads(stored.content)
-    own = _PATH + submission.id
+    report = {} if stored is None else _whole(stored)
     return SubmissionView(
         id=submission.id,
         student=submission.student,
@@ -214,6 +220,7 @@ def view(
         tries=submission.tries,
         verdict=submission.verdict,
         score=submission.score,
+        to_judge=submission.to_judge,
         max_score=submission.max_score,
         **_lateness(submission, known),
         summary=_said(report.get("summary"), language),
@@ -225,8 +232,16 @@ def view(
         graded_at=None if stored is None else stored.finished_at,
         grader_version=report.get("grader_version"),
         assignment_version=report.get("assignment_version"),
-        links=Links(self=own, report=f"{own}/report", trajectory=f"{own}/trajectory", plot=f"{own}/plot.png"),
+        links=_links(_PATH + submission.id),
     )
+
+
+def _links(own: str) -> Links:
+    return Links(self=own, report=f"{own}/report", trajectory=f"{own}/trajectory", plot=f"{own}/plot.png")
+
+
+def _whole(stored: StoredReport) -> Mapping[str, Any]:
+    return judged(stored).to_dict() if stored.judgements else dict(json.loads(stored.content))
 
 
 def _lateness(submission: Submission, known: Rules) -> dict[str, Any]:

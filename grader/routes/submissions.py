@@ -202,6 +202,27 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
     return Response(report.content, media_type="application/json", headers={"ETag": f'"{report.sha256}"'})
 
 
+@router.get(
+    "/{submission_id}/source",
+    summary="The file as it was handed in",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "Byte for byte; its SHA-256 is the ETag.",
+            "content": {"text/plain": {"schema": {"type": "string"}}},
+        },
+        **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
+    },
+)
+def read_source(services: ServicesDep, submission_id: SubmissionId) -> Response:
+    """Return what the student uploaded: a script, or the answer to a question."""
+    submission, source = services.submissions.get(submission_id), services.submissions.source(submission_id)
+    if submission is None or source is None:
+        raise ProblemError("submission_not_found")
+    headers = {"ETag": f'"{submission.sha256}"', "Cache-Control": "private, no-cache"}
+    return Response(source, media_type="text/plain; charset=utf-8", headers=headers)
+
+
 def found(services: Services, submission_id: str) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its grading, if there is one yet.
 

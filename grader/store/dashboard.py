@@ -70,13 +70,14 @@ def _mark(session: Session, course: str | None) -> str:
         func.sum(func.coalesce(col(row.graded_attempt), 0)),
     ).where(col(row.course) == course, col(row.regrade).is_(None))
     states = session.execute(sums.group_by(col(row.state)).order_by(col(row.state))).all()
+    # their number, not the newest: on PostgreSQL an older one may be committed later
     changes = session.execute(
-        select(func.max(col(AuditRow.id))).where(col(AuditRow.course) == course)
+        select(func.count()).select_from(AuditRow).where(col(AuditRow.course) == course)
     ).scalar_one()
     return repr(([tuple(one) for one in states], changes))
 
 
-def _in_class(course: str | None) -> ColumnElement[bool]:
+def in_class(course: str | None) -> ColumnElement[bool]:
     """What belongs to a class: its students' work, not what its staff hands in to try things out."""
     if course is None:
         return and_(col(SubmissionRow.course).is_(None), col(SubmissionRow.regrade).is_(None))
@@ -100,8 +101,9 @@ def _progress(session: Session, course: str | None, known: Rules) -> tuple[Progr
             col(SubmissionRow.verdict),
             col(SubmissionRow.score),
             col(SubmissionRow.max_score),
+            col(SubmissionRow.to_judge),
         )
-        .where(_in_class(course))
+        .where(in_class(course))
         .order_by(*columns)
     )
     rows = session.execute(statement)
@@ -125,6 +127,7 @@ def _one_progress(own: list[Any], known: Rules) -> Progress:
         for row in own
     ]
     extension = known.extension(latest.assignment, latest.student)
+    manual = next((row for row in reversed(own) if row.to_judge is not None), None)
     counted = rules.counting(known.policy(latest.assignment), extension, attempts)
     return Progress(
         student=latest.student,
@@ -139,6 +142,7 @@ def _one_progress(own: list[Any], known: Rules) -> Progress:
         state=SubmissionState(latest.state),
         verdict=None if latest.verdict is None else GradeStatus(latest.verdict),
         last_activity_at=latest.received_at,
+        waiting_submission=manual.id if manual is not None and manual.to_judge else None,
         shares=tuple(
             row.score / row.max_score if row.score is not None and row.max_score else None
             for row, one in zip(own, attempts, strict=True)
@@ -156,7 +160,7 @@ def _failures(session: Session, course: str | None, best: set[str | None]) -> tu
             col(SubmissionRow.id),
         )
         .join_from(SubmissionRow, GradedItemRow, _of_latest_grading(GradedItemRow))
-        .where(col(GradedItemRow.status) == ItemStatus.FAILED.value, _in_class(course))
+        .where(col(GradedItemRow.status) == ItemStatus.FAILED.value, in_class(course))
     )
     ever: dict[tuple[str, str], set[str]] = defaultdict(set)
     still: dict[tuple[str, str], set[str]] = defaultdict(set)
@@ -181,7 +185,7 @@ def _mistakes(session: Session, course: str | None) -> tuple[MistakeCount, ...]:
     statement = (
         select(assignment, code, students)
         .join_from(SubmissionRow, GradedMistakeRow, _of_latest_grading(GradedMistakeRow))
-        .where(_in_class(course))
+        .where(in_class(course))
         .group_by(assignment, code)
         .order_by(assignment, students.desc(), code)
     )

@@ -18,6 +18,7 @@ from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
+from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
 from grader.store.columns import Clock
 from grader.store.database import Database
@@ -96,6 +97,7 @@ class Queue:
             "score": report.score,
             "max_score": report.max_score,
             "report_sha256": grading.report_sha256,
+            "to_judge": to_judge(report.items) or None,
         }
         with self._database.writing() as session:
             if not _change(session, claim, values):

@@ -1,14 +1,18 @@
 """The rows of a re-grade's trials: what they would change, and moving their gradings to their submissions."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import delete, insert, literal, select, update
+from sqlalchemy import delete, insert, literal, or_, select, update
 from sqlmodel import Session, SQLModel, col
 
+from grader.contracts.judgement import ItemScore, Judgement, settled, total
 from grader.contracts.regrade import ItemChange, ScoreChange
+from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
+from grader.store.judgement_rows import judgements_of, settle
 from grader.store.tables import (
     GradedItemRow,
     GradedMistakeRow,
@@ -18,6 +22,7 @@ from grader.store.tables import (
 )
 
 _OF_GRADING: tuple[type[SQLModel], ...] = (TrajectoryRow, GradedMistakeRow, GradedItemRow, GradingRow)
+_AT_ONCE = 500  # below SQLite's limit of variables
 _ENDS = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)
 
 
@@ -51,8 +56,20 @@ def trials_of(session: Session, regrade_id: str) -> list[Trial]:
         .order_by(col(SubmissionRow.student), col(SubmissionRow.received_at), col(SubmissionRow.id))
     )
     originals = list(session.execute(statement).scalars())
-    earned = _earned(session, [*originals, *trials.values()])
-    return [Trial(trials[one.id], one, _change(one, trials[one.id], earned)) for one in originals]
+    scores = _scores(session, [*originals, *trials.values()])
+    judgements = _judgements(session, originals)
+    return [
+        Trial(trials[one.id], one, _change(one, trials[one.id], scores, judgements.get(one.id, ())))
+        for one in originals
+    ]
+
+
+def hold(session: Session, regrade_id: str) -> None:
+    """Lock the trials of a re-grade and what they were made of: results that come now wait, and find them gone."""
+    trial = select(col(SubmissionRow.original)).where(col(SubmissionRow.regrade) == regrade_id)
+    concerned = or_(col(SubmissionRow.regrade) == regrade_id, col(SubmissionRow.id).in_(trial))
+    in_order = select(col(SubmissionRow.id)).where(concerned).order_by(col(SubmissionRow.id))
+    session.execute(in_order.with_for_update()).all()
 
 
 def adopt(session: Session, trial: Trial, regrade_id: str, now: datetime) -> bool:
@@ -85,8 +102,10 @@ def adopt(session: Session, trial: Trial, regrade_id: str, now: datetime) -> boo
             score=made.score,
             max_score=made.max_score,
             report_sha256=made.report_sha256,
+            to_judge=made.to_judge,
         )
     )
+    settle(session, original)
     return True
 
 
@@ -98,30 +117,62 @@ def delete_trials(session: Session, trials: list[Trial]) -> None:
         session.execute(delete(SubmissionRow).where(col(SubmissionRow.id) == trial.row.id))
 
 
-def _earned(session: Session, rows: list[SubmissionRow]) -> dict[str, dict[str, float]]:
-    """Return what each item earned in the latest grading of each of `rows`, by submission."""
+def _scores(session: Session, rows: list[SubmissionRow]) -> dict[str, tuple[ItemScore, ...]]:
+    """Return what the machine gave for each item in the latest grading of each of `rows`, by submission."""
     latest = {row.id: row.graded_attempt for row in rows if row.graded_attempt is not None}
-    earned: dict[str, dict[str, float]] = {id_: {} for id_ in latest}
+    scores: dict[str, tuple[ItemScore, ...]] = {}
     ids = list(latest)
-    for start in range(0, len(ids), 500):  # below SQLite's limit of variables
-        part = col(GradedItemRow.submission_id).in_(ids[start : start + 500])
+    for start in range(0, len(ids), _AT_ONCE):
+        part = col(GradedItemRow.submission_id).in_(ids[start : start + _AT_ONCE])
         for item in session.execute(select(GradedItemRow).where(part)).scalars():
             if item.attempt == latest[item.submission_id]:
-                earned[item.submission_id][item.item] = item.earned
-    return earned
+                score = ItemScore(item.item, item.points, item.earned, ItemStatus(item.status))
+                scores[item.submission_id] = (*scores.get(item.submission_id, ()), score)
+    return scores
 
 
-def _change(original: SubmissionRow, made: SubmissionRow, earned: dict[str, dict[str, float]]) -> ScoreChange:
-    before, after = earned.get(original.id, {}), earned.get(made.id, {})
+def _judgements(session: Session, rows: list[SubmissionRow]) -> dict[str, list[Judgement]]:
+    """Return what people decided about those of `rows` that are theirs to judge, by submission."""
+    ids = [row.id for row in rows if row.to_judge is not None]
+    judgements: dict[str, list[Judgement]] = {}
+    for start in range(0, len(ids), _AT_ONCE):
+        for one in judgements_of(session, ids[start : start + _AT_ONCE]):
+            judgements.setdefault(one.submission, []).append(one)
+    return judgements
+
+
+def _change(
+    original: SubmissionRow,
+    made: SubmissionRow,
+    scores: dict[str, tuple[ItemScore, ...]],
+    judgements: Sequence[Judgement],
+) -> ScoreChange:
+    old, new = scores.get(original.id, ()), scores.get(made.id, ())
+    settled_old, settled_new = settled(old, judgements), settled(new, judgements)
+    before, after = _earned(settled_old), _earned(settled_new)
     items = tuple(
         ItemChange(item=item, before=before.get(item), after=after.get(item))
         for item in dict.fromkeys([*before, *after])
         if before.get(item) != after.get(item)
     )
+    kept = _judged(new, settled_new)
     return ScoreChange(
         submission=original.id,
         student=original.student,
         before=original.score,
-        after=made.score,
+        after=total(settled_new) if made.to_judge else made.score,
         items=items,
+        kept=kept,
+        void=tuple(item for item in _judged(old, settled_old) if new and item not in kept),
+    )
+
+
+def _earned(items: Sequence[ItemScore]) -> dict[str, float]:
+    return {item.item: item.earned for item in items}
+
+
+def _judged(machine: Sequence[ItemScore], whole: Sequence[ItemScore]) -> tuple[str, ...]:
+    """Return the items that a person's judgement counts for."""
+    return tuple(
+        one.item for one, other in zip(machine, whole, strict=True) if one.status is not other.status
     )

@@ -17,10 +17,12 @@ from grader.contracts.codec import from_plain
 from grader.contracts.errors import RegradeError
 from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, Wanted
 from grader.contracts.submission import SubmissionState
+from grader.store.announcing import waiting_as
 from grader.store.audit import Signature, record
 from grader.store.database import Database
 from grader.store.intake import new_id
-from grader.store.regrade_rows import Trial, adopt, delete_trials, trials_of
+from grader.store.locks import one_at_a_time
+from grader.store.regrade_rows import Trial, adopt, delete_trials, hold, trials_of
 from grader.store.tables import GradingRow, RegradeRow, SubmissionRow
 
 _BEHIND_FRESH = 10
@@ -49,6 +51,7 @@ class Regrades:
             created_by=signed.actor,
         )
         with self._database.writing() as session:
+            one_at_a_time(session, "regrade", signed.course, wanted.assignment)
             if session.execute(_open_ones(signed.course, wanted.assignment)).first() is not None:
                 raise RegradeError("open", "the assignment has an open re-grade: apply or discard it first")
             originals = _chosen(session, wanted, signed.course)
@@ -56,8 +59,10 @@ class Regrades:
                 raise RegradeError("nothing", "no submission fits")
             session.add(row)
             session.flush()
-            session.add_all(_trial_row(original, row.id, signed.at) for original in originals)
+            trials = [_trial_row(original, row.id, signed.at) for original in originals]
+            session.add_all(trials)
             session.flush()
+            self._database.announcer.queued(session, [waiting_as(trial) for trial in trials], signed.at)
             return _regrade(session, row)
 
     def get(self, regrade_id: str, course: str | None) -> Regrade | None:
@@ -116,11 +121,12 @@ class Regrades:
         act: Callable[[Session, RegradeRow, list[Trial]], None],
     ) -> Regrade:
         with self._database.writing() as session:
-            row = session.get(RegradeRow, regrade_id)
+            row = session.get(RegradeRow, regrade_id, with_for_update=True)
             if row is None or row.course != signed.course:
                 raise RegradeError("unknown", "there is no such re-grade")
             if row.state != RegradeState.OPEN.value:
                 raise RegradeError("decided", f"the re-grade is {row.state} already")
+            hold(session, row.id)
             trials = trials_of(session, row.id)
             outcome = _regrade(session, row)
             act(session, row, trials)
@@ -131,6 +137,7 @@ class Regrades:
                 {
                     "failed": outcome.failed,
                     "same": outcome.same,
+                    "kept": outcome.kept,
                     "changes": [asdict(one) for one in outcome.changes],
                 }
             )
@@ -198,12 +205,14 @@ def _regrade(session: Session, row: RegradeRow) -> Regrade:
         trials = trials_of(session, row.id)
         made = [trial.change for trial in trials if not trial.waits and not trial.failed]
         changes = tuple(change for change in made if change.items or change.before != change.after)
+        kept = sum(len(change.kept) for change in made)
         waiting, failed = sum(trial.waits for trial in trials), sum(trial.failed for trial in trials)
         same = len(made) - len(changes)
     else:
         told = json.loads(row.outcome)
         changes = tuple(from_plain(ScoreChange, one) for one in told["changes"])
         waiting, failed, same = 0, told["failed"], told["same"]
+        kept = told.get("kept", 0)  # re-grades decided before there were judgements do not say
     return Regrade(
         id=row.id,
         course=row.course,
@@ -218,6 +227,7 @@ def _regrade(session: Session, row: RegradeRow) -> Regrade:
         failed=failed,
         same=same,
         changes=changes,
+        kept=kept,
     )
 
 
@@ -225,8 +235,14 @@ def _note_change(session: Session, trial: Trial, signed: Signature, reason: str)
     change = trial.change
     if change.before != change.after or change.items:
         subject = f"submission {change.submission}"
-        before, after = {"score": change.before}, {"score": change.after}
+        before, after = {"score": change.before}, {"score": change.after, **_judgements(change)}
         record(session, signed, "grade.change", subject, before=before, after=after, reason=reason)
+
+
+def _judgements(change: ScoreChange) -> dict[str, list[str]]:
+    """Return what became of people's judgements, for the audit log."""
+    told = {"judgements kept": list(change.kept), "judgements void": list(change.void)}
+    return {name: items for name, items in told.items() if items}
 
 
 def _past(grading: GradingRow, regrade: RegradeRow | None) -> PastGrading:

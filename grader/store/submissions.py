@@ -10,10 +10,12 @@ from grader.contracts.codec import from_plain
 from grader.contracts.policy import Attempt, Refusal
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
+from grader.store.announcing import waiting_as
 from grader.store.audit import Signature, record
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.intake import attempts_of, refusal_of, take_in
+from grader.store.judgement_rows import judgements_of
 from grader.store.tables import GradedAssignmentRow, GradingRow, SourceRow, SubmissionRow, TrajectoryRow
 
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
@@ -51,6 +53,8 @@ class Submissions:
             row, repeated = take_in(session, upload, upload.received_at or self._clock())
             if upload.by is not None and not repeated:
                 _record_handed_in(session, upload.by, row)
+            if not repeated:
+                self._database.announcer.queued(session, [waiting_as(row)], row.queued_at)
             return _submission(row), repeated
 
     def refusal(self, upload: NewSubmission) -> Refusal | None:
@@ -151,6 +155,7 @@ def _report(session: Session, submission_id: str) -> StoredReport | None:
         sha256=row.report_sha256,
         cases=_cases(session, row),
         assignment_sha256=row.assignment_sha256,
+        judgements=judgements_of(session, [submission_id]),
     )
 
 
@@ -200,4 +205,5 @@ def _submission(row: SubmissionRow) -> Submission:
         max_score=row.max_score,
         report_sha256=row.report_sha256,
         graded_attempt=row.graded_attempt,
+        to_judge=row.to_judge,
     )

@@ -69,6 +69,7 @@ class SubmissionRow(SQLModel, table=True):
     report_sha256: str | None = Field(default=None, max_length=SHA256_LENGTH)
     regrade: str | None = Field(default=None, foreign_key="regrade.id", max_length=16)
     original: str | None = Field(default=None, foreign_key="submission.id", max_length=36)
+    to_judge: int | None = None
 
 
 class UploadKeyRow(SQLModel, table=True):
@@ -132,6 +133,27 @@ class RegradeRow(SQLModel, table=True):
     decided_by: str = Field(default="", max_length=64)
     reason: str = Field(default="", sa_column=text_column())
     outcome: str = Field(default="", sa_column=text_column())
+
+
+class JudgementRow(SQLModel, table=True):
+    """What a person gave for one rubric item. Rows are only ever added: the latest `revision` counts."""
+
+    __tablename__: ClassVar[str] = "judgement"
+    __table_args__ = (
+        _of_grading(),
+        CheckConstraint("points >= 0 AND points <= out_of", name="judgement_points"),
+    )
+
+    submission_id: str = Field(primary_key=True, max_length=36)
+    item: str = Field(primary_key=True, max_length=128)
+    revision: int = Field(primary_key=True)
+    points: float
+    out_of: float
+    comment: str = Field(sa_column=text_column())
+    judged_by: str = Field(max_length=64)
+    judged_at: datetime = Field(sa_column=instant_column())
+    attempt: int
+    source_sha256: str = Field(foreign_key="source.sha256", max_length=SHA256_LENGTH)
 
 
 class GradedItemRow(SQLModel, table=True):

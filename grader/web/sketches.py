@@ -1,16 +1,15 @@
 """What the checks saw in a motion, for the replay and for the table beside it."""
 
 import gzip
-import json
 from dataclasses import asdict
 from typing import Any
 
 from grader.checks import sketch
 from grader.contracts import trajectory_json
-from grader.contracts.codec import from_plain
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.identity import Caller
+from grader.contracts.judgement import judged
 from grader.contracts.report import CaseRun, GradeReport
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
@@ -20,8 +19,8 @@ from grader.routes.services import Services
 
 
 def report_of(stored: StoredReport) -> GradeReport:
-    """Return the report that was stored."""
-    return from_plain(GradeReport, json.loads(stored.content))
+    """Return the report that was stored, with what people judged."""
+    return judged(stored)
 
 
 def run_of(report: GradeReport, case: str | None) -> CaseRun | None:

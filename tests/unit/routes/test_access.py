@@ -51,6 +51,12 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     # the student is of the first course: the other's instructor is told that there is none
     "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 403, 403, 403, 200, 403, 422),
     "get /api/v1/submissions/{submission_id}/gradings": (401, 401, 403, 404, 200, 200, 404, 404),
+    "get /api/v1/submissions/{submission_id}/source": SUBMISSION,
+    "get /api/v1/submissions/{submission_id}/judgements": (401, 401, 403, 404, 200, 200, 404, 404),
+    # the machine judges all of it: assistants and instructors are told that there is no such item
+    "get /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
+    "put /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
+    "get /api/v1/judgements/waiting": STAFF,
     "post /api/v1/regrades": (401, 401, 403, 403, 403, 202, 403, 422),  # the other course has nothing
     "get /api/v1/regrades": STAFF,
     "get /api/v1/regrades/{regrade_id}": (401, 401, 403, 403, 404, 404, 403, 404),  # there is none
@@ -86,6 +92,11 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/assignments/{assignment_id}/extensions": OPERATOR_ONLY,
     "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 409),
     "get /api/v1/submissions/{submission_id}/gradings": OPERATOR_ONLY,
+    "get /api/v1/submissions/{submission_id}/source": OPEN_TO_ALL,
+    "get /api/v1/submissions/{submission_id}/judgements": OPERATOR_ONLY,
+    "get /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 404),
+    "put /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 404),
+    "get /api/v1/judgements/waiting": OPERATOR_ONLY,
     "post /api/v1/regrades": (401, 401, 202),
     "get /api/v1/regrades": OPERATOR_ONLY,
     "get /api/v1/regrades/{regrade_id}": (401, 401, 404),
@@ -111,8 +122,8 @@ def send(
     method, path = operation.split()
     path = path.replace("{submission_id}", submission).replace("{assignment_id}", "square")
     path = path.replace("{code}", "empty").replace("{student}", "li")
-    path = path.replace("{regrade_id}", "none")
-    body: dict[str, Any] = {"json": {}} if method == "put" else {}
+    path = path.replace("{regrade_id}", "none").replace("{item}", "none")
+    body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
     if "regrades" in path and method == "post":
         body = {"json": {"reason": "x"} if "none" in path else {"assignment": "square"}}
     if operation == "post /api/v1/submissions":

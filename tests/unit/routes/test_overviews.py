@@ -77,6 +77,7 @@ def test_the_dashboard(
         "best_score": 10.0,
         "max_score": 10.0,
         "passed": True,
+        "waits_for_person": False,
         "status": "graded",
         "verdict": "crashed",
         "attempts": 2,

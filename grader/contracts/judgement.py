@@ -1,0 +1,127 @@
+"""What people decide about rubric items that no machine judges, and how it adds up with what a machine did.
+
+A report is never changed. Judgements stand beside it; `composed` is the one place that puts the two together.
+"""
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+from grader.contracts.codec import from_plain
+from grader.contracts.report import GradeReport, status_of
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.submission import StoredReport
+from grader.contracts.text import Text
+
+LONGEST_COMMENT = 2_000
+"""Characters of a comment for the student."""
+
+_CENT = 2  # scores are rounded to 1e-2, as rubric items are
+_JUDGED = Text(zh="老师已评分。", en="A teacher has graded this.")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Judgement:
+    """What somebody gave for one rubric item of one submission. A later one takes its place; all are kept.
+
+    Attributes:
+        revision: 1 for the first judgement of the item, then 2, ...
+        points: 0 <= points <= out_of, rounded to 1e-2. out_of: most the item could earn then.
+        comment: for the student; may be empty.
+        attempt: number of the grading that was looked at. source_sha256: digest of the answer.
+    """
+
+    submission: str
+    item: str
+    revision: int
+    points: float
+    out_of: float
+    comment: str
+    by: str
+    at: datetime
+    attempt: int
+    source_sha256: str
+
+
+@dataclass(frozen=True, slots=True)
+class ItemScore:
+    """What one rubric item earned: all that a total needs."""
+
+    item: str
+    points: float
+    earned: float
+    status: ItemStatus
+
+
+def standing(item: str, points: float, judgements: Iterable[Judgement]) -> Judgement | None:
+    """Return the latest judgement of an item that was made out of as many `points` as it has, or None.
+
+    When the rubric gives an item other points, what was decided about it stands no longer.
+    """
+    fitting = (one for one in judgements if one.item == item and one.out_of == points)
+    return max(fitting, key=lambda one: one.revision, default=None)
+
+
+def settled(items: Iterable[ItemScore], judgements: Sequence[Judgement]) -> tuple[ItemScore, ...]:
+    """Return the items with what people gave in the place of what waited for them."""
+    return tuple(_settled(item, judgements) for item in items)
+
+
+def total(items: Sequence[ItemScore]) -> float | None:
+    """Return the sum of what the items earned; None while one waits for a person."""
+    return None if to_judge(items) else round(sum(item.earned for item in items), _CENT)
+
+
+def to_judge(items: Iterable[ItemScore | RubricItem]) -> int:
+    """Count the items that wait for a person."""
+    return sum(item.status is ItemStatus.NEEDS_MANUAL for item in items)
+
+
+def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeReport:
+    """Return `report` with the judgements that stand: points, comments, and the total once nothing waits.
+
+    The result is what people are shown; the report that was stored, and its digest, stay what they are.
+    """
+    if not to_judge(report.items):
+        return report
+    scores = settled((score_of(item) for item in report.items), judgements)
+    items = tuple(_judged(item, score, judgements) for item, score in zip(report.items, scores, strict=True))
+    score, told = total(scores), report.summary
+    if score is not None:
+        points = f"{score:g} / {report.max_score:g}"
+        told = Text(zh=f"老师已评分：{points} 分。", en=f"A teacher has graded this: {points} points.")
+    status = status_of(items, (run.outcome for run in report.runs))
+    return replace(report, items=items, score=score, status=status, summary=told)
+
+
+def judged(stored: StoredReport) -> GradeReport:
+    """Return a stored report `composed` with the judgements that came with it."""
+    return composed(from_plain(GradeReport, json.loads(stored.content)), stored.judgements)
+
+
+def score_of(item: RubricItem) -> ItemScore:
+    """Return what a total needs of a rubric item."""
+    return ItemScore(item.id, item.points, item.earned, item.status)
+
+
+def _settled(item: ItemScore, judgements: Sequence[Judgement]) -> ItemScore:
+    if item.status is not ItemStatus.NEEDS_MANUAL:
+        return item
+    found = standing(item.item, item.points, judgements)
+    if found is None:
+        return item
+    if found.points >= item.points:
+        status = ItemStatus.PASSED
+    else:
+        status = ItemStatus.PARTIAL if found.points > 0.0 else ItemStatus.FAILED
+    return replace(item, earned=found.points, status=status)
+
+
+def _judged(item: RubricItem, score: ItemScore, judgements: Sequence[Judgement]) -> RubricItem:
+    if score.status is item.status:
+        return item
+    found = standing(item.id, item.points, judgements)
+    comment = "" if found is None else found.comment
+    message = Text(zh=comment, en=comment) if comment else _JUDGED
+    return replace(item, earned=score.earned, status=score.status, message=message)

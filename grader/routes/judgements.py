@@ -1,0 +1,166 @@
+"""Points that people give for what no machine judges: what waits for them, and what they gave."""
+
+import json
+import math
+from typing import Annotated
+
+from fastapi import APIRouter, Header, Path, Query, Response
+
+from grader.contracts.codec import from_plain
+from grader.contracts.errors import JudgementError
+from grader.contracts.report import GradeReport
+from grader.contracts.submission import StoredReport
+from grader.routes.access import ENTRY_PROBLEMS, StaffDep
+from grader.routes.judgement_views import (
+    JudgementBody,
+    ManualItemsView,
+    ManualItemView,
+    WaitingList,
+    manual,
+    manual_items,
+    waiting_list,
+)
+from grader.routes.problems import ProblemError, responses
+from grader.routes.services import Services, ServicesDep
+from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
+from grader.store.audit import Signature
+from grader.store.judgements import Given, WaitingFor
+
+router = APIRouter(prefix="/api/v1/judgements", tags=["judgements"])
+of_submission = APIRouter(prefix="/api/v1/submissions", tags=["judgements"], dependencies=[SIGHT])
+ItemId = Annotated[
+    str,
+    Path(
+        max_length=128,
+        description="Id of the rubric item; `case/id` when there are several cases.",
+        examples=["timer"],
+    ),
+]
+IfMatch = Annotated[
+    str | None,
+    Header(
+        max_length=200,
+        description="The `etag` of the state that was looked at. Left out: nobody had judged the item then.",
+    ),
+]
+_Id = Annotated[str | None, Query(max_length=128)]
+_KNOWN = (*ENTRY_PROBLEMS, "forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
+_MOST_PER_PAGE = 500
+_MOST = 1_000_000
+_ETAG = {"ETag": {"description": "Of the item's state.", "schema": {"type": "string"}}}
+
+
+@router.get(
+    "/waiting",
+    summary="What waits for a person",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request"),
+)
+def read_waiting(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    *,
+    assignment: _Id = None,
+    item: _Id = None,
+    every: Annotated[
+        bool, Query(description="Earlier submissions, too; else of each student the newest only.")
+    ] = False,
+    anonymous: Annotated[bool, Query(description="Leave out whose they are.")] = False,
+    offset: Annotated[int, Query(ge=0, le=_MOST)] = 0,
+    limit: Annotated[int, Query(ge=1, le=_MOST_PER_PAGE)] = 50,
+) -> WaitingList:
+    """Return answers to be judged, question by question, so that one question is judged with one measure."""
+    which = WaitingFor(assignment=assignment, item=item, newest=not every)
+    return waiting_list(
+        services.judgements.waiting(caller.course, which, offset, limit),
+        services.judgements.questions(caller.course, which),
+        {one.id: one for one in services.assignments.all()},
+        language,
+        anonymous=anonymous,
+    )
+
+
+@of_submission.get(
+    "/{submission_id}/judgements", summary="What people judge of a submission", responses=responses(*_KNOWN)
+)
+def read_judgements(
+    services: ServicesDep, _caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
+) -> ManualItemsView:
+    """Return the items left to people, with what was given by whom and when."""
+    submission, stored = found(services, submission_id)
+    if stored is None:
+        stored = graded(services, submission_id)  # says why there is none
+    return manual_items(submission, stored, _machine(stored), language)
+
+
+@of_submission.get(
+    "/{submission_id}/judgements/{item:path}",
+    summary="What people judge of one rubric item",
+    responses={200: {"headers": _ETAG}, **responses(*_KNOWN, "item_not_found")},
+)
+def read_judgement(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    response: Response,
+    *,
+    submission_id: SubmissionId,
+    item: ItemId,
+) -> ManualItemView:
+    """Return one item, with its ETag."""
+    items = read_judgements(services, caller, language, submission_id).items
+    for one in items:
+        if one.item == item:
+            response.headers.update({"ETag": one.etag, "Cache-Control": "no-store"})
+            return one
+    raise ProblemError("item_not_found", field="item", allowed=[one.item for one in items])
+
+
+@of_submission.put(
+    "/{submission_id}/judgements/{item:path}",
+    summary="Give points for a rubric item",
+    responses={
+        200: {"headers": _ETAG},
+        **responses(*_KNOWN, "malformed_body", "item_not_found", "judged_meanwhile", "invalid_points"),
+    },
+)
+def judge(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    response: Response,
+    *,
+    submission_id: SubmissionId,
+    item: ItemId,
+    body: JudgementBody,
+    if_match: IfMatch = None,
+) -> ManualItemView:
+    """Add a judgement, which takes the place of an earlier one; both stay in the history and the audit log.
+
+    Assistants and instructors may. Once nothing of a submission waits any more, its score is complete.
+    """
+    if not math.isclose(body.points, round(body.points, 2), abs_tol=1e-9):
+        raise ProblemError("invalid_points", field="points")
+    given = Given(item=item, points=round(body.points, 2), comment=body.comment.replace("\r\n", "\n"))
+    seen = None if if_match is None else if_match.strip().removeprefix("W/").strip('"')
+    signed = Signature(services.clock(), caller.course, caller.signature)
+    try:
+        services.judgements.judge(submission_id, given, seen, signed)
+    except JudgementError as error:
+        raise _problem(services, submission_id, error) from None
+    return read_judgement(services, caller, language, response, submission_id=submission_id, item=item)
+
+
+def _problem(services: Services, submission_id: str, error: JudgementError) -> ProblemError:
+    if error.code == "stale":
+        return ProblemError("judged_meanwhile")
+    if error.code == "range":
+        return ProblemError("invalid_points", str(error), field="points")
+    allowed = [
+        one.id for one in manual(_machine(graded(services, submission_id)))
+    ]  # or says that there is none
+    return ProblemError("item_not_found", field="item", allowed=allowed)
+
+
+def _machine(stored: StoredReport) -> GradeReport:
+    return from_plain(GradeReport, json.loads(stored.content))

@@ -1,0 +1,64 @@
+"""Judgements as rows, and what follows from them for the row of a submission."""
+
+import json
+from collections.abc import Sequence
+
+from sqlalchemy import select
+from sqlmodel import Session, col
+
+from grader.contracts.codec import from_plain
+from grader.contracts.judgement import Judgement, composed, to_judge
+from grader.contracts.report import GradeReport
+from grader.store.tables import GradingRow, JudgementRow, SubmissionRow
+
+
+def judgements_of(session: Session, submissions: Sequence[str]) -> tuple[Judgement, ...]:
+    """Return everything that people decided about submissions, in order of submission, item and revision."""
+    row = JudgementRow
+    statement = (
+        select(row)
+        .where(col(row.submission_id).in_(submissions))
+        .order_by(col(row.submission_id), col(row.item), col(row.revision))
+    )
+    return tuple(_judgement(one) for one in session.execute(statement).scalars())
+
+
+def report_of(session: Session, submission: SubmissionRow) -> GradeReport | None:
+    """Return the report of a submission's latest grading as the machine made it, or None."""
+    if submission.graded_attempt is None:
+        return None
+    grading = session.get(GradingRow, (submission.id, submission.graded_attempt))
+    return None if grading is None else from_plain(GradeReport, json.loads(grading.report))
+
+
+def settle(session: Session, submission: SubmissionRow) -> GradeReport | None:
+    """Put what people judged into the row's score and verdict; return the report with it.
+
+    Called whenever a judgement or the latest grading of a submission changes. Rows of gradings that left nothing
+    to people stay as the grading made them.
+    """
+    if submission.to_judge is None:
+        return None
+    report = report_of(session, submission)
+    if report is None:
+        return None
+    whole = composed(report, judgements_of(session, [submission.id]))
+    submission.score, submission.verdict = whole.score, whole.status.value
+    submission.to_judge = to_judge(whole.items)
+    session.flush()
+    return whole
+
+
+def _judgement(row: JudgementRow) -> Judgement:
+    return Judgement(
+        submission=row.submission_id,
+        item=row.item,
+        revision=row.revision,
+        points=row.points,
+        out_of=row.out_of,
+        comment=row.comment,
+        by=row.judged_by,
+        at=row.judged_at,
+        attempt=row.attempt,
+        source_sha256=row.source_sha256,
+    )

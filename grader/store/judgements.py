@@ -1,0 +1,211 @@
+"""Points that people give for rubric items, and the list of what still waits for them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import ColumnElement, Select, and_, exists, func, or_, select
+from sqlalchemy.orm import aliased
+from sqlmodel import col
+
+from grader.contracts.errors import JudgementError
+from grader.contracts.judgement import Judgement
+from grader.contracts.report import GradeReport
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.store.audit import Signature, record
+from grader.store.dashboard import in_class
+from grader.store.database import Database
+from grader.store.judgement_rows import judgements_of, report_of, settle
+from grader.store.tables import GradedItemRow, JudgementRow, SubmissionRow
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Given:
+    """What somebody gives for an item. `points` were checked to be a finite number and no more."""
+
+    item: str
+    points: float
+    comment: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Waiting:
+    """One rubric item of one submission that waits for a person."""
+
+    submission: str
+    student: str
+    assignment: str
+    item: str
+    points: float
+    received_at: datetime
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WaitingFor:
+    """Which waiting items are meant. `newest`: of each student's submissions to an assignment the newest only."""
+
+    assignment: str | None = None
+    item: str | None = None
+    newest: bool = True
+
+
+class Judgements:
+    """Takes and shows judgements; every one is in the audit log. Safe to share between threads."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+
+    def judge(self, submission_id: str, given: Given, seen: str | None, signed: Signature) -> None:
+        """Add a judgement, and the submission's score and verdict with it, in one transaction.
+
+        Args:
+            submission_id: of the course of `signed`.
+            given: the points.
+            seen: the `tag` of the state that was looked at; None: nobody had judged the item then.
+            signed: who gives them.
+
+        Raises:
+            JudgementError: see its codes; nothing is changed.
+        """
+        with self._database.writing() as session:
+            row = session.get(SubmissionRow, submission_id, with_for_update=True)
+            report = None if row is None or row.course != signed.course else report_of(session, row)
+            if row is None or report is None:
+                raise JudgementError("submission", "there is no such grading")
+            item = _manual_item(report, given.item)
+            if not 0.0 <= given.points <= item.points:
+                raise JudgementError("range", f"use points from 0 to {item.points:g}")
+            own = [one for one in judgements_of(session, [row.id]) if one.item == item.id]
+            latest = own[-1] if own else None
+            if seen != tag(latest, row.report_sha256) and not (seen is None and latest is None):
+                raise JudgementError("stale", "the item was judged or graded again meanwhile")
+            score = row.score
+            session.add(_row(row, item, given, signed, 1 if latest is None else latest.revision + 1))
+            session.flush()
+            settle(session, row)
+            before = None if latest is None else {**_plain(latest.points, latest.comment), "score": score}
+            record(
+                session,
+                signed,
+                "grade.judge",
+                f"submission {row.id}, item {item.id}",
+                before=before,
+                after={**_plain(given.points, given.comment), "score": row.score},
+            )
+
+    def waiting(self, course: str | None, which: WaitingFor, offset: int, limit: int) -> tuple[Waiting, ...]:
+        """Return what waits for a person, question by question, each in order of arrival."""
+        item, submission = GradedItemRow, SubmissionRow
+        columns = (
+            col(submission.id),
+            col(submission.student),
+            col(submission.assignment),
+            col(item.item),
+            col(item.points),
+            col(submission.received_at),
+        )
+        order = (
+            col(submission.assignment),
+            col(item.item),
+            col(submission.received_at),
+            col(submission.id),
+        )
+        statement = _waiting(columns, course, which).order_by(*order).offset(offset).limit(limit)
+        names = ("submission", "student", "assignment", "item", "points", "received_at")
+        with self._database.reading() as session:
+            return tuple(
+                Waiting(**dict(zip(names, row, strict=True))) for row in session.execute(statement).all()
+            )
+
+    def questions(self, course: str | None, which: WaitingFor) -> dict[tuple[str, str], int]:
+        """Return how much waits, by assignment and rubric item, in the order of `waiting`."""
+        key = (col(SubmissionRow.assignment), col(GradedItemRow.item))
+        statement = _waiting((*key, func.count()), course, which).group_by(*key).order_by(*key)
+        with self._database.reading() as session:
+            return {(row[0], row[1]): row[2] for row in session.execute(statement).all()}
+
+
+def tag(latest: Judgement | None, report_sha256: str | None) -> str:
+    """Return what names the state of an item: its latest judgement, and the report that was judged."""
+    revision = 0 if latest is None else latest.revision
+    return f"{revision}.{(report_sha256 or '')[:16]}"
+
+
+def _manual_item(report: GradeReport, item_id: str) -> RubricItem:
+    for item in report.items:
+        if item.id == item_id and item.status is ItemStatus.NEEDS_MANUAL:
+            return item
+    raise JudgementError("item", "no person judges such an item of this submission")
+
+
+def _row(
+    submission: SubmissionRow, item: RubricItem, given: Given, signed: Signature, revision: int
+) -> JudgementRow:
+    return JudgementRow(
+        submission_id=submission.id,
+        item=item.id,
+        revision=revision,
+        points=given.points,
+        out_of=item.points,
+        comment=given.comment,
+        judged_by=signed.actor,
+        judged_at=signed.at,
+        attempt=submission.graded_attempt or 0,
+        source_sha256=submission.source_sha256,
+    )
+
+
+def _waiting(columns: Sequence[Any], course: str | None, which: WaitingFor) -> Select[Any]:
+    """Select from items that wait: of latest gradings, without a judgement out of as many points."""
+    submission, item, judgement = SubmissionRow, GradedItemRow, JudgementRow
+    done = exists().where(
+        col(judgement.submission_id) == col(item.submission_id),
+        col(judgement.item) == col(item.item),
+        col(judgement.out_of) == col(item.points),
+    )
+    conditions: list[ColumnElement[bool]] = [
+        in_class(course),
+        col(submission.to_judge) > 0,
+        col(item.status) == ItemStatus.NEEDS_MANUAL.value,
+        ~done,
+    ]
+    if which.assignment is not None:
+        conditions.append(col(submission.assignment) == which.assignment)
+    if which.item is not None:
+        conditions.append(col(item.item) == which.item)
+    if which.newest:
+        conditions.append(~_newer())
+    return (
+        select(*columns)
+        .join_from(
+            submission,
+            item,
+            and_(
+                col(submission.id) == col(item.submission_id),
+                col(submission.graded_attempt) == col(item.attempt),
+            ),
+        )
+        .where(*conditions)
+    )
+
+
+def _newer() -> ColumnElement[bool]:
+    """Whether the student handed in another one later that is a person's to judge."""
+    later, submission = aliased(SubmissionRow), SubmissionRow
+    after = or_(
+        col(later.received_at) > col(submission.received_at),
+        and_(col(later.received_at) == col(submission.received_at), col(later.id) > col(submission.id)),
+    )
+    return exists().where(
+        col(later.course).is_not_distinct_from(col(submission.course)),
+        col(later.assignment) == col(submission.assignment),
+        col(later.student) == col(submission.student),
+        col(later.regrade).is_(None),
+        col(later.to_judge).is_not(None),
+        after,
+    )
+
+
+def _plain(points: float, comment: str) -> dict[str, object]:
+    return {"points": points, "comment": comment}

@@ -1,0 +1,301 @@
+"""Points that people give: taken once each, shown to whom they concern, and added up in every place."""
+
+import csv
+import hashlib
+import io
+from collections.abc import Callable
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.contracts.grading import GradingJob
+from grader.contracts.policy import AssignmentPolicy, Counts
+from grader.routes.services import Services
+from grader.store.audit import Signature
+from tests.fakes.clock import START, FakeClock
+from tests.fakes.essays import ANSWER, grade_essay, question
+
+WAITING = "/api/v1/judgements/waiting"
+
+
+def work(services: Services) -> int:
+    done = 0
+    while (claim := services.queue.claim("w")) is not None:
+        assignment = services.assignments.get(claim.assignment)
+        job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+        assert services.queue.finish(claim, grade_essay(job), assignment)
+        done += 1
+    return done
+
+
+@pytest.fixture
+def answered(
+    upload: Callable[..., httpx.Response], services: Services, school: Any, clock: FakeClock
+) -> Callable[..., str]:
+    """Hand in an answer and let the machine read it; return the submission's address."""
+    services.assignments.assignments = (question(),)
+
+    def run(student: str = "li", answer: bytes = ANSWER) -> str:
+        clock.advance(10)
+        response = upload(answer, "essay", "", "a.txt", headers=school.as_(student))
+        work(services)
+        return str(response.headers["Location"])
+
+    return run
+
+
+@pytest.fixture
+def give(client: httpx.Client, school: Any) -> Callable[..., httpx.Response]:
+    def send(
+        url: str, item: str, points: object, by: str = "ta", seen: str | None = None, comment: str = ""
+    ) -> httpx.Response:
+        headers = school.as_(by) | ({} if seen is None else {"If-Match": seen})
+        body = {"points": points, "comment": comment}
+        return client.put(f"{url}/judgements/{item}", json=body, headers=headers)
+
+    return send
+
+
+def test_once_all_is_judged_the_score_is_complete_everywhere(
+    client: httpx.Client, school: Any, answered: Callable[..., str], give: Callable[..., httpx.Response]
+) -> None:
+    url = answered()
+    report = client.get(url + "/report", headers=school.as_("li"))
+    before = client.get(url, headers=school.as_("li")).json()
+    assert (before["verdict"], before["score"], before["to_judge"]) == ("needs_manual", None, 2)
+    assert give(url, "publisher", 45).json()["judgement"]["by"] == "ta"
+    half = client.get(url, headers=school.as_("li")).json()
+    assert (half["verdict"], half["score"], half["to_judge"]) == ("needs_manual", None, 1)
+    assert [one["status"] for one in half["rubric"]] == ["passed", "passed", "needs_manual"]
+    assert give(url, "timer", 22.5, "wang", comment="Who calls it?").status_code == 200
+
+    whole = client.get(url, headers=school.as_("li"), params={"lang": "en"}).json()
+    assert (whole["verdict"], whole["score"], whole["to_judge"]) == ("graded", 77.5, 0)
+    assert (whole["rubric"][2]["status"], whole["rubric"][2]["earned"]) == ("partial", 22.5)
+    assert whole["rubric"][2]["message"] == "Who calls it?"
+    assert whole["summary"] == "A teacher has graded this: 77.5 / 100 points."
+    again = client.get(url + "/report", headers=school.as_("li"))
+    assert again.content == report.content
+    assert again.headers["ETag"] == f'"{hashlib.sha256(report.content).hexdigest()}"'
+    gradescope = client.get(url + "/gradescope.json", headers=school.as_("li")).json()
+    assert (gradescope["score"], [one["score"] for one in gradescope["tests"]]) == (77.5, [10.0, 45.0, 22.5])
+    assert client.get(url + "/prairielearn.json", headers=school.as_("li")).json()["score"] == 0.775
+    book = client.get("/api/v1/gradebook.csv", headers=school.as_("ta")).text.removeprefix("\ufeff")
+    rows = {row["student"]: row["essay (100)"] for row in csv.DictReader(io.StringIO(book))}
+    assert rows == {"han": "", "li": "77.5"}
+    cell = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"][0]
+    assert cell["assignments"]["essay"]["counted_score"] == 77.5
+
+
+@pytest.mark.parametrize(
+    ("points", "code", "field"),
+    [
+        (-0.5, "invalid_request", "points"),
+        (45.5, "invalid_points", "points"),
+        (1.234, "invalid_points", "points"),
+        ("many", "invalid_request", "points"),
+        (None, "invalid_request", "points"),
+    ],
+)
+def test_points_out_of_range_name_the_field(
+    points: object,
+    code: str,
+    field: str,
+    answered: Callable[..., str],
+    give: Callable[..., httpx.Response],
+) -> None:
+    problem = give(answered(), "timer", points)
+    assert (problem.status_code, problem.json()["code"], problem.json()["field"]) == (422, code, field)
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
+def test_what_is_no_number_is_refused(
+    number: str, client: httpx.Client, school: Any, answered: Callable[..., str]
+) -> None:
+    headers = school.as_("ta") | {"Content-Type": "application/json"}
+    body = f'{{"points": {number}}}'
+    problem = client.put(answered() + "/judgements/timer", content=body, headers=headers)
+    assert (problem.status_code, problem.json()["field"]) == (422, "points")
+
+
+@pytest.mark.parametrize("comment", ["x" * 2001, "a\x00b", "\x1b[31m"])
+def test_comments_are_bounded(
+    comment: str, answered: Callable[..., str], give: Callable[..., httpx.Response]
+) -> None:
+    problem = give(answered(), "timer", 1, comment=comment)
+    assert (problem.status_code, problem.json()["field"]) == (422, "comment")
+
+
+def test_only_what_waits_for_a_person_is_judged(
+    answered: Callable[..., str], give: Callable[..., httpx.Response]
+) -> None:
+    url = answered()
+    for item in ("written", "nothing", "a/b"):
+        problem = give(url, item, 1)
+        assert (problem.status_code, problem.json()["code"]) == (404, "item_not_found")
+        assert problem.json()["allowed"] == ["publisher", "timer"]
+    short = answered("han", b"too short\n")
+    assert give(short, "timer", 1).json()["allowed"] == []
+
+
+def test_nobody_overwrites_what_they_have_not_seen(
+    client: httpx.Client,
+    school: Any,
+    services: Services,
+    answered: Callable[..., str],
+    give: Callable[..., httpx.Response],
+) -> None:
+    url = answered()
+    fresh = client.get(url + "/judgements/timer", headers=school.as_("ta")).headers["ETag"]
+    first = give(url, "timer", 30, "ta", seen=fresh)
+    assert first.headers["ETag"] == first.json()["etag"] != fresh
+    for seen in (None, fresh, '"7.beef"'):
+        late = give(url, "timer", 10, "wang", seen=seen)
+        assert (late.status_code, late.json()["code"]) == (412, "judged_meanwhile")
+    assert give(url, "timer", 40, "wang", seen=first.headers["ETag"], comment="more").status_code == 200
+    items = client.get(url + "/judgements", headers=school.as_("ta")).json()["items"]
+    history = [(one["revision"], one["points"], one["by"]) for one in items[1]["history"]]
+    assert history == [(1, 30.0, "ta"), (2, 40.0, "wang")]
+    assert items[1]["judgement"]["source_sha256"] == hashlib.sha256(ANSWER).hexdigest()
+    assert items[0]["waits"]
+    entries = client.get("/api/v1/audit", headers=school.as_("wang")).json()["entries"]
+    second, one = [entry for entry in entries if entry["action"] == "grade.judge"]
+    assert (one["actor"], one["before"]) == ("ta", None)
+    assert second["before"] == {"points": 30.0, "comment": "", "score": None}
+    assert second["after"] == {"points": 40.0, "comment": "more", "score": None}
+    assert second["subject"] == f"submission {url.rpartition('/')[2]}, item timer"
+
+
+def test_what_waits_is_listed_question_by_question(
+    client: httpx.Client, school: Any, answered: Callable[..., str], give: Callable[..., httpx.Response]
+) -> None:
+    earlier, newest, other = answered(), answered(answer=ANSWER * 2), answered("han")
+    answered("han", b"too short\n")  # judged by the machine alone: the one before still waits
+
+    def waiting(**params: object) -> dict[str, Any]:
+        response = client.get(WAITING, params=params, headers=school.as_("ta"))  # type: ignore[arg-type]
+        document: dict[str, Any] = response.json()
+        return document
+
+    document = waiting()
+    assert [(one["item"], one["submission"]) for one in document["waiting"]] == [
+        ("publisher", newest),
+        ("publisher", other),
+        ("timer", newest),
+        ("timer", other),
+    ]
+    assert [(one["item"], one["waiting"]) for one in document["questions"]] == [
+        ("publisher", 2),
+        ("timer", 2),
+    ]
+    assert document["waiting"][0]["student"] == "li"
+    assert waiting(every=True)["total"] == 6
+    assert waiting(assignment="square")["total"] == 0
+    page = waiting(item="timer", offset=1, limit=1, anonymous=True)
+    assert [(one["submission"], one["student"]) for one in page["waiting"]] == [(other, None)]
+    assert page["total"] == 2
+
+    first = document["waiting"][0]
+    assert client.get(first["source"], headers=school.as_("ta")).content == ANSWER * 2
+    put = client.put(first["judgement"], json={"points": 1}, headers=school.as_("ta"))
+    assert put.status_code == 200
+    assert waiting()["total"] == 3
+    assert give(newest, "timer", 1).status_code == 200
+    dashboard = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()
+    assert dashboard["waiting_for_person"] == 1
+    assert dashboard["assignments"][0]["waiting_for_person"] == 1
+    cells = {one["student"]: one["assignments"]["essay"] for one in dashboard["students"]}
+    assert (cells["han"]["waits_for_person"], cells["li"]["waits_for_person"]) == (True, False)
+    assert earlier not in str(waiting())
+
+
+def test_students_see_points_not_who_gave_them(
+    client: httpx.Client, school: Any, answered: Callable[..., str], give: Callable[..., httpx.Response]
+) -> None:
+    url = answered()
+    give(url, "timer", 5, "wang")
+    assert "wang" not in client.get(url, headers=school.as_("li")).text
+    assert client.get(url + "/judgements", headers=school.as_("li")).status_code == 403
+
+
+def test_hidden_items_hide_their_points(
+    client: httpx.Client,
+    school: Any,
+    services: Services,
+    answered: Callable[..., str],
+    give: Callable[..., httpx.Response],
+) -> None:
+    url = answered()
+    policy = AssignmentPolicy(hidden_items=("timer",))
+    services.policies.set("essay", policy, Signature(START, "ros", "wang"))
+    hidden = client.get(url, headers=school.as_("li")).json()
+    assert (hidden["verdict"], hidden["score"], hidden["to_judge"]) == ("needs_manual", None, 1)
+    give(url, "publisher", 40, comment="good")
+    give(url, "timer", 5, comment="secret")
+    shown = client.get(url, headers=school.as_("li")).json()
+    assert (shown["verdict"], shown["score"], shown["max_score"]) == ("graded", 50.0, 55.0)
+    assert [one["message"] for one in shown["rubric"]][1] == "good"
+    for path in ("", "/report", "/gradescope.json", "/prairielearn.json"):
+        assert "secret" not in client.get(url + path, headers=school.as_("li")).text
+    assert client.get(url, headers=school.as_("ta")).json()["score"] == 55.0
+
+
+def test_lateness_and_the_rules_work_on_the_judged_score(
+    client: httpx.Client,
+    school: Any,
+    services: Services,
+    answered: Callable[..., str],
+    give: Callable[..., httpx.Response],
+) -> None:
+    policy = AssignmentPolicy(counts=Counts.LAST)
+    services.policies.set("essay", policy, Signature(START, "ros", "wang"))
+    first, last = answered(), answered(answer=ANSWER * 2)
+
+    def counted() -> object:
+        students = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"]
+        return students[0]["assignments"]["essay"]["counted_score"]
+
+    for item in ("publisher", "timer"):
+        give(first, item, 45)
+    assert counted() == 100.0  # the last one that is graded
+    for item in ("publisher", "timer"):
+        give(last, item, 20)
+    assert counted() == 50.0
+
+
+def test_a_regrade_keeps_what_still_fits_and_says_so(
+    client: httpx.Client,
+    school: Any,
+    services: Services,
+    answered: Callable[..., str],
+    give: Callable[..., httpx.Response],
+) -> None:
+    url = answered()
+    for item in ("publisher", "timer"):
+        give(url, item, 30)
+
+    def regrade() -> dict[str, Any]:
+        order = {"assignment": "essay"}
+        opened = client.post("/api/v1/regrades", json=order, headers=school.as_("wang")).headers["Location"]
+        assert work(services) == 1
+        trial: dict[str, Any] = client.get(opened, headers=school.as_("ta")).json()
+        applied = client.post(opened + "/apply", json={"reason": "x"}, headers=school.as_("wang")).json()
+        assert {**trial, **applied} | {"waiting": 0} == applied | {"waiting": 0}
+        assert (trial["kept"], trial["changes"]) == (applied["kept"], applied["changes"])
+        return trial
+
+    same = regrade()
+    assert (same["same"], same["kept"], same["changes"]) == (1, 2, [])
+    assert client.get(url, headers=school.as_("li")).json()["score"] == 70.0
+
+    services.assignments.assignments = (question(version=2, timer_points=20.0),)
+    changed = regrade()
+    (change,) = changed["changes"]
+    assert (change["before"], change["after"]) == (70.0, None)
+    assert (change["kept"], change["void"]) == (["publisher"], ["timer"])
+    half = client.get(url, headers=school.as_("li")).json()
+    assert (half["score"], half["verdict"], half["to_judge"]) == (None, "needs_manual", 1)
+    seen = client.get(url + "/judgements/timer", headers=school.as_("ta")).headers["ETag"]
+    assert give(url, "timer", 20, seen=seen).status_code == 200
+    assert client.get(url, headers=school.as_("li")).json()["score"] == 60.0
