@@ -18,9 +18,9 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
+from grader.store.judgements import Judgements
 from grader.store.measures import Measures
 from grader.store.past_gradings import PastGradings
-from grader.store.judgements import Judgements
 from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.regrades import Regrades
