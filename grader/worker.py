@@ -32,7 +32,7 @@ from grader.store.doorbell import Doorbell
 from grader.store.queue import Queue
 from grader.store.work import PolledWork, WorkSource
 from grader.store.workers import Workers
-from grader.telemetry.context import bound
+from grader.telemetry.context import about
 
 _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, 4.0)  # a database server that restarts is back by then
@@ -120,11 +120,8 @@ class GradingSlot:
         if claim is None:
             return False
         self.claim = claim
-        submission, worker = claim.submission_id, claim.worker
         try:
-            with bound(
-                submission=submission, attempt=claim.attempt, assignment=claim.assignment, worker=worker
-            ):
+            with about(claim):
                 self._grade(claim)
         finally:
             self.claim = None
@@ -244,7 +241,8 @@ class Worker:
     def _return_unfinished(self) -> None:
         for slot in self._slots:
             if (claim := slot.claim) is not None:
-                _log.warning("%s goes back to the queue: the worker stops", claim.submission_id)
+                with about(claim):
+                    _log.warning("%s goes back to the queue: the worker stops", claim.submission_id)
                 self._parts.queue.hand_back(claim)  # first, so that the abort below counts for nothing
                 slot.abort()
 

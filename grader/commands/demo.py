@@ -99,7 +99,8 @@ def serving(output: Path) -> Iterator[httpx.Client]:
         port = probe.getsockname()[1]
     token = secrets.token_urlsafe(24)
     command = [sys.executable, "-m", "grader", "serve", "--port", str(port), "--data", str(output)]
-    server = subprocess.Popen(command, env={**os.environ, "GRADER_INSTRUCTOR_TOKEN": token})
+    environment = {"GRADER_LOG_LEVEL": "warning", **os.environ, "GRADER_INSTRUCTOR_TOKEN": token}
+    server = subprocess.Popen(command, env=environment)
     headers = {"Authorization": f"Bearer {token}"}
     try:
         with httpx.Client(base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=60.0) as client:

@@ -1,13 +1,20 @@
 """`grader serve`: the HTTP service with its local workers."""
 
 import argparse
+import logging
+import signal
 import socket
 import sys
 from pathlib import Path
+from types import FrameType
 from typing import Any
+
+import uvicorn
+from fastapi import FastAPI
 
 from grader.contracts.errors import SettingsError
 
+_log = logging.getLogger(__name__)
 EXIT_COULD_NOT = 2
 _BACKLOG = 512  # a class that hands in within the same second
 
@@ -22,21 +29,45 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; running gradings finish first."""
-    import uvicorn
-
     from grader.api import create_app
     from grader.service import require_safe_exposure, running
     from grader.settings import load
+    from grader.telemetry import logs
 
     settings = load(**_overrides(arguments))
+    logs.configure(settings.log_format, settings.log_level)
     require_safe_exposure(settings)
     app = create_app(lambda: running(settings))
     with _listening(settings.host, settings.port) as listener:
-        sys.stderr.write(f"grader: {_url(listener)}/\n")
-        sys.stderr.flush()
-        server = uvicorn.Server(uvicorn.Config(app, log_level="warning", server_header=False))
+        if settings.log_format == "json":
+            _log.info("listening on %s", _url(listener))
+        else:
+            sys.stderr.write(f"grader: {_url(listener)}/\n")
+            sys.stderr.flush()
+        server = _Server(app)
+        # uvicorn raises the signal once more when it has stopped; to be told is no failure
+        signal.signal(signal.SIGTERM, server.stop)
         server.run(sockets=[listener])
     return 0 if server.started else EXIT_COULD_NOT
+
+
+class _Server(uvicorn.Server):
+    """uvicorn, whose log lines are the service's, and which ends streams of events before it waits for answers."""
+
+    def __init__(self, app: FastAPI) -> None:
+        super().__init__(uvicorn.Config(app, log_config=None, access_log=False, server_header=False))
+        self._app = app
+
+    def stop(self, number: int, frame: FrameType | None) -> None:
+        """Stop as soon as possible; a signal handler."""
+        self.should_exit = True
+
+    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
+        """Answer what was asked, then let the application put everything away."""
+        services = getattr(self._app.state, "services", None)
+        if services is not None:
+            services.watching.end()
+        await super().shutdown(sockets)
 
 
 def _listening(host: str, port: int) -> socket.socket:

@@ -7,21 +7,22 @@ or a submission delivered twice, changes nothing. A claim whose lease ran out go
 `reconcile`.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from statistics import fmean
-from typing import Any
 
-from sqlalchemy import ColumnElement, CursorResult, Select, case, func, select, update
+from sqlalchemy import case, func, select, update
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
+from grader.store.claim_rows import WAITING, change, due, void, waiting
 from grader.store.columns import Clock
 from grader.store.database import Database
+from grader.store.locks import add_once
 from grader.store.results import assignment_row, detail_rows, grading_row
 from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow
 
@@ -46,10 +47,11 @@ class RetryPolicy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Reconciled:
-    """What `Queue.reconcile` mended: claims put back into the queue, and submissions given up."""
+    """What `Queue.reconcile` mended: claims queued again, submissions given up, lost announcements made again."""
 
     requeued: int
     given_up: int
+    announced: int = 0
 
 
 class Queue:
@@ -62,9 +64,10 @@ class Queue:
 
     def claim(self, worker: str) -> Claim | None:
         """Take the submission that is due first, or None when nothing is due."""
-        with self._database.reading() as session:  # an idle poll must not take the write lock
-            if session.execute(_due(self._clock())).first() is None:
-                return None
+        if self._database.is_sqlite:  # an idle poll must not take the only write lock
+            with self._database.reading() as session:
+                if session.execute(due(self._clock())).first() is None:
+                    return None
         with self._database.writing() as session:
             return self._claim(session, worker, self._clock())
 
@@ -72,9 +75,9 @@ class Queue:
         """Extend the leases of `claims`; return the submissions that are still theirs."""
         now, held = self._clock(), set()
         with self._database.writing() as session:
-            for claim in claims:
+            for claim in sorted(claims, key=lambda one: one.submission_id):  # rows are locked in one order
                 values = {"lease_until": now + timedelta(seconds=self._policy.lease_s)}
-                if _change(session, claim, values):
+                if change(session, claim, values):
                     held.add(claim.submission_id)
         return held
 
@@ -100,11 +103,10 @@ class Queue:
             "to_judge": to_judge(report.items) or None,
         }
         with self._database.writing() as session:
-            if not _change(session, claim, values):
+            if not change(session, claim, values):
                 return False
-            if graded is not None and session.get(GradedAssignmentRow, graded.sha256) is None:
-                session.add(graded)
-                session.flush()
+            if graded is not None:
+                add_once(session, GradedAssignmentRow, sha256=graded.sha256, content=graded.content)
             session.add(grading)
             session.flush()  # the rows below refer to it
             session.add_all(detail_rows(claim, result))
@@ -128,18 +130,26 @@ class Queue:
             "trouble": trouble[:_TROUBLE_CHARACTERS],
         }
         with self._database.writing() as session:
-            return state if _change(session, claim, values) else None
+            if not change(session, claim, values):
+                return None
+            if not given_up:
+                self._announce(session, claim, now)
+            return state
 
     def hand_back(self, claim: Claim) -> bool:
         """Return an unfinished submission to its place in the queue; the try does not count."""
+        now = self._clock()
         values = {
             "state": SubmissionState.QUEUED.value,
             "tries": max(claim.tries - 1, 0),
-            "not_before": self._clock(),
+            "not_before": now,
             "lease_until": None,
         }
         with self._database.writing() as session:
-            return _change(session, claim, values)
+            if not change(session, claim, values):
+                return False
+            self._announce(session, claim, now)
+            return True
 
     def reconcile(self, *, all_running: bool = False) -> Reconciled:
         """Put claims past their lease back into the queue; give up those that were tried too often.
@@ -149,14 +159,16 @@ class Queue:
                 worker lives (see `grader.store.workers.presence`).
         """
         now = self._clock()
-        void = [col(SubmissionRow.state) == SubmissionState.RUNNING.value]
+        lost = [col(SubmissionRow.state) == SubmissionState.RUNNING.value]
         if not all_running:
-            void.append(col(SubmissionRow.lease_until) < now)
+            lost.append(col(SubmissionRow.lease_until) < now)
         spent = col(SubmissionRow.tries) >= self._policy.max_tries
         with self._database.writing() as session:
-            given_up = _void(session, [*void, spent], now, SubmissionState.INFRASTRUCTURE_ERROR)
-            requeued = _void(session, void, now, SubmissionState.QUEUED)
-        return Reconciled(requeued=requeued, given_up=given_up)
+            given_up = void(session, [*lost, spent], now, SubmissionState.INFRASTRUCTURE_ERROR)
+            requeued = void(session, [*lost, ~spent], now, SubmissionState.QUEUED)
+            self._database.announcer.queued(session, requeued, now)
+            announced = self._database.announcer.mend(session, now)
+        return Reconciled(requeued=len(requeued), given_up=len(given_up), announced=announced)
 
     def state(self) -> QueueState:
         """Count what waits, runs and was given up."""
@@ -209,10 +221,14 @@ class Queue:
             spans = [(end - start).total_seconds() for start, end in session.execute(statement)]
         return fmean(spans) if spans else None
 
+    def _announce(self, session: Session, claim: Claim, now: datetime) -> None:
+        row = select(*WAITING).where(col(SubmissionRow.id) == claim.submission_id)
+        self._database.announcer.queued(session, waiting(session.execute(row)), now)
+
     def _claim(self, session: Session, worker: str, now: datetime) -> Claim | None:
         statement = (
             update(SubmissionRow)
-            .where(col(SubmissionRow.id) == _due(now).with_for_update(skip_locked=True).scalar_subquery())
+            .where(col(SubmissionRow.id) == due(now).with_for_update(skip_locked=True).scalar_subquery())
             .values(
                 state=SubmissionState.RUNNING.value,
                 attempt=col(SubmissionRow.attempt) + 1,
@@ -238,48 +254,3 @@ class Queue:
             source=session.execute(source).scalar_one(),
             queued_at=row.queued_at,
         )
-
-
-def _due(now: datetime) -> Select[str]:
-    """The submission to grade next: by priority, then by turn."""
-    return (
-        select(col(SubmissionRow.id))
-        .where(
-            col(SubmissionRow.state) == SubmissionState.QUEUED.value,
-            col(SubmissionRow.not_before) <= now,
-        )
-        .order_by(col(SubmissionRow.priority), col(SubmissionRow.turn_at), col(SubmissionRow.id))
-        .limit(1)
-    )
-
-
-def _change(session: Session, claim: Claim, values: Mapping[str, Any]) -> bool:
-    """Write `values` to the claimed row if the claim is still the latest: the fence."""
-    valid = (
-        col(SubmissionRow.id) == claim.submission_id,
-        col(SubmissionRow.attempt) == claim.attempt,
-        col(SubmissionRow.state) == SubmissionState.RUNNING.value,
-    )
-    return _update(session, valid, values) == 1
-
-
-def _void(
-    session: Session, condition: Sequence[ColumnElement[bool]], now: datetime, state: SubmissionState
-) -> int:
-    """Move running rows to `state` because nobody grades them any more; return how many."""
-    ended = state is SubmissionState.INFRASTRUCTURE_ERROR
-    values = {
-        "state": state.value,
-        "not_before": now,
-        "finished_at": now if ended else None,
-        "lease_until": None,
-        "trouble": "the worker that graded this stopped without an answer",
-    }
-    return _update(session, condition, values)
-
-
-def _update(session: Session, condition: Sequence[ColumnElement[bool]], values: Mapping[str, Any]) -> int:
-    statement = update(SubmissionRow).where(*condition).values(**values)
-    result = session.execute(statement, execution_options={"synchronize_session": False})
-    assert isinstance(result, CursorResult)
-    return result.rowcount

@@ -5,8 +5,10 @@ also by code that knows nothing of them.
 """
 
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from contextvars import ContextVar
+
+from grader.contracts.submission import Claim
 
 FIELDS = (
     "request_id", "submission", "attempt", "assignment", "worker",
@@ -31,6 +33,16 @@ def bound(**fields: Field) -> Iterator[None]:
         yield
     finally:
         _bound.reset(token)
+
+
+def about(claim: Claim) -> AbstractContextManager[None]:
+    """Put on every line that is written inside the context which grading it is about."""
+    return bound(
+        submission=claim.submission_id,
+        attempt=claim.attempt,
+        assignment=claim.assignment,
+        worker=claim.worker,
+    )
 
 
 def note(**fields: Field) -> None:

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from grader.contracts.submission import Claim
 from grader.telemetry import context, logs
 
 FORGED = "done\r\n2026-01-01T00:00:00+00:00 INFO forged\x1b[2J\u202e\u2028{}"
@@ -55,6 +56,22 @@ def test_what_a_thread_of_the_request_finds_out_is_on_the_requests_line(log: log
         thread.join()
         log.info("answered", extra={"status": 202})
     assert stream.getvalue().endswith(" grader.test: answered request_id=r1 submission=s-1 status=202\n")
+
+
+def test_every_line_of_a_grading_names_it(log: logging.Logger) -> None:
+    stream = written(log, "text")
+    claim = Claim(
+        submission_id="s-1",
+        attempt=2,
+        tries=1,
+        worker="w/0",
+        assignment="square",
+        file_name="a.py",
+        source=b"",
+    )
+    with context.about(claim):
+        log.warning("try 1: the grading process died")
+    assert stream.getvalue().endswith(" submission=s-1 attempt=2 assignment=square worker=w/0\n")
 
 
 def test_outside_of_a_unit_of_work_nothing_is_noted() -> None:

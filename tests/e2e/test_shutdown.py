@@ -1,0 +1,98 @@
+"""Stopping `grader serve` while it grades and is watched: a real process, the real sandbox."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+
+from grader.contracts.submission import SubmissionState
+from grader.store.columns import utc_now
+from grader.store.database import Database
+from grader.store.submissions import Submissions
+
+ROOT = Path(__file__).resolve().parents[2]
+TOKEN = "3q9fKx72LmVb0pTzQQ"
+PATIENCE_S = 120.0  # only ever waited for in full when the test fails
+BUSY = "number = 0\nwhile True:\n    number += 1  # {}\n"
+
+
+@pytest.fixture
+def process(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+    settings = {
+        "GRADER_INSTRUCTOR_TOKEN": TOKEN,
+        "GRADER_LOG_FORMAT": "json",
+        "GRADER_DRAIN_S": "0.1",
+        "GRADER_POLL_S": "0.1",
+    }
+    command = [
+        sys.executable,
+        "-m",
+        "grader",
+        "serve",
+        "--port",
+        "0",
+        "--slots",
+        "1",
+        "--data",
+        str(tmp_path),
+    ]
+    with subprocess.Popen(
+        command, cwd=ROOT, env={**os.environ, **settings}, stderr=subprocess.PIPE, text=True
+    ) as started:
+        yield started
+        started.kill()
+
+
+def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
+    process: subprocess.Popen[str], tmp_path: Path
+) -> None:
+    assert process.stderr is not None
+    address = json.loads(process.stderr.readline())["message"].removeprefix("listening on ")
+    with httpx.Client(base_url=address, timeout=PATIENCE_S, trust_env=False) as client:
+        ids = [_upload(client, number) for number in range(2)]
+        headers = {"Authorization": f"Bearer {TOKEN}"}
+        with (
+            client.stream("GET", f"/api/v1/submissions/{ids[0]}/events") as progress,
+            client.stream("GET", "/api/v1/dashboard/events", headers=headers) as dashboard,
+        ):
+            lines, others = progress.iter_lines(), dashboard.iter_lines()
+            while '"running"' not in next(lines):
+                pass
+            next(others)
+            process.send_signal(signal.SIGTERM)
+            assert list(lines) is not None  # both end as answers do: a broken one would raise
+            assert list(others) is not None
+    records = [json.loads(line) for line in process.stderr]
+    assert process.wait(PATIENCE_S) == 0
+    _all_wait(tmp_path, ids)
+    assert {one["submission"] for one in records if "back to the queue" in one["message"]} == {ids[0]}
+    uploads = [one for one in records if one.get("code") == "accepted"]
+    assert [(one["submission"], one["route"], one["status"]) for one in uploads] == [
+        (id_, "/api/v1/submissions", 202) for id_ in ids
+    ]
+    assert TOKEN not in str(records)
+
+
+def _upload(client: httpx.Client, number: int) -> str:
+    response = client.post(
+        "/api/v1/submissions",
+        files={"file": ("busy.py", BUSY.format(number).encode())},
+        data={"assignment": "hello", "student": f"s{number}"},
+    )
+    assert response.status_code == 202, response.text
+    return str(response.json()["id"])
+
+
+def _all_wait(folder: Path, ids: list[str]) -> None:
+    database = Database(f"sqlite:///{folder / 'grader.db'}")
+    try:
+        found = [Submissions(database, utc_now).get(id_) for id_ in ids]
+    finally:
+        database.close()
+    assert [(one.state, one.tries) for one in found] == [(SubmissionState.QUEUED, 0)] * len(ids)
