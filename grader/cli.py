@@ -18,6 +18,7 @@ COMMANDS: dict[str, str] = {
     "run": "run a script against the simulated turtle, without grading / 只运行不评分",
     "assignments": "list, show and validate assignments / 查看作业与评分标准",
     "serve": "start the HTTP service with its workers / 启动服务",
+    "worker": "grade for services that share a database, without serving / 启动评分进程",
     "submit": "hand a file in to a service and wait for its grading / 提交到服务器",
     "course": "create a course and import its people / 创建课程、导入名单",
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",

@@ -7,6 +7,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 
 from grader.bootstrap import build_sandbox
 from grader.catalog import Catalog
@@ -31,9 +32,11 @@ from grader.slot import Slot, SlotConfig
 from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
+from grader.store.doorbell import Doorbell
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.schema import migrate
-from grader.store.workers import presence
+from grader.store.work import WorkSource
+from grader.store.workers import Workers, presence
 from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
@@ -125,37 +128,62 @@ def running(
         stack.callback(services.plots.close)
         stack.callback(services.watching.close)
         if settings.slots:
-            stack.enter_context(working(services))
+            parts = _parts(database, settings, services.assignments)
+            parts = replace(parts, doorbell=services.doorbell, observer=services.metrics)
+            stack.enter_context(_working(settings, parts))
         yield services
 
 
 @contextmanager
-def working(services: Services) -> Iterator[Worker]:
+def running_worker(settings: Settings) -> Iterator[Worker]:
+    """Open the store, bring it up to date, and grade without serving; put everything away at the end.
+
+    Raises:
+        SettingsError, AssignmentError, InfrastructureError: as `running` does.
+    """
+    with ExitStack() as stack:
+        database = Database(settings.database_url)
+        stack.callback(database.close)
+        migrate(database)
+        parts = _parts(database, settings, RememberedAssignments(Catalog()))
+        yield stack.enter_context(_working(settings, parts))
+
+
+@contextmanager
+def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
     """Run a worker beside whatever else this process does."""
-    settings, queue = services.settings, services.queue
-    parts = WorkerParts(
-        queue=queue,
-        workers=services.workers,
-        assignments=services.assignments,
-        make_grader=lambda: Slot(_ISOLATION),
-        probe=_probe,
-        doorbell=services.doorbell,
-        clock=services.clock,
-        observer=services.metrics,
-    )
     config = WorkerConfig(
         slots=settings.slots,
         heartbeat_s=settings.heartbeat_s,
         poll_s=settings.poll_s,
         drain_s=settings.drain_s,
     )
-    with presence(settings.database_url, lambda: _take_over(queue)):
+    with presence(settings.database_url, lambda: _take_over(parts.queue)):
         worker = Worker(parts, config)
         worker.start()
         try:
             yield worker
         finally:
             worker.stop()
+
+
+def _parts(database: Database, settings: Settings, assignments: AssignmentSource) -> WorkerParts:
+    return WorkerParts(
+        queue=Queue(database, utc_now, _policy(settings)),
+        workers=Workers(database, utc_now),
+        assignments=assignments,
+        make_grader=lambda: Slot(_ISOLATION),
+        probe=_probe,
+        doorbell=Doorbell(),
+        clock=utc_now,
+        work=None if database.is_sqlite else _permits(database, settings),
+    )
+
+
+def _permits(database: Database, settings: Settings) -> WorkSource:
+    from grader.store.permits.loop import PermitLoop  # the embedded default does without Procrastinate
+
+    return PermitLoop(database, utc_now, settings.poll_s)
 
 
 @contextmanager

@@ -17,7 +17,16 @@ from grader.telemetry.context import FIELDS, current
 LogFormat = Literal["text", "json"]
 LogLevel = Literal["debug", "info", "warning", "error"]
 
-_CHATTY = ("alembic", "asyncio", "httpcore", "httpx", "matplotlib", "multipart", "python_multipart")
+_CHATTY = (
+    "alembic",
+    "asyncio",
+    "httpcore",
+    "httpx",
+    "matplotlib",
+    "multipart",
+    "procrastinate",
+    "python_multipart",
+)
 """Libraries whose `info` is about themselves, not about the service."""
 
 _NEXT_LINE = "\n    | "

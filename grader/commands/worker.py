@@ -1,0 +1,52 @@
+"""`grader worker`: grades what services on the same database accept, without serving itself."""
+
+import argparse
+import logging
+import signal
+import threading
+from pathlib import Path
+from typing import Any
+
+from grader.contracts.errors import SettingsError
+
+_log = logging.getLogger(__name__)
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments; each overrides the setting of the same name (GRADER_SLOTS, ...)."""
+    parser.add_argument("--database-url", metavar="URL", help="the services' database")
+    parser.add_argument("--data", type=Path, metavar="DIR", help="folder of a database that is a file")
+    parser.add_argument("--slots", type=int, help="gradings at once (default: one per core)")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Grade until told to stop; running gradings finish first. A second signal does not wait for them."""
+    from grader.service import running_worker
+    from grader.settings import load
+    from grader.telemetry import logs
+
+    settings = load(**_overrides(arguments))
+    logs.configure(settings.log_format, settings.log_level)
+    if not settings.slots:
+        raise SettingsError("slots: a worker without slots would grade nothing")
+    stopped = threading.Event()
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda received, _: _stop(stopped, received))
+    with running_worker(settings) as worker:
+        _log.info("worker %s grades, %d at once", worker.id, settings.slots)
+        stopped.wait()
+    return 0
+
+
+def _stop(stopped: threading.Event, received: int) -> None:
+    signal.signal(received, signal.SIG_DFL)
+    stopped.set()
+
+
+def _overrides(arguments: argparse.Namespace) -> dict[str, Any]:
+    given = {name: getattr(arguments, name) for name in ("database_url", "slots")}
+    if arguments.data is not None:
+        from grader.commands.storage import database_url
+
+        given["database_url"] = database_url(arguments.data)
+    return {name: value for name, value in given.items() if value is not None}
