@@ -12,7 +12,11 @@ _LONGEST_NAME = 200
 
 
 class Role(StrEnum):
-    """What somebody is in a course. Assistants see everything and change no setting and no grade."""
+    """What somebody is in a course.
+
+    Assistants see everything and judge what waits for a person; they change no setting and none of a machine's
+    grades.
+    """
 
     STUDENT = "student"
     ASSISTANT = "assistant"
@@ -80,7 +84,7 @@ class Caller:
 
     @property
     def is_staff(self) -> bool:
-        """Whether the caller may see everybody's work."""
+        """Whether the caller may see everybody's work and judge what no machine judges."""
         return self.role in (Role.ASSISTANT, Role.INSTRUCTOR)
 
     @property

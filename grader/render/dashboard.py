@@ -10,6 +10,7 @@ from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
 
+from grader.contracts.report import GradeStatus
 from grader.contracts.text import Language
 from grader.render import quantity
 from grader.render.escape import visible_line
@@ -19,6 +20,7 @@ _NAME_CHARACTERS = 24
 _HARDEST = 3
 _ASSIGNMENTS_PER_TABLE = 7  # as many as fit 80 columns beside names and totals
 _CELL_COLUMNS = 6
+_MANUAL = GradeStatus.NEEDS_MANUAL.value
 
 Json = Mapping[str, object]
 
@@ -29,6 +31,8 @@ def render_dashboard(data: Json, *, language: Language) -> RenderableType:
     assignments = _objects(data.get("assignments"))
     queue = _object(data.get("queue"))
     counts = "  ".join(f"{_state(state, language)} {_shown(count)}" for state, count in queue.items())
+    if isinstance(waiting := data.get("waiting_for_person"), int) and waiting:
+        counts += f"  {word('waiting_for_person', language)} {waiting}"
     return Group(
         *_matrix(students, assignments, language),
         _assignments(assignments, language),
@@ -67,6 +71,8 @@ def _cell(entry: Json, language: Language) -> Text:
     if not entry:
         return Text(quantity.NOTHING, style="dim")
     best, most, attempts = entry.get("best_score"), entry.get("max_score"), entry.get("attempts")
+    if not isinstance(best, int | float) and entry.get("verdict") == _MANUAL:
+        return Text(word("not_yet", language), style="cyan")
     if not isinstance(best, int | float):
         return Text(_state(entry.get("status"), language), style="yellow")
     full = isinstance(most, int | float) and best >= most

@@ -28,7 +28,8 @@ def json_report(report: GradeReport) -> str:
 def to_gradescope(report: GradeReport, language: Language = "zh") -> dict[str, object]:
     """Return Gradescope's ``results.json`` (gradescope-autograders.readthedocs.io, "Specifications").
 
-    The top-level score is left out while a person has still to grade; Gradescope then sums the tests.
+    While a person has still to grade, the top-level score is left out, and the score of what waits: Gradescope
+    then sums what has been judged.
 
     Raises:
         InfrastructureError: the grading failed through no fault of the student. Gradescope must show a failed
@@ -52,12 +53,15 @@ def to_gradescope(report: GradeReport, language: Language = "zh") -> dict[str, o
 
 
 def _gradescope_test(item: RubricItem, position: int, language: Language) -> dict[str, object]:
+    judged: dict[str, object] = {
+        "score": item.earned,
+        "status": "passed" if item.status is ItemStatus.PASSED else "failed",
+    }
     return {
         "name": visible(item.title.get(language)),
         "number": str(position),
-        "score": item.earned,
+        **({} if item.status is ItemStatus.NEEDS_MANUAL else judged),
         "max_score": item.points,
-        "status": "passed" if item.status is ItemStatus.PASSED else "failed",
         "output": _evidence(item, language),
         "visibility": "visible",
         "extra_data": {

@@ -111,6 +111,7 @@ WORDS: Mapping[str, Text] = {
     "score": _t("得分", "Score"),
     "full_marks": _t("满分", "full marks"),
     "not_yet": _t("待评", "pending"),
+    "waiting_for_person": _t("等待人工评分", "waiting for a person"),
     "yes": _t("是", "yes"),
     "no": _t("否", "no"),
     "status": _t("状态", "Status"),

@@ -118,3 +118,12 @@ def test_more_assignments_than_fit_go_on_in_a_second_table() -> None:
     )
     rows = [line.split() for line in text.split("\n") if line.strip().startswith("ann")]
     assert rows == [["ann", "0", "1", "2", "3", "4", "5", "6"], ["ann", "7", "8", "36"]]
+
+
+def test_what_waits_for_a_person_is_not_called_graded() -> None:
+    cell = {"best_score": None, "status": "graded", "verdict": "needs_manual", "attempts": 1}
+    student = {"student": "ada", "assignments": {"square": cell}}
+    text = shown({**DATA, "students": [student], "waiting_for_person": 3})
+    assert "待评" in row(text, "ada")
+    assert "已评分" not in " ".join(row(text, "ada"))
+    assert "等待人工评分 3" in text

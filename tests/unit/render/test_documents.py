@@ -50,7 +50,11 @@ def test_gradescope_fields() -> None:
 
 
 def test_gradescope_sums_the_tests_until_a_person_has_graded() -> None:
-    assert "score" not in to_gradescope(report(score=None, status=GradeStatus.NEEDS_MANUAL))
+    items = (item(), item(ItemStatus.NEEDS_MANUAL, id="essay"))
+    document = to_gradescope(report(score=None, status=GradeStatus.NEEDS_MANUAL, items=items))
+    assert "score" not in document
+    assert [test.get("score") for test in document["tests"]] == [2.0, None]
+    assert "status" not in document["tests"][1]
 
 
 @pytest.mark.parametrize("status", [GradeStatus.INFRASTRUCTURE_ERROR, GradeStatus.ASSIGNMENT_ERROR])
