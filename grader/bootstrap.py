@@ -5,6 +5,7 @@ from grader.sandbox import Mode, Sandbox
 from grader.slot import SlotConfig
 
 PRELOADED = ("rclpy._warm",)  # paid once per zygote, not once per run
+SYNTAX_CHECK = "rclpy._syntax:run"
 
 
 def build_sandbox(config: SlotConfig) -> Sandbox:
@@ -14,8 +15,24 @@ def build_sandbox(config: SlotConfig) -> Sandbox:
         SettingsError: unknown mode.
         SandboxUnavailableError: this host lacks a layer that the mode requires.
     """
+    return Sandbox(
+        _mode(config),
+        preload_numpy=config.preload_numpy,
+        namespaces=config.namespaces,
+        preload=PRELOADED,
+    )
+
+
+def build_syntax_sandbox(config: SlotConfig) -> Sandbox:
+    """Start a sandbox as confined as `build_sandbox`'s, whose processes compile a script and run nothing.
+
+    Raises as `build_sandbox` does.
+    """
+    return Sandbox(_mode(config), namespaces=config.namespaces, entry=SYNTAX_CHECK)
+
+
+def _mode(config: SlotConfig) -> Mode:
     try:
-        mode = Mode(config.mode)
+        return Mode(config.mode)
     except ValueError as error:
         raise SettingsError(f"isolation: {config.mode!r} is not one of {', '.join(Mode)}") from error
-    return Sandbox(mode, preload_numpy=config.preload_numpy, namespaces=config.namespaces, preload=PRELOADED)

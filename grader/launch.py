@@ -61,6 +61,23 @@ def launch() -> Child:
     return _ahead.pop() if _ahead else _start()
 
 
+def give_way(pid: int, niceness: int) -> None:
+    """Let everybody else go before a process just launched, and before whatever it will start.
+
+    Beside the niceness: a process of the batch class does not interrupt others when it wakes up (sched(7)). And
+    where the kernel groups processes by session (autogroup), niceness counts only inside a session, unless the
+    session gets one, too.
+    """
+    try:
+        os.setpriority(os.PRIO_PROCESS, pid, niceness)
+        if sys.platform == "linux":
+            os.sched_setscheduler(pid, os.SCHED_BATCH, os.sched_param(0))
+            with open(f"/proc/{pid}/autogroup", "w", encoding="ascii") as file:
+                file.write(str(niceness))
+    except OSError:
+        return  # it ended, or this kernel does not group
+
+
 def _start() -> Child:
     theirs_requests, requests = os.pipe()
     answers, theirs_answers = os.pipe()

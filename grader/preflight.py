@@ -3,8 +3,10 @@
 Source text can attack a compiler (deep nesting, codecs, giant lines), so even this happens in the jail.
 """
 
+import queue
 import re
-import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any, Final
 
 from grader.contracts.errors import InfrastructureError, ProtocolError
@@ -22,9 +24,11 @@ _TOO_MUCH: Final = "this file is too much for the Python compiler (nested too de
 class SandboxPreflight:
     """Implements `grader.contracts.grading.Preflight`; thread-safe."""
 
-    def __init__(self, sandbox: Sandbox) -> None:
-        self._sandbox = sandbox
-        self._lock = threading.Lock()
+    def __init__(self, *sandboxes: Sandbox) -> None:
+        """Take over sandboxes of `grader.bootstrap.build_syntax_sandbox`: as many checks go on at once."""
+        self._idle: queue.LifoQueue[Sandbox] = queue.LifoQueue()
+        for sandbox in sandboxes:
+            self._idle.put(sandbox)
 
     def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
         """Compile `source` in a confined process; return what is wrong with it, or None.
@@ -32,8 +36,8 @@ class SandboxPreflight:
         Raises:
             InfrastructureError, SandboxError: the check itself could not be done.
         """
-        with self._lock, self._sandbox.open(_LIMITS) as jail:
-            jail.send(encode_start(_start_fields(file_name), source))
+        with self._borrowed() as sandbox, sandbox.open(_LIMITS) as jail:
+            jail.send(encode_start({"protocol": PROTOCOL, "file_name": file_name}, source))
             ending = _last_frame(jail.receive)
             report = jail.close()
         if ending is None:
@@ -49,6 +53,14 @@ class SandboxPreflight:
             column=_column(ending.detail, line),
             text=line,
         )
+
+    @contextmanager
+    def _borrowed(self) -> Iterator[Sandbox]:
+        sandbox = self._idle.get()
+        try:
+            yield sandbox
+        finally:
+            self._idle.put(sandbox)
 
 
 def _line_of(source: bytes, number: int) -> str:
@@ -66,27 +78,6 @@ def _column(message: str, line: str) -> int | None:
         return None
     column = carets[-1].index("^") - _SHOWN_INDENT + len(line) - len(line.lstrip()) + 1
     return column if 1 <= column <= len(line) + 1 else None
-
-
-def _start_fields(file_name: str) -> dict[str, Any]:
-    world: dict[str, list[Any]] = {
-        "publishes": [],
-        "subscribes": [],
-        "services": [],
-        "nodes": [],
-        "calls": [],
-    }
-    return {
-        "protocol": PROTOCOL,
-        "compile_only": True,
-        "file_name": file_name,
-        "args": [],
-        "stdin": "",
-        "horizon_ns": 1_000_000_000,
-        "epoch_ns": 0,
-        "seed": 0,
-        "world": world,
-    }
 
 
 def _last_frame(receive: Any) -> Exit | None:

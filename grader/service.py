@@ -9,8 +9,9 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 
-from grader.bootstrap import build_sandbox
+from grader.bootstrap import build_sandbox, build_syntax_sandbox
 from grader.catalog import Catalog
+from grader.catalog.cache import AssignmentMemory
 from grader.contracts.assignment import Assignment
 from grader.contracts.codec import from_plain
 from grader.contracts.errors import (
@@ -41,6 +42,7 @@ from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
 _FRESH_S = 2.0
+_SYNTAX_CHECKS = 2  # at once: a file that keeps the compiler busy does not stop everybody else's upload
 _ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
 
 
@@ -120,7 +122,7 @@ def running(
             settings,
             utc_now,
             policy=_policy(settings),
-            assignments=RememberedAssignments(Catalog()),
+            assignments=RememberedAssignments(Catalog(cache=AssignmentMemory())),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(_plot, settings.plot_cache_entries),
             gate=InstructorGate(_token(settings, courses, announce or _announce)),
@@ -188,10 +190,11 @@ def _permits(database: Database, settings: Settings) -> WorkSource:
 
 @contextmanager
 def _preflight() -> Iterator[Preflight]:
-    """Check syntax in a sandbox of its own; without one, leave it to grading, which then waits, too."""
+    """Check syntax in sandboxes of its own; without one, leave it to grading, which then waits, too."""
     with ExitStack() as stack:
         try:
-            checker: Preflight = SandboxPreflight(stack.enter_context(build_sandbox(_ISOLATION)))
+            sandboxes = [stack.enter_context(build_syntax_sandbox(_ISOLATION)) for _ in range(_SYNTAX_CHECKS)]
+            checker: Preflight = SandboxPreflight(*sandboxes)
         except SandboxError as error:
             _log.error("uploads are accepted without a look at their syntax: %s", error)
             checker = LatePreflight()

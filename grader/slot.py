@@ -13,7 +13,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from types import TracebackType
 from typing import Any, Final, Self
 
@@ -21,7 +21,7 @@ from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.report import GradeReport, Measurements
-from grader.launch import Child, launch
+from grader.launch import Child, give_way, launch
 
 _SPARE_S: Final = 30.0  # importing the physics on a loaded machine, checks, encoding
 _LAST_WORDS_S: Final = 1.0
@@ -132,11 +132,13 @@ class Slot:
         self.close()
         try:
             child = launch()
+            if self._config.niceness:
+                give_way(child.pid, self._config.niceness)
         except OSError as error:
             raise InfrastructureError(f"the grading process could not be started: {error}") from error
         self._process = _Process(child)
         self._channel = Channel(child.answers, child.requests)
-        self._send(asdict(self._config), _SPARE_S)
+        self._send(asdict(replace(self._config, niceness=0)), _SPARE_S)
 
     def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
         """Grade `job` in the child; call `on_run` here whenever a run of the script has begun there.

@@ -9,7 +9,7 @@ from fnmatch import fnmatchcase
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
-from grader.catalog.cache import AssignmentCache
+from grader.catalog.cache import AssignmentCache, AssignmentMemory
 from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 
@@ -38,7 +38,9 @@ class Catalog:
     Every call reads the files anew, so an edited assignment is seen without a restart.
     """
 
-    def __init__(self, root: Path | None = None, cache: AssignmentCache | None = None) -> None:
+    def __init__(
+        self, root: Path | None = None, cache: AssignmentCache | AssignmentMemory | None = None
+    ) -> None:
         """Look under `root` (None: the built-in assignments), sparing what `cache` has seen to be valid."""
         self.root = default_root() if root is None else root
         self._cache = cache

@@ -32,6 +32,25 @@ def default_cache_folder() -> Path | None:
     return Path(home, ".cache", "grader") if os.path.isabs(home) else None
 
 
+class AssignmentMemory:
+    """Validated assignments as long as a process lives, for one that asks every few seconds."""
+
+    def __init__(self) -> None:
+        self._known: dict[Path, tuple[bytes, Assignment]] = {}
+
+    def find(self, path: Path) -> Assignment | None:
+        """Return what `path` was validated to when it had the same bytes as now, or None."""
+        known = self._known.get(path)
+        try:
+            return known[1] if known is not None and known[0] == path.read_bytes() else None
+        except OSError:
+            return None
+
+    def keep(self, path: Path, source: bytes, assignment: Assignment) -> None:
+        """Remember that `source`, read from `path`, is valid and means `assignment`."""
+        self._known[path] = source, assignment
+
+
 class AssignmentCache:
     """Validated assignments under one folder, one file for each ``assignment.yaml``."""
 

@@ -113,7 +113,7 @@ def test_a_host_without_a_sandbox_takes_uploads_and_says_so(
     def refuse(_: object) -> None:
         raise SandboxUnavailableError("this host lacks seccomp")
 
-    monkeypatch.setattr(service, "build_sandbox", refuse)
+    monkeypatch.setattr(service, "build_syntax_sandbox", refuse)
     with caplog.at_level(logging.ERROR), service.running(settings(tmp_path), lambda _: None) as services:
         assert services.preflight.check(b"def broken(", "a.py") is None
     assert "lacks seccomp" in caplog.text

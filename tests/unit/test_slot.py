@@ -99,6 +99,16 @@ def test_one_child_serves_one_job_after_the_other(children: list[str]) -> None:
     assert results[0].trajectories["default"] == b"t" * 200_000
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="scheduling classes are Linux'")
+def test_a_nice_child_gives_way_with_all_it_starts(children: list[str]) -> None:
+    told = "RESULT['measurements']['isolation'] = str((os.getpriority(0, 0), os.sched_getscheduler(0)))"
+    children.append(f"{told}; serve()")
+    before = os.getpriority(os.PRIO_PROCESS, 0)
+    with Slot(SlotConfig(niceness=before + 7)) as one:
+        assert one.grade(JOB).measurements.isolation == str((before + 7, os.SCHED_BATCH))
+    assert os.getpriority(os.PRIO_PROCESS, 0) == before
+
+
 def test_a_child_that_dies_is_replaced(children: list[str]) -> None:
     children += ["receive(); sys.exit(7)", "serve()"]
     with Slot(SlotConfig()) as one:

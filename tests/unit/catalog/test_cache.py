@@ -8,7 +8,7 @@ import pytest
 
 from grader import catalog
 from grader.catalog import Catalog, cache, default_root
-from grader.catalog.cache import AssignmentCache, default_cache_folder
+from grader.catalog.cache import AssignmentCache, AssignmentMemory, default_cache_folder
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 
@@ -161,3 +161,14 @@ def test_a_remembered_assignment_needs_neither_pydantic_nor_yaml(
         [sys.executable, "-c", program], capture_output=True, text=True, check=True, cwd=root
     )
     assert done.stdout.strip() == "set()"
+
+
+def test_a_process_remembers_until_the_file_changes(own: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    remembering = Catalog(own, AssignmentMemory())
+    first = remembering.get("square")
+    with monkeypatch.context() as patched:
+        patched.setattr(Catalog, "_document", lambda *_: pytest.fail("a document was read"))
+        assert remembering.get("square") is first
+    path = own / "square" / "assignment.yaml"
+    path.write_bytes(path.read_bytes().replace(b"order: 5", b"order: 6"))
+    assert remembering.get("square").order == 6

@@ -1,0 +1,141 @@
+"""A scripted class: which student hands in which bytes, in which order, and what each script is worth.
+
+Scripts are the lesson's, the assignments' own solutions, and what beginners get wrong. What a script earns is
+found out by grading it once with the core alone, without service or database. Two students never hand in the
+same bytes: each file ends with a comment that names student and attempt. The share that is meant to be the
+same, or no Python at all, comes on top and must not end up in the gradebook.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+import random
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from itertools import cycle, islice
+from pathlib import Path
+from typing import Literal
+
+from grader.catalog import Catalog
+from grader.contracts.grading import GradingJob
+from grader.slot import Slot, SlotConfig
+
+ROOT = Path(__file__).resolve().parent.parent
+ASSIGNMENTS = ("hello", "straight", "backward", "spin", "square", "triangle", "pentagon")
+_LESSON = {"hello": "hello_node.py", "straight": "straight_mover.py", "square": "square_mover.py"}
+_BROKEN = b"def main(:\n    pass\n"
+_SHARE_REPEATED = 0.03
+_SHARE_BROKEN = 0.03
+_SHARE_RIGHT = (0.3, 0.5, 0.8)  # of the first, second, third and later attempts
+
+Kind = Literal["fresh", "repeated", "broken"]
+
+
+@dataclass(frozen=True, slots=True)
+class Script:
+    """A file without its last line. `score` is what the core gives it."""
+
+    assignment: str
+    name: str
+    source: bytes
+    right: bool
+    score: float = math.nan
+
+
+@dataclass(frozen=True, slots=True)
+class Upload:
+    """One file that a student hands in. ``repeated``: the bytes before it again; ``broken``: no Python."""
+
+    student: str
+    attempt: int
+    script: Script
+    kind: Kind = "fresh"
+
+    @property
+    def content(self) -> bytes:
+        """The bytes to send."""
+        body = _BROKEN if self.kind == "broken" else self.script.source
+        return body.rstrip() + f"\n# {self.student}, attempt {self.attempt}\n".encode()
+
+
+def roster(count: int) -> list[str]:
+    """Return the ids of a class."""
+    return [f"2026{number:05d}" for number in range(1, count + 1)]
+
+
+def graded_scripts() -> list[Script]:
+    """Return every script with what it earns: graded once, without service or database."""
+    with Slot(SlotConfig()) as slot:
+        return [replace(one, score=slot.grade(_job(one)).report.score or 0.0) for one in _scripts()]
+
+
+def bare_rate(uploads: Sequence[Upload], count: int, processes: int) -> float:
+    """Return how many of `uploads` bare loops in `processes` grading processes grade in a second."""
+    jobs = [_job(one.script) for one in islice(cycle(uploads), count)]
+    with ExitStack() as stack:
+        slots = [stack.enter_context(Slot(SlotConfig())) for _ in range(processes)]
+        for slot in slots:
+            slot.grade(jobs[0])
+        started = time.perf_counter()
+        with ThreadPoolExecutor(processes) as pool:
+            list(pool.map(lambda pair: [pair[0].grade(job) for job in pair[1]], _dealt(slots, jobs)))
+        return count / (time.perf_counter() - started)
+
+
+def plan(scripts: Sequence[Script], students: Sequence[str], attempts: int, seed: int) -> list[Upload]:
+    """Return everything the class hands in, in order: each assignment in turn, attempt by attempt."""
+    chance = random.Random(seed)  # noqa: S311 - a class, no secret
+    uploads: list[Upload] = []
+    for assignment in ASSIGNMENTS:
+        right = [one for one in scripts if one.assignment == assignment and one.right]
+        wrong = [one for one in scripts if one.assignment == assignment and not one.right]
+        for attempt in range(1, attempts + 1):
+            share = _SHARE_RIGHT[min(attempt, len(_SHARE_RIGHT)) - 1]
+            for student in chance.sample(students, len(students)):
+                script = chance.choice(right if chance.random() < share else wrong)
+                uploads += _with_extras(Upload(student, attempt, script), chance)
+    return uploads
+
+
+def _with_extras(upload: Upload, chance: random.Random) -> Iterator[Upload]:
+    if chance.random() < _SHARE_BROKEN:
+        yield Upload(upload.student, upload.attempt, upload.script, "broken")
+    yield upload
+    if chance.random() < _SHARE_REPEATED:
+        yield Upload(upload.student, upload.attempt, upload.script, "repeated")
+
+
+def _scripts() -> Iterator[Script]:
+    catalog = Catalog()
+    for assignment in ASSIGNMENTS:
+        folder = catalog.folder(assignment)
+        own = [folder / "solution.py"]
+        if assignment in _LESSON:
+            own.append(ROOT / "lesson" / _LESSON[assignment])
+        for path in own:
+            yield Script(assignment, path.name, path.read_bytes(), right=True)
+        for path in sorted((folder / "wrong").glob("*.py")):
+            if _is_python(path.read_bytes()):
+                yield Script(assignment, path.name, path.read_bytes(), right=False)
+
+
+def _is_python(source: bytes) -> bool:
+    try:
+        ast.parse(source)
+    except SyntaxError:
+        return False
+    return True
+
+
+def _job(script: Script) -> GradingJob:
+    return GradingJob(
+        file_name=script.name, source=script.source, assignment=Catalog().get(script.assignment)
+    )
+
+
+def _dealt(slots: Sequence[Slot], jobs: Sequence[GradingJob]) -> list[tuple[Slot, Sequence[GradingJob]]]:
+    return [(slot, jobs[number :: len(slots)]) for number, slot in enumerate(slots)]

@@ -1,0 +1,128 @@
+"""Handing in: sends a plan of uploads at given instants, and keeps what was answered and how long it took."""
+
+from __future__ import annotations
+
+import asyncio
+import random
+import time
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import cycle
+from typing import Any
+
+import httpx
+
+from benchmarks.classroom import Upload
+
+ADDRESS = "/api/v1/submissions"
+_ACCEPTED = 202
+_AGAIN_S = 0.2
+_TRIES = 300
+
+
+@dataclass(frozen=True, slots=True)
+class Sent:
+    """One upload and its answer. `code` is 202, or the code of the problem; `order` counts answers."""
+
+    upload: Upload
+    code: str
+    took_s: float
+    order: int
+    location: str = ""
+    repeated: bool = False
+
+    @property
+    def accepted(self) -> bool:
+        """Whether the service promised to grade it."""
+        return self.code == str(_ACCEPTED)
+
+
+@dataclass(slots=True)
+class HandingIn:
+    """Sends uploads; each student waits for the answer to one before the next.
+
+    Attributes:
+        urls: API processes, used in turn.
+        tokens: of each student.
+        insist: whether to send again, under an idempotency key, what got no answer.
+        sent: what was answered so far.
+    """
+
+    urls: Sequence[str]
+    tokens: Mapping[str, str]
+    insist: bool = False
+    sent: list[Sent] = field(default_factory=list)
+
+    async def run(self, uploads: Sequence[Upload], at_s: Sequence[float]) -> None:
+        """Send `uploads`, each at its second after the start or as soon after as can be."""
+        one_at_a_time: dict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+        limits = httpx.Limits(max_connections=64, max_keepalive_connections=64)
+        begun = time.monotonic()
+        async with httpx.AsyncClient(timeout=60.0, limits=limits, trust_env=False) as client:
+            tasks = []
+            for upload, url, due_s in zip(uploads, cycle(self.urls), at_s, strict=False):
+                await asyncio.sleep(max(0.0, begun + due_s - time.monotonic()))
+                tasks.append(
+                    asyncio.create_task(self._one(client, url, upload, one_at_a_time[upload.student]))
+                )
+            await asyncio.gather(*tasks)
+
+    async def _one(self, client: httpx.AsyncClient, url: str, upload: Upload, lock: asyncio.Lock) -> None:
+        async with lock:
+            started = time.perf_counter()
+            answer = await self._post(client, url, upload)
+            took_s = time.perf_counter() - started
+        document = answer.json()
+        accepted = answer.status_code == _ACCEPTED
+        self.sent.append(
+            Sent(
+                upload,
+                str(_ACCEPTED) if accepted else document["code"],
+                took_s,
+                len(self.sent),
+                url + document["status_url"] if accepted else "",
+                accepted and document["repeated"],
+            )
+        )
+
+    async def _post(self, client: httpx.AsyncClient, url: str, upload: Upload) -> httpx.Response:
+        headers = {"Authorization": f"Bearer {self.tokens[upload.student]}"}
+        if self.insist:
+            headers["Idempotency-Key"] = f"{upload.script.assignment} {upload.attempt} {upload.kind}"
+        request: dict[str, Any] = {
+            "headers": headers,
+            "data": {"assignment": upload.script.assignment},
+            "files": {"file": (upload.script.name, upload.content)},
+        }
+        for left in reversed(range(_TRIES)):
+            try:
+                return await client.post(url + ADDRESS, **request)
+            except httpx.TransportError:
+                if not self.insist or not left:
+                    raise
+                await asyncio.sleep(_AGAIN_S)
+        raise AssertionError("unreachable")
+
+
+def steady(count: int, per_s: float, seed: int) -> list[float]:
+    """Return `count` instants of a Poisson process, in seconds from the start."""
+    chance = random.Random(seed)  # noqa: S311
+    instants, now_s = [], 0.0
+    for _ in range(count):
+        now_s += chance.expovariate(per_s)
+        instants.append(now_s)
+    return instants
+
+
+def evening(count: int, seconds: float, seed: int) -> list[float]:
+    """Return `count` instants in [0, seconds], ever denser towards the end: the deadline.
+
+    Half of a class hands in during the last fifth: the density grows as ``exp(t / (0.29 seconds))``.
+    """
+    import math
+
+    chance = random.Random(seed)  # noqa: S311
+    steepness = 1.0 / 0.29
+    most = math.expm1(steepness)
+    return sorted(seconds * math.log1p(chance.random() * most) / steepness for _ in range(count))

@@ -1,0 +1,185 @@
+"""The processes of a service under test: started in a folder of their own, watched, killed, put away."""
+
+from __future__ import annotations
+
+import csv
+import os
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+import httpx
+
+COURSE = "ros2-load"
+INSTRUCTOR = "wang"
+_START_S = 60.0
+_LOOK_S = 2.0
+
+
+class Service:
+    """One or more API processes and workers over one database; use as a context manager.
+
+    The class's own limits per student are lifted, because a load generator is quicker than students.
+    """
+
+    def __init__(self, folder: Path, *, apis: int = 1, workers: int = 0, database: str | None = None) -> None:
+        """Say what is to run; nothing is started yet.
+
+        Args:
+            folder: for the database and the processes' output.
+            apis: processes of ``grader serve``. They grade themselves when there are no `workers`.
+            workers: processes of ``grader worker``, one grading at once each.
+            database: URL; default: a SQLite file in `folder`.
+        """
+        self.folder = folder
+        self._apis = apis
+        self._workers = workers
+        self.database = database or f"sqlite:///{folder / 'grader.db'}"
+        self.urls = [f"http://127.0.0.1:{_free_port()}" for _ in range(apis)]
+        self.running: dict[str, subprocess.Popen[bytes]] = {}
+
+    def __enter__(self) -> Self:
+        for number in range(self._apis):
+            self.start(f"api{number}")
+            self.await_ready(self.urls[number])  # the first brings the database up to date
+        for number in range(self._workers):
+            self.start(f"worker{number}")
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        for process in self.running.values():
+            process.terminate()
+        for process in self.running.values():
+            process.wait()
+
+    def start(self, name: str) -> None:
+        """Start ``api0``, ``worker1``, ...; its output goes to a file of that name."""
+        if name.startswith("api"):
+            port = self.urls[int(name.removeprefix("api"))].rpartition(":")[2]
+            arguments = ["serve", "--port", port, *(["--slots", "0"] if self._workers else [])]
+        else:
+            arguments = ["worker", "--slots", "1"]
+        with (self.folder / f"{name}.log").open("ab") as log:
+            self.running[name] = subprocess.Popen(
+                [sys.executable, "-m", "grader", *arguments], env=self.environment, stderr=log, stdout=log
+            )
+
+    def kill(self, name: str) -> None:
+        """End a process as a power cut would."""
+        self.running[name].send_signal(signal.SIGKILL)
+        self.running[name].wait()
+
+    @property
+    def environment(self) -> dict[str, str]:
+        """The environment of every process."""
+        settings = {"DATABASE_URL": self.database, "UPLOADS_PER_MINUTE": "100000"}
+        settings |= {"REQUESTS_PER_MINUTE": "1000000", "MAX_OPEN_SUBMISSIONS": "10000"}
+        return os.environ | {f"GRADER_{name}": value for name, value in settings.items()}
+
+    def command(self, *arguments: str) -> str:
+        """Run ``grader`` with `arguments`; return what it prints."""
+        command = [sys.executable, "-m", "grader", *arguments]
+        done = subprocess.run(command, env=self.environment, check=True, capture_output=True, text=True)
+        return done.stdout
+
+    def enrol(self, students: Sequence[str]) -> dict[str, str]:
+        """Create a course with a teacher; return everybody's token."""
+        path = self.folder / "class.csv"
+        path.write_text("id,name\n" + "".join(f"{one},Student {one}\n" for one in students))
+        printed = self.command("course", "create", COURSE, "--instructor", INSTRUCTOR, "--roster", str(path))
+        return {row["id"]: row["token"] for row in csv.DictReader(printed.splitlines())}
+
+    def await_ready(self, url: str) -> None:
+        """Wait until the API process at `url` answers.
+
+        Raises:
+            TimeoutError: it does not.
+        """
+        deadline = time.monotonic() + _START_S
+        while time.monotonic() < deadline:
+            try:
+                httpx.get(f"{url}/healthz", trust_env=False)
+            except httpx.TransportError:
+                time.sleep(0.05)
+            else:
+                return
+        raise TimeoutError(f"nothing answers at {url}; see {self.folder}")
+
+
+class Memory(threading.Thread):
+    """Looks now and then at how much memory a service's processes use, and remembers the most.
+
+    Attributes:
+        peak_mib: sum of proportional set sizes: pages that several processes share are counted once.
+    """
+
+    def __init__(self, service: Service) -> None:
+        super().__init__(daemon=True)
+        self._service = service
+        self._stopped = threading.Event()
+        self.peak_mib = 0.0
+
+    def run(self) -> None:
+        """Look until told to stop."""
+        while not self._stopped.wait(_LOOK_S):
+            pids = [process.pid for process in self._service.running.values()]
+            used = sum(_proportional_mib(pid) for first in pids for pid in tree(first))
+            self.peak_mib = max(self.peak_mib, used)
+
+    def stop(self) -> None:
+        """Look no more."""
+        self._stopped.set()
+        self.join()
+
+
+def tree(pid: int) -> Iterator[int]:
+    """Yield a process and everything below it."""
+    yield pid
+    for task in _entries(Path(f"/proc/{pid}/task")):
+        try:
+            children = (task / "children").read_text(encoding="ascii").split()
+        except OSError:
+            continue
+        for child in children:
+            yield from tree(int(child))
+
+
+def cpu_s(pid: int) -> float:
+    """Return the CPU seconds of one process, children not counted; 0.0 when it is gone."""
+    try:
+        fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
+    except OSError:
+        return 0.0
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+def _proportional_mib(pid: int) -> float:
+    try:
+        lines = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii").splitlines()
+    except OSError:
+        return 0.0
+    sizes: Mapping[str, str] = dict(line.split(":", 1) for line in lines[1:])
+    return int(sizes["Pss"].split()[0]) / 1024
+
+
+def _entries(folder: Path) -> list[Path]:
+    try:
+        return list(folder.iterdir())
+    except OSError:
+        return []
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port

@@ -1,0 +1,72 @@
+"""The look at an upload's syntax, in a real confined process."""
+
+import threading
+from collections.abc import Iterator
+from contextlib import suppress
+
+import pytest
+
+from grader.bootstrap import build_syntax_sandbox
+from grader.contracts.errors import SandboxError
+from grader.contracts.grading import SyntaxProblem
+from grader.preflight import SandboxPreflight
+from grader.slot import SlotConfig
+
+
+@pytest.fixture(scope="module")
+def preflight() -> Iterator[SandboxPreflight]:
+    with build_syntax_sandbox(SlotConfig()) as one, build_syntax_sandbox(SlotConfig()) as other:
+        yield SandboxPreflight(one, other)
+
+
+def test_python_is_taken_and_not_run(preflight: SandboxPreflight) -> None:
+    assert preflight.check(b"import os\nos.abort()\nwhile True: pass\n", "a.py") is None
+
+
+def test_what_is_wrong_is_told_with_its_place(preflight: SandboxPreflight) -> None:
+    problem = preflight.check("# 你好\nif True:\n    prin(1))\n".encode(), "a.py")
+    assert problem == SyntaxProblem(
+        message="SyntaxError: unmatched ')'", line=3, column=12, text="    prin(1))"
+    )
+
+
+def test_what_the_compiler_finds_late_has_its_line_too(preflight: SandboxPreflight) -> None:
+    problem = preflight.check(b"x = 1\nreturn x\n", "a.py")
+    assert problem is not None
+    assert (problem.message, problem.line, problem.text) == (
+        "SyntaxError: 'return' outside function",
+        2,
+        "return x",
+    )
+
+
+@pytest.mark.parametrize("source", [b"(" * 100_000, b"-" * 100_000 + b"1", b"# coding: no-such\n"])
+def test_an_attack_on_the_compiler_is_a_problem_of_the_file(
+    preflight: SandboxPreflight, source: bytes
+) -> None:
+    assert preflight.check(source, "a.py") is not None
+    assert preflight.check(b"x = 1\n", "a.py") is None
+
+
+def test_many_at_once_get_their_own_answers(preflight: SandboxPreflight) -> None:
+    answers: dict[int, int | None] = {}
+
+    def ask(number: int) -> None:
+        problem = preflight.check(b"\n" * number + b"x = = 1\n", "a.py")
+        answers[number] = problem and problem.line
+
+    threads = [threading.Thread(target=ask, args=(number,)) for number in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert answers == {number: number + 1 for number in range(8)}
+
+
+def test_after_a_fault_the_next_check_works() -> None:
+    with build_syntax_sandbox(SlotConfig()) as sandbox:
+        preflight = SandboxPreflight(sandbox)
+        sandbox._zygote._process.kill()
+        with suppress(SandboxError):
+            preflight.check(b"x = 1\n", "a.py")
+        assert preflight.check(b"x = = 1\n", "a.py") is not None
