@@ -13,6 +13,7 @@ from grader.store.audit import Signature, record
 from grader.store.columns import Clock
 from grader.store.course_tables import CourseRow, MemberRow
 from grader.store.database import Database
+from grader.store.locks import one_at_a_time
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -53,6 +54,7 @@ class Courses:
             created_at=now,
         )
         with self._database.writing() as session:
+            one_at_a_time(session, "course", course_id)
             if session.get(CourseRow, course_id) is not None:
                 raise CourseError(f"there is a course {course_id} already")
             session.add(row)
@@ -104,6 +106,7 @@ class Courses:
         added: list[str] = []
         changed: list[str] = []
         with self._database.writing() as session:
+            one_at_a_time(session, "course", course_id)
             if session.get(CourseRow, course_id) is None:
                 raise CourseError(f"there is no course {course_id!r}")
             for entry in entries:

@@ -1,42 +1,79 @@
-"""Connections and transactions.
+"""Connections and transactions, on SQLite and on PostgreSQL.
 
 SQLite: WAL, so that readers never wait for the writer; ``synchronous=FULL``, so that an acknowledged upload
 survives a power cut; writers begin with ``BEGIN IMMEDIATE``, because a transaction that starts by reading and
-then wants to write can fail without waiting when another wrote in between.
+then wants to write can fail without waiting when another wrote in between. So writers are one after the other.
+
+PostgreSQL: a reader has one snapshot (``REPEATABLE READ READ ONLY``), a writer sees with each statement what is
+committed (``READ COMMITTED``). That alone would let two writers read the same and both act on it. What reads
+before it writes therefore first takes a lock on what it decides about: `grader.store.locks`, or the row itself.
+``SERIALIZABLE`` would do without such locks, but a transaction could then fail at any statement and would have
+to be run again as a whole, most often on deadline evenings.
 """
 
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from sqlalchemy import Connection, Engine, event
-from sqlalchemy.exc import OperationalError
+from sqlalchemy import URL, Connection, Engine, event, make_url
+from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlmodel import Session, create_engine
 
-from grader.contracts.errors import InfrastructureError
+from grader.contracts.errors import InfrastructureError, SettingsError
+from grader.store.announcing import Announcer, Unannounced
 
-_BUSY_TIMEOUT_MS = 30_000
+_LOCK_TIMEOUT_MS = 30_000
 _BEGIN_OPTION = "grader_begin"
+_CONNECTIONS = 10  # of one process to PostgreSQL; threads beyond that wait for one
+_CONNECT_TIMEOUT_S = 10
+_IDLE_TIMEOUT_MS = 15_000  # a frozen process must not keep its locks for longer than its lease
 
 
 class Database:
-    """One database; safe to share between threads. Close it when done."""
+    """One database; safe to share between threads. Close it when done.
+
+    Attributes:
+        announcer: is told of every row that a transaction makes ``queued``.
+    """
 
     def __init__(self, url: str) -> None:
-        self._engine = _engine(url)
-        self._reading = self._engine.execution_options(**{_BEGIN_OPTION: "BEGIN DEFERRED"})
+        """Prepare; nothing is opened yet.
+
+        Raises:
+            SettingsError: the driver that `url` needs is not installed.
+        """
+        self._engine = _engine(make_url(url))
+        self._reading = self._engine.execution_options(
+            **{_BEGIN_OPTION: "BEGIN DEFERRED"}
+            if self.is_sqlite
+            else {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
+        )
+        self.announcer = _announcer(self._engine)
 
     @property
     def engine(self) -> Engine:
         """The engine, for migrations."""
         return self._engine
 
+    @property
+    def is_sqlite(self) -> bool:
+        """Whether it is a SQLite file, else it is on a PostgreSQL server."""
+        return self._engine.dialect.name == "sqlite"
+
+    @property
+    def name(self) -> str:
+        """What to call it in messages: its address without a password."""
+        url = self._engine.url
+        return str(url.database) if self.is_sqlite else url.set(query={}).render_as_string(hide_password=True)
+
     @contextmanager
     def writing(self) -> Iterator[Session]:
         """One transaction that may write; committed at the end, rolled back on any exception.
 
         Raises:
-            InfrastructureError: the database cannot be reached or stays locked.
+            InfrastructureError: the database cannot be reached or stays locked. When the connection breaks
+                during the commit, it is unknown whether the transaction took place.
         """
         with self._transaction(self._engine) as session:
             yield session
@@ -56,16 +93,49 @@ class Database:
         try:
             with Session(engine, expire_on_commit=False) as session, session.begin():
                 yield session
-        except OperationalError as error:
-            raise InfrastructureError(f"the database does not answer: {error.orig}") from error
+        except DBAPIError as error:
+            if not (error.connection_invalidated or isinstance(error, OperationalError | InterfaceError)):
+                raise
+            reason = " ".join(str(error.orig).split())
+            raise InfrastructureError(f"the database does not answer: {reason}") from error
+        except PoolTimeoutError as error:
+            raise InfrastructureError("the database does not answer: every connection is busy") from error
 
 
-def _engine(url: str) -> Engine:
-    engine = create_engine(url)
-    if engine.dialect.name == "sqlite":
+def _engine(url: URL) -> Engine:
+    if url.get_backend_name() == "sqlite":
+        engine = create_engine(url)
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
+        return engine
+    timeout: dict[str, Any] = (
+        {} if "connect_timeout" in url.query else {"connect_timeout": _CONNECT_TIMEOUT_S}
+    )
+    try:
+        engine = create_engine(
+            url,
+            isolation_level="READ COMMITTED",
+            pool_size=_CONNECTIONS,
+            max_overflow=0,
+            pool_pre_ping=True,  # after a restart of the server, no request fails on a connection of before
+            connect_args=timeout,
+        )
+    except ImportError:
+        raise SettingsError(
+            "PostgreSQL needs a driver that is not installed: pip install 'grader[postgres]'"
+        ) from None
+    event.listen(engine, "connect", _configure_postgresql)
     return engine
+
+
+def _announcer(engine: Engine) -> Announcer:
+    if engine.dialect.name == "sqlite":
+        return Unannounced()
+    from grader.store.permits.announcer import (
+        PermitAnnouncer,
+    )  # the embedded default does without Procrastinate
+
+    return PermitAnnouncer()
 
 
 def _configure_sqlite(connection: Any, _record: Any) -> None:
@@ -74,10 +144,19 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
         "journal_mode=WAL",
         "synchronous=FULL",
         "foreign_keys=ON",
-        f"busy_timeout={_BUSY_TIMEOUT_MS}",
+        f"busy_timeout={_LOCK_TIMEOUT_MS}",
     ):
         connection.execute(f"PRAGMA {pragma}")
 
 
 def _begin_sqlite(connection: Connection) -> None:
     connection.exec_driver_sql(connection.get_execution_options().get(_BEGIN_OPTION, "BEGIN IMMEDIATE"))
+
+
+def _configure_postgresql(connection: Any, _record: Any) -> None:
+    connection.autocommit = True
+    connection.execute(
+        f"SET client_encoding = 'UTF8'; SET lock_timeout = {_LOCK_TIMEOUT_MS}; "
+        f"SET idle_in_transaction_session_timeout = {_IDLE_TIMEOUT_MS}"
+    )
+    connection.autocommit = False

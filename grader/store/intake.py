@@ -5,7 +5,7 @@ import uuid
 from datetime import datetime, timedelta
 from itertools import pairwise
 
-from sqlalchemy import Select, delete, select
+from sqlalchemy import Select, delete, select, tuple_
 from sqlmodel import Session, col
 
 from grader import policy as rules
@@ -13,6 +13,7 @@ from grader.contracts.errors import SubmissionError, UploadRefusedError
 from grader.contracts.policy import Attempt, Refusal
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import NewSubmission, SubmissionState
+from grader.store.locks import add_once, one_at_a_time
 from grader.store.policies import rules_of
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow
 
@@ -30,15 +31,14 @@ def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[Sub
         UploadRefusedError: the rules of the assignment do not accept it.
         SubmissionError: ``key_reused``: its key belongs to another upload.
     """
+    one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are theirs
     digest = hashlib.sha256(upload.source).hexdigest()
     known = _under_key(session, upload, digest, now) or _same_as_latest(session, upload, digest)
     if known is not None:
         return known, True
     if upload.ruled and (refused := refusal_of(session, upload, now)) is not None:
         raise UploadRefusedError(refused)
-    if session.get(SourceRow, digest) is None:
-        session.add(SourceRow(sha256=digest, content=upload.source))
-        session.flush()
+    add_once(session, SourceRow, sha256=digest, content=upload.source)
     row = SubmissionRow(
         id=new_id(now),
         course=upload.course,
@@ -103,7 +103,14 @@ def new_id(now: datetime) -> str:
 def _under_key(session: Session, upload: NewSubmission, digest: str, now: datetime) -> SubmissionRow | None:
     if upload.key is None:
         return None
-    session.execute(delete(UploadKeyRow).where(col(UploadKeyRow.at) < now - _KEY_LIFE))
+    forgotten = (
+        select(col(UploadKeyRow.owner), col(UploadKeyRow.key))
+        .where(col(UploadKeyRow.at) < now - _KEY_LIFE)
+        .with_for_update(skip_locked=True)  # which another upload is forgetting right now
+    )
+    session.execute(
+        delete(UploadKeyRow).where(tuple_(col(UploadKeyRow.owner), col(UploadKeyRow.key)).in_(forgotten))
+    )
     known = session.get(UploadKeyRow, (_owner(upload), upload.key))
     if known is None:
         return None
@@ -137,9 +144,8 @@ def _turn(session: Session, upload: NewSubmission, now: datetime) -> datetime:
     statement = _own(upload).where(
         col(SubmissionRow.state) == SubmissionState.QUEUED.value, col(SubmissionRow.priority) == 0
     )
-    waiting = list(
-        session.execute(statement.order_by(col(SubmissionRow.turn_at), col(SubmissionRow.id))).scalars()
-    )
+    in_order = statement.order_by(col(SubmissionRow.turn_at), col(SubmissionRow.id))
+    waiting = list(session.execute(in_order.with_for_update()).scalars())  # none is claimed meanwhile
     turns: list[datetime] = [*(row.turn_at for row in waiting), now]
     for index, (before, after) in enumerate(pairwise(turns), start=1):
         turns[index] = max(after, before + _TICK)

@@ -23,6 +23,7 @@ from grader.contracts.policy import (
 from grader.store.audit import Signature, record
 from grader.store.course_tables import CourseRow, ExtensionRow, MemberRow, PolicyRow
 from grader.store.database import Database
+from grader.store.locks import one_at_a_time
 
 _INSTANTS = ("opens", "due", "hidden_until")
 _UTC = "UTC"
@@ -66,6 +67,7 @@ class Policies:
         """
         course = _course(signed)
         with self._database.writing() as session:
+            one_at_a_time(session, "course", course)
             if session.get(CourseRow, course) is None:
                 raise CourseError(f"there is no course {course!r}")
             row = session.get(PolicyRow, (course, assignment))
@@ -96,6 +98,7 @@ class Policies:
         """
         course = _course(signed)
         with self._database.writing() as session:
+            one_at_a_time(session, "course", course)
             if session.get(MemberRow, (course, person)) is None:
                 raise CourseError(f"course {course} has no member {person!r}")
             row = session.get(ExtensionRow, (course, assignment, person))

@@ -5,9 +5,13 @@ from pathlib import Path
 from alembic import command
 from alembic.config import Config
 from alembic.util.exc import CommandError
+from sqlalchemy import Connection, text
+from sqlmodel import SQLModel
 
 from grader.contracts.errors import SettingsError
+from grader.store import tables  # noqa: F401  registers the tables in the metadata
 from grader.store.database import Database
+from grader.store.locks import one_at_a_time
 
 _MIGRATIONS = Path(__file__).parent / "migrations"
 
@@ -15,14 +19,59 @@ _MIGRATIONS = Path(__file__).parent / "migrations"
 def migrate(database: Database) -> None:
     """Create or upgrade the tables; harmless when there is nothing to do.
 
+    Processes that start at the same moment do it one after the other.
+
     Raises:
-        SettingsError: the database was written by a newer grader.
+        SettingsError: the database was written by a newer grader, or cannot hold Chinese.
+        InfrastructureError: the database cannot be reached.
     """
     config = Config()
     config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
-    with database.engine.begin() as connection:
+    with database.writing() as session:
+        connection = session.connection()
+        one_at_a_time(connection, "migrate")
+        _check_encoding(connection)
         config.attributes["connection"] = connection
         try:
             command.upgrade(config, "head")
         except CommandError as error:
             raise SettingsError(f"this database does not fit this version of the grader: {error}") from error
+        _sort_by_code_point(connection)
+        _install_queue(connection)
+
+
+def _install_queue(connection: Connection) -> None:
+    if connection.dialect.name == "sqlite":
+        return
+    from grader.store.permits.schema import install
+
+    install(connection)
+
+
+def _check_encoding(connection: Connection) -> None:
+    if connection.dialect.name == "sqlite":
+        return
+    encoding = connection.execute(text("SHOW server_encoding")).scalar_one()
+    if encoding != "UTF8":
+        raise SettingsError(f"the database is encoded in {encoding}: create one with ENCODING 'UTF8'")
+
+
+def _sort_by_code_point(connection: Connection) -> None:
+    """Let PostgreSQL compare and sort text as SQLite and Python do, whatever language its server speaks.
+
+    Without it, students would stand in another order in the gradebook after a move.
+    """
+    if connection.dialect.name == "sqlite":
+        return
+    ours = text(
+        "SELECT c.relname, a.attname, format_type(a.atttypid, a.atttypmod) FROM pg_attribute a "
+        "JOIN pg_class c ON c.oid = a.attrelid JOIN pg_collation l ON l.oid = a.attcollation "
+        "WHERE c.relkind = 'r' AND c.relnamespace = current_schema()::regnamespace "
+        "AND c.relname = ANY(:tables) AND a.attnum > 0 AND NOT a.attisdropped AND l.collname <> 'C'"
+    )
+    quote = connection.dialect.identifier_preparer.quote
+    changes: dict[str, list[str]] = {}
+    for table, column, kind in connection.execute(ours, {"tables": list(SQLModel.metadata.tables)}):
+        changes.setdefault(table, []).append(f'ALTER COLUMN {quote(column)} TYPE {kind} COLLATE "C"')
+    for table, parts in changes.items():
+        connection.exec_driver_sql(f"ALTER TABLE {quote(table)} {', '.join(parts)}")

@@ -14,6 +14,7 @@ from sqlmodel import col
 from grader.contracts.submission import WorkerState
 from grader.store.columns import Clock
 from grader.store.database import Database
+from grader.store.locks import one_at_a_time
 from grader.store.tables import WorkerRow
 
 _FORGOTTEN_AFTER_S = 3_600.0
@@ -30,6 +31,7 @@ class Workers:
         """Note what a worker says; forget workers that have long been silent."""
         forgotten = col(WorkerRow.seen_at) < self._clock() - timedelta(seconds=_FORGOTTEN_AFTER_S)
         with self._database.writing() as session:
+            one_at_a_time(session, "worker reports")
             session.execute(delete(WorkerRow).where(forgotten))
             session.merge(WorkerRow(**asdict(state)))
 

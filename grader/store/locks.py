@@ -1,0 +1,33 @@
+"""Making transactions wait for each other where they read before they write.
+
+On SQLite every writing transaction is alone, and the functions here have nothing to do. On PostgreSQL they take
+an advisory lock that ends with the transaction. A transaction takes at most one, as its first statement: what it
+reads afterwards is what the transaction before it left, and no two can wait for each other in a circle.
+"""
+
+import hashlib
+from typing import Any
+
+from sqlalchemy import Connection, func, select
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlmodel import Session, SQLModel
+
+_KEY_BYTES = 8
+
+
+def one_at_a_time(transaction: Session | Connection, *what: str | None) -> None:
+    """Wait until no other transaction that named the same `what` is under way."""
+    connection = transaction.connection() if isinstance(transaction, Session) else transaction
+    if connection.dialect.name == "sqlite":
+        return
+    digest = hashlib.sha256(repr(what).encode()).digest()
+    # equal keys of different names would only make two transactions wait that need not
+    key = int.from_bytes(digest[:_KEY_BYTES], "big", signed=True)
+    connection.execute(select(func.pg_advisory_xact_lock(key)))
+
+
+def add_once(session: Session, table: type[SQLModel], **values: Any) -> None:
+    """Add a row unless one of its primary key is there, or is being added by another transaction."""
+    on_sqlite = session.connection().dialect.name == "sqlite"
+    insert = sqlite.insert(table) if on_sqlite else postgresql.insert(table)
+    session.execute(insert.values(**values).on_conflict_do_nothing())
