@@ -4,6 +4,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal, get_args
 from urllib.parse import urlencode
 
@@ -11,7 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.text import Language
-from grader.routes.regrades import ItemChangeView, RegradeView, ScoreChangeView
+from grader.routes.regrades import ItemChangeView, ScoreChangeView
 from grader.web.roster import item_title, named
 
 Part = Literal["all", "gain", "lose", "moved"]
@@ -74,37 +75,26 @@ class Changes:
 
 
 def changes(
-    regrade: RegradeView,
+    moved: Sequence[ScoreChangeView],
     assignment: Assignment | None,
     names: Mapping[str, str],
     language: Language,
     query: ChangesQuery,
 ) -> Changes:
-    """Return the page of changes that `query` asks for; beyond the last page, the last."""
-    titles = _Titles(assignment, language)
-    fitting = {part: [one for one in regrade.changes if _FITS[part](_by(one))] for part in PARTS}
+    """Return the page of what `moved` that `query` asks for; beyond the last page, the last."""
+    titles = partial(item_title, assignment, language)
+    fitting = {part: [one for one in moved if _FITS[part](_by(one))] for part in PARTS}
     shown = fitting[query.part]
     pages = max(1, math.ceil(len(shown) / _PAGE_LINES))
     page = min(query.page, pages)
     lines = shown[(page - 1) * _PAGE_LINES : page * _PAGE_LINES]
     return Changes(
         lines=tuple(_line(one, names, titles) for one in lines),
-        totals=tuple(_totals(regrade.changes, titles)),
+        totals=tuple(_totals(moved, titles)),
         counts={part: len(found) for part, found in fitting.items()},
         pages=pages,
         query=query.model_copy(update={"page": page}),
     )
-
-
-class _Titles:
-    """Titles of rubric items, in the order of the rubric."""
-
-    def __init__(self, assignment: Assignment | None, language: Language) -> None:
-        self._assignment = assignment
-        self._language = language
-
-    def __call__(self, item: str) -> str:
-        return item_title(self._assignment, item, self._language)
 
 
 _FITS: Mapping[Part, Callable[[float], bool]] = {

@@ -187,7 +187,7 @@ def _one(  # noqa: PLR0913, PLR0917
         "regrade": regrade,
         "total": total(regrade),
         "title": regrade.assignment if assignment is None else assignment.title.get(language),
-        "changes": changes(regrade, assignment, known, language, query),
+        "changes": changes(regrade.changes, assignment, known, language, query),
         "parts": PARTS,
         "people": [person(known, one) for one in regrade.students],
         "refusal": refusal,

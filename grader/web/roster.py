@@ -26,7 +26,7 @@ def person(known: Mapping[str, str], student: str) -> str:
     return f"{student} {named(known, student)}".rstrip()
 
 
-def item_title(assignment: Assignment | None, item_id: str, language: Language) -> str:
+def item_title(assignment: Assignment | None, language: Language, item_id: str) -> str:
     """Return the title of a rubric item, with the case where there are several; the id when it is not known."""
     case_id, _, name = item_id.rpartition("/")
     if assignment is None:

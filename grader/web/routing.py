@@ -18,7 +18,7 @@ from grader.web import (
 )
 from grader.web.pages import FOLDER
 
-_ROUTERS = (
+ROUTERS = (
     student.router,
     student.uploads,
     submission.router,
@@ -35,7 +35,7 @@ _ROUTERS = (
 
 def install(app: FastAPI) -> None:
     """Add all pages to `app`; its handlers of failures must stand already."""
-    for router in _ROUTERS:
+    for router in ROUTERS:
         app.include_router(router)
     app.mount("/static", StaticFiles(directory=FOLDER / "static"), name="static")
     errors.install(app)

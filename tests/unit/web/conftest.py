@@ -163,6 +163,19 @@ def put(services: Services) -> Callable[..., str]:
 
 
 @pytest.fixture
+def grade_waiting(services: Services) -> Callable[..., None]:
+    """Grade what waits, with what `change` makes of each job."""
+
+    def grade_all(change: Callable[[GradingJob], GradingJob] = lambda job: job) -> None:
+        while (claim := services.queue.claim("w")) is not None:
+            assignment = services.assignments.get(claim.assignment)
+            job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+            assert services.queue.finish(claim, grade(change(job)))
+
+    return grade_all
+
+
+@pytest.fixture
 def tokens(services: Services) -> dict[str, str]:
     """Open a course; return its people's tokens."""
     people = {"li": Role.STUDENT, "han": Role.STUDENT, "ta": Role.ASSISTANT, "wang": Role.INSTRUCTOR}

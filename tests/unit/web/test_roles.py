@@ -1,0 +1,125 @@
+"""Every page as every role: a new page without a line here fails."""
+
+from collections.abc import Callable
+from datetime import timedelta
+
+import httpx
+import pytest
+from fastapi.routing import APIRoute
+
+from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.regrade import Wanted
+from grader.routes.services import Services
+from grader.store.audit import Signature
+from grader.web.access import TOKEN_COOKIE
+from grader.web.forms import COOKIE, FIELD
+from grader.web.routing import ROUTERS
+from tests.unit.web.conftest import PAGE
+
+FORM_TOKEN = "t" * 32
+OPERATIONS = sorted(
+    f"{method} {route.path}"
+    for router in ROUTERS
+    for route in router.routes
+    if isinstance(route, APIRoute)
+    for method in route.methods
+)
+
+# `classmate` is another student of the course, `stranger` the instructor of another one
+ROLES = ("nobody", "owner", "classmate", "assistant", "instructor", "stranger")
+EVERYBODY = (200,) * 6
+OWN = (303, 200, 404, 200, 200, 404)
+MEMBERS = (303, 200, 200, 200, 200, 200)
+STAFF = (303, 403, 403, 200, 200, 200)
+COURSE = (303, 403, 403, 200, 200, 404)  # of this course: a stranger is told that there is none
+INSTRUCTORS = (303, 403, 403, 403, 200, 200)
+CHANGES = (303, 403, 403, 403, 303, 404)
+EXPECTED: dict[str, tuple[int, ...]] = {
+    "GET /": EVERYBODY,
+    "GET /enter": EVERYBODY,
+    "POST /enter": (303,) * 6,
+    "POST /leave": (303,) * 6,
+    "GET /assignments/{assignment_id}": EVERYBODY,
+    "POST /assignments/{assignment_id}": (303,) * 6,
+    "GET /submissions": MEMBERS,
+    "GET /submissions/{submission_id}": OWN,
+    "GET /submissions/{submission_id}/events": OWN,
+    "GET /submissions/{submission_id}/state.json": OWN,
+    "GET /submissions/{submission_id}/trajectory.json": OWN,
+    "GET /submissions/{submission_id}/sketch.json": OWN,
+    "GET /submissions/{submission_id}/plot.png": OWN,
+    "GET /class": STAFF,
+    "GET /class/assignments/{assignment_id}": STAFF,
+    "GET /class/students/{student}": COURSE,
+    "GET /class/compare": COURSE,
+    "GET /class/service": STAFF,
+    "GET /class/submissions/{submission_id}/gradings": COURSE,
+    "GET /class/submissions/{submission_id}/gradings/compare": COURSE,
+    "GET /class/submissions/{submission_id}/gradescope.json": COURSE,
+    "GET /class/submissions/{submission_id}/prairielearn.json": COURSE,
+    "GET /class/gradebook": STAFF,
+    "GET /class/gradebook.csv": STAFF,
+    "GET /class/regrades": STAFF,
+    "POST /class/regrades": (303, 403, 403, 403, 303, 422),
+    "GET /class/regrades/{regrade_id}": COURSE,
+    "GET /class/regrades/{regrade_id}/state.json": COURSE,
+    "GET /class/regrades/{regrade_id}/changes/{submission_id}": COURSE,
+    "POST /class/regrades/{regrade_id}": CHANGES,
+    "GET /class/rules": STAFF,
+    "GET /class/rules/{assignment_id}": STAFF,
+    "POST /class/rules/{assignment_id}": (303, 403, 403, 403, 303, 303),
+    "POST /class/rules/{assignment_id}/extensions": (303, 403, 403, 403, 303, 422),
+    "GET /class/people": STAFF,
+    "GET /class/audit": INSTRUCTORS,
+}
+
+
+@pytest.fixture
+def school(
+    services: Services, tokens: dict[str, str], put: Callable[..., str], grade_waiting: Callable[..., None]
+) -> dict[str, str]:
+    """Ids that stand in the addresses, and everybody's token."""
+    services.courses.create("other", "Other", "UTC", "test")
+    services.courses.import_roster("other", [RosterEntry(id="zhao", name="", role=Role.INSTRUCTOR)], "test")
+    submission = put(student="li", course="ros").rpartition("/")[2]
+    put(student="li", course="ros", assignment="spin")
+    signed = Signature(services.clock(), "ros", "wang")
+    regrade = services.regrades.open(Wanted(assignment="square"), signed).id
+    grade_waiting()
+    return {
+        "submission_id": submission,
+        "regrade_id": regrade,
+        "assignment_id": "square",
+        "student": "li",
+        "owner": tokens["li"],
+        "classmate": tokens["han"],
+        "assistant": tokens["ta"],
+        "instructor": tokens["wang"],
+        "stranger": services.tokens.issue("other", "zhao", timedelta(days=1), "test")[1],
+    }
+
+
+def test_every_page_has_a_line() -> None:
+    assert set(OPERATIONS) == set(EXPECTED)
+
+
+@pytest.mark.parametrize("operation", OPERATIONS)
+def test_pages_open_for_the_right_roles(client: httpx.Client, school: dict[str, str], operation: str) -> None:
+    method, path = operation.split()
+    path = path.format_map(school)
+    query = {"first": school["submission_id"], "second": school["submission_id"]}
+    if path.endswith("gradings/compare"):
+        query = {"first": "1", "second": "1"}
+    data = {FIELD: FORM_TOKEN, "student": "li", "assignment": "spin", "decision": "discard", "reason": "x"}
+    answered = []
+    for role in ROLES:
+        cookies = f"{COOKIE}={FORM_TOKEN}"
+        if role != "nobody":
+            cookies += f"; {TOKEN_COOKIE}={school[role]}"
+        headers = {**PAGE, "Cookie": cookies}
+        kwargs = {} if method == "GET" else {"data": data}
+        if operation == "POST /assignments/{assignment_id}":
+            kwargs["files"] = {"file": ("square.py", role.encode())}
+        answer = client.request(method, path, params=query, headers=headers, **kwargs)
+        answered.append(answer.status_code)
+    assert tuple(answered) == EXPECTED[operation]

@@ -1,0 +1,207 @@
+"""The rules of assignments as pages: what a form says, what is wrong at which field, who got more."""
+
+import re
+from datetime import UTC, datetime
+from zoneinfo import ZoneInfo
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from grader.contracts.policy import (
+    NO_EXTENSION,
+    NO_POLICY,
+    AssignmentPolicy,
+    Counts,
+    Extension,
+    LateRule,
+    LateStep,
+)
+from grader.routes.services import Services
+from grader.store.audit import Signature
+from grader.web.rule_form import Reader, RuleForm, form_of
+from tests.unit.web.conftest import Browser
+
+SHANGHAI = ZoneInfo("Asia/Shanghai")
+PAGE = "/class/rules/square"
+DUE = datetime(2026, 3, 20, 15, 59, tzinfo=UTC)  # 23:59 in Shanghai
+instants = st.datetimes(datetime(2001, 1, 1), datetime(2199, 1, 1), timezones=st.just(UTC))
+shares = st.floats(0.0, 1.0).map(lambda one: round(one, 6))
+
+
+@st.composite
+def policies(draw: st.DrawFn) -> AssignmentPolicy:
+    opens, due = sorted(draw(st.lists(instants, min_size=2, max_size=2, unique=True)))
+    afters = sorted(draw(st.sets(st.integers(0, 10**7), min_size=1, max_size=4)))
+    keeps = sorted(draw(st.lists(shares, min_size=len(afters), max_size=len(afters))), reverse=True)
+    steps = tuple(LateStep(after_s=a, keep=k) for a, k in zip(afters, keeps, strict=True))
+    late = draw(
+        st.sampled_from(
+            [LateRule(), LateRule(kind="linear", per_day=1 / 3), LateRule(kind="steps", steps=steps)]
+        )
+    )
+    return AssignmentPolicy(
+        opens=draw(st.sampled_from([None, opens])),
+        due=due,
+        late=late,
+        accept_late_s=draw(st.none() | st.integers(0, 10**8)),
+        attempts=draw(st.none() | st.integers(1, 10_000)),
+        attempts_per_day=draw(st.none() | st.integers(1, 10_000)),
+        counts=draw(st.sampled_from(Counts)),
+        hidden_items=tuple(draw(st.sets(st.sampled_from(["a", "b"])))),
+        hidden_until=draw(st.none() | instants),
+    )
+
+
+@given(policies(), st.sampled_from(["Asia/Shanghai", "Europe/Berlin", "UTC"]))
+def test_an_untouched_form_changes_nothing(policy: AssignmentPolicy, zone: str) -> None:
+    reader = Reader(ZoneInfo(zone))
+    assert reader.policy(form_of(policy, ZoneInfo(zone)), policy, frozenset("ab")) == policy
+    assert reader.errors == {}
+
+
+@given(policies())
+def test_what_is_shown_means_what_is_meant(policy: AssignmentPolicy) -> None:
+    """Typed anew, without the rules it was made from, a form means the same to the digits it shows."""
+    form = form_of(policy, SHANGHAI)
+    again = Reader(SHANGHAI).policy(form, NO_POLICY, frozenset("ab"))
+    assert form_of(again, SHANGHAI) == form
+    assert again.accept_late_s == policy.accept_late_s
+    assert [one.after_s for one in again.late.steps] == [one.after_s for one in policy.late.steps]
+
+
+@pytest.mark.parametrize(
+    ("typed", "field", "sentence"),
+    [
+        ({"due": "tomorrow"}, "due", "rules.error.instant"),
+        ({"due": "1999-12-31T23:59"}, "due", "rules.error.years"),
+        ({"opens": "2026-03-20T23:59", "due": "2026-03-20T23:59"}, "due", "rules.error.order"),
+        ({"counts": "best_before_due"}, "counts", "rules.error.needs_due"),
+        ({"late": "linear"}, "per_day", "rules.error.percent"),
+        ({"late": "linear", "per_day": "0"}, "per_day", "rules.error.percent"),
+        ({"late": "linear", "per_day": "nan"}, "per_day", "rules.error.percent"),
+        ({"late": "linear", "per_day": "101"}, "per_day", "rules.error.percent"),
+        ({"late": "steps"}, "steps", "rules.error.no_steps"),
+        ({"late": "steps", "step_after": ["1"], "step_keep": [""]}, "steps", "rules.error.step"),
+        ({"late": "steps", "step_after": ["x"], "step_keep": ["5"]}, "steps", "rules.error.hours"),
+        (
+            {"late": "steps", "step_after": ["2", "1"], "step_keep": ["9", "5"]},
+            "steps",
+            "rules.error.steps_order",
+        ),
+        ({"accept_late": "-1"}, "accept_late", "rules.error.hours"),
+        ({"accept_late": "inf"}, "accept_late", "rules.error.hours"),
+        ({"attempts": "0"}, "attempts", "rules.error.count_from_1"),
+        ({"attempts": "two"}, "attempts", "rules.error.count"),
+        ({"attempts_per_day": "10001"}, "attempts_per_day", "rules.error.count_from_1"),
+        ({"hidden_items": ["gone"]}, "hidden_items", "rules.error.items"),
+    ],
+)
+def test_each_mistake_is_told_at_its_field(typed: dict, field: str, sentence: str) -> None:
+    reader = Reader(SHANGHAI)
+    assert reader.policy(RuleForm(**typed), NO_POLICY, frozenset("ab")) == NO_POLICY
+    assert reader.errors == {field: sentence}
+
+
+@pytest.fixture
+def wang(browser: Browser, tokens: dict[str, str]) -> Browser:
+    browser.get("/?lang=en")
+    browser.enter(token=tokens["wang"])
+    return browser
+
+
+def rules_of(services: Services) -> AssignmentPolicy:
+    return services.policies.rules("ros").policy("square")
+
+
+def test_rules_are_set_on_the_clock_of_the_course(wang: Browser, services: Services) -> None:
+    typed = {
+        "due": "2026-03-20T23:59", "late": "linear", "per_day": "10", "accept_late": "48", "attempts": "5",
+        "counts": "last", "hidden_items": ["closed", "angles"], "reason": "term begins",
+    }  # fmt: skip
+    answer = wang.post(PAGE, typed)
+    assert answer.status_code == 303
+    assert rules_of(services) == AssignmentPolicy(
+        due=DUE,
+        late=LateRule(kind="linear", per_day=0.1),
+        accept_late_s=48 * 3600,
+        attempts=5,
+        counts=Counts.LAST,
+        hidden_items=("closed", "angles"),
+    )
+    saved = wang.get(answer.headers["Location"]).text
+    assert "Saved." in saved
+    assert 'value="2026-03-20T23:59"' in saved
+    assert len(re.findall(r'name="hidden_items" value="\w+" checked', saved)) == 2
+    line = wang.get("/class/rules").text
+    for words in ("2026-03-20 23:59", "−10 % a day", "accepted for 48 h", "the last"):
+        assert words in line
+    log = wang.get("/class/audit").text
+    assert "term begins" in log
+    assert "policy.change" in log
+    assert 'href="/class/rules/square"' in log
+
+
+def test_wrong_rules_change_nothing_and_lose_nothing(wang: Browser, services: Services) -> None:
+    typed = {"due": "2026-03-20T23:59", "late": "linear", "per_day": "a lot", "attempts": "5"}
+    answer = wang.post(PAGE, typed)
+    assert answer.status_code == 422
+    assert rules_of(services) == NO_POLICY
+    assert 'role="alert">Not saved: 1 to correct below.' in answer.text
+    field = re.search(r'<input id="per_day"[^>]*>', answer.text)
+    assert field is not None
+    assert 'aria-invalid="true" aria-describedby="per_day-error' in field[0]
+    assert 'value="a lot"' in field[0]
+    assert 'value="5"' in answer.text
+
+
+def test_a_student_gets_more_and_it_is_taken_back(wang: Browser, services: Services) -> None:
+    given_ = {"student": " li ", "due": "2026-03-27T23:59", "extra_attempts": "2", "reason": "ill"}
+    answer = wang.post(PAGE + "/extensions", given_, page=PAGE)
+    assert answer.status_code == 303
+    extension = services.policies.rules("ros").extension("square", "li")
+    assert extension == Extension(due=datetime(2026, 3, 27, 15, 59, tzinfo=UTC), extra_attempts=2)
+    page = wang.get(PAGE).text
+    assert "2026-03-27 23:59" in page
+    assert "+2" in page
+    filled = wang.get(PAGE + "?student=li").text
+    assert 'id="x-student" name="student" value="li"' in filled
+    assert 'value="2026-03-27T23:59"' in filled
+    wang.post(PAGE + "/extensions", {"student": "li"}, page=PAGE)
+    assert services.policies.rules("ros").extension("square", "li") == NO_EXTENSION
+    assert "+2" not in wang.get(PAGE).text
+
+
+@pytest.mark.parametrize(
+    ("typed", "field"),
+    [
+        ({"student": "nobody"}, "x-student"),
+        ({"student": "li", "due": "soon"}, "x-due"),
+        ({"student": "li", "extra_attempts": "-1"}, "x-attempts"),
+    ],
+)
+def test_a_wrong_extension_is_told_at_its_field(
+    wang: Browser, services: Services, typed: dict[str, str], field: str
+) -> None:
+    answer = wang.post(PAGE + "/extensions", typed, page=PAGE)
+    assert answer.status_code == 422
+    assert f'id="{field}-error"' in answer.text
+    assert re.search(rf'id="{field}"[^>]*aria-invalid="true"', answer.text)
+    assert services.policies.rules("ros").extensions == {}
+
+
+def test_assistants_read_the_rules(browser: Browser, tokens: dict[str, str], services: Services) -> None:
+    policy = AssignmentPolicy(due=DUE, hidden_items=("closed",))
+    services.policies.set("square", policy, Signature(services.clock(), "ros", "wang"), "")
+    browser.enter(token=tokens["ta"])
+    text = browser.get(PAGE).text
+    assert 'value="2026-03-20T23:59"' in text
+    assert 'type="submit">保存规则' not in text
+    assert browser.post(PAGE, {"attempts": "1"}).status_code == 403
+    assert rules_of(services) == policy
+
+
+def test_without_a_course_there_are_no_rules(instructor: Browser) -> None:
+    assert "grader course create" in instructor.get("/class/rules").text
+    assert "保存规则" not in instructor.get(PAGE).text
+    assert instructor.post(PAGE, {"attempts": "1"}).status_code == 409
