@@ -6,6 +6,7 @@ from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language, Text
+from grader.messages.details import explained
 
 
 def _t(zh: str, en: str) -> Text:
@@ -181,8 +182,10 @@ def note_sentence(note: Note, language: Language) -> str:
     known = NOTES.get(note.code)
     if known is None:
         return note.text or note.code
-    wall = WALL.get(note.text) if note.code == "wall" else None
-    return known.get(language).format(text=wall.get(language) if wall else note.text)
+    text = WALL.get(note.text) if note.code == "wall" else None
+    if note.code == "forbidden":
+        text = explained(RunStatus.FORBIDDEN, note.text)
+    return known.get(language).format(text=text.get(language) if text else note.text)
 
 
 def word(key: str, language: Language, **values: object) -> str:

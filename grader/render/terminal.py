@@ -20,6 +20,7 @@ from grader.contracts.report import CaseRun, GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
 from grader.contracts.text import Text as Sentence
+from grader.messages.details import explained
 from grader.render import quantity
 from grader.render.escape import visible, visible_line
 from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, LOG_LEVEL, note_sentence, word
@@ -145,7 +146,8 @@ def _error(run: CaseRun, report: GradeReport, language: Language) -> Iterator[Re
     error = run.outcome.error
     if error is None:
         if run.outcome.detail:
-            yield Text(f"{visible(run.outcome.detail)}{_case_name(run, report, language)}\n")
+            detail = explained(run.outcome.status, run.outcome.detail).get(language)
+            yield Text(f"{visible(detail)}{_case_name(run, report, language)}\n")
         return
     where = word("at_line", language, line=error.line) if error.line else ""
     heading = f"{word('your_error', language)}{where}{_case_name(run, report, language)}"

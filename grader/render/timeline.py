@@ -11,6 +11,7 @@ from rich.text import Text
 from grader.contracts.outcome import RunOutcome
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Command, Trajectory
+from grader.messages.details import explained
 from grader.render import quantity
 from grader.render.escape import visible, visible_line
 from grader.render.labels import LOG_LEVEL, RUN_STATUS, WALL, word
@@ -87,7 +88,8 @@ def _end(outcome: RunOutcome, language: Language) -> str:
     text = f"{word('end', language)}: {RUN_STATUS[outcome.status].get(language)}"
     if outcome.error is not None:
         text += f" - {visible_line(outcome.error.type, 80)}: {visible_line(outcome.error.message, 300)}"
-    return f"{text} - {visible(outcome.detail)}" if outcome.detail else text
+    detail = explained(outcome.status, outcome.detail).get(language)
+    return f"{text} - {visible(detail)}" if detail else text
 
 
 def _bounded(events: list[Event], language: Language) -> list[Event]:

@@ -11,6 +11,7 @@ from grader.contracts.outcome import LogRecord, RunOutcome, Stream, StudentError
 from grader.contracts.report import CaseRun, GradeReport
 from grader.contracts.rubric import RubricItem
 from grader.contracts.text import Language
+from grader.messages.details import explained
 from grader.render import quantity
 from grader.render.labels import (
     GRADE_STATUS,
@@ -166,7 +167,7 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
         normal=outcome.blame.value == "nobody",
         seconds=f"{outcome.duration_ns * 1e-9:.2f}",
         error=outcome.error,
-        detail=outcome.detail,
+        detail=explained(outcome.status, outcome.detail).get(language),
         notes=_notes(outcome, language),
         logs=tuple(_log(record) for record in outcome.logs[:_LOG_RECORDS]),
         logs_dropped=outcome.logs_dropped + max(0, len(outcome.logs) - _LOG_RECORDS),

@@ -10,6 +10,7 @@ from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
 from grader.contracts.trajectory import Trajectory
 from grader.contracts.verdict import Run
 from grader.messages import say
+from grader.messages.details import explained
 
 TWIST = "geometry_msgs/msg/Twist"
 _OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
@@ -49,7 +50,7 @@ def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
     if outcome.status not in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         return ()
     if (call := noted(outcome, "forbidden")) is not None:
-        return (_mistake("forbidden", detail=call),)
+        return (_mistake("forbidden", detail=explained(RunStatus.FORBIDDEN, call)),)
     return (_mistake("no_publisher", topic=topic) if outcome.nodes else _mistake("nothing_ran"),)
 
 

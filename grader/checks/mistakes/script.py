@@ -3,9 +3,9 @@
 import re
 
 from grader.checks.measure import Mistake
-from grader.checks.mistakes.stalls import explained
 from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
 from grader.messages import say
+from grader.messages.details import explained
 
 _FLOAT_FIELD = re.compile(r"The '(\w+)' field must be of type 'float'")
 _MISSPELT = re.compile(r"'(\w+)' object has no attribute '(\w+)'")
@@ -30,7 +30,7 @@ def script_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
         code = _ENDINGS[outcome.status]
         line = outcome.error.line if outcome.error is not None else None
         problem = outcome.error.message if outcome.error is not None else ""
-        detail = explained(outcome.detail) if code == "stalled" else outcome.detail
+        detail = explained(outcome.status, outcome.detail)
         text = say(f"mistake.{code}", line=line or "?", problem=problem, detail=detail)
         return (Mistake(code, text),)
     if (thread := noted(outcome, "thread_exception")) is not None:

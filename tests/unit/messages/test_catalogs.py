@@ -87,6 +87,7 @@ def test_no_sentence_is_idle() -> None:
         "figure.",
         "wall.",
         "stall.",
+        "detail.",
     )  # chosen at run time; mistakes have a test of their own
     rest = {key for key in catalog_texts("zh") if not key.startswith(families)}
     assert rest == {key for key in literal_ids() | measure_ids() if not key.startswith(families)}

@@ -21,7 +21,7 @@ _REASONS = {
 _SEPARATOR = Text(zh="；", en="; ")
 
 
-def explained(detail: str) -> Text:
+def stall(detail: str) -> Text:
     """Return the account of a stall in both languages; `detail` is what the script's process said."""
     return join([_clause(part) for part in detail.split("; ")], _SEPARATOR)
 

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from grader.checks.mistakes.stalls import explained
+from grader.messages.stalls import stall
 
 ANSWER = "waits for an answer, but no executor spins the node in another thread to receive it"
 RATE = "rate.sleep() waits for a timer of its node, but nothing spins that node in another thread"
@@ -24,7 +24,7 @@ RATE = "rate.sleep() waits for a timer of its node, but nothing spins that node 
     ],
 )  # fmt: skip
 def test_known_reasons(detail: str, chinese: str) -> None:
-    text = explained(detail)
+    text = stall(detail)
     assert chinese in text.zh
     assert text.en == detail
     assert not re.search("[a-z]{3,} (waits|for|the) ", text.zh)
@@ -32,9 +32,9 @@ def test_known_reasons(detail: str, chinese: str) -> None:
 
 @pytest.mark.parametrize("detail", ["", "something else", "a; b: c", "T, line x: y", "；: ; :"])
 def test_anything_else_is_quoted(detail: str) -> None:
-    assert explained(detail).en == detail
+    assert stall(detail).en == detail
 
 
 def test_several_threads() -> None:
-    text = explained(f"MainThread, line 4: {RATE}; Thread-1: Event.wait() waits for ever")
+    text = stall(f"MainThread, line 4: {RATE}; Thread-1: Event.wait() waits for ever")
     assert "；Thread-1：Event.wait() 永远等不到结果" in text.zh
