@@ -20,7 +20,7 @@ from grader.store.work import attempted
 _log = logging.getLogger(__name__)
 _HEARTBEAT_S = 2.0
 _STALLED_S = 10.0
-_LOOK_S = 0.2  # whether to take permits: how often to ask
+_LOOK_S = 0.1  # how often to ask whether to take permits
 _PAUSES_S = (0.2, 0.5, 1.0, 2.0)  # before each next try to reach the database
 _CONNECT_S = 5
 _END_S = 10.0

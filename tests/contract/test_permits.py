@@ -1,0 +1,238 @@
+"""What holds on PostgreSQL only: permits get lost, doubled or stuck, and rows are graded all the same."""
+
+import threading
+from datetime import timedelta
+
+import pytest
+from sqlalchemy import text
+
+from grader.contracts.submission import SubmissionState
+from grader.store.announcing import Waiting
+from grader.store.permits.jobs import defer
+from grader.store.permits.loop import PermitLoop
+from tests.fakes.engines import PATIENCE_S, PostgresEngine, wait_until
+
+
+def announced_late(permits: PostgresEngine) -> int:
+    permits.clock.advance(5.1)
+    return permits.queue.reconcile().announced
+
+
+def test_each_waiting_row_has_one_permit_and_a_graded_one_none(permits: PostgresEngine) -> None:
+    for number in range(3):
+        permits.upload(f"s{number}")
+    assert permits.jobs("status = 'todo'") == 3
+    assert announced_late(permits) == 0
+    permits.graded_in_order()
+    assert permits.jobs() == 0
+
+
+def test_losing_the_whole_queue_costs_one_sweep(permits: PostgresEngine) -> None:
+    ids = [permits.upload(f"s{number}") for number in range(5)]
+    permits.change("TRUNCATE procrastinate_jobs, procrastinate_workers, procrastinate_events CASCADE")
+    assert permits.queue.reconcile().announced == 0  # perhaps a worker is about to take them
+    assert permits.graded_in_order() == []
+    assert announced_late(permits) == 5
+    assert announced_late(permits) == 0
+    assert permits.graded_in_order() == ids
+
+
+def test_a_row_in_backoff_is_not_announced_early(permits: PostgresEngine) -> None:
+    permits.upload()
+    permits.queue.fail(permits.taken(), "trouble")
+    permits.change("DELETE FROM procrastinate_jobs")
+    assert announced_late(permits) == 0
+    assert announced_late(permits) == 1
+
+
+def test_as_long_as_there_are_permits_enough_it_does_not_matter_whose(permits: PostgresEngine) -> None:
+    first = permits.upload("a")
+    second = permits.upload("b")
+    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{first}'")
+    with permits.database.writing() as session:
+        gone = Waiting(submission_id="gone", priority=0, due_at=permits.clock())
+        defer(session, [gone], permits.clock())
+    assert announced_late(permits) == 0
+    assert permits.graded_in_order() == [first, second]
+
+
+def test_surplus_and_orphaned_permits_end_by_themselves(permits: PostgresEngine) -> None:
+    id_ = permits.upload()
+    with permits.database.writing() as session:
+        spare = [Waiting(submission_id=name, priority=0, due_at=permits.clock()) for name in ("x", "y")]
+        defer(session, spare, permits.clock())
+    assert permits.graded_in_order() == [id_]
+    assert (permits.jobs(), permits.graded_rows()) == (0, 1)
+
+
+def test_a_permit_that_waits_already_does_not_undo_the_transaction(permits: PostgresEngine) -> None:
+    id_ = permits.upload()
+    other = permits.upload("b")
+    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{other}'")
+    both = [Waiting(submission_id=one, priority=0, due_at=permits.clock()) for one in (id_, other)]
+    with permits.database.writing() as session:
+        session.execute(text("UPDATE submission SET trouble = 'kept'"))
+        defer(session, both, permits.clock())
+        defer(session, both[:1], permits.clock())
+    assert permits.jobs("status = 'todo'") == 2
+    row = permits.submissions.get(id_)
+    assert row is not None
+    assert row.trouble == "kept"
+
+
+def test_the_job_of_a_dead_worker_is_put_away_and_its_row_announced_again(permits: PostgresEngine) -> None:
+    id_ = permits.upload()
+    permits.change("INSERT INTO procrastinate_workers (last_heartbeat) VALUES (now() - interval '11 s')")
+    # killed between taking the permit and claiming the row
+    permits.change(
+        "UPDATE procrastinate_jobs SET status = 'doing', worker_id = (SELECT max(id) FROM procrastinate_workers)"
+    )
+    assert announced_late(permits) == 1
+    assert permits.graded_in_order() == [id_]
+
+
+@pytest.mark.parametrize(
+    ("silent", "started", "left"),
+    [("2 s", "20 s", 1), ("11 s", "20 s", 0), ("2 s", "601 s", 0)],
+    ids=["at work", "worker dead", "could not be ended"],
+)
+def test_jobs_that_nobody_runs_do_not_stay(
+    permits: PostgresEngine, silent: str, started: str, left: int
+) -> None:
+    permits.upload()
+    permits.queue.claim("w")
+    permits.change(f"INSERT INTO procrastinate_workers (last_heartbeat) VALUES (now() - interval '{silent}')")
+    permits.change(
+        "UPDATE procrastinate_jobs SET status = 'doing', worker_id = (SELECT max(id) FROM procrastinate_workers)"
+    )
+    permits.change(f"UPDATE procrastinate_events SET at = now() - interval '{started}'")
+    permits.queue.reconcile()
+    assert permits.jobs() == left
+
+
+def test_one_worker_sweeps_at_a_time(permits: PostgresEngine) -> None:
+    permits.upload()
+    permits.change("DELETE FROM procrastinate_jobs")
+    permits.clock.advance(5.1)
+    with permits.database.writing() as session:
+        assert permits.database.announcer.mend(session, permits.clock()) == 1
+        assert permits.queue.reconcile().announced == 0
+
+
+def test_no_permit_is_taken_while_the_sandbox_is_not_ready(permits: PostgresEngine) -> None:
+    permits.upload()
+    asked = threading.Event()
+
+    def ready() -> bool:
+        asked.set()
+        return False
+
+    loop = PermitLoop(permits.database, permits.clock, poll_s=0.01)
+    loop.start(1, ready)
+    assert asked.wait(PATIENCE_S)
+    loop.drain()
+    loop.close()
+    assert permits.jobs("status = 'todo' AND attempts = 0") == 1
+
+
+def test_a_permit_that_could_not_be_used_is_given_back(permits: PostgresEngine) -> None:
+    id_ = permits.upload()
+    permits.work(lambda: False)  # say, the sandbox broke just now
+    assert permits.jobs("status = 'todo' AND scheduled_at IS NOT NULL") == 1
+    permits.clock.advance(0.2)
+    assert permits.graded_in_order() == [id_]
+
+
+def test_a_permit_given_back_serves_whatever_else_waits(permits: PostgresEngine) -> None:
+    held = permits.upload("a")
+    other = permits.upload("b")
+    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{held}'")
+    permits.change(f"UPDATE submission SET state = 'graded' WHERE id = '{other}'")
+    permits.work(lambda: False)  # say, another transaction held the row
+    permits.clock.advance(0.2)
+    assert permits.graded_in_order() == [held]
+
+
+class Running:
+    """A loop with one slot, which claims and grades by the database's rows."""
+
+    def __init__(self, permits: PostgresEngine, poll_s: float = PATIENCE_S, hold: bool = False) -> None:
+        self.permits = permits
+        self.go = threading.Event()
+        if not hold:
+            self.go.set()
+        self.busy = threading.Event()
+        self.loop = PermitLoop(permits.database, permits.clock, poll_s=poll_s)
+        self.slot = threading.Thread(target=self.loop.serve, args=(self.step,))
+
+    def step(self) -> bool:
+        claim = self.permits.queue.claim("slot")
+        if claim is None:
+            return False
+        self.busy.set()
+        assert self.go.wait(PATIENCE_S)
+        return self.permits.finish(claim)
+
+    def __enter__(self) -> "Running":
+        self.loop.start(1, lambda: True)
+        self.slot.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.go.set()
+        self.loop.drain()
+        self.slot.join()
+        self.loop.close()
+
+
+def listens(permits: PostgresEngine) -> bool:
+    with permits.database.reading() as session:
+        query = "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND query LIKE 'LISTEN%'"
+        return bool(session.execute(text(query)).scalar_one())
+
+
+def test_an_upload_wakes_an_idle_worker(permits: PostgresEngine) -> None:
+    with Running(permits):  # which would look by itself after half a minute
+        wait_until(lambda: listens(permits))
+        id_ = permits.upload()
+        wait_until(lambda: permits.state(id_) is SubmissionState.GRADED)
+
+
+def test_a_worker_survives_losing_every_connection(permits: PostgresEngine) -> None:
+    with Running(permits, poll_s=0.05):
+        wait_until(lambda: listens(permits))
+        permits.change(
+            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
+            "WHERE datname = current_database() AND pid <> pg_backend_pid()"
+        )
+        id_ = permits.upload()
+        wait_until(lambda: permits.state(id_) is SubmissionState.GRADED)
+
+
+def test_stopping_finishes_what_runs_and_leaves_the_rest_to_others(permits: PostgresEngine) -> None:
+    running, waiting = permits.upload("a"), permits.upload("b")
+    with Running(permits, hold=True) as worker:
+        assert worker.busy.wait(PATIENCE_S)
+        worker.loop.drain()
+    assert [permits.state(one) for one in (running, waiting)] == [
+        SubmissionState.GRADED,
+        SubmissionState.QUEUED,
+    ]
+    assert permits.jobs("status = 'todo'") == permits.jobs() == 1
+    permits.clock.advance(0.2)
+    assert permits.graded_in_order() == [waiting]
+
+
+def test_a_worker_that_was_frozen_past_its_lease_writes_nothing(permits: PostgresEngine) -> None:
+    id_ = permits.upload()
+    with Running(permits, hold=True) as frozen:
+        assert frozen.busy.wait(PATIENCE_S)
+        permits.clock.now += timedelta(seconds=16)
+        assert permits.queue.reconcile().requeued == 1
+        second = permits.queue.claim("another")
+        assert second is not None
+        assert permits.finish(second)
+    assert permits.graded_rows() == 1
+    row = permits.submissions.get(id_)
+    assert row is not None
+    assert row.graded_attempt == 2
