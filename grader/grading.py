@@ -14,6 +14,8 @@ from typing import Any
 
 from grader.bootstrap import build_sandbox
 from grader.contracts.errors import GraderError, SandboxUnavailableError
+from grader.contracts.grading import GradingJob
+from grader.contracts.limits import Limits
 from grader.sandbox import Sandbox
 from grader.slot import Channel, SlotConfig, job_from_message, result_message
 
@@ -37,7 +39,7 @@ def main(arguments: list[str]) -> int:
 
 def _serve(channel: Channel, sandbox: Sandbox) -> None:
     """Grade what the parent sends. The sandbox proves itself while the physics is imported."""
-    proof = threading.Thread(target=_warm_up, args=(sandbox,))
+    proof = threading.Thread(target=_prepare, args=(sandbox, Limits()))
     proof.start()
     from grader.pipeline import Pipeline
 
@@ -45,18 +47,22 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
         proof.join()
         gc.freeze()  # nothing that was imported is garbage
         while (request := channel.receive()) is not None:
-            channel.send(_answer(pipeline, request, lambda: channel.send({"kind": "running"})))
-            gc.collect()  # automatic collection stays off: here nobody waits for it
+            job = job_from_message(request)
+            channel.send(_answer(pipeline, job, lambda: channel.send({"kind": "running"})))
+            # Here nobody waits: automatic collection stays off, and the next script finds its process ready.
+            _prepare(sandbox, job.assignment.limits)
+            gc.collect()
 
 
-def _warm_up(sandbox: Sandbox) -> None:
-    with suppress(GraderError):  # the first grading finds it again, and has somebody to tell
-        sandbox.warm_up()
+def _prepare(sandbox: Sandbox, limits: Limits) -> None:
+    """Get ready to run a script under `limits`."""
+    with suppress(GraderError):  # the next grading finds it again, and has somebody to tell
+        sandbox.prepare(limits)
 
 
-def _answer(pipeline: Any, request: dict[str, Any], on_run: Callable[[], None]) -> dict[str, Any]:
+def _answer(pipeline: Any, job: GradingJob, on_run: Callable[[], None]) -> dict[str, Any]:
     try:
-        return result_message(pipeline.grade(job_from_message(request), on_run))
+        return result_message(pipeline.grade(job, on_run))
     except GraderError as error:
         return _fault(error)
 

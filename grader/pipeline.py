@@ -20,27 +20,9 @@ from grader.contracts.report import (
 )
 from grader.contracts.verdict import Run, Verdict
 from grader.outcome import INTERRUPTED_NOTE, is_repeatable, masked_stream, merge
-from grader.sandbox import Jail, JailReport, Sandbox
+from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
-from grader.sim.wire import NOTE
-
-_INTERRUPTED_FRAME = bytes([NOTE]) + len(INTERRUPTED_NOTE).to_bytes(2, "little") + INTERRUPTED_NOTE.encode()
-
-
-class _Link:
-    """The jail as the episode's link; leaves a script that got Ctrl+C only its grace of CPU time."""
-
-    def __init__(self, jail: Jail, grace_cpu_s: float) -> None:
-        self._jail = jail
-        self._grace_cpu_s = grace_cpu_s
-        self.send = jail.send
-
-    def receive(self) -> bytes | None:
-        body = self._jail.receive()
-        if body is not None and body.startswith(_INTERRUPTED_FRAME):
-            self._jail.limit_cpu(self._grace_cpu_s)
-        return body
 
 
 class Pipeline:
@@ -106,8 +88,12 @@ class Pipeline:
         limits = job.assignment.limits
         episode = Episode(_episode_spec(job, case), self._car)
         with self._sandbox.open(limits) as jail:
-            result = episode.run(_Link(jail, limits.grace_cpu_s), meanwhile)
-            return result, jail.close()
+
+            def on_note(code: str) -> None:
+                if code == INTERRUPTED_NOTE:  # a script that got Ctrl+C has only its grace left
+                    jail.limit_cpu(limits.grace_cpu_s)
+
+            return episode.run(jail, meanwhile, on_note), jail.close()
 
     def _measurements(self, accounts: list[tuple[EpisodeResult, JailReport]]) -> Measurements:
         return Measurements(

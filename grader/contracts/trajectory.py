@@ -1,6 +1,7 @@
 """What the car did: a time-stamped planar trajectory, recorded on the trusted side."""
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +21,7 @@ class Contact:
     wall: str
 
 
-@record
-class Command:
+class Command(NamedTuple):
     """A velocity command as the car received it, at most one per physics step (the last wins)."""
 
     t_ns: int

@@ -22,8 +22,8 @@ def encode(trajectory: Trajectory) -> bytes:
         "jumps": list(trajectory.jumps),
         "contacts": [asdict(contact) for contact in trajectory.contacts],
         "commands": [
-            [command.t_ns, round(command.v_mps, DECIMALS), round(command.w_radps, DECIMALS)]
-            for command in trajectory.commands
+            [t_ns, round(v_mps, DECIMALS), round(w_radps, DECIMALS)]
+            for t_ns, v_mps, w_radps in trajectory.commands
         ],
     }
     return json.dumps(document, separators=(",", ":"), allow_nan=False).encode()
@@ -38,7 +38,7 @@ def decode(data: bytes) -> Trajectory:
         end_ns=document["end_ns"],
         jumps=tuple(document["jumps"]),
         contacts=tuple(Contact(**contact) for contact in document["contacts"]),
-        commands=tuple(Command(t_ns=t, v_mps=v, w_radps=w) for t, v, w in document["commands"]),
+        commands=tuple(Command(*command) for command in document["commands"]),
         **floats,
     )
 

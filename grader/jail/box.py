@@ -2,9 +2,7 @@
 
 import json
 import os
-import socket
 from collections.abc import Set
-from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import TracebackType
@@ -13,13 +11,11 @@ from typing import Final, Self
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
 from grader.contracts.limits import Limits
 from grader.jail import layers
+from grader.jail.confined import Confined
 from grader.jail.jail import Jail
 from grader.jail.layers import Layer, Mode, Program
-from grader.jail.process import ProcessHandle
-from grader.jail.streams import Capture
 from grader.jail.supervisor import Zygote
 
-_CONFINE_LIMIT_S: Final = 20.0
 _RUNS_PER_ZYGOTE: Final = 500
 SHIM_PATH: Final = Path(__file__).parents[1] / "shim"
 
@@ -83,6 +79,7 @@ class Sandbox:
         self._config = layers.configure(self._program, choice.active)
         self._runs = 0
         self._open_jails = 0
+        self._spare: Confined | None = None
         self._proven = mode is not Mode.STRICT
         self._zygote = Zygote(self._config)
 
@@ -126,10 +123,26 @@ class Sandbox:
             SandboxUnavailableError: STRICT, and a required layer did not hold when tried.
             SandboxError: it could not be forked or confined. Nothing has run; the next call starts afresh.
         """
-        self.warm_up()
-        if self._runs >= _RUNS_PER_ZYGOTE and not self._open_jails:
-            self.restart()
-        return self._open(limits, prove=False)
+        spare, self._spare = self._spare, None
+        if spare is not None:
+            if spare.limits == limits and spare.waits():
+                return self._begin(spare)
+            spare.discard()
+        return self._begin(self._confine(limits))
+
+    def prepare(self, limits: Limits) -> None:
+        """Fork and confine ahead what the next `open` with these limits will return. Harmless at any time.
+
+        The process is in no other state than after `open`: it waits for its first frame, and its clocks start
+        when it is opened. It is prepared only while no run is open and used up or ended by the next `open`,
+        so that no run ever shares its user id with a process that waits.
+
+        Raises:
+            SandboxError: as `open`.
+        """
+        if not self._open_jails and (self._spare is None or self._spare.limits != limits):
+            self._drop_spare()
+            self._spare = self._confine(limits)
 
     def prove(self) -> Proof:
         """Have a confined process try to get out, and return what it saw. A few milliseconds.
@@ -137,7 +150,7 @@ class Sandbox:
         Raises:
             SandboxError: it could not be run, or did not report.
         """
-        with self._open(Limits(cpu_s=5.0), prove=True) as jail:
+        with self._begin(self._fork(Limits(cpu_s=5.0), prove=True)) as jail:
             body = jail.receive()
             report = jail.close()
         if body is None:
@@ -158,13 +171,19 @@ class Sandbox:
 
     def restart(self) -> None:
         """Replace the zygote; runs in progress are ended."""
-        self._zygote.close()
+        self.close()
         self._zygote = Zygote(self._config)
         self._runs = 0
 
     def close(self) -> None:
         """End the zygote and everything it started."""
+        self._drop_spare()
         self._zygote.close()
+
+    def _drop_spare(self) -> None:
+        spare, self._spare = self._spare, None
+        if spare is not None:
+            spare.discard()
 
     def _wait_ready(self) -> None:
         """Wait for the zygote; do without namespaces where the host lets us only begin."""
@@ -181,43 +200,29 @@ class Sandbox:
         if not self._zygote.namespaces:
             self._active = tuple(layer for layer in self._active if layer is not Layer.NAMESPACES)
 
-    def _open(self, limits: Limits, *, prove: bool) -> Jail:
+    def _confine(self, limits: Limits) -> Confined:
+        """Return a new process from a zygote that has proven itself and is not too old."""
+        self.warm_up()
+        if self._runs >= _RUNS_PER_ZYGOTE and not self._open_jails:
+            self.restart()
+        return self._fork(limits)
+
+    def _fork(self, limits: Limits, *, prove: bool = False) -> Confined:
         try:
             self._wait_ready()
-            jail = self._fork(limits, prove=prove)
+            confined = Confined(self._zygote, limits, count_threads=self._counts_threads, prove=prove)
         except SandboxError:
             self.restart()
             raise
         self._runs += 1
+        return confined
+
+    def _begin(self, confined: Confined) -> Jail:
         self._open_jails += 1
-        return jail
+        return confined.begin(self._count_end)
 
-    def _fork(self, limits: Limits, *, prove: bool) -> Jail:
-        zygote = self._zygote
-        with ExitStack() as undo:
-            ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
-            undo.callback(ours.close)
-            with theirs:
-                captures, writers = _pipes(undo, limits.output_bytes)
-                try:
-                    pid, pidfd = zygote.fork(
-                        (limits.cpu_s, limits.memory_bytes, limits.threads if self._counts_threads else None),
-                        (theirs.fileno(), *writers),
-                        prove=prove,
-                    )
-                finally:
-                    for writer in writers:
-                        os.close(writer)
-            process = ProcessHandle(pid, pidfd)
-            undo.callback(process.close)
-            _await_start(ours, _CONFINE_LIMIT_S)
-            undo.pop_all()
-
-        def reap() -> tuple[int, int, int]:
-            self._open_jails -= 1
-            return zygote.reap(pid)
-
-        return Jail(ours, process, captures, limits, reap)
+    def _count_end(self) -> None:
+        self._open_jails -= 1
 
     @property
     def _counts_threads(self) -> bool:
@@ -231,32 +236,3 @@ def _choose(mode: Mode, without: Set[Layer]) -> layers.Choice:
         names = ", ".join(choice.missing_required)
         raise SandboxUnavailableError(f"this host lacks a required layer of isolation: {names}")
     return choice
-
-
-def _pipes(undo: ExitStack, limit_bytes: int) -> tuple[tuple[Capture, Capture], tuple[int, int]]:
-    """Return captures of two new pipes, to be closed by `undo`, and the pipes' writing ends."""
-    stdout, stdout_writer = os.pipe()
-    stderr, stderr_writer = os.pipe()
-    captures = Capture(stdout, limit_bytes), Capture(stderr, limit_bytes)
-    for capture in captures:
-        undo.callback(capture.close)
-    return captures, (stdout_writer, stderr_writer)
-
-
-def _await_start(channel: socket.socket, timeout_s: float) -> None:
-    """Wait for the confined process to say that it is confined.
-
-    Raises:
-        SandboxError: it says that a step failed, ends, or says nothing in time.
-    """
-    channel.settimeout(timeout_s)
-    try:
-        answer = channel.recv(1)
-        if answer == b"+":
-            return
-        reason = channel.recv(4096).decode(errors="replace") if answer == b"-" else "it ended early"
-    except OSError as error:
-        reason = str(error)
-    finally:
-        channel.settimeout(None)
-    raise SandboxError(f"the process could not be confined: {reason}")

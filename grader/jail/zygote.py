@@ -122,6 +122,7 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
     for name in config["preload"]:
         importlib.import_module(name)
     entry: Entry = getattr(importlib.import_module(module), function)
+    sys.dont_write_bytecode = True  # from here on nothing of what is imported is the grader's own
     _prime_import_caches()
     _thread.stack_size(policy.THREAD_STACK_BYTES)
     ruleset = None
@@ -149,7 +150,6 @@ def _drop_launcher() -> None:
     launcher = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     sys.path[:] = [entry for entry in sys.path if os.path.abspath(entry) != launcher]
     sys.argv[:] = [""]
-    sys.dont_write_bytecode = True
 
 
 def _allow_packages(packages: dict[str, str]) -> None:

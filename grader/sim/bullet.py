@@ -1,11 +1,10 @@
 """The physical car: the only module that knows PyBullet."""
 
-import math
 import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from math import cos, sin
+from math import atan2, cos, isfinite, sin
 from typing import Any, Final, Protocol
 
 from grader.contracts.assignment import Profile
@@ -41,10 +40,11 @@ def _import_quietly() -> Any:
 
 _bullet: Final = _import_quietly()
 
-# The three calls of every step, with the client as last positional argument: keywords cost a tenth of a call.
+# What is called at every step or sample, with the client as last positional argument: keywords cost a tenth.
 _get_pose: Final = _bullet.getBasePositionAndOrientation
 _set_velocity: Final = _bullet.resetBaseVelocity
 _step_once: Final = _bullet.stepSimulation
+_get_velocity: Final = _bullet.getBaseVelocity
 
 CAR_MODEL: Final = 1  # raised whenever the same commands may give another trajectory
 SIMULATOR: Final = f"turtle-car {CAR_MODEL}, Bullet {_bullet.getAPIVersion()}"
@@ -85,7 +85,7 @@ class BulletCar:
     Attributes:
         step: index of the step the state stands at.
         steps_run: physics steps actually computed since `reset`; a resting car is not stepped.
-        servo: the drive; its velocity is what wheel encoders would read.
+        servo: the drive; its velocity is what wheel encoders would read. commanded: the present command.
     """
 
     servo: Servo
@@ -97,9 +97,8 @@ class BulletCar:
         self._body = -1
         self.step = self.steps_run = 0
         self._x = self._y = self._vx = self._vy = 0.0
-        self._qz, self._qw = 0.0, 1.0
-        self._walls = False
-        self._command = (0.0, 0.0)
+        self._qz, self._qw, self._walls = 0.0, 1.0, False
+        self.commanded = (0.0, 0.0)
 
     def close(self) -> None:
         """Give the physics client back. The car is not usable afterwards."""
@@ -120,18 +119,18 @@ class BulletCar:
         self._watcher = watcher
         self._walls = walls
         self.servo = make_servo(profile, seed)
-        self._command = (0.0, 0.0)
+        self.commanded = (0.0, 0.0)
         self.step = self.steps_run = 0
         self._place(start)
         watcher.sample(0, (self._x, self._y, start[2]), 0.0, 0.0)
 
     def command(self, v_mps: float, w_radps: float) -> None:
         """Let (v, w) act from the present step on; it must be within the bounds of `clamp_command`."""
-        if (v_mps, w_radps) == self._command:
+        if (v_mps, w_radps) == self.commanded:
             return
         if self.servo.resting:
             self.observe()  # the end of the rest: before it, the car stood still
-        self._command = (v_mps, w_radps)
+        self.commanded = (v_mps, w_radps)
         self.servo.aim(v_mps, w_radps)
         with _faults():
             _bullet.setJointMotorControlArray(
@@ -164,7 +163,7 @@ class BulletCar:
         x, y = self._x - self._vx * back_s, self._y - self._vy * back_s
         if self._walls:
             x, y = _within(x), _within(y)
-        return x, y, 2.0 * math.atan2(self._qz, self._qw) - self.servo.w_radps * back_s
+        return x, y, 2.0 * atan2(self._qz, self._qw) - self.servo.w_radps * back_s
 
     def put(self, pose: PlanarPose) -> None:
         """Take the car up and put it down in `pose`, at the present step; its velocity is kept."""
@@ -178,7 +177,7 @@ class BulletCar:
         """Take all velocity away at once, as for a robot that is removed or made anew."""
         self.observe()
         self.servo.halt()
-        self._command = (0.0, 0.0)
+        self.commanded = (0.0, 0.0)
         self._vx = self._vy = 0.0
 
     def run_bare(self, steps: int, v_mps: float, w_radps: float) -> None:
@@ -196,11 +195,12 @@ class BulletCar:
         x, y, qz, qw = self._x, self._y, self._qz, self._qw
         first = step = self.step
         turning, ch, sh, angular = 0.0, 1.0, 0.0, (0.0, 0.0, 0.0)
-        next_velocity, resting = servo.step, servo.resting
         next_sample = step - step % SAMPLE_STEPS + SAMPLE_STEPS
-        while step < end and not resting:
-            v, w = next_velocity()
-            resting = servo.resting
+        v, w, moving = servo.v_mps, servo.w_radps, True
+        while step < end and moving:
+            if not servo.steady:
+                v, w = servo.step()
+                moving = not servo.resting
             if w != turning:
                 # Half of the step's turn ahead, along the chord of the arc: circles close to second order.
                 turning, ch, sh, angular = w, cos(_HALF_S * w), sin(_HALF_S * w), (0.0, 0.0, w)
@@ -213,10 +213,10 @@ class BulletCar:
             _step_once(client)
             step += 1
             (x, y, _), (_, _, qz, qw) = _get_pose(body, client)
-            if step in (next_sample, end) or resting:
-                self.step, self._x, self._y, self._vx, self._vy = step, x, y, vx, vy
-                self._qz, self._qw = qz, qw
-                if step == next_sample or resting:
+            if step in (next_sample, end) or not moving:
+                self.step, self._x, self._y, self._qz, self._qw = step, x, y, qz, qw
+                self._vx, self._vy = vx, vy
+                if step == next_sample or not moving:
                     next_sample += SAMPLE_STEPS
                     self.observe()
         self.steps_run += step - first
@@ -236,12 +236,12 @@ class BulletCar:
         x, y, qz, qw = self._x, self._y, self._qz, self._qw
         if self._walls and not (0.0 <= x <= AREA_M and 0.0 <= y <= AREA_M):
             x, y = _within(x), _within(y)
-        yaw = 2.0 * math.atan2(qz, qw)
+        yaw = 2.0 * atan2(qz, qw)
         v = w = 0.0
         if not self.servo.resting:
-            (vx, vy, _), (_, _, w) = _bullet.getBaseVelocity(self._body, self._client)
+            (vx, vy, _), (_, _, w) = _get_velocity(self._body, self._client)
             v = vx * (qw * qw - qz * qz) + vy * 2.0 * qw * qz
-        if not math.isfinite(x + y + yaw + v + w):
+        if not isfinite(x + y + yaw + v + w):
             raise InfrastructureError("the simulated car left the realm of numbers")
         self._watcher.sample(self.step, (x, y, yaw), v, w)
 
@@ -250,7 +250,7 @@ class BulletCar:
         if self._walls:
             x, y = _within(x), _within(y)
         self._x, self._y = x, y
-        self._qz, self._qw = math.sin(heading / 2.0), math.cos(heading / 2.0)
+        self._qz, self._qw = sin(heading / 2.0), cos(heading / 2.0)
         _bullet.resetBasePositionAndOrientation(
             self._body, (x, y, RIDE_HEIGHT_M), (0.0, 0.0, self._qz, self._qw), physicsClientId=self._client
         )

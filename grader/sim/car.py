@@ -107,6 +107,7 @@ class Servo:
 
     Attributes:
         v_mps, w_radps: velocity the wheels turn at; exactly zero once a stop has settled.
+        steady: `step` would return the present velocity until another one is aimed at.
         resting: stopped and told to stay so: steps would change nothing.
     """
 
@@ -115,14 +116,13 @@ class Servo:
         self._max_dv = parameters.max_acceleration_mps2 * STEP_S
         self._max_dw = parameters.max_yaw_acceleration_radps2 * STEP_S
         self._target = (0.0, 0.0)
-        self._settled = True
         self.v_mps = self.w_radps = 0.0
-        self.resting = True
+        self.steady = self.resting = True
 
     def aim(self, v_mps: float, w_radps: float) -> None:
         """Set the commanded twist, already within bounds."""
         self._target = (v_mps, w_radps)
-        self._settled = self.resting = (v_mps, w_radps) == (self.v_mps, self.w_radps) == (0.0, 0.0)
+        self.steady = self.resting = (v_mps, w_radps) == (self.v_mps, self.w_radps) == (0.0, 0.0)
 
     def halt(self) -> None:
         """Stand still at once."""
@@ -131,8 +131,6 @@ class Servo:
 
     def step(self) -> tuple[float, float]:
         """Advance by one physics step and return the twist (v, w) the base takes during it."""
-        if self._settled:
-            return self._target
         target_v, target_w = self._target
         dv = (target_v - self.v_mps) * self._blend
         dw = (target_w - self.w_radps) * self._blend
@@ -144,7 +142,7 @@ class Servo:
         self.w_radps += dw
         if abs(target_v - self.v_mps) < _SETTLED and abs(target_w - self.w_radps) < _SETTLED:
             self.v_mps, self.w_radps = self._target
-            self._settled = True
+            self.steady = True
             self.resting = self._target == (0.0, 0.0)
         return self.v_mps, self.w_radps
 
@@ -163,6 +161,7 @@ class RoughServo(Servo):
     def step(self) -> tuple[float, float]:
         """Advance by one physics step; the slip is an Ornstein-Uhlenbeck process, relative to the speed."""
         wheels = twist_to_wheels(*super().step())
+        self.steady = self.resting
         turned = []
         for side, speed in enumerate(wheels):
             self._slips[side] = self._slips[side] * self._memory + self._random.gauss(0.0, self._kick)

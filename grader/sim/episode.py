@@ -21,6 +21,7 @@ from grader.sim.frames import (
     Advance,
     Entity,
     Exit,
+    Frame,
     Gone,
     Link,
     NoteFrame,
@@ -109,33 +110,34 @@ class Episode:
         self._now_ns = 0
         self._exit: Exit | None = None
 
-    def run(self, link: Link, meanwhile: Callable[[], None] = lambda: None) -> EpisodeResult:
+    def run(
+        self,
+        link: Link,
+        meanwhile: Callable[[], None] = lambda: None,
+        on_note: Callable[[str], None] = lambda code: None,
+    ) -> EpisodeResult:
         """Drive the episode until the script has ended and the car has come to rest, or the horizon.
 
-        `meanwhile` is called once, while the script is compiled at the other end of `link`.
+        `meanwhile` is called once, while the script is compiled, `on_note` with the code of each NOTE.
 
         Raises:
             InfrastructureError: the simulator failed. Nothing that the jailed process does raises.
         """
         violation = None
+        self._on_note = on_note
         try:
             link.send(encode_start(self._start_fields(), self._spec.source))
             self._turtle.appear()
             meanwhile()
             while self._exit is None and (body := link.receive()) is not None:
-                frame = decode(body)
-                if isinstance(frame, Publish):
-                    self._publish(frame)
-                else:
-                    self._take(frame, link)
+                self._take(decode(body), link)
         except ProtocolError as error:
             violation = str(error)
         return self._finish(violation)
 
     def _start_fields(self) -> dict[str, Any]:
         spec = self._spec
-        graph = self._world.graph()
-        graph["calls"] = [[call.service, call.type] for call in spec.calls]
+        calls = [[call.service, call.type] for call in spec.calls]
         return {
             "protocol": PROTOCOL,
             "file_name": spec.file_name,
@@ -145,30 +147,30 @@ class Episode:
             "epoch_ns": spec.epoch_ns,
             "seed": spec.world.seed,
             "output_bytes": spec.output_bytes,
-            "world": graph,
+            "world": {**self._world.graph(), "calls": calls},
         }
 
-    def _take(
-        self, frame: Entity | Gone | Request | Response | Advance | NoteFrame | Exit, link: Link
-    ) -> None:
+    def _take(self, frame: Frame, link: Link) -> None:
         """Act on one frame; its time must not be earlier than that of the one before."""
-        if isinstance(frame, NoteFrame):
+        if isinstance(frame, Publish):
+            self._publish(frame)
+        elif isinstance(frame, NoteFrame):
+            self._on_note(frame.code)
             self._journal.note(frame.code, frame.text)
-            return
-        if isinstance(frame, Advance):
+        elif isinstance(frame, Advance):
             self._check_time(frame.t_ns)
             self._advance(frame.t_ns, link)
-            return
-        self._pass_time(frame.t_ns)
-        if isinstance(frame, Exit):
-            self._exit = frame
-        elif frame.t_ns <= self._spec.horizon_ns:
-            self._graph_change(frame)
+        else:
+            self._pass_time(frame.t_ns)
+            if isinstance(frame, Exit):
+                self._exit = frame
+            elif frame.t_ns <= self._spec.horizon_ns:
+                self._graph_change(frame)
 
     def _publish(self, frame: Publish) -> None:
         identity, t_ns, payload = frame
         self._pass_time(t_ns)
-        if t_ns > self._spec.horizon_ns:
+        if t_ns > self._now_ns:  # beyond the horizon
             return
         self._graph.get(identity, PUBLISHER)
         sink = self._sinks.get(identity)

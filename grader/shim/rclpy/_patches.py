@@ -40,11 +40,15 @@ LAZY = {
 _OURS = ("rclpy._kernel", "rclpy._scheduler", "rclpy._patches", "rclpy._runner")
 
 
-def install(seed: int) -> None:
-    """Replace everything; to be called once, in the student's process."""
-    _patches_host.seed_entropy(seed)
+def install() -> None:
+    """Replace what is there already; to be called once, in the student's process, before `begin`."""
     _replace()
     sys.meta_path.insert(0, PostImport())
+
+
+def begin(seed: int) -> None:
+    """Make the host repeatable from `seed` on, and patch the modules that are imported already."""
+    _patches_host.seed_entropy(seed)
     for name in LAZY:
         module = sys.modules.get(name)
         if module is not None:

@@ -1,4 +1,4 @@
-"""What the confined process executes: read START, run the script, send EXIT, end.
+"""What the confined process executes: get ready, read START, run the script, send EXIT, end.
 
 `run` is called with nothing of the script in memory and does not return. Descriptors: 0 /dev/null, 1 and 2
 pipes, and the channel.
@@ -71,7 +71,8 @@ ending = Ending()
 
 
 def run(channel: int = 3) -> NoReturn:
-    """Run the script that START brings over descriptor `channel`."""
+    """Run the script that START brings over descriptor `channel`; what needs no START is done before it comes."""
+    _get_ready()
     text, source = link.receive_start(Descriptor(channel))
     import json
 
@@ -83,7 +84,7 @@ def run(channel: int = 3) -> NoReturn:
     module = _prepare(start)
     kernel.at_horizon = _tell_interrupt
     code = _compile(source)
-    if code is not None and not start.get("compile_only", False):
+    if code is not None:
         del source
         _execute(module, code)
     _finish()
@@ -95,18 +96,24 @@ def _tell_interrupt() -> None:
     link.flush()
 
 
-def _prepare(start: dict[str, Any]) -> ModuleType:
-    """Make the process look as Python makes it for ``python3 student.py``."""
-    _patches.install(start["seed"])
+def _get_ready() -> None:
+    """Make the process look as Python makes it for any script."""
+    _patches.install()
     kernel.end = end_now
     setattr(os, "_exit", exit_now)  # noqa: B010 - mypy compares the names of parameters
     sys.dont_write_bytecode = True
-    sys.argv = [start["file_name"], *start["args"]]
     sys.excepthook = sys.__excepthook__ = _report.excepthook
-    _open_streams(start["stdin"])
-    _output.budget.limit(start.get("output_bytes"), _end_at_output_limit)
+    _output.open_streams()
     _add_site_builtins()
     setattr(builtins, _loops.CHECKPOINT, kernel.checkpoint)
+
+
+def _prepare(start: dict[str, Any]) -> ModuleType:
+    """Make the process look as Python makes it for ``python3 student.py``."""
+    _patches.begin(start["seed"])
+    sys.argv = [start["file_name"], *start["args"]]
+    _open_stdin(start["stdin"])
+    _output.budget.limit(start.get("output_bytes"), _end_at_output_limit)
     module = ModuleType("__main__")
     names: dict[str, Any] = {"__file__": start["file_name"], "__builtins__": builtins, "__cached__": None}
     module.__dict__.update(names)
@@ -117,8 +124,8 @@ def _prepare(start: dict[str, Any]) -> ModuleType:
     return module
 
 
-def _open_streams(stdin: str) -> None:
-    """Give the script its input, and streams that are encoded as on a PC."""
+def _open_stdin(stdin: str) -> None:
+    """Give the script its input."""
     data = stdin.encode()
     if data and len(data) <= PIPE_BYTES:
         reading, writing = os.pipe()
@@ -135,7 +142,6 @@ def _open_streams(stdin: str) -> None:
         stream = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
     sys.stdin = stream
     setattr(sys, "__stdin__", stream)  # noqa: B010 - declared final
-    _output.open_streams()
 
 
 def _add_site_builtins() -> None:

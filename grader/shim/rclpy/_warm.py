@@ -35,6 +35,7 @@ def _load() -> None:
 
     import rclpy._patches_audit
     import rclpy._patches_select
+    import rclpy._patches_signal
     import rclpy._ros_args
     import rclpy._runner
     import rclpy.executors
