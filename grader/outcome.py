@@ -8,12 +8,14 @@ the exit code and the output of a process that was ended for tampering, and the 
 printing when a clock ended it. The trajectory of such a script is kept, because its driving earns points.
 """
 
+import json
 import re
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import Final
 
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus, Stream, StudentError
+from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream, StudentError
 from grader.jail.report import JailReport, Verdict
 from grader.sim.episode import EpisodeResult
 from grader.sim.frames import EXCEPTION, FINISHED, PRINTED_TOO_MUCH, STALLED, SYNTAX_ERROR, Exit
@@ -27,6 +29,10 @@ FORBIDDEN_NOTE = "forbidden"
 THREAD_NOTE = "thread_exception"
 """Names the exception that ended a thread."""
 
+ANSWER_NOTE = "service_answer"
+"""Tells what the script answered to a call of the assignment."""
+
+_LONGEST_ANSWER = 1_000
 _KILLED = {
     Verdict.CRASHED: RunStatus.CRASHED,
     Verdict.CPU_LIMIT: RunStatus.CPU_LIMIT,
@@ -81,7 +87,9 @@ def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
         logs=tuple(_masked_log(record) for record in episode.logs),
         logs_dropped=episode.logs_dropped,
         notes=tuple(
-            replace(note, text=_masked(note.text)) for note in episode.notes if note.code != INTERRUPTED_NOTE
+            replace(note, text=_masked(note.text))
+            for note in (*episode.notes, *_answers(episode))
+            if note.code != INTERRUPTED_NOTE
         ),
         command_count=episode.command_count,
         nonfinite_commands=episode.nonfinite_commands,
@@ -170,6 +178,16 @@ def _error(exit_frame: Exit | None) -> StudentError | None:
         line=exit_frame.line or None,
         traceback=_masked(exit_frame.detail),
     )
+
+
+def _answers(episode: EpisodeResult) -> Iterator[Note]:
+    """Return what the script answered to the assignment's calls, each cut to a length that can be shown."""
+    for result in episode.calls:
+        if result.answered_ns is not None:
+            values = json.dumps(result.values, ensure_ascii=False, default=str)
+            if len(values) > _LONGEST_ANSWER:
+                values = values[: _LONGEST_ANSWER - 1] + "…"
+            yield Note(code=ANSWER_NOTE, text=f"{result.call.service} → {values}")
 
 
 def is_repeatable(episode: EpisodeResult, jail: JailReport) -> bool:

@@ -48,12 +48,12 @@ class Examination:
     """All that is known about one assignment.
 
     Attributes:
-        sensitivity: empty where the solution's motion cannot be driven again without its script.
+        sensitivity: by case; without those where the solution's motion cannot be driven again without its script.
     """
 
     findings: list[Finding]
     margins: list[Margin] = field(default_factory=list)
-    sensitivity: list[Sensitivity] = field(default_factory=list)
+    sensitivity: dict[str, list[Sensitivity]] = field(default_factory=dict)
 
 
 def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool = False) -> int:
@@ -102,15 +102,15 @@ def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: 
     job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
     solution = grader.grade(job)
     report = solution.report
-    run = _replayable_run(assignment, solution)
+    runs = _replayable_runs(assignment, solution)
     problems = [] if _all_passed(report) else [_lost(report)]
-    problems += [] if run is None else lax(assignment, run)
+    problems += _lax(assignment, runs)
     findings = [_finding(assignment, path.name, report, "; ".join(problems))]
     findings += _others(catalog, assignment, grader)
     return Examination(
         findings=findings,
         margins=margins(assignment, report),
-        sensitivity=[] if run is None or not sensitive else sensitivities(assignment, run),
+        sensitivity={run.case: sensitivities(assignment, run) for run in runs} if sensitive else {},
     )
 
 
@@ -143,14 +143,27 @@ def _plain(item: RubricItem) -> str:
     return item.id.rpartition("/")[2]
 
 
-def _replayable_run(assignment: Assignment, solution: GradingResult) -> Run | None:
-    """Return the solution's first run if its commands say what the car does: not with feedback or services."""
-    if not solution.report.runs:
-        return None
-    first = solution.report.runs[0]
-    trajectory = trajectory_json.decode(solution.trajectories[first.case])
-    run = Run(trajectory=trajectory, outcome=first.outcome, case=first.case)
-    return run if not assignment.calls and replayable(assignment, run) else None
+def _replayable_runs(assignment: Assignment, solution: GradingResult) -> list[Run]:
+    """Return the solution's runs whose commands say what the car does: not with feedback or services."""
+    if assignment.calls:
+        return []
+    runs = [
+        Run(
+            trajectory=trajectory_json.decode(solution.trajectories[run.case]),
+            outcome=run.outcome,
+            case=run.case,
+        )
+        for run in solution.report.runs
+    ]
+    return [run for run in runs if replayable(assignment, run)]
+
+
+def _lax(assignment: Assignment, runs: list[Run]) -> Iterator[str]:
+    """Yield what is lax in each case, with its name when there are several."""
+    for run in runs:
+        where = f"case {run.case}: " if len(assignment.cases) > 1 else ""
+        for problem in lax(assignment, run):
+            yield where + problem
 
 
 def _others(catalog: Catalog, assignment: Assignment, grader: Grader) -> Iterator[Finding]:
@@ -215,14 +228,14 @@ def _print_details(assignment_id: str, examination: Examination) -> None:
     for each in examination.margins:
         table.add_row(each.item, f"{each.measured:g} {each.unit}", f"{each.margin:.3g} {each.unit}")
     console().print(f"\n{assignment_id}: how far the solution lies inside each band", table)
-    if not examination.sensitivity:
-        return
-    table = _table("error in", "item", "costs from", "nothing left at")
-    for found in examination.sensitivity:
-        table.add_row(
-            found.perturbation.name, found.item, _size(found, found.starts), _size(found, found.zero)
-        )
-    console().print(f"\n{assignment_id}: which error in the solution's motion costs what", table)
+    for case, found_ones in examination.sensitivity.items():
+        table = _table("error in", "item", "costs from", "nothing left at")
+        for found in found_ones:
+            table.add_row(
+                found.perturbation.name, found.item, _size(found, found.starts), _size(found, found.zero)
+            )
+        where = f", case {case}" if len(examination.sensitivity) > 1 else ""
+        console().print(f"\n{assignment_id}{where}: which error in the solution's motion costs what", table)
 
 
 def _size(found: Sensitivity, error: float | None) -> str:

@@ -104,6 +104,7 @@ NOTES: Mapping[str, Text] = {
         "{text} was published to right after creation; on a real robot the first messages may be lost",
     ),
     "thread_exception": _t("线程出错：{text}", "a thread failed: {text}"),
+    "service_answer": _t("对服务调用的回应：{text}", "answer to a service call: {text}"),
     "forbidden": _t("不允许的操作：{text}", "not allowed: {text}"),
 }
 """Notes of a run by their code (see `grader.contracts.outcome.Note`)."""
@@ -149,7 +150,8 @@ WORDS: Mapping[str, Text] = {
     "pass_rate": _t("通过率", "Pass rate"),
     "mean": _t("平均分", "Mean"),
     "total": _t("总分", "Total"),
-    "worth": _t("满分 {points}，时限 {seconds} 虚拟秒", "{points} points, {seconds} virtual seconds"),
+    "worth": _t("满分 {points}", "{points} points"),
+    "time_limit": _t("，时限 {seconds} 虚拟秒", ", {seconds} virtual seconds"),
     "submissions": _t("提交", "Submissions"),
     "hardest": _t("最常失分的评分项", "Most-failed rubric items"),
     "queue": _t("队列", "Queue"),

@@ -28,7 +28,10 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
     title = Text.assemble(
         (visible_line(rubric.title.get(language)), "bold"), f"  {assignment.id}  ", style=""
     )
-    yield title.append(word("worth", language, points=most, seconds=quantity.score(rubric.horizon_s)), "cyan")
+    worth = word("worth", language, points=most)
+    if assignment.input == "script":  # a text is read, not run
+        worth += word("time_limit", language, seconds=quantity.score(rubric.horizon_s))
+    yield title.append(worth, "cyan")
     if brief := rubric.brief.get(language):
         yield Padding(Text(visible(brief).strip()), (1, 0, 0, 0))
     table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False)

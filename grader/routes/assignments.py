@@ -26,7 +26,9 @@ class AssignmentSummary(BaseModel):
     title: str = Field(examples=["Drive a square"])
     brief: str = Field(description="What to do.")
     max_score: float = Field(examples=[10.0])
-    horizon_s: float = Field(description="Virtual seconds until Ctrl+C.", examples=[60.0])
+    horizon_s: float | None = Field(
+        description="Virtual seconds until Ctrl+C; null for a text, which is not run.", examples=[60.0]
+    )
     url: str = Field(examples=["/api/v1/assignments/square"])
 
 
@@ -127,7 +129,7 @@ def _summary(assignment: Assignment, language: Language) -> dict[str, Any]:
         "title": assignment.title.get(language),
         "brief": assignment.brief.get(language),
         "max_score": assignment.max_score,
-        "horizon_s": assignment.horizon_s,
+        "horizon_s": assignment.horizon_s if assignment.input == "script" else None,
         "url": f"/api/v1/assignments/{assignment.id}",
     }
 

@@ -188,7 +188,7 @@ def test_a_new_assignment_validates_and_mistakes_in_it_are_found(grader: Grader,
     assert not [finding for finding in good.findings if finding.problem]
     assert {margin.item for margin in good.margins} == {"sides", "angles", "lengths", "rest"}
     assert all(margin.margin >= 0.0 for margin in good.margins)
-    assert {found.item for found in good.sensitivity} >= {"angles", "lengths"}
+    assert {found.item for found in good.sensitivity["default"]} >= {"angles", "lengths"}
 
     text = spec.read_text(encoding="utf-8")
     spec.write_text(text.replace("high: 4\n    ramp: 16", "high: 90\n    ramp: 5"), encoding="utf-8")

@@ -8,6 +8,7 @@ import pytest
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream
+from grader.contracts.services import ServiceCall, ServiceResult
 from grader.contracts.trajectory import Trajectory
 from grader.jail.report import JailReport, Verdict
 from grader.outcome import is_repeatable, merge
@@ -282,3 +283,18 @@ def test_object_addresses_are_masked_and_nothing_else(raw: str, shown: str) -> N
     assert found.notes[0].text == shown
     stalled = merge(replace(EPISODE, exit=ended(STALLED, detail=raw)), JAIL)
     assert stalled.detail == shown
+
+
+# --------------------------------------------------------------------------------------- service answers
+
+
+def test_answers_to_calls_are_noted_and_bounded() -> None:
+    call = ServiceCall(at_ns=0, service="/caps", type="std_srvs/srv/Trigger")
+    silent = ServiceResult(call=call, sent_ns=1)
+    answered = replace(silent, answered_ns=2, values={"message": "能走", "success": True})
+    endless = replace(answered, values={"message": "x" * 60_000})
+    notes = merge(replace(EPISODE, calls=(silent, answered, endless)), JAIL).notes
+    assert [note.code for note in notes] == ["service_answer"] * 2
+    assert notes[0].text == '/caps → {"message": "能走", "success": true}'
+    assert notes[1].text.endswith("x…")
+    assert len(notes[1].text) < 1_100

@@ -1,6 +1,7 @@
 """The published rubric names every item with its points and what it wants."""
 
 import io
+from dataclasses import replace
 
 from grader.contracts.rubric import PublishedItem, PublishedRubric
 from grader.contracts.text import Language
@@ -33,6 +34,15 @@ def shown(language: Language) -> str:
     stream = io.StringIO()
     console(stream, 100).print(render_rubric(assignment(), RUBRIC, language=language))
     return stream.getvalue()
+
+
+def test_a_text_has_no_time_limit() -> None:
+    stream = io.StringIO()
+    text = replace(assignment(), input="text")
+    console(stream, 100).print(render_rubric(text, RUBRIC, language="zh"))
+    assert "满分 10" in stream.getvalue()
+    assert "时限" not in stream.getvalue()
+    assert "时限 60 虚拟秒" in shown("zh")
 
 
 def test_everything_published_is_shown() -> None:
