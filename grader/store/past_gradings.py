@@ -9,6 +9,7 @@ from grader.contracts.codec import from_plain
 from grader.contracts.report import Measurements
 from grader.contracts.submission import StoredReport
 from grader.store.database import Database
+from grader.store.judgement_rows import judgements_of
 from grader.store.tables import GradingRow, SubmissionRow, TrajectoryRow
 
 
@@ -22,13 +23,13 @@ class PastGradings:
         """Return the grading that `attempt` made of a submission, or None."""
         with self._database.reading() as session:
             row = session.get(GradingRow, (submission_id, attempt))
-            return None if row is None else _stored(session, row)
+            return None if row is None else _stored(session, row, submission_id)
 
     def around(self, regrade_id: str, submission_id: str) -> tuple[StoredReport | None, StoredReport | None]:
         """Return a submission's grading before a re-grade and the one the re-grade made.
 
         While the re-grade is open the latter is its trial's; once applied, the one that was taken over; None
-        when there is none (not made yet, failed, or discarded).
+        when there is none (not made yet, failed, or discarded). Judgements by people are the submission's.
         """
         with self._database.reading() as session:
             applied = session.execute(
@@ -36,7 +37,8 @@ class PastGradings:
             ).scalar_one_or_none()
             if applied is not None:
                 earlier = _of(submission_id).where(col(GradingRow.attempt) < applied.attempt)
-                return _newest(session, earlier), _stored(session, applied)
+                before = _newest(session, earlier, submission_id)
+                return before, _stored(session, applied, submission_id)
             standing = (
                 _of(submission_id)
                 .join(SubmissionRow, col(SubmissionRow.id) == col(GradingRow.submission_id))
@@ -51,7 +53,8 @@ class PastGradings:
                     col(SubmissionRow.graded_attempt) == col(GradingRow.attempt),
                 )
             )
-            return _newest(session, standing), _newest(session, trial)
+            before = _newest(session, standing, submission_id)
+            return before, _newest(session, trial, submission_id)
 
     def measurements(self, stored: StoredReport) -> Measurements | None:
         """Return what was measured about a grading beside its report, or None."""
@@ -64,13 +67,13 @@ def _of(submission_id: str) -> Select[GradingRow]:
     return select(GradingRow).where(col(GradingRow.submission_id) == submission_id)
 
 
-def _newest(session: Session, statement: Select[GradingRow]) -> StoredReport | None:
+def _newest(session: Session, statement: Select[GradingRow], judged: str) -> StoredReport | None:
     newest = statement.order_by(col(GradingRow.attempt).desc()).limit(1)
     row = session.execute(newest).scalar_one_or_none()
-    return None if row is None else _stored(session, row)
+    return None if row is None else _stored(session, row, judged)
 
 
-def _stored(session: Session, row: GradingRow) -> StoredReport:
+def _stored(session: Session, row: GradingRow, judged: str) -> StoredReport:
     of_grading = (
         col(TrajectoryRow.submission_id) == row.submission_id,
         col(TrajectoryRow.attempt) == row.attempt,
@@ -88,4 +91,5 @@ def _stored(session: Session, row: GradingRow) -> StoredReport:
         sha256=row.report_sha256,
         cases={case: digest for case, digest in session.execute(cases)},  # noqa: C416
         assignment_sha256=row.assignment_sha256,
+        judgements=judgements_of(session, [judged]),
     )

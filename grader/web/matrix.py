@@ -13,7 +13,7 @@ from grader.contracts.submission import SubmissionState
 from grader.routes.dashboard_views import AssignmentStatistics, CellView, DashboardView, StudentView
 from grader.web.roster import named
 
-Show = Literal["all", "at_risk", "unfinished", "not_begun", "stuck", "waiting", "fault"]
+Show = Literal["all", "at_risk", "unfinished", "not_begun", "stuck", "waiting", "judge", "fault"]
 SHOWS: tuple[Show, ...] = get_args(Show)
 STUCK_ATTEMPTS = 3
 _PAGE_STUDENTS = 100
@@ -137,11 +137,16 @@ def _fits(student: StudentView, judged: Sequence[str], show: Show) -> bool:
     return any(_CONDITIONS[show](student.assignments.get(one)) for one in judged)
 
 
+def _stuck(cell: CellView) -> bool:
+    return not cell.passed and not cell.waits_for_person and cell.attempts >= STUCK_ATTEMPTS
+
+
 _CONDITIONS: Mapping[Show, Callable[[CellView | None], bool]] = {
     "unfinished": lambda cell: cell is None or not cell.passed,
     "not_begun": lambda cell: cell is None,
-    "stuck": lambda cell: cell is not None and not cell.passed and cell.attempts >= STUCK_ATTEMPTS,
+    "stuck": lambda cell: cell is not None and _stuck(cell),
     "waiting": lambda cell: cell is not None and cell.status in _WAITING,
+    "judge": lambda cell: cell is not None and cell.waits_for_person,
     "fault": lambda cell: cell is not None and cell.status is SubmissionState.INFRASTRUCTURE_ERROR,
 }
 

@@ -9,7 +9,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchSide
 from grader.contracts.outcome import LogRecord, RunOutcome, Stream, StudentError
 from grader.contracts.report import CaseRun, GradeReport
-from grader.contracts.rubric import RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
 from grader.messages.details import explained
 from grader.render import quantity
@@ -91,12 +91,13 @@ class FigurePart:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ResultPage:
-    """A whole grading."""
+    """A whole grading. `pending`: it has no score yet, because something waits for a person."""
 
     score: str
     max_score: str
     percent: int
     full: bool
+    pending: bool
     status: str
     normal: bool
     summary: str
@@ -113,6 +114,7 @@ def result_page(report: GradeReport, assignment: Assignment | None, language: La
         max_score=quantity.score(report.max_score),
         percent=round(100.0 * share),
         full=share >= 1.0,
+        pending=report.score is None,
         status=GRADE_STATUS[report.status].get(language),
         normal=report.status.value in ("graded", "needs_manual"),
         summary=report.summary.get(language),
@@ -129,7 +131,7 @@ def item_line(item: RubricItem, language: Language) -> ItemLine:
         status=item.status.value,
         mark=ITEM_MARK[item.status].replace("-", "–"),
         status_text=ITEM_STATUS[item.status].get(language),
-        earned=quantity.score(item.earned),
+        earned=quantity.NOTHING if item.status is ItemStatus.NEEDS_MANUAL else quantity.score(item.earned),
         points=quantity.score(item.points),
         measured=quantity.measured(item, language),
         wanted=quantity.wanted(item, language),
@@ -171,8 +173,8 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
         notes=_notes(outcome, language),
         logs=tuple(_log(record) for record in outcome.logs[:_LOG_RECORDS]),
         logs_dropped=outcome.logs_dropped + max(0, len(outcome.logs) - _LOG_RECORDS),
-        stdout=_stream(outcome.stdout),
-        stderr=_stream(outcome.stderr),
+        stdout=stream_text(outcome.stdout),
+        stderr=stream_text(outcome.stderr),
     )
 
 
@@ -197,6 +199,7 @@ def _log(record: LogRecord) -> LogLine:
     )
 
 
-def _stream(stream: Stream) -> StreamText:
+def stream_text(stream: Stream) -> StreamText:
+    """Return captured output as far as a page shows it."""
     left_out = max(0, len(stream.text) - _STREAM_CHARACTERS)
     return StreamText(text=stream.text[:_STREAM_CHARACTERS], dropped=stream.dropped_bytes + left_out)

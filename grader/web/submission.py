@@ -19,7 +19,7 @@ from grader.routes.submissions import SubmissionId
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
 from grader.web.pages import language_of, page
-from grader.web.result import figure_parts, result_page
+from grader.web.result import StreamText, figure_parts, result_page, stream_text
 from grader.web.sketches import figure_document, measured_figure, report_of, run_of
 from grader.web.words import say
 
@@ -138,6 +138,16 @@ def _only_talks(figure: FigureSketch | None) -> bool:
     return figure is not None and figure.view == "log"
 
 
+def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[StreamText, StreamText]]:
+    """Return by case what a script had printed that was ended while it was still printing.
+
+    How much it is depends on the moment, so that the report has none of it.
+    """
+    measured = services.past_gradings.measurements(stored)
+    cut = () if measured is None else measured.cut_output
+    return {one.case: (stream_text(one.stdout), stream_text(one.stderr)) for one in cut}
+
+
 def _result(
     request: Request,
     services: Services,
@@ -159,6 +169,7 @@ def _result(
     return {
         "result": result_page(report, assignment, language),
         "run": run,
+        "cut": _cut_output(services, stored),
         "parts": () if figure is None else figure_parts(figure, language, names),
         "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
         "replay_words": {word: say(f"replay.{word}", language) for word in _REPLAY_WORDS},

@@ -69,6 +69,9 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/rules/{assignment_id}": STAFF,
     "POST /class/rules/{assignment_id}": (303, 403, 403, 403, 303, 303),
     "POST /class/rules/{assignment_id}/extensions": (303, 403, 403, 403, 303, 422),
+    "GET /class/judgements": STAFF,
+    "GET /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody judges a motion
+    "POST /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),
     "GET /class/people": STAFF,
     "GET /class/audit": INSTRUCTORS,
 }
@@ -110,7 +113,14 @@ def test_pages_open_for_the_right_roles(client: httpx.Client, school: dict[str, 
     query = {"first": school["submission_id"], "second": school["submission_id"]}
     if path.endswith("gradings/compare"):
         query = {"first": "1", "second": "1"}
-    data = {FIELD: FORM_TOKEN, "student": "li", "assignment": "spin", "decision": "discard", "reason": "x"}
+    data = {
+        FIELD: FORM_TOKEN,
+        "student": "li",
+        "assignment": "spin",
+        "decision": "discard",
+        "reason": "x",
+        "points": "1",
+    }
     answered = []
     for role in ROLES:
         cookies = f"{COOKIE}={FORM_TOKEN}"

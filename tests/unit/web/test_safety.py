@@ -95,6 +95,9 @@ def pages(instructor: Browser, put: Callable[..., str]) -> list[str]:
     addresses = [
         first, waiting, "/class", f"/class?search={quote(HOSTILE)}&sort={quote(EVIL[:60])}", "/class/service",
         f"/class/students/{quote(HOSTILE, safe='')}", f"/class/compare?first={ids[0]}&second={ids[1]}",
+        f"/class/submissions/{ids[0]}/gradings", f"/class/gradebook?search={quote(HOSTILE)}",
+        f"/class/people?search={quote(HOSTILE)}", "/class/regrades", "/class/judgements", "/class/rules",
+        f"/class/regrades?students={quote(HOSTILE)}", "/class/rules/square?student=%3Cb%3E",
         f"/class/assignments/square?x={quote(HOSTILE)}", f"/enter?next={quote('/' + EVIL)}", f"/{quote(HOSTILE)}",
     ]  # fmt: skip
     return [

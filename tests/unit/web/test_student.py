@@ -1,11 +1,16 @@
 """The student's way without any script: look, hand in, wait, read the result."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 
 from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.outcome import Stream
+from grader.contracts.report import CaseOutput
 from grader.routes.services import Services
+from tests.fakes.grading import grade
 from tests.unit.web.conftest import Browser
 
 BROKEN = b"def broken(\n"
@@ -156,3 +161,19 @@ def test_programs_keep_getting_problem_documents(browser: Browser) -> None:
     assert browser.get("/api/v1/nothing").headers["content-type"] == "application/problem+json"
     answer = browser.client.get("/nothing", headers={"Accept": "application/json"})
     assert answer.headers["content-type"] == "application/problem+json"
+
+
+def test_what_a_script_printed_until_it_was_ended_is_shown(browser: Browser, put: Callable[..., str]) -> None:
+    def ended_while_printing(job: GradingJob) -> GradingResult:
+        result = grade(job)
+        printed = CaseOutput(
+            case="default", stdout=Stream(text="spam <b>", dropped_bytes=70_000), stderr=Stream()
+        )
+        return replace(result, measurements=replace(result.measurements, cut_output=(printed,)))
+
+    browser.enter(student="s1")
+    text = browser.get(put(grading=ended_while_printing) + "?lang=en").text
+    assert "ended while it was still printing" in text
+    assert "spam &lt;b&gt;" in text
+    assert "70000 more bytes" in text
+    assert "ended while it was still printing" not in browser.get(put()).text
