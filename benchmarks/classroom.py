@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Literal
 
 from grader.catalog import Catalog
-from grader.contracts.grading import GradingJob
+from grader.contracts.grading import GradingJob, GradingResult
 from grader.slot import Slot, SlotConfig
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -69,8 +69,13 @@ def roster(count: int) -> list[str]:
 
 def graded_scripts() -> list[Script]:
     """Return every script with what it earns: graded once, without service or database."""
+    return [replace(script, score=result.report.score or 0.0) for script, result in results()]
+
+
+def results() -> list[tuple[Script, GradingResult]]:
+    """Grade every script once."""
     with Slot(SlotConfig()) as slot:
-        return [replace(one, score=slot.grade(_job(one)).report.score or 0.0) for one in _scripts()]
+        return [(one, slot.grade(_job(one))) for one in _scripts()]
 
 
 def bare_rate(uploads: Sequence[Upload], count: int, processes: int) -> float:

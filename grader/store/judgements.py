@@ -14,7 +14,7 @@ from grader.contracts.judgement import Judgement
 from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.store.audit import Signature, record
-from grader.store.dashboard import in_class
+from grader.store.class_cells import in_class
 from grader.store.database import Database
 from grader.store.judgement_rows import judgements_of, report_of, settle
 from grader.store.tables import GradedItemRow, JudgementRow, SubmissionRow

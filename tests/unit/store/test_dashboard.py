@@ -1,10 +1,22 @@
+import random
+from contextlib import suppress
+
 import pytest
 
+from grader.contracts.errors import RegradeError
 from grader.contracts.grading import GradingJob
+from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.policy import AssignmentPolicy, Counts
+from grader.contracts.regrade import Wanted
 from grader.contracts.submission import NewSubmission, SubmissionState
+from grader.store import class_cells
+from grader.store.audit import Signature
+from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
+from grader.store.policies import Policies
 from grader.store.queue import Queue
+from grader.store.regrades import Regrades
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
@@ -17,13 +29,19 @@ class Class:
         self.submissions = submissions
         self.clock = clock
 
-    def submits(self, student: str, source: bytes, assignment_id: str = "square") -> str:
+    def submits(
+        self, student: str, source: bytes, assignment_id: str = "square", course: str | None = None
+    ) -> str:
         self.clock.advance(1)
-        new = NewSubmission(student=student, assignment=assignment_id, file_name="f.py", source=source)
+        new = NewSubmission(
+            course=course, student=student, assignment=assignment_id, file_name="f.py", source=source
+        )
         return self.submissions.add(new).id
 
-    def graded(self, student: str, source: bytes, assignment_id: str = "square") -> str:
-        id_ = self.submits(student, source, assignment_id)
+    def graded(
+        self, student: str, source: bytes, assignment_id: str = "square", course: str | None = None
+    ) -> str:
+        id_ = self.submits(student, source, assignment_id, course)
         claim = self.queue.claim("w")
         assert claim is not None
         assert claim.submission_id == id_
@@ -94,3 +112,62 @@ def test_mistakes_count_students(school: Class) -> None:
     school.graded("bob", b"good good")
     mistakes = [(m.code, m.students) for m in school.dashboard.state().mistakes]
     assert mistakes == [("never_stops", 1), ("turns_too_short", 1)]
+
+
+def test_counting_only_what_changed_counts_the_same(school: Class, database: Database) -> None:
+    """A dashboard that looks after every step says what one says that has never looked before."""
+    chance = random.Random(1)
+    regrades = Regrades(database)
+    signed = Signature(school.clock(), None, "test")
+
+    def grade_one() -> None:
+        claim = school.queue.claim("w")
+        if claim is not None and chance.random() < 0.2:
+            school.queue.fail(claim, "no")
+        elif claim is not None:
+            job = GradingJob(file_name="f.py", source=claim.source, assignment=assignment(claim.assignment))
+            school.queue.finish(claim, grade(job))
+
+    def hand_in() -> None:
+        source = chance.choice([b"x", b"good", b"good good", b"raise good"])
+        school.submits(chance.choice(["ann", "bob", "cyd"]), source, chance.choice(["square", "straight"]))
+
+    def grade_again() -> None:
+        with suppress(RegradeError):
+            opened = regrades.open(Wanted(assignment="square", which="latest"), signed)
+            for _ in range(20):
+                school.clock.advance(60)
+                grade_one()
+            regrades.apply(opened.id, signed, "trial")
+
+    seen = set()
+    for _ in range(60):
+        school.clock.advance(60)
+        chance.choice([hand_in, hand_in, grade_one, grade_one, school.queue.reconcile, grade_again])()
+        state = school.dashboard.state()
+        assert state == Dashboard(database).state()
+        seen.add(state.mark)
+    assert len(seen) > 30
+
+
+def test_changed_rules_count_at_once_and_only_where_they_hold(
+    school: Class, database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    courses = Courses(database, school.clock)
+    courses.create("ros", "ROS", "UTC", "test")
+    people = [RosterEntry(id=one, name=one, role=Role.STUDENT) for one in ("ann", "bob")]
+    courses.import_roster("ros", people, "test")
+    for student in ("ann", "bob"):
+        for assignment_id in ("square", "straight"):
+            school.graded(student, b"good good", assignment_id, course="ros")
+            school.graded(student, b"x", assignment_id, course="ros")
+    before = school.dashboard.state("ros").progress
+    read: list[object] = []
+    original = class_cells._among
+    monkeypatch.setattr(class_cells, "_among", lambda places: read.append(places) or original(places))
+    last = AssignmentPolicy(counts=Counts.LAST)
+    Policies(database).set("square", last, Signature(school.clock(), "ros", "test"))
+    after = school.dashboard.state("ros").progress
+    assert [one.counted_score for one in before] == [10.0] * 4
+    assert [one.counted_score for one in after] == [0.0, 10.0, 0.0, 10.0]
+    assert read == [{("ann", "square"), ("bob", "square")}]
