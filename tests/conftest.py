@@ -1,5 +1,6 @@
-"""Settings of all tests."""
+"""Settings of all tests, and the databases that tests of the store run on."""
 
+import os
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -8,9 +9,25 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from grader.store.database import Database
+from grader.store.schema import migrate
+from tests.fakes import postgres
+
 # The same examples every time, and no deadline: a loaded machine must not fail a test.
 settings.register_profile("project", deadline=None, derandomize=True)
 settings.load_profile("project")
+
+_ALIVE = pytest.StashKey[int]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    if not hasattr(config, "workerinput"):
+        config.stash[_ALIVE] = postgres.begin_run()
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    if _ALIVE in config.stash:
+        postgres.end_run(config.stash[_ALIVE])
 
 
 @pytest.fixture
@@ -20,3 +37,52 @@ def open_path() -> Iterator[Path]:
     path.chmod(0o755)
     yield path
     shutil.rmtree(path)
+
+
+@pytest.fixture(scope="session")
+def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A migrated SQLite database to copy: migrating anew for each test would take most of the time."""
+    path = tmp_path_factory.mktemp("migrated") / "grader.db"
+    database = Database(f"sqlite:///{path}")
+    migrate(database)
+    database.close()
+    return path
+
+
+@pytest.fixture(scope="session")
+def postgres_server() -> postgres.PostgresServer:
+    """The PostgreSQL server of this run. Started by the first test that wants it."""
+    try:
+        return postgres.PostgresServer()
+    except Exception as error:
+        if os.environ.get("GRADER_REQUIRE_POSTGRES"):
+            raise
+        pytest.skip(f"no PostgreSQL server can be started here: {error}")
+
+
+@pytest.fixture
+def postgres_url(postgres_server: postgres.PostgresServer) -> str:
+    """The address of a PostgreSQL database, migrated and empty."""
+    return postgres_server.washed()
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def database_url(request: pytest.FixtureRequest, tmp_path: Path, migrated_file: Path) -> str:
+    """The address of a database, migrated and empty; each test runs on both kinds."""
+    if request.param == "postgresql":
+        url: str = request.getfixturevalue("postgres_url")
+        return url
+    shutil.copy(migrated_file, tmp_path / "grader.db")
+    return f"sqlite:///{tmp_path / 'grader.db'}"
+
+
+@pytest.fixture(params=["sqlite", "postgresql"])
+def blank_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    """The address of a database without tables, of both kinds."""
+    if request.param == "sqlite":
+        yield f"sqlite:///{tmp_path / 'grader.db'}"
+        return
+    server: postgres.PostgresServer = request.getfixturevalue("postgres_server")
+    name = f"blank_{os.getpid()}"
+    yield server.create(name, empty=True)
+    server.drop(name)

@@ -50,6 +50,8 @@ class Database:
             else {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
         )
         self.announcer = _announcer(self._engine)
+        self._closed = False
+        event.listen(self._engine, "checkin", self._close_late)
 
     @property
     def engine(self) -> Engine:
@@ -85,8 +87,13 @@ class Database:
             yield session
 
     def close(self) -> None:
-        """Close every connection."""
+        """Close every connection; those in use by other threads as soon as their transactions end."""
+        self._closed = True
         self._engine.dispose()
+
+    def _close_late(self, connection: Any, _record: Any) -> None:
+        if self._closed and connection is not None:
+            connection.close()
 
     @contextmanager
     def _transaction(self, engine: Engine) -> Iterator[Session]:
@@ -131,9 +138,8 @@ def _engine(url: URL) -> Engine:
 def _announcer(engine: Engine) -> Announcer:
     if engine.dialect.name == "sqlite":
         return Unannounced()
-    from grader.store.permits.announcer import (
-        PermitAnnouncer,
-    )  # the embedded default does without Procrastinate
+    # the embedded default does without Procrastinate
+    from grader.store.permits.announcer import PermitAnnouncer
 
     return PermitAnnouncer()
 

@@ -83,9 +83,12 @@ def _counts(
 
 
 def _changes(session: Session, courses: Collection[str | None]) -> dict[str | None, int]:
-    """Return each course's latest change of people, rules or grades."""
+    """Count each course's changes of people, rules and grades.
+
+    Not the newest's number: on PostgreSQL an older one may be committed later.
+    """
     course = col(AuditRow.course)
-    statement = select(course, func.max(col(AuditRow.id))).where(_among(course, courses)).group_by(course)
+    statement = select(course, func.count()).where(_among(course, courses)).group_by(course)
     return {one[0]: one[1] for one in session.execute(statement)}
 
 
@@ -94,8 +97,8 @@ def _among(column: Any, courses: Collection[str | None]) -> Any:
     return or_(column.in_(named), column.is_(None)) if None in courses else column.in_(named)
 
 
-def _class(states: dict[str, tuple[Any, ...]], latest_change: int | None) -> ClassStanding:
-    told = repr((sorted(states.items()), latest_change))
+def _class(states: dict[str, tuple[Any, ...]], changes: int | None) -> ClassStanding:
+    told = repr((sorted(states.items()), changes))
 
     def count(state: SubmissionState) -> int:
         return int(states[state.value][0]) if state.value in states else 0

@@ -41,13 +41,9 @@ def wait_until(condition: Callable[[], bool]) -> None:
 
 
 @contextmanager
-def opened(folder: Path, slots: int = 2) -> Iterator[tuple[Services, httpx.Client]]:
+def opened(url: str, slots: int = 2) -> Iterator[tuple[Services, httpx.Client]]:
     """Run everything but physics: store, workers in threads, HTTP."""
-    settings = Settings(database_url=f"sqlite:///{folder / 'grader.db'}")
-    database = Database(settings.database_url)
-    migrate(database)
-    database.close()
-    services = server.services(settings, utc_now)
+    services = server.services(Settings(database_url=url), utc_now)
     parts = WorkerParts(
         queue=services.queue,
         workers=services.workers,
@@ -83,15 +79,15 @@ def scores(client: httpx.Client) -> dict[str, float]:
     return {one["student"]: one["assignments"]["square"]["best_score"] for one in document["students"]}
 
 
-def test_a_class_is_graded_and_remembered(tmp_path: Path) -> None:
-    with opened(tmp_path) as (_, client):
+def test_a_class_is_graded_and_remembered(database_url: str) -> None:
+    with opened(database_url) as (_, client):
         urls = {student: upload(client, student, source) for student, source in SCRIPTS.items()}
         wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls.values()))
         assert client.get("/healthz").json()["status"] == "ok"
         before = scores(client)
         reports = {student: client.get(url + "/report").content for student, url in urls.items()}
     assert before == {student: 5.0 * source.count(b"good") for student, source in SCRIPTS.items()}
-    with opened(tmp_path, slots=0) as (_, client):
+    with opened(database_url, slots=0) as (_, client):
         assert scores(client) == before
         assert client.get("/healthz").status_code == 503
         for student, url in urls.items():
@@ -100,10 +96,10 @@ def test_a_class_is_graded_and_remembered(tmp_path: Path) -> None:
             assert client.get(url + "/trajectory").json()["end_ns"] == 2_000_000_000
 
 
-def test_what_waits_at_a_restart_is_graded_after_it(tmp_path: Path) -> None:
-    with opened(tmp_path, slots=0) as (_, client):
+def test_what_waits_at_a_restart_is_graded_after_it(database_url: str) -> None:
+    with opened(database_url, slots=0) as (_, client):
         urls = [upload(client, student, source) for student, source in SCRIPTS.items()]
-    with opened(tmp_path) as (_, client):
+    with opened(database_url) as (_, client):
         wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls))
 
 

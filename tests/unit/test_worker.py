@@ -1,7 +1,6 @@
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -12,7 +11,6 @@ from grader.contracts.submission import NewSubmission, Submission, SubmissionSta
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
 from grader.store.queue import Queue, RetryPolicy
-from grader.store.schema import migrate
 from grader.store.submissions import Submissions
 from grader.store.workers import Workers
 from grader.worker import GradingSlot, Sandbox, Worker, WorkerConfig, WorkerParts
@@ -26,10 +24,9 @@ PATIENCE_S = 30.0  # only ever waited for in full when a test fails
 class Bench:
     """A store, one fake grader and what a worker needs besides."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, url: str) -> None:
         self.clock = FakeClock()
-        self.database = Database(f"sqlite:///{folder / 'grader.db'}")
-        migrate(self.database)
+        self.database = Database(url)
         self.queue = Queue(self.database, self.clock, RetryPolicy(lease_s=15, max_tries=3, backoff_s=0))
         self.submissions = Submissions(self.database, self.clock)
         self.workers = Workers(self.database, self.clock)
@@ -70,8 +67,8 @@ class Bench:
 
 
 @pytest.fixture
-def bench(tmp_path: Path) -> Iterator[Bench]:
-    made = Bench(tmp_path)
+def bench(database_url: str) -> Iterator[Bench]:
+    made = Bench(database_url)
     yield made
     made.database.close()
 

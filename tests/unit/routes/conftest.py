@@ -1,8 +1,6 @@
-import shutil
 from collections.abc import Callable, Iterator
 from datetime import timedelta
 from itertools import count
-from pathlib import Path
 
 import httpx
 import pytest
@@ -12,8 +10,6 @@ from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.routes.services import Services
 from grader.settings import Settings
-from grader.store.database import Database
-from grader.store.schema import migrate
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import grade
@@ -30,28 +26,14 @@ def plotter() -> FakePlotter:
     return FakePlotter()
 
 
-@pytest.fixture(scope="session")
-def empty_database(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A migrated database to copy: migrating anew for each test would take most of the time."""
-    path = tmp_path_factory.mktemp("empty") / "grader.db"
-    database = Database(f"sqlite:///{path}")
-    migrate(database)
-    database.close()
-    return path
-
-
-def _services(folder: Path, empty: Path, clock: FakeClock, plotter: FakePlotter) -> Services:
-    path = folder / "grader.db"
-    shutil.copy(empty, path)
-    settings = Settings(database_url=f"sqlite:///{path}", max_upload_bytes=2048, max_open_submissions=3)
+def _services(url: str, clock: FakeClock, plotter: FakePlotter) -> Services:
+    settings = Settings(database_url=url, max_upload_bytes=2048, max_open_submissions=3)
     return server.services(settings, clock, plotter)
 
 
 @pytest.fixture
-def services(
-    tmp_path: Path, empty_database: Path, clock: FakeClock, plotter: FakePlotter
-) -> Iterator[Services]:
-    made = _services(tmp_path, empty_database, clock, plotter)
+def services(database_url: str, clock: FakeClock, plotter: FakePlotter) -> Iterator[Services]:
+    made = _services(database_url, clock, plotter)
     yield made
     made.plots.close()
     made.submissions._database.close()
@@ -59,10 +41,11 @@ def services(
 
 @pytest.fixture(scope="session")
 def running(
-    tmp_path_factory: pytest.TempPathFactory, empty_database: Path
+    tmp_path_factory: pytest.TempPathFactory,
 ) -> Iterator[tuple[FastAPI, httpx.Client]]:
     """One server for all tests; each test puts its own services in."""
-    made = _services(tmp_path_factory.mktemp("server"), empty_database, FakeClock(), FakePlotter())
+    url = f"sqlite:///{tmp_path_factory.mktemp('server') / 'grader.db'}"
+    made = _services(url, FakeClock(), FakePlotter())
     app = server.application(made)
     with server.serving(app) as client:
         client.get("/healthz")

@@ -1,3 +1,4 @@
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -5,7 +6,6 @@ import pytest
 
 from grader.store.database import Database
 from grader.store.queue import Queue, RetryPolicy
-from grader.store.schema import migrate
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 
@@ -18,9 +18,23 @@ def clock() -> FakeClock:
 
 
 @pytest.fixture
-def database(tmp_path: Path) -> Iterator[Database]:
+def database(database_url: str) -> Iterator[Database]:
+    opened = Database(database_url)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def sqlite_database(tmp_path: Path, migrated_file: Path) -> Iterator[Database]:
+    shutil.copy(migrated_file, tmp_path / "grader.db")
     opened = Database(f"sqlite:///{tmp_path / 'grader.db'}")
-    migrate(opened)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def postgres_database(postgres_url: str) -> Iterator[Database]:
+    opened = Database(postgres_url)
     yield opened
     opened.close()
 

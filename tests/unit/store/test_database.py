@@ -1,14 +1,21 @@
 import sqlite3
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
+from traceback import format_exception
 
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from sqlmodel import SQLModel
+from sqlalchemy import inspect
+from sqlmodel import Session, SQLModel
 
 from grader.contracts.errors import InfrastructureError, SettingsError
+from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
+from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.intake import new_id
 from grader.store.queue import Queue, RetryPolicy
@@ -16,6 +23,7 @@ from grader.store.schema import migrate
 from grader.store.submissions import Submissions
 from grader.store.workers import Workers, presence
 from tests.fakes.clock import START, FakeClock
+from tests.fakes.postgres import PostgresServer
 
 
 def pragma(database: Database, name: str) -> object:
@@ -23,17 +31,37 @@ def pragma(database: Database, name: str) -> object:
         return session.connection().exec_driver_sql(f"PRAGMA {name}").scalar_one()
 
 
-def test_sqlite_is_set_up_to_lose_nothing(database: Database) -> None:
-    assert pragma(database, "journal_mode") == "wal"
-    assert pragma(database, "synchronous") == 2
-    assert pragma(database, "foreign_keys") == 1
-    assert pragma(database, "busy_timeout") == 30_000
+def test_sqlite_is_set_up_to_lose_nothing(sqlite_database: Database) -> None:
+    assert pragma(sqlite_database, "journal_mode") == "wal"
+    assert pragma(sqlite_database, "synchronous") == 2
+    assert pragma(sqlite_database, "foreign_keys") == 1
+    assert pragma(sqlite_database, "busy_timeout") == 30_000
+
+
+def shown(session: Session, name: str) -> object:
+    return session.connection().exec_driver_sql(f"SHOW {name}").scalar_one()
+
+
+def test_postgresql_is_set_up_as_the_store_assumes(postgres_database: Database) -> None:
+    with postgres_database.writing() as session:
+        assert shown(session, "transaction_isolation") == "read committed"
+        assert shown(session, "lock_timeout") == "30s"
+        assert shown(session, "idle_in_transaction_session_timeout") == "15s"
+    with postgres_database.reading() as session:
+        assert shown(session, "transaction_isolation") == "repeatable read"
+        assert shown(session, "transaction_read_only") == "on"
+    with postgres_database.writing() as session:
+        assert shown(session, "transaction_read_only") == "off"
 
 
 def test_migrations_make_the_tables_the_code_expects(database: Database) -> None:
+    options = {"include_name": lambda name, kind, _: kind != "table" or name in SQLModel.metadata.tables}
     with database.engine.begin() as connection:
-        difference = compare_metadata(MigrationContext.configure(connection), SQLModel.metadata)
+        context = MigrationContext.configure(connection, opts=options)
+        difference = compare_metadata(context, SQLModel.metadata)
+        surplus = set(inspect(connection).get_table_names()) - set(SQLModel.metadata.tables)
     assert difference == []
+    assert {name for name in surplus if not name.startswith("procrastinate_")} == {"alembic_version"}
 
 
 def test_migrating_twice_changes_nothing(database: Database) -> None:
@@ -47,8 +75,8 @@ def test_a_database_of_a_newer_grader_is_refused(database: Database) -> None:
         migrate(database)
 
 
-def test_everything_survives_a_restart(tmp_path: Path) -> None:
-    url, clock = f"sqlite:///{tmp_path / 'grader.db'}", FakeClock()
+def test_everything_survives_a_restart(blank_url: str) -> None:
+    url, clock = blank_url, FakeClock()
     first = Database(url)
     migrate(first)
     added = Submissions(first, clock).add(
@@ -66,17 +94,93 @@ def test_everything_survives_a_restart(tmp_path: Path) -> None:
 
 def test_a_rolled_back_transaction_leaves_nothing(database: Database, submissions: Submissions) -> None:
     with pytest.raises(ZeroDivisionError), database.writing() as session:  # noqa: PT012
-        session.connection().exec_driver_sql("INSERT INTO source VALUES ('abc', x'00')")
+        session.connection().exec_driver_sql("INSERT INTO source VALUES ('abc', '')")
         raise ZeroDivisionError
     with database.reading() as session:
         assert session.connection().exec_driver_sql("SELECT count(*) FROM source").scalar_one() == 0
 
 
-def test_an_unreachable_database_is_an_infrastructure_fault(tmp_path: Path) -> None:
-    unreachable = Database(f"sqlite:///{tmp_path / 'no' / 'such' / 'folder' / 'grader.db'}")
-    with pytest.raises(InfrastructureError, match="database"), unreachable.reading() as session:
+@pytest.mark.parametrize(
+    "url",
+    [
+        "sqlite:////no/such/folder/grader.db",
+        "postgresql+psycopg://grader:3q9fKx72@/grader?host=/no/such/folder",
+        "postgresql+psycopg://grader:3q9fKx72@127.0.0.1:1/grader",
+    ],
+)
+def test_an_unreachable_database_is_an_infrastructure_fault(url: str) -> None:
+    unreachable = Database(url)
+    with pytest.raises(InfrastructureError, match="database") as caught, unreachable.reading() as session:
         session.connection().exec_driver_sql("SELECT 1")
+    assert "3q9fKx72" not in f"{caught.value!r} {unreachable.name} {''.join(format_exception(caught.value))}"
     unreachable.close()
+
+
+def test_a_server_that_restarted_fails_no_request(
+    postgres_database: Database, postgres_server: PostgresServer
+) -> None:
+    submissions = Submissions(postgres_database, FakeClock())
+    with postgres_database.reading(), postgres_database.reading():
+        pass  # two connections wait in the pool
+    postgres_server.disconnect()
+    assert submissions.get("none") is None
+    assert submissions.get("none") is None
+
+
+def test_a_connection_that_breaks_amid_a_transaction_is_an_infrastructure_fault(
+    postgres_database: Database, postgres_server: PostgresServer
+) -> None:
+    with pytest.raises(InfrastructureError), postgres_database.writing() as session:  # noqa: PT012
+        session.connection().exec_driver_sql("SELECT 1")
+        postgres_server.disconnect()
+        session.connection().exec_driver_sql("SELECT 1")
+    assert Submissions(postgres_database, FakeClock()).get("none") is None
+
+
+def test_without_its_driver_postgresql_is_refused_readably(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "psycopg", None)
+    with pytest.raises(SettingsError, match=r"pip install 'grader\[postgres\]'"):
+        Database("postgresql+psycopg://localhost/grader")
+
+
+def test_text_sorts_by_code_point_whatever_the_servers_language(database: Database) -> None:
+    courses = Courses(database, FakeClock())
+    courses.create("ros", "ROS", "UTC", "me")
+    ids = ["Z", "a", "B", "a_1", "a-1", "a1", "a@1"]
+    courses.import_roster("ros", [RosterEntry(id=one, name="x", role=Role.STUDENT) for one in ids], "me")
+    assert [one.id for one in courses.members("ros")] == sorted(ids)
+
+
+def test_no_text_is_left_to_the_servers_language(postgres_database: Database) -> None:
+    collations = (
+        "SELECT collname, count(*) FROM pg_attribute JOIN pg_class c ON c.oid = attrelid "
+        "JOIN pg_collation l ON l.oid = attcollation WHERE relkind = 'r' AND attnum > 0 "
+        "AND relnamespace = 'public'::regnamespace AND relname <> 'alembic_version' "
+        r"AND relname NOT LIKE 'procrastinate\_%%' GROUP BY collname"
+    )
+    with postgres_database.reading() as session:
+        found = dict(session.connection().exec_driver_sql(collations).all())
+    assert set(found) == {"C"}
+    assert found["C"] > 50
+
+
+def test_processes_that_start_at_once_migrate_one_after_the_other(blank_url: str) -> None:
+    start = threading.Barrier(3)
+
+    def open_and_migrate(_: int) -> str:
+        database = Database(blank_url)
+        start.wait()
+        migrate(database)
+        with database.reading() as session:
+            version = (
+                session.connection().exec_driver_sql("SELECT version_num FROM alembic_version").scalar_one()
+            )
+        database.close()
+        return version
+
+    with ThreadPoolExecutor(3) as pool:
+        versions = set(pool.map(open_and_migrate, range(3)))
+    assert len(versions) == 1
 
 
 def test_equal_bytes_are_kept_once(database: Database, submissions: Submissions) -> None:
@@ -88,7 +192,7 @@ def test_equal_bytes_are_kept_once(database: Database, submissions: Submissions)
 
 def test_readers_do_not_wait_for_a_writer(database: Database, submissions: Submissions) -> None:
     with database.writing() as session:
-        session.connection().exec_driver_sql("INSERT INTO source VALUES ('abc', x'00')")
+        session.connection().exec_driver_sql("INSERT INTO source VALUES ('abc', '')")
         assert submissions.get("none") is None
 
 
@@ -155,7 +259,7 @@ def test_a_running_row_without_a_lease_cannot_exist(database: Database, submissi
         session.connection().exec_driver_sql("UPDATE submission SET state = 'running'")
 
 
-def test_sqlite_itself_agrees_with_the_file(database: Database, tmp_path: Path) -> None:
+def test_sqlite_itself_agrees_with_the_file(sqlite_database: Database, tmp_path: Path) -> None:
     connection = sqlite3.connect(tmp_path / "grader.db")
     assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
     connection.close()
