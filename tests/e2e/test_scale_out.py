@@ -1,0 +1,101 @@
+"""One API process and two workers on PostgreSQL, as an operator starts them; one is killed while it grades."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+from sqlalchemy import text
+
+from grader.store.database import Database
+
+ROOT = Path(__file__).resolve().parents[2]
+PATIENCE_S = 120.0  # only ever waited for in full when a test fails
+QUICK = {"GRADER_LEASE_S": "3", "GRADER_HEARTBEAT_S": "0.5", "GRADER_INSTRUCTOR_TOKEN": "3q9fKx72LmVb0pTzQQ"}
+_SLOW = b"sum(range(50_000_000))\n"  # long enough to be killed in
+
+
+def wait_until(condition: Callable[[], object]) -> None:
+    pause = threading.Event()
+    for _ in range(int(PATIENCE_S / 0.02)):
+        if condition():
+            return
+        pause.wait(0.02)
+    raise AssertionError("it never happened")
+
+
+@contextmanager
+def process(log_file: Path, url: str, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+    with log_file.open("ab") as log:
+        started = subprocess.Popen(
+            [sys.executable, "-m", "grader", *arguments],
+            cwd=ROOT,
+            env={**os.environ, **QUICK, "GRADER_DATABASE_URL": url},
+            stderr=log,
+        )
+    try:
+        yield started
+    finally:
+        started.send_signal(signal.SIGTERM)
+        assert started.wait() in (0, -signal.SIGKILL)
+
+
+@contextmanager
+def serving(folder: Path, url: str) -> Iterator[httpx.Client]:
+    log = folder / "serve.log"
+    log.touch()
+    with process(log, url, "serve", "--port", "0", "--slots", "0"):
+        wait_until(lambda: re.search(r"http://127\.0\.0\.1:\d+", log.read_text()))
+        address = re.search(r"http://127\.0\.0\.1:\d+", log.read_text())
+        assert address is not None
+        with httpx.Client(base_url=address.group(), timeout=PATIENCE_S, trust_env=False) as client:
+            yield client
+
+
+def upload(client: httpx.Client, student: str, source: bytes) -> str:
+    answer = client.post(
+        "/api/v1/submissions",
+        files={"file": ("hello_node.py", source)},
+        data={"assignment": "hello", "student": student},
+    )
+    assert answer.status_code == 202, answer.text
+    return str(answer.headers["Location"])
+
+
+def grading_pid(database: Database) -> int | None:
+    with database.reading() as session:
+        worker = session.execute(text("SELECT worker FROM submission WHERE state = 'running'")).scalar()
+    return int(worker.split(":")[1]) if worker else None
+
+
+def test_a_worker_killed_while_it_grades_costs_nobody_a_grading(postgres_url: str, tmp_path: Path) -> None:
+    hello = (ROOT / "lesson" / "hello_node.py").read_bytes()
+    database = Database(postgres_url)
+    with serving(tmp_path, postgres_url) as client:
+        urls = [upload(client, "first", _SLOW + hello)]
+        logs = [tmp_path / "one.log", tmp_path / "other.log"]
+        worker = (postgres_url, "worker", "--slots", "1")
+        with process(logs[0], *worker) as one, process(logs[1], *worker) as other:
+            wait_until(lambda: grading_pid(database))
+            pid = grading_pid(database)
+            victim, survivors_log = (one, logs[1]) if one.pid == pid else (other, logs[0])
+            victim.send_signal(signal.SIGKILL)
+            urls += [upload(client, f"s{number}", hello) for number in range(3)]
+            wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls))
+        documents = [client.get(url).json() for url in urls]
+        assert {document["score"] for document in documents} == {documents[0]["max_score"]}
+    with database.reading() as session:
+        gradings = session.execute(text("SELECT count(*), count(DISTINCT submission_id) FROM grading")).one()
+        attempts = (
+            session.execute(text("SELECT attempt FROM submission ORDER BY received_at")).scalars().all()
+        )
+    database.close()
+    assert tuple(gradings) == (len(urls), len(urls))
+    assert attempts == [2, 1, 1, 1]
+    assert "Traceback" not in survivors_log.read_text()
