@@ -237,7 +237,9 @@ def _receive(control: _socket.socket) -> tuple[Json, list[int]]:
             descriptors.frombytes(payload)
     data += _receive_exactly(control, _LENGTH_BYTES - len(data))
     body = _receive_exactly(control, int.from_bytes(data, "little"))
-    return json.loads(body), list(descriptors)
+    # Not list(descriptors): Python keeps such lists for later, one more after each request, and what a child
+    # creates would lie at other addresses than in the child before.
+    return json.loads(body), descriptors.tolist()
 
 
 def _receive_exactly(control: _socket.socket, size: int) -> bytes:
