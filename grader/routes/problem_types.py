@@ -25,8 +25,9 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
         status=400,
         title=Text(zh="请求内容无法解析", en="The request body cannot be read"),
         fix=Text(
-            zh="用 multipart/form-data 上传字段 file、assignment 和 student。",
-            en="Upload the fields file, assignment and student as multipart/form-data.",
+            zh="上传文件用 multipart/form-data 和字段 file、assignment、student；其他请求用 UTF-8 编码的 JSON。",
+            en="Upload the fields file, assignment and student as multipart/form-data; anything else is JSON in "
+            "UTF-8.",
         ),
     ),
     "unauthorized": ProblemType(

@@ -128,7 +128,9 @@ class History(BaseModel):
     "",
     status_code=202,
     summary="Grade again, on trial",
-    responses=responses(*_KNOWN, "assignment_not_found", "nothing_to_regrade", "regrade_open"),
+    responses=responses(
+        *_KNOWN, "malformed_body", "assignment_not_found", "nothing_to_regrade", "regrade_open"
+    ),
 )
 def start(
     services: ServicesDep, caller: InstructorDep, response: Response, order: RegradeOrder
@@ -167,7 +169,7 @@ def read(services: ServicesDep, caller: StaffDep, regrade_id: RegradeId) -> Regr
 @router.post(
     "/{regrade_id}/apply",
     summary="Make it count",
-    responses=responses(*_KNOWN, "regrade_not_found", "regrade_running", "regrade_decided"),
+    responses=responses(*_KNOWN, "malformed_body", "regrade_not_found", "regrade_running", "regrade_decided"),
 )
 def apply(
     services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
@@ -182,7 +184,7 @@ def apply(
 @router.post(
     "/{regrade_id}/discard",
     summary="Forget it",
-    responses=responses(*_KNOWN, "regrade_not_found", "regrade_decided"),
+    responses=responses(*_KNOWN, "malformed_body", "regrade_not_found", "regrade_decided"),
 )
 def discard(
     services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision

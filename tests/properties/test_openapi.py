@@ -1,0 +1,177 @@
+"""The service keeps to its OpenAPI document, whoever asks and whatever is sent.
+
+Requests are drawn from the document by schemathesis, valid and invalid ones, a few for each operation and always
+the same. ``GRADER_OPENAPI_EXAMPLES`` asks for more of them.
+"""
+
+import os
+from collections.abc import Iterator
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from datetime import timedelta
+from itertools import count
+
+import pytest
+import schemathesis
+from fastapi import FastAPI
+from hypothesis import HealthCheck, Phase, given, settings
+from schemathesis import Case, GenerationMode
+from schemathesis.checks import not_a_server_error
+from schemathesis.python.asgi import get_client
+from schemathesis.specs.openapi import checks
+
+from grader.api import create_app
+from grader.contracts.grading import GradingJob
+from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.submission import NewSubmission, WorkerState
+from grader.routes.services import Services
+from grader.settings import Settings
+from tests.fakes import server
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import grade
+
+EXAMPLES = int(os.environ.get("GRADER_OPENAPI_EXAMPLES", "2"))
+ROLES = ("anybody", "operator", "student", "instructor")
+DOCUMENT = create_app(nullcontext).openapi()
+OPERATIONS = [(path, method) for path, methods in DOCUMENT["paths"].items() for method in methods]
+CHECKS = [
+    not_a_server_error,
+    checks.status_code_conformance,
+    checks.content_type_conformance,
+    checks.response_headers_conformance,
+    checks.response_schema_conformance,
+]
+MOST = 10**6
+drawn = settings(
+    max_examples=EXAMPLES,
+    deadline=None,
+    derandomize=True,
+    database=None,
+    phases=[Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A service in which there is something to find, and how somebody asks it."""
+
+    schema: schemathesis.BaseSchema
+    headers: dict[str, str]
+    known: dict[str, list[str]]
+    numbers: Iterator[int]
+
+    def call(self, case: Case) -> None:
+        """Send a request, two of three about something that exists, and compare the answer with the document."""
+        number = next(self.numbers)
+        if number % 3:
+            for name in case.path_parameters or {}:
+                case.path_parameters[name] = self.known[name][number % len(self.known[name])]
+            if isinstance(case.body, dict) and "assignment" in case.body:
+                case.body["assignment"] = "square"
+        case.call_and_validate(headers=self.headers, checks=CHECKS)
+
+
+@pytest.fixture(scope="module", params=ROLES)
+def asked(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Asked]:
+    services = _services(str(tmp_path_factory.mktemp(request.param) / "grader.db"))
+    app = server.application(services)
+    app.state.services, app.state.default_language = services, "zh"
+    headers = _headers(services, request.param)
+    course = None if request.param in ("anybody", "operator") else "ros"
+    schema = schemathesis.openapi.from_dict(DOCUMENT)
+    schema.app = app
+    yield Asked(schema, headers, _known(app, services, course, headers), count())
+    services.watching.close()
+    services.plots.close()
+    services.submissions._database.close()
+
+
+@pytest.mark.parametrize(("path", "method"), OPERATIONS)
+def test_answers_are_those_of_the_document(asked: Asked, path: str, method: str) -> None:
+    operation = asked.schema[path][method]
+
+    def tried(mode: GenerationMode) -> None:
+        @drawn
+        @given(case=operation.as_strategy(generation_mode=mode))
+        def all_of_them(case: Case) -> None:
+            asked.call(case)
+
+        all_of_them()
+
+    tried(GenerationMode.POSITIVE)
+    if _takes_anything(path, method):
+        tried(GenerationMode.NEGATIVE)
+
+
+def _takes_anything(path: str, method: str) -> bool:
+    return "{" in path or bool(
+        DOCUMENT["paths"][path][method].keys() & {"parameters", "requestBody", "security"}
+    )
+
+
+def _services(path: str) -> Services:
+    often = {"requests_per_minute": MOST, "uploads_per_minute": MOST, "max_open_submissions": MOST}
+    services = server.services(Settings(database_url=f"sqlite:///{path}", **often), FakeClock())
+    services.watching.limits = replace(services.watching.limits, life_s=0.01, most_each=MOST)
+    now = services.clock()
+    services.workers.report(
+        WorkerState(
+            id="w",
+            slots=1,
+            busy=0,
+            sandbox_ready=True,
+            isolation="strict",
+            detail="",
+            started_at=now,
+            seen_at=now,
+        )
+    )
+    return services
+
+
+def _headers(services: Services, role: str) -> dict[str, str]:
+    if role == "anybody":
+        return {}
+    if role == "operator":
+        return {"Authorization": f"Bearer {server.TOKEN}"}
+    services.courses.create("ros", "ROS", "Asia/Shanghai", "test")
+    people = [
+        RosterEntry(id="li", name="李", role=Role(role)),
+        RosterEntry(id="han", name="韩", role=Role.STUDENT),
+    ]
+    services.courses.import_roster("ros", people, "test")
+    _, token = services.tokens.issue("ros", "li", timedelta(days=1), "test")
+    return {"Authorization": f"Bearer {token}"}
+
+
+def _known(
+    app: FastAPI, services: Services, course: str | None, headers: dict[str, str]
+) -> dict[str, list[str]]:
+    """Hand in three files, have two of them graded, and begin to grade again where that is allowed."""
+    known = {
+        "assignment_id": ["square", "straight"],
+        "student": ["li", "han"],
+        "item": ["sides", "closed"],
+        "code": ["empty", "syntax_error"],
+        "submission_id": [_handed_in(services, course, number) for number in range(3)],
+    }
+    for _ in range(2):
+        claim = services.queue.claim("w")
+        assert claim is not None
+        assignment = services.assignments.get(claim.assignment)
+        job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+        assert services.queue.finish(claim, grade(job), assignment)
+    with get_client(app) as client:
+        begun = client.post(
+            "http://testserver/api/v1/regrades", json={"assignment": "square"}, headers=headers
+        )
+    return {**known, "regrade_id": [begun.json()["id"] if begun.status_code == 202 else "none"]}
+
+
+def _handed_in(services: Services, course: str | None, number: int) -> str:
+    source = f"good good  # {number}\n".encode()
+    new = NewSubmission(
+        student="li", assignment="square", file_name="square.py", source=source, course=course
+    )
+    return services.submissions.add(new).id
