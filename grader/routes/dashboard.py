@@ -36,7 +36,6 @@ _MOST = 100_000
 def read_class(  # noqa: PLR0913
     services: ServicesDep,
     caller: StaffDep,
-    response: Response,
     language: LanguageDep,
     *,
     search: Annotated[str, Query(max_length=100, description="Only students whose id contains this.")] = "",
@@ -44,7 +43,7 @@ def read_class(  # noqa: PLR0913
     offset: Annotated[int, Query(ge=0, le=_MOST, description="Students left out at the start.")] = 0,
     limit: Annotated[int | None, Query(ge=1, le=_MOST, description="Most students; null: all.")] = None,
     if_none_match: Annotated[str | None, Header(max_length=1_000)] = None,
-) -> DashboardView | Response:
+) -> Response:
     """Return students by assignments, what each assignment shows about the class, and the queue.
 
     Filters and pages choose students; the statistics are always about everybody.
@@ -60,8 +59,8 @@ def read_class(  # noqa: PLR0913
     }
     if if_none_match is not None and tag in (one.strip() for one in if_none_match.split(",")):
         return Response(status_code=304, headers=headers)
-    response.headers.update(headers)
-    return selected(_overview(services, caller, state, language), selection)
+    document = selected(_overview(services, caller, state, language), selection).model_dump_json()
+    return Response(document, media_type="application/json", headers=headers)  # checked when it was made
 
 
 def read(services: Services, caller: Caller, response: Response, language: Language) -> DashboardView:
