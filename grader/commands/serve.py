@@ -1,6 +1,7 @@
 """`grader serve`: the HTTP service with its local workers."""
 
 import argparse
+import gc
 import logging
 import signal
 import socket
@@ -61,6 +62,16 @@ class _Server(uvicorn.Server):
     def stop(self, number: int, frame: FrameType | None) -> None:
         """Stop as soon as possible; a signal handler."""
         self.should_exit = True
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """Open everything, and take what lives as long as the service out of the garbage collector's sight.
+
+        A full collection would otherwise look at every module's objects and stop all answers for a tenth of a
+        second.
+        """
+        await super().startup(sockets)
+        gc.collect()
+        gc.freeze()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         """Answer what was asked, then let the application put everything away."""
