@@ -4,12 +4,8 @@ Skipped, and said so in the summary, where Chromium or its driver is missing; wh
 (in CI) that is a failure.
 """
 
-import os
-import shutil
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from pathlib import Path
-from urllib.parse import urlsplit
 
 import httpx
 import pytest
@@ -17,16 +13,11 @@ import pytest
 from grader.catalog import Catalog
 from grader.commands.demo import Upload, await_grades, hand_in, serving
 from grader.render.terminal import console
+from tests.e2e.chromium import PHONE, Browser, chromium
 
 pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
 
-PATIENCE_S = 60
 HOME, ARROW_RIGHT = "\ue011", "\ue014"  # as WebDriver spells these keys
-DESKTOP, PHONE = (1280, 900), (320, 640)
-FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--no-proxy-server",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync",
-)  # fmt: skip
 HOSTILE = """
 import rclpy
 from rclpy.node import Node
@@ -38,21 +29,6 @@ node.get_logger().info(EVIL)
 print(EVIL)
 raise RuntimeError(EVIL)
 """
-
-
-def _found(*names: str) -> str:
-    for name in names:
-        if path := shutil.which(name):
-            return path
-    missing = f"{names[0]} is not installed, so the pages were not tried in a browser"
-    if os.environ.get("GRADER_REQUIRE_BROWSER"):
-        pytest.fail(missing)
-    pytest.skip(missing)
-
-
-@pytest.fixture(scope="module")
-def programs() -> tuple[str, str]:
-    return _found("chromium", "chromium-browser", "google-chrome"), _found("chromedriver")
 
 
 @pytest.fixture(scope="module")
@@ -70,108 +46,9 @@ def service(programs: tuple[str, str], tmp_path_factory: pytest.TempPathFactory)
         yield client
 
 
-class Browser:
-    """One window of Chromium with a profile of its own."""
-
-    def __init__(self, driver, address: str) -> None:
-        self.driver = driver
-        self.address = address
-
-    def open(self, path: str) -> None:
-        self.driver.get(self.address + path)
-
-    @property
-    def path(self) -> str:
-        return urlsplit(self.driver.current_url).path
-
-    def one(self, selector: str):
-        return self.driver.find_element("css selector", selector)
-
-    def all(self, selector: str):
-        return self.driver.find_elements("css selector", selector)
-
-    def type(self, selector: str, text: str) -> None:
-        self.one(selector).clear()
-        self.one(selector).send_keys(text)
-
-    def until(self, condition: Callable[[], object]) -> None:
-        from selenium.common.exceptions import StaleElementReferenceException
-        from selenium.webdriver.support.wait import WebDriverWait
-
-        changing = [StaleElementReferenceException]  # the next page came in the middle of the question
-        wait = WebDriverWait(self.driver, PATIENCE_S, poll_frequency=0.05, ignored_exceptions=changing)
-        wait.until(lambda _: condition())
-
-    def enter(self, field: str, text: str) -> None:
-        self.open("/enter")
-        self.type(f"#{field}", text)
-        self.one(f"form:has(#{field}) button").click()
-        self.until(lambda: self.path != "/enter")
-
-    def hand_in(self, assignment: str, path: Path) -> None:
-        self.open(f"/assignments/{assignment}")
-        self.one("#file").send_keys(str(path))
-        self.one("#upload button").click()
-        self.until(lambda: self.path.startswith("/submissions/"))
-        self.until(lambda: self.all("#score"))
-
-    def js(self, script: str):
-        return self.driver.execute_script(script)
-
-    def command(self, name: str, **parameters: object) -> None:
-        self.driver.execute_cdp_cmd(name, parameters)
-
-    def resize(self, size: tuple[int, int]) -> None:
-        width, height = size
-        self.command(
-            "Emulation.setDeviceMetricsOverride",
-            width=width,
-            height=height,
-            deviceScaleFactor=1,
-            mobile=width < 600,
-        )
-
-    def complaints(self) -> list[str]:
-        """What the browser itself found wrong: refused by the policy, not found, an exception in a script."""
-        return [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
-
-
-@contextmanager
-def chromium(programs: tuple[str, str], profile: Path, address: str) -> Iterator[Browser]:
-    from selenium import webdriver
-    from selenium.webdriver.chrome.service import Service
-
-    options = webdriver.ChromeOptions()
-    options.binary_location = programs[0]
-    for flag in (*FLAGS, f"--user-data-dir={profile}"):
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("NO_PROXY", "127.0.0.1,localhost")
-        patch.setenv("no_proxy", "127.0.0.1,localhost")
-        driver = webdriver.Chrome(options=options, service=Service(programs[1]))
-        try:
-            yield Browser(driver, address)
-        finally:
-            driver.quit()
-
-
 @pytest.fixture(scope="module")
-def window(
-    programs: tuple[str, str], service: httpx.Client, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Browser]:
-    with chromium(programs, tmp_path_factory.mktemp("profile"), str(service.base_url)) as opened:
-        yield opened
-
-
-@pytest.fixture
-def browser(window: Browser) -> Iterator[Browser]:
-    """The one window, as if nobody had used it."""
-    window.open("/static/icon.svg")
-    window.driver.delete_all_cookies()
-    window.resize(DESKTOP)
-    yield window
-    assert window.complaints() == []
+def address(service: httpx.Client) -> str:
+    return str(service.base_url)
 
 
 @pytest.fixture

@@ -1,0 +1,116 @@
+"""Headless Chromium for the tests of the pages and for their pictures in the documentation."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+PATIENCE_S = 60
+DESKTOP, PHONE = (1280, 900), (320, 640)
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--no-proxy-server",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync",
+)  # fmt: skip
+
+
+class Browser:
+    """One window of Chromium with a profile of its own."""
+
+    def __init__(self, driver, address: str) -> None:
+        self.driver = driver
+        self.address = address
+
+    def open(self, path: str) -> None:
+        self.driver.get(self.address + path)
+
+    @property
+    def path(self) -> str:
+        return urlsplit(self.driver.current_url).path
+
+    def one(self, selector: str):
+        return self.driver.find_element("css selector", selector)
+
+    def all(self, selector: str):
+        return self.driver.find_elements("css selector", selector)
+
+    def type(self, selector: str, text: str) -> None:
+        self.one(selector).clear()
+        self.one(selector).send_keys(text)
+
+    def until(self, condition: Callable[[], object]) -> None:
+        from selenium.common.exceptions import StaleElementReferenceException
+        from selenium.webdriver.support.wait import WebDriverWait
+
+        changing = [StaleElementReferenceException]  # the next page came in the middle of the question
+        wait = WebDriverWait(self.driver, PATIENCE_S, poll_frequency=0.05, ignored_exceptions=changing)
+        wait.until(lambda _: condition())
+
+    def enter(self, field: str, text: str) -> None:
+        self.open("/enter")
+        self.type(f"#{field}", text)
+        self.one(f"form:has(#{field}) button").click()
+        self.until(lambda: self.path != "/enter")
+
+    def click(self, selector: str) -> None:
+        """Click what leads to another page, and wait until that one is there."""
+        before = self.one("html").id
+        self.one(selector).click()
+        self.until(lambda: self.one("html").id != before)
+        self.until(lambda: self.js("return document.readyState") == "complete")
+
+    def says(self, selector: str = "main") -> str:
+        """What is written there, shown or folded away, with single spaces."""
+        return " ".join(self.one(selector).get_property("textContent").split())
+
+    def hand_in(self, assignment: str, path: Path) -> None:
+        self.open(f"/assignments/{assignment}")
+        self.one("#file").send_keys(str(path))
+        self.one("#upload button").click()
+        self.until(lambda: self.path.startswith("/submissions/"))
+        self.until(lambda: self.all("#score"))
+
+    def js(self, script: str):
+        return self.driver.execute_script(script)
+
+    def command(self, name: str, **parameters: object) -> None:
+        self.driver.execute_cdp_cmd(name, parameters)
+
+    def resize(self, size: tuple[int, int]) -> None:
+        width, height = size
+        self.command(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=width < 600,
+        )
+
+    def complaints(self) -> list[str]:
+        """What the browser itself found wrong: refused by the policy, not found, an exception in a script.
+
+        A form that is shown again because of what was typed is no fault.
+        """
+        found = [entry["message"] for entry in self.driver.get_log("browser") if entry["level"] == "SEVERE"]
+        return [one for one in found if "status of 422" not in one]
+
+
+@contextmanager
+def chromium(programs: tuple[str, str], profile: Path, address: str) -> Iterator[Browser]:
+    from selenium import webdriver
+    from selenium.webdriver.chrome.service import Service
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = programs[0]
+    for flag in (*FLAGS, f"--user-data-dir={profile}"):
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("NO_PROXY", "127.0.0.1,localhost")
+        patch.setenv("no_proxy", "127.0.0.1,localhost")
+        driver = webdriver.Chrome(options=options, service=Service(programs[1]))
+        try:
+            yield Browser(driver, address)
+        finally:
+            driver.quit()

@@ -1,0 +1,173 @@
+"""The instructor's whole way through a course in a real headless Chromium, and what students of it see."""
+
+from collections.abc import Iterator
+
+import httpx
+import pytest
+
+from tests.e2e.chromium import PHONE, Browser
+from tests.e2e.school import ESSAY, School, school
+
+pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
+
+WORK = (
+    ("20260101", "square", "wrong/one_radian.py"),
+    ("20260101", "square", "solution.py"),
+    ("20260102", "square", "wrong/last_side_short.py"),
+    ("20260102", "square_input", "solution.py"),
+    ("20260101", ESSAY, "solution.txt"),
+    ("20260103", ESSAY, "solution.txt"),
+)
+
+
+@pytest.fixture(scope="module")
+def course(programs: tuple[str, str], tmp_path_factory: pytest.TempPathFactory) -> Iterator[School]:
+    with school(tmp_path_factory.mktemp("school"), WORK) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def address(course: School) -> str:
+    return course.address
+
+
+@pytest.fixture
+def wang(browser: Browser, course: School) -> Browser:
+    browser.open("/?lang=en")
+    browser.enter("token", course.tokens["wang"])
+    return browser
+
+
+def test_grading_again_shows_who_loses_and_is_applied(wang: Browser, course: School) -> None:
+    """Matrix, cell, compare, then a re-grade after one tolerance was tightened."""
+    assert [one.text.split()[0] for one in wang.all(".matrix tbody th")] == [
+        "20260101", "20260102", "20260103", "20260104", "20260105",
+    ]  # fmt: skip
+    wang.click('.matrix td a[href="/class/students/20260101?assignment=square"]')
+    wang.click('form[action="/class/compare"] button')
+    assert "Two attempts compared" in wang.says()
+    course.tighten()
+    wang.click('.top a[href="/class"]')
+    wang.click('.sections a[href="/class/regrades"]')
+    wang.one("#assignment option[value=square]").click()
+    wang.one("input[name=which][value=latest]").click()
+    wang.click("form.order button")
+    wang.until(lambda: wang.all("button[value=apply]"))  # the page shows progress until the trial is complete
+    assert "0 gain 1 lose 1 stay as they are" in wang.says(".tiles")
+    (line,) = wang.all("#changes ~ .scroll tbody tr")
+    assert line.text.startswith("20260102")
+    assert "Equal sides" in line.text
+    wang.click("#changes ~ .scroll td a")
+    assert "Two gradings compared" in wang.says("h1")
+    assert "on trial" in wang.says()
+    wang.driver.back()
+    wang.type("#reason", "sides must be equal")
+    wang.click("button[value=apply]")
+    assert "applied wang" in wang.says(".notice")
+    wang.click("#changes ~ .scroll th a")
+    wang.click('a[href$="/gradings"]')
+    assert "wang: sides must be equal" in wang.says()
+    assert len(wang.all("tbody tr")) == 2
+
+
+def test_the_gradebook_is_looked_at_and_downloaded(wang: Browser, course: School) -> None:
+    wang.click('.sections a[href="/class/gradebook"]')
+    assert "100" in wang.says(".matrix tbody tr")
+    cookies = {one["name"]: one["value"] for one in wang.driver.get_cookies()}
+    for link in wang.all("a[download]"):
+        answer = httpx.get(link.get_attribute("href"), cookies=cookies, trust_env=False)
+        assert answer.headers["content-type"].startswith("text/csv")
+        assert "李雷" in answer.text
+
+
+def test_rules_are_edited_and_wrong_ones_are_told_at_their_field(wang: Browser) -> None:
+    wang.click('.sections a[href="/class/rules"]')
+    wang.click('a[href="/class/rules/square"]')
+    assert not wang.one("#late-steps ~ *, .when-steps").is_displayed()
+    wang.one("#late-steps").click()
+    wang.one("input[name=step_after]").send_keys("24")
+    wang.one("input[name=step_keep]").send_keys("150")
+    wang.click("form.rules button")
+    wrong = wang.one("input[name=step_after]")
+    assert wrong.get_attribute("aria-invalid") == "true"
+    assert wang.one("#steps-error").is_displayed()
+    wang.type("input[name=step_keep]", "50")
+    wang.click("form.rules button")
+    assert "Saved." in wang.says(".done")
+    wang.type("#x-student", "20260105")
+    wang.type("#x-attempts", "2")
+    wang.click("form[aria-labelledby=extend] button")
+    assert "20260105 王小明" in wang.says("#extensions ~ .scroll")
+    wang.open("/class/audit")
+    assert "extension.change" in wang.says()
+
+
+def test_points_by_hand_reach_the_student(wang: Browser, course: School) -> None:
+    wang.click('.sections a[href="/class/judgements"]')
+    wang.click('a[href*="item=timer"][href^="?"]')
+    wang.click("#answers ~ p a.button")
+    assert "create_timer" in wang.says(".answer")
+    wang.type("#points", "99")
+    wang.click("form.points button[value=next]")
+    assert wang.one("#points").get_attribute("aria-invalid") == "true"
+    first = wang.path
+    wang.type("#points", "40.5")
+    wang.type("#comment", "Say also <who> calls it.")
+    wang.click("form.points button[value=next]")
+    assert wang.path not in {first, "/class/judgements"}
+    wang.open(first + "?item=publisher")
+    wang.type("#points", "45")
+    wang.click("form.points button[value=stay]")
+    wang.click(".facts a")
+    assert "95.5" in wang.says("#score")
+    student = wang.says(".crumbs").split()[-1]
+    wang.enter("token", course.tokens[student])
+    wang.open("/submissions")
+    wang.click('tbody a[href="' + first.replace("/class/judgements", "/submissions") + '"]')
+    assert "Say also <who> calls it." in wang.says()
+
+
+def test_every_run_of_several_is_replayed(browser: Browser, course: School) -> None:
+    browser.enter("token", course.tokens["20260102"])
+    browser.open("/submissions")
+    browser.click("tbody tr:first-child a")
+    tabs = browser.all(".tabs a")
+    assert len(tabs) > 1
+    ends = set()
+    for number in range(len(tabs)):
+        browser.click(f".tabs a:nth-child({number + 1})")
+        browser.until(lambda: browser.all("#replay[data-ready]"))
+        assert browser.all(".tabs a")[number].get_attribute("aria-current") == "true"
+        ends.add(browser.one("[data-scrub]").get_attribute("max"))
+    assert len(ends) > 1  # each its own motion
+
+
+def test_assistants_find_no_way_to_change(browser: Browser, course: School) -> None:
+    browser.enter("token", course.tokens["zhang"])
+    for page in ("/class/regrades", "/class/rules/square"):
+        browser.open(page)
+        assert browser.all("main form button") == [], page
+    assert not browser.all('.sections a[href="/class/audit"]')
+
+
+@pytest.mark.parametrize("language", ["zh", "en"])
+def test_a_phone_shows_everything(browser: Browser, course: School, language: str) -> None:
+    browser.enter("token", course.tokens["wang"])
+    browser.resize(PHONE)
+    (regrade, *_) = course.services.regrades.all("ros2-2026") or [None]
+    pages = [
+        "/class", "/class/gradebook", "/class/judgements", "/class/regrades", "/class/rules",
+        "/class/rules/square", "/class/people", "/class/audit", "/class/students/20260105",
+    ]  # fmt: skip
+    pages += [f"/class/regrades/{regrade.id}"] if regrade else []
+    for page in pages:
+        browser.open(f"{page}?lang={language}")
+        assert browser.js("return document.documentElement.scrollWidth") <= PHONE[0], page
+
+
+def test_every_control_has_a_name(wang: Browser) -> None:
+    for page in ("/class/regrades", "/class/rules/square", "/class/judgements", "/class/gradebook"):
+        wang.open(page)
+        controls = wang.all("a, button, input:not([type=hidden]), select, textarea, [role=region], nav")
+        shown = [one for one in controls if one.is_displayed()]
+        assert [one.get_attribute("outerHTML") for one in shown if not one.accessible_name.strip()] == []
