@@ -1,32 +1,39 @@
 """From a stored grading to its picture: measure the figure again and hand everything to the renderer."""
 
-from typing import Literal
-
 from grader.checks import sketch
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment
-from grader.contracts.report import GradeReport
+from grader.contracts.report import CaseRun, GradeReport
 from grader.contracts.text import Language
 from grader.contracts.verdict import Run
-from grader.render.plot import plot_png, plot_svg
-
-Form = Literal["png", "svg"]
+from grader.render.plot import Form, plot_png, plot_svg
 
 
-def draw(
-    assignment: Assignment, report: GradeReport, trajectory: bytes, language: Language, form: Form = "png"
+def draw(  # noqa: PLR0913
+    assignment: Assignment,
+    report: GradeReport,
+    trajectory: bytes,
+    language: Language,
+    form: Form = "png",
+    *,
+    case: str | None = None,
 ) -> bytes:
-    """Return the plot of the report's first run.
+    """Return the plot of one of the report's runs.
 
     Args:
         assignment: the version that was graded.
         report: the graded report.
-        trajectory: of the report's first run, as `grader.contracts.trajectory_json.encode` wrote it.
+        trajectory: of that run, as `grader.contracts.trajectory_json.encode` wrote it.
         language: of all words in the plot.
         form: file format.
+        case: which run; None: the first.
     """
     motion = trajectory_json.decode(trajectory)
-    first = report.runs[0]
-    figure = sketch(assignment, Run(trajectory=motion, outcome=first.outcome, case=first.case))
+    run = _run(report, case)
+    figure = sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
     plot = plot_png if form == "png" else plot_svg
-    return plot(assignment, report, motion, figure, language)
+    return plot(assignment, report, motion, figure, language, case=run.case)
+
+
+def _run(report: GradeReport, case: str | None) -> CaseRun:
+    return next(run for run in report.runs if case is None or run.case == case)

@@ -26,7 +26,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--lang", choices=LANGUAGES, default="zh", help="language of the feedback (default: zh)"
     )
     parser.add_argument("--json", action="store_true", help="print the graded report as JSON")
-    parser.add_argument("--plot", type=Path, metavar="OUT", help="draw the trajectory to OUT (.png or .svg)")
+    parser.add_argument(
+        "--plot",
+        type=Path,
+        metavar="OUT",
+        help="draw the trajectory to OUT (.png or .svg); of several cases each to a file of its own: OUT-CASE",
+    )
     parser.add_argument("--logs", action="store_true", help="show the script's logs and output as well")
     add_grading_options(parser)
 
@@ -165,10 +170,15 @@ def _check_plot_path(path: Path) -> None:
 
 
 def _plot(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
-    from grader.plots import Form, draw
+    from grader.plots import draw
+    from grader.render.plot import Form
 
-    trajectory = result.trajectories[result.report.runs[0].case]
-    form: Form = "png" if arguments.plot.suffix == ".png" else "svg"
-    arguments.plot.write_bytes(draw(assignment, result.report, trajectory, arguments.lang, form))
-    if not arguments.json:
-        sys.stdout.write(f"→ {arguments.plot}\n")
+    out: Path = arguments.plot
+    form: Form = "png" if out.suffix == ".png" else "svg"
+    cases = [run.case for run in result.report.runs]
+    for case in cases:
+        file = out if len(cases) == 1 else out.with_stem(f"{out.stem}-{case}")
+        trajectory = result.trajectories[case]
+        file.write_bytes(draw(assignment, result.report, trajectory, arguments.lang, form, case=case))
+        if not arguments.json:
+            sys.stdout.write(f"→ {file}\n")

@@ -28,6 +28,9 @@ from grader.render.plan import draw_plan
 from grader.render.scene import Scene, compose
 from grader.render.typeface import clipped, drawable, rc
 
+Form = Literal["png", "svg"]
+"""A format of picture files."""
+
 _WIDTH_IN, _HEIGHT_IN = 12.0, 6.75
 _LOG_ROW_IN = 0.34
 _DPI = 120
@@ -58,14 +61,16 @@ _LOOK: dict[str, object] = {
 }
 
 
-def plot_png(
+def plot_png(  # noqa: PLR0913
     assignment: Assignment,
     report: GradeReport,
     trajectory: Trajectory | None,
     sketch: FigureSketch | None = None,
     language: Language = "zh",
+    *,
+    case: str | None = None,
 ) -> bytes:
-    """Return the plot of the report's first run as PNG, 1440 x 810 pixels (log lines: as high as they need).
+    """Return the plot of one of the report's runs as PNG, 1440 x 810 pixels (log lines: as high as they need).
 
     Args:
         assignment: gives title and world.
@@ -73,25 +78,28 @@ def plot_png(
         trajectory: of that run; None when the car was not recorded.
         sketch: the measured figure, from `grader.checks`; None draws the bare path.
         language: of every label.
+        case: which run; None: the first.
 
     Raises:
-        ValueError: the report has no run.
+        ValueError: the report has no such run.
     """
-    return _draw(compose(assignment, report, trajectory, sketch, language), "png")
+    return _draw(compose(assignment, report, trajectory, sketch, language, case), "png")
 
 
-def plot_svg(
+def plot_svg(  # noqa: PLR0913
     assignment: Assignment,
     report: GradeReport,
     trajectory: Trajectory | None,
     sketch: FigureSketch | None = None,
     language: Language = "zh",
+    *,
+    case: str | None = None,
 ) -> bytes:
     """Return the same plot as SVG (UTF-8, text as outlines, so that it looks alike everywhere)."""
-    return _draw(compose(assignment, report, trajectory, sketch, language), "svg")
+    return _draw(compose(assignment, report, trajectory, sketch, language, case), "svg")
 
 
-def _draw(scene: Scene, form: Literal["png", "svg"]) -> bytes:
+def _draw(scene: Scene, form: Form) -> bytes:
     # Without these entries matplotlib writes its version and the time of day into the file.
     metadata = {"Software": None} if form == "png" else {"Date": None, "Creator": None}
     target = io.BytesIO()

@@ -58,30 +58,49 @@ class Scene:
         return word(key, self.language, **values)
 
 
-def compose(
+def compose(  # noqa: PLR0913, PLR0917
     assignment: Assignment,
     report: GradeReport,
     trajectory: Trajectory | None,
     sketch: FigureSketch | None,
     language: Language,
+    case: str | None = None,
 ) -> Scene:
-    """Return the scene of the report's first run.
+    """Return the scene of one of the report's runs; of several, with the points of that one.
 
     Raises:
-        ValueError: the report has no run.
+        ValueError: the report has no such run.
     """
-    if not report.runs:
+    run = next((run for run in report.runs if case is None or run.case == case), None)
+    if run is None:
         message = "a report without runs has nothing to plot"
         raise ValueError(message)
-    earned = word("not_yet", language) if report.score is None else quantity.score(report.score)
+    title, summary = assignment.title.get(language), report.summary.get(language)
+    earned, points = report.score, report.max_score
+    if len(report.runs) > 1:
+        summary = f"{_points('total', earned, points, language)}  {summary}"
+        title = f"{title} · {_case_title(assignment, run.case, language)}"
+        own = [item for item in report.items if item.id.startswith(f"{run.case}/")]
+        earned = None if report.score is None else round(sum(item.earned for item in own), 2)
+        points = round(sum(item.points for item in own), 2)
     return Scene(
         language=language,
-        title=assignment.title.get(language),
-        score=f"{word('score', language)} {earned} / {quantity.score(report.max_score)}",
-        full=report.score is not None and report.score >= report.max_score,
-        summary=report.summary.get(language),
-        outcome=report.runs[0].outcome,
+        title=title,
+        score=_points("score", earned, points, language),
+        full=earned is not None and earned >= points,
+        summary=summary,
+        outcome=run.outcome,
         trajectory=trajectory,
         sketch=sketch,
         walls=assignment.world.walls,
     )
+
+
+def _points(key: str, earned: float | None, points: float, language: Language) -> str:
+    shown = word("not_yet", language) if earned is None else quantity.score(earned)
+    return f"{word(key, language)} {shown} / {quantity.score(points)}"
+
+
+def _case_title(assignment: Assignment, case_id: str, language: Language) -> str:
+    titles = (case.title.get(language) for case in assignment.cases if case.id == case_id)
+    return next(titles, "") or case_id

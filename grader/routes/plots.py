@@ -3,24 +3,34 @@
 import asyncio
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
-from typing import Protocol
+from dataclasses import dataclass
+from typing import Literal, Protocol
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
 
+PlotForm = Literal["png", "svg"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Wish:
+    """Which run of a grading is to be drawn, in which language and file format."""
+
+    case: str
+    language: Language
+    form: PlotForm = "png"
+
 
 class Plotter(Protocol):
     """Draws one graded run."""
 
-    def __call__(
-        self, assignment: Assignment, report: StoredReport, trajectory: bytes, language: Language
-    ) -> bytes:
-        """Return a PNG. `trajectory` is the JSON of the report's first run."""
+    def __call__(self, assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
+        """Return the picture. `trajectory` is the JSON of the run that is wished for."""
 
 
 class PlotCache:
-    """The last plots drawn, by digest of the report and language.
+    """The last plots drawn, by digest of the report and by wish.
 
     A report's digest covers the digests of its trajectories, so equal keys mean equal plots. One thread of
     its own draws: a class that looks at its plots must not take the threads that uploads need, and
@@ -30,28 +40,24 @@ class PlotCache:
     def __init__(self, plotter: Plotter, entries: int) -> None:
         self._plotter = plotter
         self._entries = entries
-        self._plots: OrderedDict[tuple[str, int, Language], bytes] = OrderedDict()
+        self._plots: OrderedDict[tuple[str, int, Wish], bytes] = OrderedDict()
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="grader-plot")
 
-    async def get(
-        self, assignment: Assignment, report: StoredReport, trajectory: bytes, language: Language
-    ) -> bytes:
-        """Return the PNG, drawn now or before."""
-        future = self._thread.submit(self._get, assignment, report, trajectory, language)
+    async def get(self, assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
+        """Return the picture, drawn now or before."""
+        future = self._thread.submit(self._get, assignment, report, trajectory, wish)
         return await asyncio.wrap_future(future)
 
     def close(self) -> None:
         """Draw nothing more."""
         self._thread.shutdown(wait=True, cancel_futures=True)
 
-    def _get(
-        self, assignment: Assignment, report: StoredReport, trajectory: bytes, language: Language
-    ) -> bytes:
-        key = (report.sha256, assignment.version, language)
-        png = self._plots.pop(key, None)
-        if png is None:
-            png = self._plotter(assignment, report, trajectory, language)
-        self._plots[key] = png
+    def _get(self, assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
+        key = (report.sha256, assignment.version, wish)
+        picture = self._plots.pop(key, None)
+        if picture is None:
+            picture = self._plotter(assignment, report, trajectory, wish)
+        self._plots[key] = picture
         while len(self._plots) > self._entries:
             self._plots.popitem(last=False)
-        return png
+        return picture

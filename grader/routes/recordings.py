@@ -1,7 +1,7 @@
 """What the car did: the trajectory as columns of numbers, and as a picture."""
 
 import gzip
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
 from fastapi.concurrency import run_in_threadpool
@@ -11,13 +11,32 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport
+from grader.contracts.text import Language
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.concealment import shown_assignment
+from grader.routes.plots import PlotForm, Wish
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"], dependencies=[SIGHT])
+CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]
+_MEDIA_TYPES: dict[PlotForm, str] = {"png": "image/png", "svg": "image/svg+xml"}
+_PLOT_PROBLEMS = (
+    *ENTRY_PROBLEMS,
+    "submission_not_found",
+    "no_trajectory",
+    "assignment_not_found",
+    "not_graded_yet",
+    "invalid_request",
+)
+
+
+def _picture(media_type: str, form: str) -> dict[str, Any]:
+    return {
+        "description": "One run's path over the ideal figure, with what was measured.",
+        "content": {media_type: {"schema": {"type": "string", "format": form}}},
+    }
 
 
 class ContactView(BaseModel):
@@ -62,9 +81,7 @@ class TrajectoryView(BaseModel):
 def read_trajectory(
     services: ServicesDep,
     submission_id: SubmissionId,
-    case: Annotated[
-        str | None, Query(description="Which run; the first when left out.", max_length=64)
-    ] = None,
+    case: CaseQuery = None,
     accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
 ) -> Response:
     """Return what the trusted simulator recorded in one run of the script."""
@@ -82,47 +99,75 @@ def read_trajectory(
     "/{submission_id}/plot.png",
     summary="The trajectory as a picture",
     response_class=Response,
-    responses={
-        200: {
-            "description": "The first run's path over the ideal figure, with what was measured.",
-            "content": {"image/png": {"schema": {"type": "string", "format": "binary"}}},
-        },
-        **responses(
-            *ENTRY_PROBLEMS,
-            "submission_not_found",
-            "no_trajectory",
-            "assignment_not_found",
-            "not_graded_yet",
-            "invalid_request",
-        ),
-    },
+    responses={200: _picture("image/png", "binary"), **responses(*_PLOT_PROBLEMS)},
 )
 async def read_plot(
-    services: ServicesDep, submission_id: SubmissionId, language: LanguageDep, caller: CallerDep
+    services: ServicesDep,
+    submission_id: SubmissionId,
+    language: LanguageDep,
+    caller: CallerDep,
+    *,
+    case: CaseQuery = None,
 ) -> Response:
     """Return a PNG with labels in the language asked for."""
-    assignment, report, trajectory = await run_in_threadpool(_drawable, services, submission_id, caller)
-    png = await services.plots.get(assignment, report, trajectory, language)
+    return await _plot(services, submission_id, caller, language, "png", case)
+
+
+@router.get(
+    "/{submission_id}/plot.svg",
+    summary="The trajectory as a drawing that scales",
+    response_class=Response,
+    responses={200: _picture("image/svg+xml", "xml"), **responses(*_PLOT_PROBLEMS)},
+)
+async def read_drawing(
+    services: ServicesDep,
+    submission_id: SubmissionId,
+    language: LanguageDep,
+    caller: CallerDep,
+    *,
+    case: CaseQuery = None,
+) -> Response:
+    """Return an SVG, text as outlines, with labels in the language asked for."""
+    return await _plot(services, submission_id, caller, language, "svg", case)
+
+
+async def _plot(  # noqa: PLR0913, PLR0917
+    services: Services,
+    submission_id: str,
+    caller: Caller,
+    language: Language,
+    form: PlotForm,
+    case: str | None,
+) -> Response:
+    assignment, report, trajectory, case_id = await run_in_threadpool(
+        _drawable, services, submission_id, caller, case
+    )
+    wish = Wish(case=case_id, language=language, form=form)
+    picture = await services.plots.get(assignment, report, trajectory, wish)
     headers = {
-        "ETag": f'"{report.sha256}-{language}"',
+        "ETag": f'"{report.sha256}-{case_id}-{language}-{form}"',
         "Content-Language": language,
         "Vary": "Accept-Language",
         "Cache-Control": "private, no-cache",
     }
-    return Response(png, media_type="image/png", headers=headers)
+    return Response(picture, media_type=_MEDIA_TYPES[form], headers=headers)
 
 
 def _recorded(services: Services, report: StoredReport, case: str | None) -> tuple[bytes, str]:
-    case_id = case if case is not None else next(iter(report.cases), "")
+    case_id = _case_id(report, case)
     content = services.submissions.trajectory(report, case_id)
     if content is None:
         raise ProblemError("no_trajectory", field="case", allowed=list(report.cases))
     return content, report.cases[case_id]
 
 
+def _case_id(report: StoredReport, case: str | None) -> str:
+    return case if case is not None else next(iter(report.cases), "")
+
+
 def _drawable(
-    services: Services, submission_id: str, caller: Caller
-) -> tuple[Assignment, StoredReport, bytes]:
+    services: Services, submission_id: str, caller: Caller, case: str | None
+) -> tuple[Assignment, StoredReport, bytes, str]:
     submission, _ = found(services, submission_id)
     report = graded(services, submission_id, caller)
     graded_one = services.submissions.graded_assignment(report)
@@ -131,5 +176,5 @@ def _drawable(
     except UnknownAssignmentError:
         raise ProblemError("assignment_not_found") from None
     assignment = shown_assignment(services, caller, drawn)
-    content, _ = _recorded(services, report, None)
-    return assignment, report, gzip.decompress(content)
+    content, _ = _recorded(services, report, case)
+    return assignment, report, gzip.decompress(content), _case_id(report, case)

@@ -107,12 +107,20 @@ def read_sketch(
 
 @router.get("/plot.png")
 async def read_plot(
-    request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    case: Case = None,
 ) -> Response:
-    """Return the picture of the first run, for browsers without scripts and for comparing."""
+    """Return the picture of one run, for browsers without scripts and for comparing."""
     await run_in_threadpool(access.seen, services, visitor, submission_id)
     return await recordings.read_plot(
-        services=services, submission_id=submission_id, language=language_of(request), caller=visitor.caller
+        services=services,
+        submission_id=submission_id,
+        language=language_of(request),
+        caller=visitor.caller,
+        case=case,
     )
 
 

@@ -30,9 +30,10 @@ class FakePlotter:
     def __init__(self) -> None:
         self.drawn = 0
 
-    def __call__(self, assignment, report, trajectory, language) -> bytes:
+    def __call__(self, assignment, report, trajectory, wish) -> bytes:
         self.drawn += 1
-        return PNG + f" {assignment.id} {language} {len(trajectory)}".encode()
+        magic = PNG if wish.form == "png" else b"<svg>"
+        return magic + f" {assignment.id} {wish.language} {wish.case} {len(trajectory)}".encode()
 
 
 def services(settings: Settings, clock: FakeClock, plotter: Plotter | None = None) -> Services:

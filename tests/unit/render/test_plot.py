@@ -15,8 +15,10 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
+from grader.contracts.assignment import Case
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel, SketchSide
 from grader.contracts.outcome import LogRecord, RunStatus
+from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Contact, Trajectory
 from grader.render.dial import draw_dial
@@ -30,6 +32,7 @@ from tests.unit.render.samples import (
     START_M,
     IdealTurtle,
     assignment,
+    item,
     outcome,
     polygon,
     polygon_sketch,
@@ -277,3 +280,21 @@ def test_any_motion_can_be_drawn(
     motion.x_m[[hole for hole in holes if hole < len(motion)]] = np.nan
     jumps = (len(motion) // 2,) if len(motion) > 2 else ()
     assert plot_png(assignment(), report(), replace(motion, jumps=jumps), sketch)
+
+
+def test_of_several_runs_each_has_its_picture_and_points() -> None:
+    task = replace(assignment(), cases=(Case(id="a"), Case(id="b", title=t("边长 2 m", "side 2 m"))))
+    run = report().runs[0]
+    whole = report(
+        runs=(replace(run, case="a"), replace(run, case="b")),
+        items=(item(id="a/sides"), item(ItemStatus.FAILED, id="b/sides")),
+        score=2.0,
+        max_score=4.0,
+    )
+    first = compose(task, whole, None, None, "zh")
+    second = compose(task, whole, None, None, "zh", "b")
+    assert (first.title, first.score, first.full) == ("正方形 · a", "得分 2 / 2", True)
+    assert (second.title, second.score, second.full) == ("正方形 · 边长 2 m", "得分 0 / 2", False)
+    assert second.summary.startswith("总分 2 / 4")
+    with pytest.raises(ValueError, match="nothing to plot"):
+        compose(task, whole, None, None, "zh", "c")

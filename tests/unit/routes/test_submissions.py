@@ -142,7 +142,7 @@ def test_a_plot_is_drawn_once(graded: Callable[..., str], client: httpx.Client, 
     url = graded(b"good good\n")
     first = client.get(url + "/plot.png", params={"lang": "en"})
     assert first.headers["Content-Type"] == "image/png"
-    assert first.content == PNG + f" square en {len(trajectory())}".encode()
+    assert first.content == PNG + f" square en default {len(trajectory())}".encode()
     again = client.get(url + "/plot.png", params={"lang": "en"})
     assert again.content == first.content
     same_file = client.get(graded(b"good good\n", student="s2") + "/plot.png", params={"lang": "en"})
@@ -150,6 +150,11 @@ def test_a_plot_is_drawn_once(graded: Callable[..., str], client: httpx.Client, 
     assert plotter.drawn == 1
     assert client.get(url + "/plot.png", params={"lang": "zh"}).content != first.content
     assert plotter.drawn == 2
+    drawing = client.get(url + "/plot.svg", params={"lang": "en", "case": "default"})
+    assert (drawing.headers["Content-Type"], drawing.content[:5]) == ("image/svg+xml", b"<svg>")
+    assert drawing.headers["ETag"] != first.headers["ETag"]
+    problem = client.get(url + "/plot.svg", params={"case": "other"}).json()
+    assert (problem["code"], problem["allowed"]) == ("no_trajectory", ["default"])
 
 
 def test_old_plots_are_forgotten(
