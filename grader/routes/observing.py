@@ -36,23 +36,31 @@ class Observed:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        begun_s, status = time.monotonic(), 500
+        begun_s, status, noted = time.monotonic(), 500, False
         request_id = _request_id(Headers(scope=scope))
         scope.setdefault("state", {})["request_id"] = request_id
         # never ended: the server gives each request a task, and what a failed one logs later is still about it
         context.begin(request_id=request_id)
+
+        def note() -> None:
+            nonlocal noted
+            if not noted:
+                noted = True
+                _note(scope, status, time.monotonic() - begun_s)
 
         async def send_with_id(message: Message) -> None:
             nonlocal status
             if message["type"] == "http.response.start":
                 status = message["status"]
                 MutableHeaders(scope=message)[HEADER] = request_id
+            elif not message.get("more_body", False):
+                note()  # before the last of it is sent: who has an answer finds it measured
             await send(message)
 
         try:
             await self._app(scope, receive, send_with_id)
         finally:
-            _note(scope, status, time.monotonic() - begun_s)
+            note()
 
 
 def request_id_of(scope: Scope) -> str | None:
@@ -73,7 +81,7 @@ def _note(scope: Scope, status: int, duration_s: float) -> None:
     metrics.requested(method, route, status, duration_s)
     if isinstance(scope.get("route"), UploadRoute):
         metrics.uploaded(str(context.current().get("code", _NOWHERE)))
-    level = logging.DEBUG if route in _OFTEN_ASKED and status < 500 else logging.INFO
+    level = logging.DEBUG if route in _OFTEN_ASKED else logging.INFO
     fields = {"method": method, "route": route, "status": status, "duration_ms": round(duration_s * 1000, 1)}
     _log.log(level, "answered", extra=fields)
 

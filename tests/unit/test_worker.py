@@ -106,6 +106,39 @@ def test_a_crashed_grading_process_is_one_retry(bench: Bench) -> None:
     assert (row.state, row.tries, row.trouble) == (SubmissionState.GRADED, 2, "")
 
 
+class Told:
+    """Writes down what an observer is told."""
+
+    def __init__(self) -> None:
+        self.gradings: list[tuple[GradeStatus, float | None]] = []
+        self.retries = self.lost = 0
+
+    def graded(self, verdict: GradeStatus, grading_s: float, waited_s: float | None) -> None:
+        assert grading_s >= 0
+        self.gradings.append((verdict, waited_s))
+
+    def retried(self, tries: int = 1) -> None:
+        self.retries += tries
+
+    def given_up(self, submissions: int = 1) -> None:
+        self.lost += submissions
+
+
+def test_an_observer_is_told_how_gradings_went(bench: Bench) -> None:
+    told = Told()
+    bench.parts = replace(bench.parts, observer=told)
+    bench.grader.faults = [InfrastructureError("died")] * 3
+    slot = bench.slot()
+    bench.upload(assignment="straight")
+    for _ in range(3):
+        assert slot.step()
+    bench.grader.faults = []
+    bench.upload()
+    bench.clock.advance(7)
+    assert slot.step()
+    assert (told.gradings, told.retries, told.lost) == ([(GradeStatus.GRADED, 7.0)], 2, 1)
+
+
 @pytest.mark.parametrize(
     "fault", [InfrastructureError("died"), ValueError("nonsense"), MemoryError(), RecursionError()]
 )
