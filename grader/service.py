@@ -23,9 +23,10 @@ from grader.contracts.errors import (
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState, SyntaxProblem
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
+from grader.contracts.text import Language
 from grader.preflight import SandboxPreflight
 from grader.routes.access import InstructorGate, new_token
-from grader.routes.plots import PlotCache, Wish
+from grader.routes.plots import PlotCache
 from grader.routes.services import Services
 from grader.settings import Settings, is_loopback
 from grader.slot import Slot, SlotConfig
@@ -33,6 +34,7 @@ from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
+from grader.store.occupancy import in_use
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.schema import migrate
 from grader.store.work import WorkSource
@@ -111,9 +113,7 @@ def running(
         InfrastructureError: the database cannot be opened.
     """
     with ExitStack() as stack:
-        database = Database(settings.database_url)
-        stack.callback(database.close)
-        migrate(database)
+        database = stack.enter_context(_store(settings))
         courses = Courses(database, utc_now)
         check_exposure(settings, courses)
         services = Services.over(
@@ -143,11 +143,21 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
         SettingsError, AssignmentError, InfrastructureError: as `running` does.
     """
     with ExitStack() as stack:
-        database = Database(settings.database_url)
-        stack.callback(database.close)
-        migrate(database)
+        database = stack.enter_context(_store(settings))
         parts = _parts(database, settings, RememberedAssignments(Catalog()))
         yield stack.enter_context(_working(settings, parts))
+
+
+@contextmanager
+def _store(settings: Settings) -> Iterator[Database]:
+    """Open the database and bring it up to date; nobody replaces it meanwhile."""
+    database = Database(settings.database_url)
+    try:
+        with in_use(database):
+            migrate(database)
+            yield database
+    finally:
+        database.close()
 
 
 @contextmanager
@@ -220,12 +230,8 @@ def require_safe_exposure(settings: Settings) -> None:
     """
     if is_loopback(settings.host):
         return
-    database = Database(settings.database_url)
-    try:
-        migrate(database)
+    with _store(settings) as database:
         check_exposure(settings, Courses(database, utc_now))
-    finally:
-        database.close()
 
 
 def check_exposure(settings: Settings, courses: Courses) -> None:
@@ -268,8 +274,7 @@ def _probe() -> SandboxState:
         )
 
 
-def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
+def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, language: Language) -> bytes:
     from grader.plots import draw  # matplotlib takes a second to import: not at start
 
-    graded = from_plain(GradeReport, json.loads(report.content))
-    return draw(assignment, graded, trajectory, wish.language, wish.form, case=wish.case)
+    return draw(assignment, from_plain(GradeReport, json.loads(report.content)), trajectory, language)

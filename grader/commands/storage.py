@@ -12,6 +12,7 @@ from grader.settings import load
 from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
+from grader.store.occupancy import in_use
 from grader.store.schema import migrate
 from grader.store.tokens import Tokens
 
@@ -62,8 +63,11 @@ def opened(arguments: argparse.Namespace) -> Iterator[Storage]:
     url = database_url(arguments.data)
     database = Database(load().database_url if url is None else url)
     try:
-        migrate(database)
-        yield Storage(database=database, courses=Courses(database, utc_now), tokens=Tokens(database, utc_now))
+        with in_use(database):
+            migrate(database)
+            yield Storage(
+                database=database, courses=Courses(database, utc_now), tokens=Tokens(database, utc_now)
+            )
     finally:
         database.close()
 

@@ -47,6 +47,21 @@ class UtcDateTime(TypeDecorator[datetime]):
         return self
 
 
+class PlainText(TypeDecorator[str]):
+    """Text without the character NUL, which PostgreSQL cannot hold; it becomes U+FFFD."""
+
+    impl = Text
+    cache_ok = True
+
+    def process_bind_param(self, value: str | None, dialect: Dialect) -> str | None:
+        """Replace before storing."""
+        return None if value is None else value.replace("\0", "\ufffd")
+
+    def process_result_value(self, value: str | None, dialect: Dialect) -> str | None:
+        """Replace what a SQLite database may hold from before."""
+        return None if value is None else value.replace("\0", "\ufffd")
+
+
 def instant_column(*, nullable: bool = False) -> Column[datetime]:
     """Return a column of instants."""
     return Column(UtcDateTime(), nullable=nullable)
@@ -54,7 +69,7 @@ def instant_column(*, nullable: bool = False) -> Column[datetime]:
 
 def text_column() -> Column[str]:
     """Return a column of text of any length."""
-    return Column(Text(), nullable=False)
+    return Column(PlainText(), nullable=False)
 
 
 def bytes_column() -> Column[bytes]:

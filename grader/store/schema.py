@@ -4,6 +4,8 @@ from pathlib import Path
 
 from alembic import command
 from alembic.config import Config
+from alembic.migration import MigrationContext
+from alembic.script import ScriptDirectory
 from alembic.util.exc import CommandError
 from sqlalchemy import Connection, text
 from sqlmodel import SQLModel
@@ -16,21 +18,24 @@ from grader.store.locks import one_at_a_time
 _MIGRATIONS = Path(__file__).parent / "migrations"
 
 
-def migrate(database: Database) -> None:
+def migrate(database: Database) -> tuple[str | None, str]:
     """Create or upgrade the tables; harmless when there is nothing to do.
 
     Processes that start at the same moment do it one after the other.
+
+    Returns:
+        The version of the schema before (None: there was none) and after.
 
     Raises:
         SettingsError: the database was written by a newer grader, or cannot hold Chinese.
         InfrastructureError: the database cannot be reached.
     """
-    config = Config()
-    config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
+    config = _config()
     with database.writing() as session:
         connection = session.connection()
         one_at_a_time(connection, "migrate")
         _check_encoding(connection)
+        before = version(connection)
         config.attributes["connection"] = connection
         try:
             command.upgrade(config, "head")
@@ -38,6 +43,25 @@ def migrate(database: Database) -> None:
             raise SettingsError(f"this database does not fit this version of the grader: {error}") from error
         _sort_by_code_point(connection)
         _install_queue(connection)
+        return before, expected_version()
+
+
+def version(connection: Connection) -> str | None:
+    """Return the version of a database's schema, or None when it has none."""
+    return MigrationContext.configure(connection).get_current_revision()
+
+
+def expected_version() -> str:
+    """Return the version of the schema that this grader works with."""
+    head = ScriptDirectory.from_config(_config()).get_current_head()
+    assert head is not None
+    return head
+
+
+def _config() -> Config:
+    config = Config()
+    config.set_main_option("script_location", str(_MIGRATIONS).replace("%", "%%"))
+    return config
 
 
 def _install_queue(connection: Connection) -> None:

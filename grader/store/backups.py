@@ -1,0 +1,130 @@
+"""Backups, which are SQLite files, and putting them back.
+
+A SQLite database is copied page by page, a PostgreSQL database row by row from one snapshot; both while the
+service runs. Putting back wants the service stopped.
+"""
+
+import os
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+
+from grader.contracts.errors import SettingsError
+from grader.store.database import Database
+from grader.store.schema import migrate
+from grader.store.transfer import transfer
+
+_PAGES = 256  # copied at a time, so that uploads go on in between
+_PAUSE_S = 0.01
+_PRIVATE = 0o600  # people's work: only the owner reads it
+
+
+def back_up(database: Database, file: Path) -> None:
+    """Write a checked copy of `database`; `file` appears whole or not at all.
+
+    Raises:
+        SettingsError: it is no database of the grader, or the file cannot be written.
+        InfrastructureError: the database does not answer.
+    """
+    if database.is_sqlite:
+        copy_file(Path(database.name), file)
+        return
+    with tempfile.TemporaryDirectory(prefix="grader-backup-") as folder:
+        with _opened(Path(folder) / "rows.db") as rows:
+            migrate(rows)
+            transfer(database, rows)
+        copy_file(Path(folder) / "rows.db", file)
+
+
+def restore_file(backup: Path, database: Path) -> Path | None:
+    """Check a backup, bring a copy up to date, and only then let it take the place of the file `database`.
+
+    Returns:
+        Where what was there is kept now, or None when there was nothing.
+
+    Raises:
+        SettingsError: the backup is none, or something cannot be written.
+    """
+    new = database.with_name(database.name + ".new")
+    copy_file(backup, new)
+    try:
+        with _opened(new) as opened:
+            migrate(opened)
+        old = None
+        if database.is_file():
+            old = database.with_name(database.name + ".before-restore")
+            copy_file(database, old)  # with what its log holds
+        _forget_log(database)
+        os.replace(new, database)
+    finally:
+        new.unlink(missing_ok=True)
+        _forget_log(new)
+    return old
+
+
+def restore_rows(backup: Path, database: Database, *, replace: bool) -> int:
+    """Put a backup into a database on a server, in one transaction; return how many submissions it has.
+
+    Raises:
+        SettingsError: the backup is none, or the database is not empty and `replace` was not said.
+        InfrastructureError: the database does not answer.
+    """
+    with tempfile.TemporaryDirectory(prefix="grader-restore-") as folder:
+        copy_file(backup, Path(folder) / "rows.db")
+        with _opened(Path(folder) / "rows.db") as rows:
+            migrate(rows)
+            migrate(database)
+            copied = transfer(rows, database, replace=replace)
+    return next(one.rows for one in copied if one.table == "submission")
+
+
+def copy_file(source: Path, target: Path) -> None:
+    """Write a checked copy of a SQLite database that may be in use; `target` appears whole or not at all.
+
+    Raises:
+        SettingsError: `source` is no database of the grader, or `target` cannot be written.
+    """
+    if not source.is_file():
+        raise SettingsError(f"{source}: there is no such file")
+    half = target.with_name(target.name + ".part")
+    half.unlink(missing_ok=True)
+    try:
+        os.close(os.open(half, os.O_CREAT | os.O_WRONLY, _PRIVATE))
+        with (
+            # URI: opening must not create an empty database
+            closing(sqlite3.connect(f"{source.resolve().as_uri()}?mode=rw", uri=True)) as origin,
+            closing(sqlite3.connect(half)) as copy,
+        ):
+            origin.backup(copy, pages=_PAGES, sleep=_PAUSE_S)
+            copy.execute("PRAGMA journal_mode=DELETE")  # one file, complete without a log beside it
+            _check(copy, source)
+        os.replace(half, target)
+    except (sqlite3.Error, OSError) as error:
+        raise SettingsError(f"{source} could not be copied to {target}: {error}") from error
+    finally:
+        half.unlink(missing_ok=True)
+
+
+def _check(copy: sqlite3.Connection, source: Path) -> None:
+    found = copy.execute("PRAGMA integrity_check").fetchone()
+    if found != ("ok",):
+        raise SettingsError(f"{source} is damaged: {found[0]}")
+    tables = {row[0] for row in copy.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
+    if not {"submission", "alembic_version"} <= tables:
+        raise SettingsError(f"{source} is no database of the grader")
+
+
+def _forget_log(database: Path) -> None:
+    for log in ("-wal", "-shm"):
+        Path(f"{database}{log}").unlink(missing_ok=True)
+
+
+@contextmanager
+def _opened(file: Path) -> Iterator[Database]:
+    database = Database(f"sqlite:///{file.resolve()}")
+    try:
+        yield database
+    finally:
+        database.close()
