@@ -6,6 +6,7 @@ import os
 import sys
 import time
 import uuid
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
@@ -28,6 +29,7 @@ _OPEN_STATES = ("queued", "running")
 _TRIES = 4
 _PAUSE_S = 0.25
 _LONGEST_PAUSE_S = 2.0
+_REOPEN_S = 1.0
 _TIMEOUT_S = 30.0
 
 
@@ -87,6 +89,8 @@ def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dic
     pause_s = _PAUSE_S
     progress = Console(stderr=True, markup=False, emoji=False, highlight=False)
     with progress.status("") as display:
+        for told in _told(client, url):
+            display.update(_standing(told, arguments))
         while True:
             document: dict[str, Any] = _asked(client, "GET", url).json()
             if document["status"] not in _OPEN_STATES:
@@ -97,6 +101,27 @@ def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dic
     if document["status"] != "graded":
         raise InfrastructureError(SUBMISSION_STATE[document["status"]].get(arguments.lang))
     return document
+
+
+def _told(client: httpx.Client, url: str) -> Iterator[dict[str, Any]]:
+    """Yield where the submission stands whenever the service says so, until it is graded.
+
+    Ends early where events do not get through; then the service has to be asked.
+    """
+    while True:
+        told: dict[str, Any] | None = None
+        try:
+            with client.stream("GET", url + "/events") as response:
+                if response.headers.get("Content-Type", "").startswith("text/event-stream"):
+                    for line in response.iter_lines():
+                        if line.startswith("data:"):  # the service writes an event's data on one line
+                            told = json.loads(line.removeprefix("data:"))
+                            yield told
+        except (httpx.TransportError, ValueError):
+            return
+        if told is None or not told["open"]:
+            return
+        time.sleep(_REOPEN_S)
 
 
 def _standing(document: dict[str, Any], arguments: argparse.Namespace) -> str:
