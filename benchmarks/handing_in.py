@@ -45,7 +45,7 @@ class HandingIn:
     Attributes:
         urls: API processes, used in turn.
         tokens: of each student.
-        insist: whether to send again, under an idempotency key, what got no answer.
+        insist: whether to send again, under an idempotency key, what got no answer or a server's failure.
         sent: what was answered so far.
     """
 
@@ -97,11 +97,14 @@ class HandingIn:
         }
         for left in reversed(range(_TRIES)):
             try:
-                return await client.post(url + ADDRESS, **request)
+                answer = await client.post(url + ADDRESS, **request)
             except httpx.TransportError:
                 if not self.insist or not left:
                     raise
-                await asyncio.sleep(_AGAIN_S)
+            else:
+                if not (self.insist and left and answer.is_server_error):
+                    return answer
+            await asyncio.sleep(_AGAIN_S)
         raise AssertionError("unreachable")
 
 

@@ -42,7 +42,7 @@ class Service:
         self._apis = apis
         self._workers = workers
         self.database = database or f"sqlite:///{folder / 'grader.db'}"
-        self.urls = [f"http://127.0.0.1:{_free_port()}" for _ in range(apis)]
+        self.urls = [f"http://127.0.0.1:{free_port()}" for _ in range(apis)]
         self.running: dict[str, subprocess.Popen[bytes]] = {}
 
     def __enter__(self) -> Self:
@@ -178,7 +178,8 @@ def _entries(folder: Path) -> list[Path]:
         return []
 
 
-def _free_port() -> int:
+def free_port() -> int:
+    """Return a port of loopback that nobody listens on at present."""
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
         port: int = probe.getsockname()[1]
