@@ -1,11 +1,12 @@
 """The rows of a re-grade's trials: what they would change, and moving their gradings to their submissions."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import delete, insert, literal, or_, select, update
+from sqlalchemy import case, delete, func, insert, literal, or_, select, update
+from sqlalchemy.orm import aliased
 from sqlmodel import Session, SQLModel, col
 
 from grader.contracts.judgement import ItemScore, Judgement, settled, total
@@ -17,12 +18,15 @@ from grader.store.tables import (
     GradedItemRow,
     GradedMistakeRow,
     GradingRow,
+    JudgementRow,
     SubmissionRow,
     TrajectoryRow,
 )
 
 _OF_GRADING: tuple[type[SQLModel], ...] = (TrajectoryRow, GradedMistakeRow, GradedItemRow, GradingRow)
 _AT_ONCE = 500  # below SQLite's limit of variables
+Mark = tuple[Any, ...]
+_STATUSES = {status.value: status for status in ItemStatus}
 _ENDS = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)
 
 
@@ -117,17 +121,38 @@ def delete_trials(session: Session, trials: list[Trial]) -> None:
         session.execute(delete(SubmissionRow).where(col(SubmissionRow.id) == trial.row.id))
 
 
-def _scores(session: Session, rows: list[SubmissionRow]) -> dict[str, tuple[ItemScore, ...]]:
+def mark_of(session: Session, regrade_id: str) -> Mark:
+    """Return what changes with everything that the trials of an open re-grade say."""
+    trial, original = aliased(SubmissionRow), aliased(SubmissionRow)
+    numbers = [func.sum(col(trial.attempt)), func.sum(func.coalesce(col(trial.graded_attempt), 0))]
+    numbers += [func.sum(case((col(trial.state) == state.value, 1), else_=0)) for state in SubmissionState]
+    numbers += [func.sum(col(original.attempt)), func.sum(func.coalesce(col(original.graded_attempt), 0))]
+    statement = (
+        select(func.count(), *numbers)
+        .join_from(trial, original, col(original.id) == col(trial.original))
+        .where(col(trial.regrade) == regrade_id)
+    )
+    judged = (
+        select(func.count())
+        .join_from(trial, JudgementRow, col(JudgementRow.submission_id) == col(trial.original))
+        .where(col(trial.regrade) == regrade_id)
+    )
+    return (*session.execute(statement).one(), session.execute(judged).scalar_one())
+
+
+def _scores(session: Session, rows: list[SubmissionRow]) -> dict[str, list[ItemScore]]:
     """Return what the machine gave for each item in the latest grading of each of `rows`, by submission."""
     latest = {row.id: row.graded_attempt for row in rows if row.graded_attempt is not None}
-    scores: dict[str, tuple[ItemScore, ...]] = {}
+    scores: dict[str, list[ItemScore]] = {id_: [] for id_ in latest}
+    item = GradedItemRow
+    told = (col(item.item), col(item.points), col(item.earned), col(item.status))
+    statement = select(col(item.submission_id), col(item.attempt), *told)
     ids = list(latest)
     for start in range(0, len(ids), _AT_ONCE):
-        part = col(GradedItemRow.submission_id).in_(ids[start : start + _AT_ONCE])
-        for item in session.execute(select(GradedItemRow).where(part)).scalars():
-            if item.attempt == latest[item.submission_id]:
-                score = ItemScore(item.item, item.points, item.earned, ItemStatus(item.status))
-                scores[item.submission_id] = (*scores.get(item.submission_id, ()), score)
+        part = statement.where(col(item.submission_id).in_(ids[start : start + _AT_ONCE]))
+        for submission, attempt, name, points, earned, status in session.execute(part):
+            if attempt == latest[submission]:
+                scores[submission].append(ItemScore(name, points, earned, _STATUSES[status]))
     return scores
 
 
@@ -144,7 +169,7 @@ def _judgements(session: Session, rows: list[SubmissionRow]) -> dict[str, list[J
 def _change(
     original: SubmissionRow,
     made: SubmissionRow,
-    scores: dict[str, tuple[ItemScore, ...]],
+    scores: Mapping[str, Sequence[ItemScore]],
     judgements: Sequence[Judgement],
 ) -> ScoreChange:
     old, new = scores.get(original.id, ()), scores.get(made.id, ())

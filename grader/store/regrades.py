@@ -22,11 +22,12 @@ from grader.store.audit import Signature, record
 from grader.store.database import Database
 from grader.store.intake import new_id
 from grader.store.locks import one_at_a_time
-from grader.store.regrade_rows import Trial, adopt, delete_trials, hold, trials_of
+from grader.store.regrade_rows import Mark, Trial, adopt, delete_trials, hold, mark_of, trials_of
 from grader.store.tables import GradingRow, RegradeRow, SubmissionRow
 
 _BEHIND_FRESH = 10
 _ID_BYTES = 6
+_REMEMBERED = 20  # re-grades whose changes are kept in memory
 
 
 class Regrades:
@@ -34,6 +35,7 @@ class Regrades:
 
     def __init__(self, database: Database) -> None:
         self._database = database
+        self._latest: dict[str, tuple[Mark, Regrade]] = {}
 
     def open(self, wanted: Wanted, signed: Signature) -> Regrade:
         """Queue a trial grading for every submission that `wanted` names.
@@ -69,7 +71,7 @@ class Regrades:
         """Return one re-grade of a course, or None."""
         with self._database.reading() as session:
             row = session.get(RegradeRow, regrade_id)
-            return None if row is None or row.course != course else _regrade(session, row)
+            return None if row is None or row.course != course else self._seen(session, row)
 
     def all(self, course: str | None) -> tuple[Regrade, ...]:
         """Return the re-grades of a course, newest first."""
@@ -79,7 +81,20 @@ class Regrades:
             .order_by(col(RegradeRow.created_at).desc(), col(RegradeRow.id))
         )
         with self._database.reading() as session:
-            return tuple(_regrade(session, row) for row in session.execute(statement).scalars().all())
+            return tuple(self._seen(session, row) for row in session.execute(statement).scalars().all())
+
+    def _seen(self, session: Session, row: RegradeRow) -> Regrade:
+        """Return a re-grade, counted anew only when something has happened to it."""
+        mark: Mark = (row.state,)
+        if row.state == RegradeState.OPEN.value:
+            mark += mark_of(session, row.id)
+        known = self._latest.get(row.id)
+        if known is None or known[0] != mark:
+            known = mark, _regrade(session, row)
+            self._latest[row.id] = known
+            for oldest in list(self._latest)[:-_REMEMBERED]:
+                self._latest.pop(oldest, None)
+        return known[1]
 
     def apply(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
         """Make the trial gradings the gradings of their submissions; older ones stay in the history.
@@ -128,7 +143,7 @@ class Regrades:
                 raise RegradeError("decided", f"the re-grade is {row.state} already")
             hold(session, row.id)
             trials = trials_of(session, row.id)
-            outcome = _regrade(session, row)
+            outcome = _regrade(session, row, trials)
             act(session, row, trials)
             delete_trials(session, trials)
             row.state, row.reason = state.value, reason
@@ -200,9 +215,10 @@ def _trial_row(original: SubmissionRow, regrade_id: str, now: datetime) -> Submi
     )
 
 
-def _regrade(session: Session, row: RegradeRow) -> Regrade:
+def _regrade(session: Session, row: RegradeRow, trials: list[Trial] | None = None) -> Regrade:
+    """Return a re-grade; an open one by its `trials`, which are read when not given."""
     if row.state == RegradeState.OPEN.value:
-        trials = trials_of(session, row.id)
+        trials = trials_of(session, row.id) if trials is None else trials
         made = [trial.change for trial in trials if not trial.waits and not trial.failed]
         changes = tuple(change for change in made if change.items or change.before != change.after)
         kept = sum(len(change.kept) for change in made)
