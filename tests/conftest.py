@@ -80,7 +80,7 @@ def database_url(request: pytest.FixtureRequest, tmp_path: Path, migrated_file: 
 def blank_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
     """The address of a database without tables, of both kinds."""
     if request.param == "sqlite":
-        yield f"sqlite:///{tmp_path / 'grader.db'}"
+        yield f"sqlite:///{tmp_path / 'blank.db'}"
         return
     server: postgres.PostgresServer = request.getfixturevalue("postgres_server")
     name = f"blank_{os.getpid()}"

@@ -1,0 +1,215 @@
+"""Threads that do the same at the same moment. SQLite lets writers in one by one; PostgreSQL does not."""
+
+import threading
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TypeVar
+
+import pytest
+from sqlalchemy import text
+
+from grader.contracts.errors import CourseError, RegradeError, UploadRefusedError
+from grader.contracts.grading import GradingJob
+from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.policy import AssignmentPolicy
+from grader.contracts.regrade import RegradeState, Wanted
+from grader.contracts.submission import Claim, NewSubmission, SubmissionState
+from grader.store.audit import AuditLog, Signature
+from grader.store.courses import Courses
+from grader.store.database import Database
+from grader.store.policies import Policies
+from grader.store.queue import Queue, RetryPolicy
+from grader.store.regrades import Regrades
+from grader.store.submissions import Submissions
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import assignment, grade
+
+THREADS = 8
+Done = TypeVar("Done")
+
+
+def at_once(act: Callable[[int], Done]) -> list[Done | Exception]:
+    """Call `act` in several threads at the same moment; return what came of each, errors among it."""
+    start = threading.Barrier(THREADS)
+
+    def one(number: int) -> Done | Exception:
+        start.wait()
+        try:
+            return act(number)
+        except Exception as error:
+            return error
+
+    with ThreadPoolExecutor(THREADS) as pool:
+        return list(pool.map(one, range(THREADS)))
+
+
+def count(database: Database, table: str) -> int:
+    with database.reading() as session:
+        return int(session.execute(text(f"SELECT count(*) FROM {table}")).scalar_one())
+
+
+def new(student: str = "li", source: bytes = b"good", **more: object) -> NewSubmission:
+    values: dict[str, object] = {"student": student, "assignment": "square", "file_name": "a.py"}
+    return NewSubmission(**{**values, "source": source, **more})
+
+
+def result_of(claim: Claim):
+    return grade(GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment()))
+
+
+@pytest.fixture
+def course(database: Database, clock: FakeClock) -> str:
+    courses = Courses(database, clock)
+    courses.create("ros", "ROS", "UTC", "me")
+    courses.import_roster("ros", [RosterEntry(id="li", name="李", role=Role.STUDENT)], "me")
+    return "ros"
+
+
+def test_a_limit_of_attempts_is_never_exceeded(
+    database: Database, clock: FakeClock, submissions: Submissions, course: str
+) -> None:
+    Policies(database).set("square", AssignmentPolicy(attempts=3), Signature(clock(), course, "wang"))
+    made = at_once(lambda n: submissions.add(new(source=b"good # %d" % n, course=course, ruled=True)))
+    kinds = Counter(type(one) for one in made)
+    assert kinds[UploadRefusedError] == THREADS - 3
+    assert count(database, "submission") == 3
+
+
+def test_an_upload_sent_many_times_at_once_is_stored_once(
+    database: Database, submissions: Submissions
+) -> None:
+    made = at_once(lambda _: submissions.accept(new(key="k")))
+    assert sum(not repeated for _, repeated in made) == 1
+    assert len({submission.id for submission, _ in made}) == 1
+    assert (count(database, "submission"), count(database, "upload_key")) == (1, 1)
+
+
+def test_the_same_bytes_from_many_students_are_kept_once(
+    database: Database, submissions: Submissions
+) -> None:
+    made = at_once(lambda number: submissions.add(new(f"s{number}", b"the same")))
+    assert len({submission.id for submission in made}) == THREADS
+    assert (count(database, "submission"), count(database, "source")) == (THREADS, 1)
+
+
+def test_turns_of_simultaneous_uploads_are_all_different(
+    database: Database, submissions: Submissions
+) -> None:
+    at_once(lambda number: submissions.add(new(source=b"good # %d" % number)))
+    with database.reading() as session:
+        turns = session.execute(text("SELECT count(DISTINCT turn_at) FROM submission")).scalar_one()
+    assert turns == THREADS
+
+
+def test_claims_and_uploads_in_each_others_way(
+    database: Database, queue: Queue, submissions: Submissions
+) -> None:
+    """Each student hands in again while slots take what waits: nothing is taken twice or left."""
+
+    def hand_in_or_claim(number: int) -> list[str]:
+        if number % 2:
+            for version in range(4):
+                submissions.add(new(f"s{number % 4}", b"good # %d %d" % (number, version)))
+            return []
+        taken = (queue.claim(f"w{number}") for _ in range(4))
+        return [claim.submission_id for claim in taken if claim is not None]
+
+    taken = [id_ for ids in at_once(hand_in_or_claim) for id_ in ids]
+    while (claim := queue.claim("rest")) is not None:
+        taken.append(claim.submission_id)
+    assert max(Counter(taken).values()) == 1
+    assert len(taken) == count(database, "submission") == 16
+
+
+def test_one_result_of_many_is_stored(database: Database, queue: Queue, submissions: Submissions) -> None:
+    submissions.add(new())
+    claim = queue.claim("w")
+    stored = at_once(lambda _: queue.finish(claim, result_of(claim), assignment()))
+    assert sorted(stored) == [False] * (THREADS - 1) + [True]
+    assert (count(database, "grading"), count(database, "graded_assignment")) == (1, 1)
+
+
+def test_a_claim_ends_in_one_way_only(
+    database: Database, queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    """A result, a failure, a renewal and the end of the lease at the same moment."""
+    added = submissions.add(new())
+    claim = queue.claim("w")
+    clock.advance(16)
+    acts = (
+        lambda: queue.finish(claim, result_of(claim)),
+        lambda: queue.fail(claim, "no") is not None,
+        lambda: queue.reconcile().requeued > 0,
+        lambda: queue.hand_back(claim),
+    )
+    ended = at_once(lambda number: acts[number % len(acts)]())
+    assert Counter(ended) == {True: 1, False: THREADS - 1}
+    state = submissions.get(added.id).state
+    assert state is (SubmissionState.GRADED if count(database, "grading") else SubmissionState.QUEUED)
+
+
+def test_finished_assignments_are_kept_once(
+    database: Database, queue: Queue, submissions: Submissions
+) -> None:
+    for number in range(THREADS):
+        submissions.add(new(f"s{number}"))
+    claims = [queue.claim("w") for _ in range(THREADS)]
+    assert at_once(lambda n: queue.finish(claims[n], result_of(claims[n]), assignment())) == [True] * THREADS
+    assert (count(database, "grading"), count(database, "graded_assignment")) == (THREADS, 1)
+
+
+def test_one_of_many_regrades_is_opened_and_decided_once(
+    database: Database, queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    added = submissions.add(new())
+    claim = queue.claim("w")
+    queue.finish(claim, result_of(claim))
+    regrades, signed = Regrades(database), Signature(clock(), None, "wang")
+    opened = at_once(lambda _: regrades.open(Wanted(assignment="square", which="all"), signed))
+    (regrade,) = (one for one in opened if not isinstance(one, Exception))
+    assert {one.code for one in opened if isinstance(one, RegradeError)} == {"open"}
+    trial = queue.claim("w")
+
+    def decide_or_finish(number: int) -> object:
+        if number == 0:
+            return queue.finish(trial, result_of(trial))
+        return regrades.discard(regrade.id, signed, "no")
+
+    decided = at_once(decide_or_finish)
+    assert [one.state for one in decided[1:] if not isinstance(one, Exception)] == [RegradeState.DISCARDED]
+    assert {getattr(one, "code", one) for one in decided[1:] if isinstance(one, Exception)} == {"decided"}
+    assert isinstance(decided[0], bool)
+    assert (count(database, "submission"), count(database, "grading")) == (1, 1)
+    assert submissions.get(added.id).graded_attempt == 1
+
+
+def test_rosters_imported_at_once(database: Database, clock: FakeClock, course: str) -> None:
+    courses = Courses(database, clock)
+    people = [RosterEntry(id=f"s{number}", name="x", role=Role.STUDENT) for number in range(20)]
+    changes = at_once(lambda _: courses.import_roster(course, people, "me"))
+    assert sorted(len(change.added) for change in changes) == [0] * (THREADS - 1) + [20]
+    entries = AuditLog(database).entries(course, 100)
+    assert Counter(one.action for one in entries)["member.add"] == 21
+
+
+def test_a_course_is_created_once(database: Database, clock: FakeClock) -> None:
+    made = at_once(lambda _: Courses(database, clock).create("ros", "ROS", "UTC", "me"))
+    assert Counter(isinstance(one, CourseError) for one in made) == {True: THREADS - 1, False: 1}
+
+
+def test_a_frozen_process_gives_its_locks_back(postgres_database: Database, clock: FakeClock) -> None:
+    """Its transaction ends on the server's side; whatever it does afterwards fails."""
+    added = Submissions(postgres_database, clock).add(new())
+    with pytest.raises(Exception, match="does not answer"), postgres_database.writing() as session:  # noqa: PT012
+        session.execute(text("SET LOCAL idle_in_transaction_session_timeout = 1"))
+        session.execute(text("UPDATE submission SET trouble = 'mine'"))
+        gone = text(
+            "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND state LIKE 'idle in%'"
+        )
+        with postgres_database.reading() as watching:
+            connection = watching.connection()
+            while connection.execute(gone).scalar_one():
+                connection.exec_driver_sql("SELECT pg_stat_clear_snapshot()")
+        assert Queue(postgres_database, clock, RetryPolicy()).claim("w").submission_id == added.id
+        session.execute(text("SELECT 1"))
