@@ -222,7 +222,7 @@ def test_every_control_has_a_name(browser: Browser, token: str) -> None:
     for page in ("/class", "/class/students/bo", "/assignments/square", "/enter"):
         browser.open(page)
         controls = browser.all(
-            "a, button, input:not([type=hidden]), select, summary, [role=region], nav, img"
+            "a, button, input:not([type=hidden]), select, summary, [role=group], nav, img"
         )
         assert [
             one.get_attribute("outerHTML") for one in controls if one.is_displayed() and not _named(one)
