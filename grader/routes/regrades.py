@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Response
+from fastapi import APIRouter, Path, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.errors import RegradeError, UnknownAssignmentError
@@ -19,6 +19,7 @@ router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
 history = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
 RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]
 _PATH = "/api/v1/submissions/"
+_MOST = 100_000
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
 _CODES = {
     "unknown": "regrade_not_found",
@@ -73,7 +74,7 @@ class ScoreChangeView(BaseModel):
     void: list[str] = Field(description="Items that a person has to judge again: their points changed.")
 
 
-class RegradeView(BaseModel):
+class RegradeSummary(BaseModel):
     """A re-grade: while `open` and `waiting` is 0 it can be applied."""
 
     id: str
@@ -92,15 +93,21 @@ class RegradeView(BaseModel):
     gain: int = Field(description="Submissions whose score rises.", examples=[4])
     lose: int = Field(description="Submissions whose score falls.", examples=[1])
     kept: int = Field(description="Judgements by people that stand in the new gradings.", examples=[0])
+    changed: int = Field(description="Submissions whose score or items change.", examples=[6])
+
+
+class RegradeView(RegradeSummary):
+    """A re-grade and what it changes."""
+
     changes: list[ScoreChangeView] = Field(
-        description="In order of student; the whole trial, even while it runs."
+        description="In order of student; the whole trial, even while it runs, or the page asked for."
     )
 
 
 class RegradeList(BaseModel):
     """Re-grades, newest first."""
 
-    regrades: list[RegradeView]
+    regrades: list[RegradeSummary]
 
 
 class PastGradingView(BaseModel):
@@ -154,16 +161,23 @@ def start(
 @router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
 def read_all(services: ServicesDep, caller: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
-    return RegradeList(regrades=[_view(one) for one in services.regrades.all(caller.course)])
+    return RegradeList(regrades=[_summary(one) for one in services.regrades.all(caller.course)])
 
 
 @router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
-def read(services: ServicesDep, caller: StaffDep, regrade_id: RegradeId) -> RegradeView:
-    """Return how far a re-grade is, who gains and who loses, by which item."""
+def read(
+    services: ServicesDep,
+    caller: StaffDep,
+    regrade_id: RegradeId,
+    *,
+    offset: Annotated[int, Query(ge=0, le=_MOST, description="Changes left out at the start.")] = 0,
+    limit: Annotated[int | None, Query(ge=1, le=_MOST, description="Most changes; null: all.")] = None,
+) -> RegradeView:
+    """Return how far a re-grade is, who gains and who loses, by which item. Counts are of all changes."""
     regrade = services.regrades.get(regrade_id, caller.course)
     if regrade is None:
         raise ProblemError("regrade_not_found")
-    return _view(regrade)
+    return _view(regrade, slice(offset, None if limit is None else offset + limit))
 
 
 @router.post(
@@ -210,9 +224,15 @@ def _signed(services: Services, caller: Caller) -> Signature:
     return Signature(services.clock(), caller.course, caller.signature)
 
 
-def _view(regrade: Regrade) -> RegradeView:
-    moved = [(one.after or 0.0) - (one.before or 0.0) for one in regrade.changes]
+def _view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
     return RegradeView(
+        **_summary(regrade).model_dump(), changes=[_change(one) for one in regrade.changes[shown]]
+    )
+
+
+def _summary(regrade: Regrade) -> RegradeSummary:
+    moved = [(one.after or 0.0) - (one.before or 0.0) for one in regrade.changes]
+    return RegradeSummary(
         id=regrade.id,
         assignment=regrade.wanted.assignment,
         which=regrade.wanted.which,
@@ -229,7 +249,7 @@ def _view(regrade: Regrade) -> RegradeView:
         kept=regrade.kept,
         gain=sum(one > 0 for one in moved),
         lose=sum(one < 0 for one in moved),
-        changes=[_change(one) for one in regrade.changes],
+        changed=len(regrade.changes),
     )
 
 

@@ -14,7 +14,7 @@ from grader.contracts.regrade import Which
 from grader.routes import regrades
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.problems import ProblemError
-from grader.routes.regrades import Decision, RegradeId, RegradeOrder, RegradeView
+from grader.routes.regrades import Decision, RegradeId, RegradeOrder, RegradeSummary
 from grader.routes.services import Services, ServicesDep
 from grader.web import access
 from grader.web.access import InstructorDep, StaffDep, require_staff
@@ -144,9 +144,9 @@ def read_change(
     )
 
 
-def total(regrade: RegradeView) -> int:
+def total(regrade: RegradeSummary) -> int:
     """Return of how many submissions a re-grade makes trial gradings."""
-    return regrade.waiting + regrade.failed + regrade.same + len(regrade.changes)
+    return regrade.waiting + regrade.failed + regrade.same + regrade.changed
 
 
 def _list(

@@ -78,6 +78,11 @@ def test_a_trial_lists_exactly_those_it_changes(
         "start": (None, 5.0),
     }
     assert (li["student"], li["before"], li["after"]) == ("li", 10.0, 15.0)
+    page = client.get(url, params={"offset": 1, "limit": 1}, headers=school.as_("ta")).json()
+    assert page == document | {"changes": [li]}
+    (listed,) = client.get(URL, headers=school.as_("ta")).json()["regrades"]
+    assert listed == {name: value for name, value in document.items() if name != "changes"}
+    assert listed["changed"] == 2
 
 
 def test_nothing_changes_until_it_is_applied(
