@@ -1,0 +1,18 @@
+import pytest
+
+from grader.cli import run
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--slots", "0"], "would grade nothing"),
+        (["--slots", "-1"], "slots"),
+        (["--database-url", "mysql://x/y"], "database_url"),
+    ],
+)
+def test_a_worker_that_could_not_work_says_why(
+    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["worker", *arguments]) == 2
+    assert said in capsys.readouterr().err
