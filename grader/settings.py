@@ -42,7 +42,7 @@ class Settings(BaseSettings):
     )
     database_url: str = Field(
         default="sqlite:///grader.db",
-        validation_alias=AliasChoices("database_url", _PREFIX + "DATABASE_URL", "DATABASE_URL"),
+        validation_alias=AliasChoices(_PREFIX + "DATABASE_URL", "database_url"),
         repr=False,  # it may hold a password
         description="Where submissions are kept: a SQLite file, or a PostgreSQL database "
         "(`postgresql+psycopg://user@host/name`). `DATABASE_URL` is read, too, when this is not set.",
@@ -134,6 +134,10 @@ class Settings(BaseSettings):
         if url.drivername in ("postgres", "postgresql", _POSTGRESQL):
             if not url.database:
                 raise ValueError("must name the database: postgresql+psycopg://user@host/name")
+            if "@" in url.database:
+                raise ValueError(
+                    "has a special character in the password: write / as %2F, @ as %40, : as %3A"
+                )
             return url.set(drivername=_POSTGRESQL).render_as_string(hide_password=False)
         if url.drivername not in ("sqlite", "sqlite+pysqlite"):
             raise ValueError(f"knows SQLite and PostgreSQL ({_POSTGRESQL}://...), not {url.drivername}")

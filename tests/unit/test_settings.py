@@ -42,11 +42,30 @@ def test_loopback(host: str) -> None:
         ("sqlite:///file:x?mode=memory&uri=true", "memory"),
         ("mysql://localhost/x", "mysql"),
         ("nonsense", "not a database URL"),
+        ("postgresql://grader:pa/ss@host/grader", "special character"),
+        ("postgresql+psycopg://host", "name the database"),
+        ("postgresql+asyncpg://host/grader", "not postgresql\\+asyncpg"),
     ],
 )
 def test_a_database_that_forgets_or_is_unknown_is_refused(url: str, why: str) -> None:
-    with pytest.raises(SettingsError, match=why):
+    with pytest.raises(SettingsError, match=why) as caught:
         load(database_url=url)
+    assert "ss@host" not in str(caught.value)
+
+
+@pytest.mark.parametrize("scheme", ["postgresql+psycopg", "postgresql", "postgres"])
+def test_a_postgresql_database_is_accepted_and_its_password_does_not_show(scheme: str) -> None:
+    settings = load(database_url=f"{scheme}://grader:3q9fKx72@db:5432/grader?sslmode=require")
+    assert settings.database_url == "postgresql+psycopg://grader:3q9fKx72@db:5432/grader?sslmode=require"
+    assert "3q9fKx72" not in repr(settings)
+
+
+def test_the_graders_own_variable_goes_before_the_common_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DATABASE_URL", "postgresql://db/grader")
+    assert load().database_url == "postgresql+psycopg://db/grader"
+    monkeypatch.setenv("GRADER_DATABASE_URL", "sqlite:////var/lib/grader.db")
+    assert load().database_url == "sqlite:////var/lib/grader.db"
+    assert load(database_url="sqlite:////mine.db").database_url == "sqlite:////mine.db"
 
 
 @pytest.mark.parametrize(

@@ -1,18 +1,23 @@
 """`grader db`: backups of a database in use, and putting them back."""
 
+import re
 import sqlite3
 import threading
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
 
-from grader import cli
-from grader.contracts.submission import NewSubmission
+from grader import cli, service
+from grader.contracts.submission import NewSubmission, WorkerState
+from grader.settings import Settings
 from grader.store.columns import utc_now
 from grader.store.database import Database
+from grader.store.occupancy import in_use
 from grader.store.schema import migrate
 from grader.store.submissions import Submissions
-from grader.store.workers import presence
+from grader.store.workers import Workers, presence
+from tests.fakes.grading import FakePreflight
 
 
 @pytest.fixture
@@ -101,3 +106,67 @@ def test_what_is_no_backup_changes_nothing(database: Database, db, tmp_path: Pat
         assert why in db("restore", tmp_path / name, status=2)
     assert count(tmp_path / "grader.db") == 1
     assert not (tmp_path / "none").exists()
+
+
+def test_a_service_that_leaves_grading_to_others_is_not_overlooked(
+    database: Database, db, tmp_path: Path
+) -> None:
+    add(database, "a")
+    db("backup", tmp_path / "backup.db")
+    settings = Settings(database_url=f"sqlite:///{tmp_path / 'grader.db'}", slots=0)
+    with service.running(settings, lambda _: None, FakePreflight()):
+        assert "stop it first" in db("restore", tmp_path / "backup.db", status=2)
+    db("restore", tmp_path / "backup.db")
+
+
+def test_the_schema_is_brought_up_to_date(blank_url: str, monkeypatch, capsys) -> None:
+    monkeypatch.setenv("GRADER_DATABASE_URL", blank_url)
+    assert cli.run(["db", "migrate"]) == 0
+    assert "was at none" in capsys.readouterr().err
+    assert cli.run(["db", "migrate"]) == 0
+    assert "is up to date" in capsys.readouterr().err
+
+
+def test_an_installation_moves_to_postgresql(
+    database: Database, postgres_url: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    id_ = add(database, "a")
+    url = postgres_url.replace("postgres@", "postgres:3q9fKx72@")
+    move = ["db", "move", "--data", str(tmp_path), "--to", url]
+    with in_use(database):
+        assert cli.run(move) == 2
+    assert cli.run(move) == 0
+    said = capsys.readouterr()
+    assert re.search(r"^submission +1 rows  [0-9a-f]{16}  same$", said.out, re.MULTILINE)
+    assert "3q9fKx72" not in said.out + said.err
+    moved = Database(postgres_url)
+    assert Submissions(moved, utc_now).get(id_) == Submissions(database, utc_now).get(id_)
+    moved.close()
+    assert cli.run(move) == 2
+    assert "not empty" in capsys.readouterr().err
+
+
+def test_postgresql_is_backed_up_and_restored(
+    postgres_url: str, monkeypatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("DATABASE_URL", postgres_url)
+    database = Database(postgres_url)
+    first = add(database, "a")
+    backup = str(tmp_path / "backup.db")
+    assert cli.run(["db", "backup", backup]) == 0
+    second = add(database, "b")
+    assert cli.run(["db", "restore", backup]) == 2
+    assert "not empty" in capsys.readouterr().err
+    report_life(database, utc_now())
+    assert cli.run(["db", "restore", "--replace", backup]) == 2
+    assert "stop it first" in capsys.readouterr().err
+    report_life(database, utc_now() - timedelta(minutes=5))
+    assert cli.run(["db", "restore", "--replace", backup]) == 0
+    assert Submissions(database, utc_now).source(first) == b"a"
+    assert Submissions(database, utc_now).get(second) is None
+    database.close()
+
+
+def report_life(database: Database, at: datetime) -> None:
+    state = {"id": "h:1", "slots": 1, "busy": 0, "sandbox_ready": True, "isolation": "strict", "detail": ""}
+    Workers(database, utc_now).report(WorkerState(**state, started_at=at, seen_at=at))
