@@ -22,6 +22,7 @@ from grader.store.database import Database
 
 KINDS = ("kill", "child", "freeze", "database", "wipe")
 _FROZEN_S = 20.0  # longer than a lease
+_FREEZE_AGAIN_S = 60.0
 _DATABASE_AWAY_S = 3.0
 _DATABASE_KILLS = 3
 _RESTART_S = 1.0  # what a supervisor waits before it starts a process again
@@ -61,6 +62,7 @@ class Faults(threading.Thread):
         self._chance = random.Random(seed)  # noqa: S311 - not a secret
         self._stopped = threading.Event()
         self._frozen: dict[str, float] = {}
+        self._freeze_again = 0.0
         self._died: dict[str, float] = {}
         self._database = Database(service.database)
         self.made: list[Fault] = []
@@ -125,8 +127,9 @@ class Faults(threading.Thread):
 
     def _freeze(self) -> tuple[str, int | None] | None:
         graders = [name for name in self._up() if name.startswith("worker")] or self._up()
-        if not graders or self._frozen:
+        if not graders or time.monotonic() < self._freeze_again:
             return None
+        self._freeze_again = time.monotonic() + _FREEZE_AGAIN_S
         name = self._chance.choice(graders)
         process = self._service.running[name]
         process.send_signal(signal.SIGSTOP)

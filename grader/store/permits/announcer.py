@@ -28,8 +28,8 @@ _LEFT_OVER = text(
     "  AND event.type = 'started' AND event.at > now() - make_interval(secs => :stuck_s)))"
 )
 _PERMITS = text(
-    "SELECT count(*) FROM procrastinate_jobs WHERE queue_name = :queue AND status = 'todo'"
-    " AND (scheduled_at IS NULL OR scheduled_at <= :now)"
+    "SELECT count(*) FROM (SELECT FROM procrastinate_jobs WHERE queue_name = :queue AND status = 'todo'"
+    " AND (scheduled_at IS NULL OR scheduled_at <= :now) LIMIT :most) AS permit"
 )
 
 
@@ -45,16 +45,18 @@ class PermitAnnouncer:
         """Sweep, unless another worker does so at this moment.
 
         Jobs that nobody runs any more are deleted: their rows wait, and then count as late, or run under a lease,
-        which ends. Rows that are late while there are fewer permits than late rows get one.
+        which ends. Rows that are late while there are fewer permits than late rows get one. Of many nobody counts
+        more than a thousand: so many permits keep the workers busy until a later sweep.
         """
         if not session.execute(select(func.pg_try_advisory_xact_lock(_SWEEP_KEY))).scalar_one():
             return 0
         left_over = {"queue": QUEUE, "silent_s": _SILENT_S, "stuck_s": _STUCK_S}
         session.execute(_LEFT_OVER, left_over)
         late = _late(now)
-        count = session.execute(select(func.count()).select_from(SubmissionRow).where(*late)).scalar_one()
-        permits = session.execute(_PERMITS, {"queue": QUEUE, "now": now}).scalar_one()
-        missing = min(int(count) - int(permits), _AT_ONCE)
+        some = select(col(SubmissionRow.id)).where(*late).limit(_AT_ONCE).subquery()
+        count = session.execute(select(func.count()).select_from(some)).scalar_one()
+        permits = session.execute(_PERMITS, {"queue": QUEUE, "now": now, "most": _AT_ONCE}).scalar_one()
+        missing = int(count) - int(permits)
         if missing <= 0:
             return 0
         rows = session.execute(
