@@ -134,10 +134,8 @@ class Settings(BaseSettings):
         if url.drivername in ("postgres", "postgresql", _POSTGRESQL):
             if not url.database:
                 raise ValueError("must name the database: postgresql+psycopg://user@host/name")
-            if "@" in url.database:
-                raise ValueError(
-                    "has a special character in the password: write / as %2F, @ as %40, : as %3A"
-                )
+            if "@" in (url.host or ""):
+                raise ValueError("has an @ in its password: write it as %40")
             return url.set(drivername=_POSTGRESQL).render_as_string(hide_password=False)
         if url.drivername not in ("sqlite", "sqlite+pysqlite"):
             raise ValueError(f"knows SQLite and PostgreSQL ({_POSTGRESQL}://...), not {url.drivername}")

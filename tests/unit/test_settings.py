@@ -42,7 +42,7 @@ def test_loopback(host: str) -> None:
         ("sqlite:///file:x?mode=memory&uri=true", "memory"),
         ("mysql://localhost/x", "mysql"),
         ("nonsense", "not a database URL"),
-        ("postgresql://grader:pa/ss@host/grader", "special character"),
+        ("postgresql://grader:pa@ss@host/grader", "%40"),
         ("postgresql+psycopg://host", "name the database"),
         ("postgresql+asyncpg://host/grader", "not postgresql\\+asyncpg"),
     ],
