@@ -3,16 +3,22 @@
 PYTHON ?= python3
 RUN = $(PYTHON) tools/bootstrap.py
 
-.PHONY: demo test check bench setup messages interfaces clean
+.PHONY: demo test image-test check bench load capacity setup messages interfaces clean
 
 demo:     ## grade a small class over HTTP and show the dashboard
 	@$(RUN) demo
 test:     ## the whole test suite
 	@$(RUN) test $(ARGS)
+image-test: ## build the container image without a daemon and try it as an ordinary container
+	@$(RUN) image-test $(ARGS)
 check:    ## formatting, lint, types, layers
 	@$(RUN) check
 bench:    ## measured cost of one grading against a bare PyBullet loop
 	@$(RUN) bench $(ARGS)
+load:     ## a class of 300 hands in over HTTP: latencies, throughput, gradebook; ARGS=--help tells more
+	@$(RUN) load $(ARGS)
+capacity: ## simulate deadline evenings from measured times: docs/capacity.md's table and picture
+	@$(RUN) capacity $(ARGS)
 setup:    ## only create .venv
 	@$(RUN) setup
 messages: ## compile the Chinese and English message catalogs

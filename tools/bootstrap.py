@@ -24,6 +24,7 @@ COMMANDS: dict[str, list[list[str]]] = {
     "setup": [],
     "demo": [["-m", "grader", "demo"]],
     "test": [["-m", "pytest", "-n", "auto", "--dist", "loadgroup"]],
+    "image-test": [["-m", "tools.image", "test"]],
     "check": [
         ["-m", "ruff", "format", "--check", "."],
         ["-m", "ruff", "check", "."],
@@ -31,6 +32,8 @@ COMMANDS: dict[str, list[list[str]]] = {
         ["tools/lint_layers.py"],
     ],
     "bench": [["-m", "benchmarks.bench"], ["-m", "benchmarks.startup"]],
+    "load": [["-m", "benchmarks.load"]],
+    "capacity": [["-m", "benchmarks.capacity"]],
     "messages": [["tools/compile_messages.py"]],
     "interfaces": [["tools/generate_interfaces.py"]],
 }
