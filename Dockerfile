@@ -74,4 +74,4 @@ HEALTHCHECK --interval=10s --timeout=5s --start-period=30s \
     CMD ["python", "-c", "import urllib.request as u; u.urlopen('http://127.0.0.1:8080/healthz', timeout=4)"]
 # tini hands signals on and reaps what a killed grading process leaves behind; -s: also below another init.
 ENTRYPOINT ["tini", "-s", "--", "grader"]
-CMD ["serve", "--host", "0.0.0.0", "--data", "/data"]
+CMD ["serve", "--host", "0.0.0.0"]

@@ -15,4 +15,4 @@ def good(done: Done) -> str:
 
 def python(runtime: Runtime, *arguments: str) -> str:
     """Return what the image's Python prints; the folder ``scripts`` is shown to it."""
-    return good(runtime.run_program(["python", *arguments], SCRIPTS))
+    return good(runtime.run_program(["python", *arguments], shown=SCRIPTS))

@@ -50,7 +50,7 @@ def test_doctor_is_ready_for_strict_mode(runtime: Runtime) -> None:
 
 def test_the_lessons_square_gets_full_marks(runtime: Runtime) -> None:
     command = ["grader", "check", "/lesson/square_mover.py", "--assignment", "square", "--lang", "en"]
-    assert "100 / 100" in good(runtime.run_program(command, {"/lesson": ROOT / "lesson"}))
+    assert "100 / 100" in good(runtime.run_program(command, shown={"/lesson": ROOT / "lesson"}))
 
 
 @pytest.mark.parametrize(
@@ -70,6 +70,6 @@ def test_the_sandboxs_own_tests_pass(runtime: Runtime, part: str) -> None:
         "import pytest, grader; assert grader.__file__.startswith('/opt/grader/'); "
         f"sys.exit(pytest.main(['-q', '-p', 'no:cacheprovider', '{part}']))"
     )
-    last = good(runtime.run_program(["python", "-c", runner], shown)).splitlines()[-1]
+    last = good(runtime.run_program(["python", "-c", runner], shown=shown)).splitlines()[-1]
     print(f"\n{part}, inside: {last}")
     assert re.match(r"\d+ passed", last)

@@ -1,48 +1,109 @@
-"""The image's own command: start-up, a class graded over HTTP, health, and how it stops."""
+"""The image as a service, alone and with workers on PostgreSQL: start-up, health, a class graded, how it stops."""
 
 import csv
 import subprocess
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
 
 import pytest
 
 from tests.container.running import SCRIPTS, good
+from tests.fakes import postgres
 from tools.image.runtime import Runtime
 
-NAME = "service"
+SERVICE = "service"
+SOCKETS = "/run/postgresql"
+DATABASE = "image"
 
 
-@pytest.fixture(scope="module")
-def service(runtime: Runtime) -> Iterator["subprocess.Popen[str]"]:
-    """`docker run` of the image as it is, after a course was made in its volume."""
-    data = runtime.folder / "data"
+@dataclass(frozen=True)
+class Installation:
+    """Containers that serve one course together.
+
+    Attributes:
+        environment: of all of them.
+        shown: what all of them see of this host.
+        running: containers by name.
+    """
+
+    runtime: Runtime
+    environment: Mapping[str, str]
+    shown: Mapping[str, Path]
+    running: dict[str, "subprocess.Popen[str]"] = field(default_factory=dict)
+
+    def start(self, name: str, *arguments: str, **more: str) -> None:
+        environment = {**self.environment, **more}
+        self.running[name] = self.runtime.start(
+            name, arguments, environment=environment, shown={**SCRIPTS, **self.shown}
+        )
+
+    def stop(self, signal: str) -> dict[str, tuple[int, str]]:
+        """Send `signal` to all; return what each ended with and printed."""
+        ends = {}
+        while self.running:
+            name, process = self.running.popitem()
+            if process.poll() is None:
+                self.runtime.signal(name, signal)
+            printed, _ = process.communicate(timeout=60.0)
+            ends[name] = (process.returncode, printed)
+        return ends
+
+
+def create_course(installation: Installation) -> None:
+    """Make a course as an instructor does: by a command of the image, from a file in its volume."""
+    data = installation.runtime.folder / "data"
     (data / "class.csv").write_text("id,name\nada,Ada\nbo,小波\n", encoding="utf-8")
-    tokens = good(runtime.run("course", "create", "ros2", "--instructor", "wang", "--roster", "class.csv"))
-    (data / "tokens.csv").write_text(tokens, encoding="utf-8")
+    command = ("course", "create", "ros2", "--instructor", "wang", "--roster", "class.csv")
+    done = installation.runtime.run(*command, environment=installation.environment, shown=installation.shown)
+    (data / "tokens.csv").write_text(good(done), encoding="utf-8")
+
+
+def on_postgresql(runtime: Runtime, server: postgres.PostgresServer) -> Installation:
+    """An installation whose database the containers reach by a socket of this host."""
+    sockets = server._folder
+    (sockets / ".s.PGSQL.5432").chmod(0o777)  # the image's user is not the server's
+    sockets.chmod(0o755)
+    server.create(DATABASE, empty=True)
+    url = f"postgresql+psycopg://postgres@/{DATABASE}?host={SOCKETS}"
+    return Installation(runtime, {"GRADER_DATABASE_URL": url}, {SOCKETS: sockets})
+
+
+@pytest.fixture(scope="module", params=["alone", "workers"])
+def installation(runtime: Runtime, request: pytest.FixtureRequest) -> Iterator[Installation]:
+    """The image's own command; once alone, once beside two workers."""
+    if request.param == "alone":
+        made = Installation(runtime, {}, {})
+    else:
+        made = on_postgresql(runtime, request.getfixturevalue("postgres_server"))
+    create_course(made)
     started = time.time()
-    process = runtime.start(NAME, runtime.image.config["Cmd"], SCRIPTS)
     try:
-        while runtime.execute(NAME, "python", "-c", "").returncode != 0:
-            assert process.poll() is None, "it ended at once"
-        ready = float(good(runtime.execute(NAME, "python", "/scripts/await_service.py")))
-        print(f"\nstart-up until /healthz says 200: {ready - started:.2f} s")
-        yield process
+        if request.param == "alone":
+            made.start(SERVICE, *runtime.image.config["Cmd"])
+        else:
+            made.start(SERVICE, *runtime.image.config["Cmd"], GRADER_SLOTS="0")
+            for number in (1, 2):
+                made.start(f"worker-{number}", "worker", GRADER_SLOTS="1")
+        while runtime.execute(SERVICE, "python", "-c", "").returncode != 0:
+            assert all(process.poll() is None for process in made.running.values()), "it ended at once"
+        ready = float(good(runtime.execute(SERVICE, "python", "/scripts/await_service.py")))
+        print(f"\n{request.param}: start-up until /healthz says 200: {ready - started:.2f} s")
+        yield made
     finally:
-        if process.poll() is None:
-            runtime.signal(NAME, "KILL")
-        process.communicate()
+        for name, (_, printed) in made.stop("KILL").items():
+            print(f"\n{name} printed:\n{printed}")
 
 
-def test_the_health_check_of_the_image_passes(runtime: Runtime, service: "subprocess.Popen[str]") -> None:
+def test_the_health_check_of_the_image_passes(runtime: Runtime, installation: Installation) -> None:
     kind, *command = runtime.image.config["Healthcheck"]["Test"]
     assert kind == "CMD"
-    good(runtime.execute(NAME, *command))
+    good(runtime.execute(SERVICE, *command))
 
 
-def test_a_class_is_graded(runtime: Runtime, service: "subprocess.Popen[str]") -> None:
-    text = good(runtime.execute(NAME, "python", "/scripts/hand_in.py"))
-    print(f"\n{text}")
+def test_a_class_is_graded(runtime: Runtime, installation: Installation) -> None:
+    text = good(runtime.execute(SERVICE, "python", "/scripts/hand_in.py"))
     rows = csv.DictReader(text.removeprefix("\ufeff").splitlines())
     points = {
         row["student"]: [row[f"{one} (100)"] for one in ("hello", "straight", "square")] for row in rows
@@ -50,8 +111,8 @@ def test_a_class_is_graded(runtime: Runtime, service: "subprocess.Popen[str]") -
     assert points == {"ada": ["100", "100", "100"], "bo": ["0", "0", "77.5"]}
 
 
-def test_it_stops_in_good_order(runtime: Runtime, service: "subprocess.Popen[str]") -> None:
-    runtime.signal(NAME, "TERM")
-    printed, _ = service.communicate(timeout=60.0)
-    assert service.returncode == 0, printed
-    assert "Traceback" not in printed
+def test_it_stops_in_good_order(installation: Installation) -> None:
+    names = set(installation.running)
+    ends = installation.stop("TERM")
+    assert {name: code for name, (code, _) in ends.items()} == dict.fromkeys(names, 0), ends
+    assert all("Traceback" not in printed for _, printed in ends.values()), ends

@@ -85,7 +85,7 @@ def _make_base(work: Path) -> None:
     """Make what the published image of the same name holds, from the package sources of this machine."""
     archive = work / "base.tar"
     leave_out = ("man/*", "locale/*/LC_MESSAGES/*", "doc/*")
-    options = [f"--dpkgopt=path-exclude=/usr/share/{path}" for path in leave_out]
+    options = ["--dpkgopt=force-unsafe-io", *(f"--dpkgopt=path-exclude=/usr/share/{path}" for path in leave_out)]
     _run(
         work, "mmdebstrap", "--quiet", "--mode=root", "--variant=minbase", *options,
         "--dpkgopt=path-include=/usr/share/doc/*/copyright", _SUITE, str(archive), *_sources(),

@@ -77,21 +77,32 @@ class Runtime:
         return _is_root()
 
     def start(
-        self, name: str, arguments: Sequence[str], shown: Mapping[str, Path] | None = None
+        self,
+        name: str,
+        arguments: Sequence[str],
+        *,
+        environment: Mapping[str, str] | None = None,
+        shown: Mapping[str, Path] | None = None,
     ) -> "subprocess.Popen[str]":
         """Start a container of that name as ``docker run`` does: the image's entry point with `arguments`."""
-        command = self._run(name, [*self.image.config["Entrypoint"], *arguments], shown or {})
+        command = self._run(name, [*self.image.config["Entrypoint"], *arguments], environment, shown)
         return subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
-    def run(self, *arguments: str) -> Done:
+    def run(self, *arguments: str, **more: Mapping[str, Any] | None) -> Done:
         """Run one container to its end: the image's entry point with `arguments`."""
-        return self.run_program([*self.image.config["Entrypoint"], *arguments])
+        return self.run_program([*self.image.config["Entrypoint"], *arguments], **more)
 
-    def run_program(self, command: list[str], shown: Mapping[str, Path] | None = None) -> Done:
+    def run_program(
+        self,
+        command: Sequence[str],
+        *,
+        environment: Mapping[str, str] | None = None,
+        shown: Mapping[str, Path] | None = None,
+    ) -> Done:
         """Run `command` instead of the entry point, with `shown` files or folders at these places, read-only."""
         name = f"one-{next(_NUMBERS)}"
         return subprocess.run(
-            self._run(name, command, shown or {}), capture_output=True, text=True, check=False
+            self._run(name, command, environment, shown), capture_output=True, text=True, check=False
         )
 
     def execute(self, name: str, *command: str) -> Done:
@@ -102,33 +113,44 @@ class Runtime:
         """Send a signal to a container's process 1, as ``docker stop`` does first."""
         subprocess.run(self._runc("kill", name, signal), check=True)
 
-    def _run(self, name: str, command: list[str], shown: Mapping[str, Path]) -> list[str]:
-        bundle = self.folder / name
+    def _run(
+        self,
+        name: str,
+        command: Sequence[str],
+        environment: Mapping[str, str] | None,
+        shown: Mapping[str, Path] | None,
+    ) -> list[str]:
+        bundle = self.folder / f"bundle-{next(_NUMBERS)}"
         bundle.mkdir()
-        specification = self._specification(name, command, shown)
+        specification = self._specification(name)
+        specification["process"]["args"] = list(command)
+        specification["process"]["env"] += [f"{key}={value}" for key, value in (environment or {}).items()]
+        specification["mounts"] += [
+            _mount(target, "bind", "rbind,ro", str(path)) for target, path in (shown or {}).items()
+        ]
         (bundle / "config.json").write_text(json.dumps(specification), encoding="utf-8")
         return self._runc("run", "--bundle", str(bundle), name)
 
     def _runc(self, *arguments: str) -> list[str]:
         return _privileged("runc", "--root", str(self.folder / "state"), *arguments)
 
-    def _specification(self, name: str, command: list[str], shown: Mapping[str, Path]) -> dict[str, Any]:
-        """Return the container's description in the words of the OCI runtime specification."""
+    def _specification(self, name: str) -> dict[str, Any]:
+        """Return a container's description in the words of the OCI runtime specification, less its program."""
         config = self.image.config
         uid, gid = map(int, config["User"].split(":"))
+        volume = next(iter(config["Volumes"]))
         return {
             "ociVersion": "1.0.2",
             "hostname": "grader",
             "root": {"path": str(self.folder / "rootfs"), "readonly": True},
             "process": {
                 "user": {"uid": uid, "gid": gid},
-                "args": command,
                 "cwd": config["WorkingDir"],
-                "env": config["Env"],
+                "env": list(config["Env"]),
                 "noNewPrivileges": True,
                 "capabilities": {kind: [] for kind in _CAPABILITY_SETS},
             },
-            "mounts": [*_system_mounts(), *self._binds(shown)],
+            "mounts": [*_system_mounts(), _mount(volume, "bind", "rbind,rw", str(self.folder / "data"))],
             "linux": {
                 "namespaces": [{"type": kind} for kind in _NAMESPACES],
                 "seccomp": self.seccomp,
@@ -137,13 +159,6 @@ class Runtime:
                 **(_limits(name) if _is_root() else {}),
             },
         }
-
-    def _binds(self, shown: Mapping[str, Path]) -> list[dict[str, Any]]:
-        volume = next(iter(self.image.config["Volumes"]))
-        return [
-            _mount(volume, "bind", "rbind,rw", str(self.folder / "data")),
-            *(_mount(target, "bind", "rbind,ro", str(path)) for target, path in shown.items()),
-        ]
 
 
 def _limits(name: str) -> dict[str, Any]:
