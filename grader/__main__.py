@@ -3,9 +3,12 @@
 import gc
 import os
 import sys
-from typing import NoReturn
 
 from grader.launch import launch_ahead
+
+TYPE_CHECKING = False  # `typing` itself takes as long to import as all that is done before the launch
+if TYPE_CHECKING:
+    from typing import NoReturn
 
 
 def main() -> None:
@@ -18,7 +21,7 @@ def main() -> None:
     sys.exit(run(arguments))
 
 
-def _check(arguments: list[str]) -> NoReturn:
+def _check(arguments: list[str]) -> "NoReturn":
     """Grade one file, in a process that lives for a fraction of a second and is made for it.
 
     The grading process imports the physics while this one finds out what to grade. Collecting garbage, and

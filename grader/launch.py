@@ -12,10 +12,10 @@ _SINGLE_THREADED = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NU
 """Trajectories are short: threads of a BLAS would only cost their start, and its sums would depend on them."""
 
 _ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-# -P: the folder `grader` is called in may hold a student's random.py.
+_PYTHON = (sys.executable, "-S", "-P", "-c")  # what `site` would find out once more stands in our own path
 # The zygote first: it gets ready on another core while this process imports contracts and physics.
 _BOOTSTRAP = (
-    "import gc, os, sys; gc.disable(); root = sys.argv.pop(1); root in sys.path or sys.path.insert(0, root); "
+    "import gc, os, sys; gc.disable(); sys.path[:] = sys.argv.pop(1).split(os.pathsep); "
     "[os.set_inheritable(int(descriptor), False) for descriptor in sys.argv[1:]]; "
     "from grader.jail.spawn import spawn_ahead; spawn_ahead(); "
     "from grader.grading import main; sys.exit(main(sys.argv[1:]))"
@@ -78,6 +78,15 @@ def give_way(pid: int, niceness: int) -> None:
         return  # it ended, or this kernel does not group
 
 
+def _path() -> str:
+    """Return what this process imports from, but for its script's folder or the one `grader` is called in.
+
+    The first entry is one of these, unless Python was told otherwise; a student's random.py may lie there.
+    """
+    own = [entry for entry in (sys.path if sys.flags.safe_path else sys.path[1:]) if entry]
+    return os.pathsep.join(own if _ROOT in own else [_ROOT, *own])
+
+
 def _start() -> Child:
     theirs_requests, requests = os.pipe()
     answers, theirs_answers = os.pipe()
@@ -85,7 +94,7 @@ def _start() -> Child:
     try:
         pid = os.posix_spawn(
             sys.executable,
-            [sys.executable, "-P", "-c", _BOOTSTRAP, _ROOT, str(theirs_requests), str(theirs_answers)],
+            [*_PYTHON, _BOOTSTRAP, _path(), str(theirs_requests), str(theirs_answers)],
             environment | _SINGLE_THREADED,
             file_actions=[
                 (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),

@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from grader.checks import credit
 from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake
 from grader.checks.quantity import number_beside, plain
 from grader.checks.rubric_text import wanted
 from grader.contracts.assignment import BY_PERSON, ItemSpec
+from grader.contracts.record import positional_record
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.messages import join, say
@@ -17,7 +18,7 @@ _BLOCKING = (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
 _LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class Portion:
     """One of the runs among which each item's points are divided.
 

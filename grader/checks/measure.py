@@ -2,12 +2,12 @@
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Literal
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
-from grader.contracts.record import record
+from grader.contracts.record import positional_record, record
 from grader.contracts.text import Text
 from grader.contracts.verdict import Run
 
@@ -15,7 +15,7 @@ Option = float | int | str | bool
 Form = Literal["quantity", "count", "flag"]
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class MeasureKind:
     """A quantity that a check computes. Its texts are ``<check>.<name>.{name,seen,hint}`` in the catalogs.
 
@@ -28,7 +28,7 @@ class MeasureKind:
     form: Form = "quantity"
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class Measure:
     """A measured value. NaN: could not be measured. `details` fill the ``seen`` sentence."""
 
@@ -39,7 +39,7 @@ class Measure:
 UNMEASURED = Measure(math.nan)
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class Mistake:
     """A recognised mistake.
 
@@ -58,7 +58,7 @@ class Mistake:
         return not self.measures or measure in self.measures
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class Findings:
     """What a check saw in one run. A measure that is absent could not be taken.
 

@@ -4,7 +4,8 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterator
-from dataclasses import dataclass
+
+from grader.contracts.record import positional_record
 
 _UNITS: dict[str, tuple[str, float, tuple[str, ...]]] = {
     # canonical name: the unit it is a multiple of, the factor, and how it is written
@@ -29,7 +30,7 @@ _QUANTITY = re.compile(
 )
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class SpokenQuantity:
     """A number in a text. `unit` is one of `UNITS`, or empty when none that is known follows."""
 

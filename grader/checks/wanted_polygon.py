@@ -4,14 +4,14 @@ import cmath
 import itertools
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 
 from grader.checks.measure import Option
+from grader.contracts.record import positional_record
 
 FULL_TURN_DEG = 360.0
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class WantedPolygon:
     """A polygon with equal corners.
 

@@ -16,15 +16,25 @@ _NOT_GIVEN: Final = object()
 @dataclass_transform(kw_only_default=True, frozen_default=True, field_specifiers=(field,))
 def record(cls: type[T]) -> type[T]:
     """Make `cls` an immutable dataclass with slots, equality and hash by value, and keyword arguments only."""
-    made: Any = dataclass(init=False, repr=False, eq=False, slots=True, kw_only=True)(cls)
-    made.__init__ = _initializer(made.__dataclass_fields__)
+    return _make(cls, kw_only=True)
+
+
+@dataclass_transform(frozen_default=True, field_specifiers=(field,))
+def positional_record(cls: type[T]) -> type[T]:
+    """As `record`, but arguments may be given by position as well."""
+    return _make(cls, kw_only=False)
+
+
+def _make(cls: type[T], *, kw_only: bool) -> type[T]:
+    made: Any = dataclass(init=False, repr=False, eq=False, slots=True, kw_only=kw_only)(cls)
+    made.__init__ = _initializer(made.__dataclass_fields__, "*, " if kw_only else "")
     for method in (_eq, _hash, _repr, _setattr, _delattr, _getstate, _setstate):
         setattr(made, f"_{method.__name__}__", method)
     return made  # type: ignore[no-any-return]
 
 
-def _initializer(fields: dict[str, Field[Any]]) -> Any:
-    """Compile ``__init__``, as `dataclass` does."""
+def _initializer(fields: dict[str, Field[Any]], marker: str) -> Any:
+    """Compile ``__init__``, as `dataclass` does; `marker` stands before the parameters."""
     names: dict[str, Any] = {"_put": _put, "_NOT_GIVEN": _NOT_GIVEN}
     parameters, body = [], []
     for name, each in fields.items():
@@ -39,7 +49,7 @@ def _initializer(fields: dict[str, Field[Any]]) -> Any:
         else:
             parameters.append(name)
         body.append(f"    _put(self, {name!r}, {value})\n")
-    exec(f"def __init__(self, *, {', '.join(parameters)}):\n{''.join(body)}", names)  # noqa: S102 - our own
+    exec(f"def __init__(self, {marker}{', '.join(parameters)}):\n{''.join(body)}", names)  # noqa: S102 - our own
     return names["__init__"]
 
 

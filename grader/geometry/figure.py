@@ -2,10 +2,10 @@
 
 import itertools
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
+from grader.contracts.record import positional_record
 from grader.geometry.path import Path
 from grader.geometry.segmentation import Segments, Turn
 
@@ -15,7 +15,7 @@ REPEAT_TOLERANCE = 0.15  # by how much a later side may differ when the figure i
 MIN_CLOSING_TURN_RAD = math.radians(10.0)
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class PolygonFigure:
     """The first figure of a path, complete or not.
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from grader.contracts.record import positional_record
 from grader.geometry.path import Floats, Path
 
 HEADING_TOLERANCE_RAD = math.radians(10.0)  # wobble of a steering loop that still counts as straight
@@ -22,7 +23,7 @@ MAX_VERTICES = 1000
 STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class Run:
     """A straight stretch between samples `first` and `last`.
 
@@ -37,7 +38,7 @@ class Run:
     length_m: float
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class Turn:
     """A change of direction between samples `first` and `last`.
 
@@ -52,7 +53,7 @@ class Turn:
     length_m: float
 
 
-@dataclass(frozen=True, slots=True)
+@positional_record
 class Segments:
     """Runs and the turns around them.
 

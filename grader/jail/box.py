@@ -3,13 +3,14 @@
 import json
 import os
 from collections.abc import Set
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
 from grader.contracts.limits import Limits
+from grader.contracts.record import record
 from grader.jail import layers
 from grader.jail.confined import Confined
 from grader.jail.jail import Jail
@@ -20,7 +21,7 @@ _RUNS_PER_ZYGOTE: Final = 500
 SHIM_PATH: Final = Path(__file__).parents[1] / "shim"
 
 
-@dataclass(frozen=True, kw_only=True)
+@record
 class Proof:
     """What a confined process saw when it tried to get out.
 

@@ -1,7 +1,7 @@
 """A confined process up to its first frame: forked by a zygote, confined, and waiting to be told what to run."""
 
+import _socket
 import os
-import socket
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
 from typing import Final
@@ -38,19 +38,18 @@ class Confined:
         self.limits = limits
         self._zygote = zygote
         with ExitStack() as undo:
-            self._channel, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_STREAM)
+            self._channel, theirs = _socket.socketpair(_socket.AF_UNIX, _socket.SOCK_STREAM)
             undo.callback(self._channel.close)
-            with theirs:
+            with ExitStack() as handed_on:
+                handed_on.callback(theirs.close)
                 self._captures, writers = _pipes(undo, limits.output_bytes)
-                try:
-                    self._pid, pidfd = zygote.fork(
-                        (limits.cpu_s, limits.memory_bytes, limits.threads if count_threads else None),
-                        (theirs.fileno(), *writers),
-                        prove=prove,
-                    )
-                finally:
-                    for writer in writers:
-                        os.close(writer)
+                for writer in writers:
+                    handed_on.callback(os.close, writer)
+                self._pid, pidfd = zygote.fork(
+                    (limits.cpu_s, limits.memory_bytes, limits.threads if count_threads else None),
+                    (theirs.fileno(), *writers),
+                    prove=prove,
+                )
             self._process = ProcessHandle(self._pid, pidfd)
             undo.callback(self._process.close)
             _await_start(self._channel, _CONFINE_LIMIT_S)
@@ -59,7 +58,7 @@ class Confined:
     def waits(self) -> bool:
         """Return whether it is still there, as silent as it has to be."""
         try:
-            self._channel.recv(1, socket.MSG_PEEK | socket.MSG_DONTWAIT)
+            self._channel.recv(1, _socket.MSG_PEEK | _socket.MSG_DONTWAIT)
         except BlockingIOError:
             return True
         except OSError:
@@ -92,7 +91,7 @@ def _pipes(undo: ExitStack, limit_bytes: int) -> tuple[tuple[Capture, Capture], 
     return captures, (stdout_writer, stderr_writer)
 
 
-def _await_start(channel: socket.socket, timeout_s: float) -> None:
+def _await_start(channel: _socket.socket, timeout_s: float) -> None:
     """Wait for the confined process to say that it is confined.
 
     Raises:

@@ -1,9 +1,9 @@
 """One confined process as its episode sees it: frames in, frames out, limits kept, an account at the end."""
 
+import _socket
 import os
 import select
 import signal
-import socket
 import struct
 import time
 from collections.abc import Callable
@@ -37,7 +37,7 @@ class Jail:
 
     def __init__(
         self,
-        channel: socket.socket,
+        channel: _socket.socket,
         process: ProcessHandle,
         captures: tuple[Capture, Capture],
         limits: Limits,
@@ -54,8 +54,8 @@ class Jail:
         self._detail = ""
         self._report: JailReport | None = None
         self._clocks = Clocks(process, limits)
-        channel.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _TICK_TIMEVAL)
-        channel.setsockopt(socket.SOL_SOCKET, socket.SO_SNDTIMEO, _TICK_TIMEVAL)
+        channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_RCVTIMEO, _TICK_TIMEVAL)
+        channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_SNDTIMEO, _TICK_TIMEVAL)
         self._poll = select.poll()
         for capture in captures:
             self._poll.register(capture.descriptor, select.POLLIN)
@@ -154,7 +154,7 @@ class Jail:
             self._end(Verdict.PROTOCOL, "the script sends without reading what it asked for")
             return
         try:
-            data = self._channel.recv(_RECEIVE_BYTES, socket.MSG_DONTWAIT)
+            data = self._channel.recv(_RECEIVE_BYTES, _socket.MSG_DONTWAIT)
         except OSError:
             return
         self._channel_ended = not data

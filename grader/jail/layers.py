@@ -3,11 +3,11 @@
 import os
 import sys
 from collections.abc import Set
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import Final
 
+from grader.contracts.record import record
 from grader.jail import landlock, layout, libc, policy
 from grader.jail.supervisor import FILTER_DIRECTORY, ZygoteConfig
 
@@ -40,7 +40,7 @@ class Layer(StrEnum):
 REQUIRED: Final = (Layer.PROCESS, Layer.RLIMITS, Layer.SECCOMP, Layer.LANDLOCK, Layer.OWN_UID)
 
 
-@dataclass(frozen=True, kw_only=True)
+@record
 class Program:
     """What a zygote preloads and what its children run.
 
@@ -55,7 +55,7 @@ class Program:
     preload: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, kw_only=True)
+@record
 class Choice:
     """The layers that will be active and the required ones that cannot be."""
 

@@ -4,11 +4,12 @@ import _socket
 import array
 import json
 import threading
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 from typing import Final
 
 from grader.contracts.errors import SandboxError
+from grader.contracts.record import record
 from grader.jail.spawn import spawn
 
 _ANSWER_LIMIT_S: Final = 20.0
@@ -16,7 +17,7 @@ _ANSWER_MAX_BYTES: Final = 1 << 20
 FILTER_DIRECTORY: Final = Path(__file__).with_name("filters")
 
 
-@dataclass(frozen=True, kw_only=True)
+@record
 class ZygoteConfig:
     """What a zygote is told once; see `zygote._prepare`. Paths are absolute."""
 
