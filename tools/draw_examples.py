@@ -1,4 +1,4 @@
-"""Draw docs/images/<figure>.png: for each figure a right script and two wrong ones as a student sees them.
+"""Draw docs/images/<figure>.png: for each figure a right script above two wrong ones, as a student sees them.
 
 Grades the assignments' own scripts with everything real, so it takes some seconds: ``python
 tools/draw_examples.py``.
@@ -10,6 +10,7 @@ from pathlib import Path
 
 from matplotlib import image
 from matplotlib.figure import Figure
+from PIL import Image
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
@@ -33,7 +34,11 @@ EXAMPLES = {
     "octagon": ("solution", "wrong/turns_too_short", "wrong/interior_angle"),
     "feedback_square": ("solution", "wrong/heading_only", "wrong/by_time"),
 }
-COLUMN_IN, DPI = 6.0, 90
+WIDTH_IN, CAPTION_IN, DPI = 12.0, 0.4, 90
+"""Large enough to be read in a page of 1,000 pixels."""
+
+COLOURS = 256
+"""The pictures need no more, and take half the space."""
 
 
 def main() -> None:
@@ -43,7 +48,7 @@ def main() -> None:
     with Slot(SlotConfig()) as slot:
         for name in sys.argv[1:] or EXAMPLES:
             pictures = [_picture(catalog, slot, name, script) for script in EXAMPLES[name]]
-            _side_by_side(pictures, EXAMPLES[name], OUT / f"{name}.png")
+            _stacked(pictures, EXAMPLES[name], OUT / f"{name}.png")
             print(f"docs/images/{name}.png")
 
 
@@ -54,15 +59,24 @@ def _picture(catalog: Catalog, slot: Slot, name: str, script: str) -> bytes:
     return draw(task, result.report, result.trajectories[result.report.runs[0].case], "zh")
 
 
-def _side_by_side(pictures: list[bytes], titles: tuple[str, ...], path: Path) -> None:
+def _stacked(pictures: list[bytes], titles: tuple[str, ...], path: Path) -> None:
     arrays = [image.imread(io.BytesIO(picture)) for picture in pictures]
-    height_in = COLUMN_IN * max(array.shape[0] / array.shape[1] for array in arrays) + 0.3
-    figure = Figure(figsize=(COLUMN_IN * len(arrays), height_in), layout="constrained")
-    for axes, array, title in zip(figure.subplots(1, len(arrays)), arrays, titles, strict=True):
-        axes.imshow(array)
-        axes.set_title(f"{title}.py", fontsize=10)
+    heights_in = [WIDTH_IN * array.shape[0] / array.shape[1] for array in arrays]
+    whole_in = sum(heights_in) + CAPTION_IN * len(arrays)
+    figure = Figure(figsize=(WIDTH_IN, whole_in))
+    top_in = whole_in
+    for array, title, height_in in zip(arrays, titles, heights_in, strict=True):
+        top_in -= CAPTION_IN
+        figure.text(0.5, (top_in + 0.12) / whole_in, f"{title}.py", ha="center", family="monospace")
+        top_in -= height_in
+        axes = figure.add_axes((0.0, top_in / whole_in, 1.0, height_in / whole_in))
+        axes.imshow(array, aspect="auto")
         axes.axis("off")
-    figure.savefig(path, dpi=DPI)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=DPI)
+    Image.open(drawn).convert("RGB").quantize(
+        COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+    ).save(path, optimize=True)
 
 
 if __name__ == "__main__":

@@ -1,16 +1,20 @@
 """Check ``motion``: drive straight along or against the initial heading."""
 
 import math
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from grader.checks.credit import share
 from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes.motion import motion_mistakes
-from grader.contracts.assignment import Assignment
-from grader.contracts.figure import FigureSketch, SketchSide
-from grader.contracts.trajectory import Floats
+from grader.checks.quantity import number
+from grader.contracts.assignment import Assignment, ItemSpec
+from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
+from grader.contracts.trajectory import Floats, Trajectory
 from grader.contracts.verdict import Run
+from grader.messages import say
 
 DIRECTIONS = ("forward", "backward")
 MEASURES = {
@@ -56,23 +60,61 @@ def _motion(drive: Drive, *, backward: bool) -> dict[str, Measure]:
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
-    """Return the net displacement beside the wanted straight line."""
+    """Return the net displacement beside the wanted straight line, and where the car left it."""
     drive = drive_of(run, until_contact=True)
     if drive is None or drive.path.extent_m < 0.01:
         return FigureSketch()
+    backward = assignment.options["direction"] == "backward"
+    measures = _motion(drive, backward=backward)
     trajectory, last = run.trajectory, len(drive.path) - 1
     start, end = ((float(trajectory.x_m[i]), float(trajectory.y_m[i])) for i in (0, last))
-    length_m = math.dist(start, end)
-    sign = -1.0 if assignment.options["direction"] == "backward" else 1.0
+    band = _band(assignment, "advance_m")
+    length_m = max(abs(measures["advance_m"].value), (band and band.low) or 0.0)
+    sign = -1.0 if backward else 1.0
     heading = float(trajectory.heading_rad[0])
     goal = (start[0] + sign * length_m * math.cos(heading), start[1] + sign * length_m * math.sin(heading))
+    far = _fits(assignment, measures, "advance_m")
     return FigureSketch(
         view="path",
-        sides=(SketchSide(start_m=start, end_m=end, length_m=length_m),),
+        sides=(SketchSide(start_m=start, end_m=end, length_m=math.dist(start, end), ok=far),),
         ideal_m=(start, goal),
         ideal_closed=False,
+        labels=tuple(_departures(assignment, drive, run.trajectory, measures)),
         end_ns=int(drive.t_ns[-1]),
     )
+
+
+def _departures(
+    assignment: Assignment, drive: Drive, trajectory: Trajectory, measures: Mapping[str, Measure]
+) -> Iterator[SketchLabel]:
+    """Yield where the car was furthest aside and where it was turned most, if that cost points."""
+    _, left_m = _frame(drive)
+    headings = np.abs(drive.path.heading_rad - drive.path.heading_rad[0])
+    aside, turned = int(np.argmax(np.abs(left_m))), int(np.argmax(headings))
+    found = (
+        ("lateral_pct", aside, say("figure.aside", value=number(float(abs(left_m[aside])), "m"))),
+        (
+            "turned_deg",
+            turned,
+            say("figure.turned", value=number(math.degrees(float(headings[turned])), "deg")),
+        ),
+    )
+    for measure, at, text in found:
+        if _fits(assignment, measures, measure) is False:
+            at_m = (float(trajectory.x_m[at]), float(trajectory.y_m[at]))
+            yield SketchLabel(at_m=at_m, text=text, ok=False)
+
+
+def _fits(assignment: Assignment, measures: Mapping[str, Measure], measure: str) -> bool | None:
+    """Whether a measure earns full credit; None when the rubric does not judge it or it is unknown."""
+    band = _band(assignment, measure)
+    if band is None or not math.isfinite(measures[measure].value):
+        return None
+    return share(band, measures[measure].value) >= 1.0
+
+
+def _band(assignment: Assignment, measure: str) -> ItemSpec | None:
+    return next((item for item in assignment.items if item.measure == measure), None)
 
 
 def _problem_with_direction(value: Option) -> str | None:

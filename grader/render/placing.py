@@ -89,7 +89,7 @@ class Board:
         )
         area = float(box.width * box.height)
         outside = area - _overlap(box, self.axes.bbox)
-        return (20 * covered + 80 * outside) / area + 1.2 * float(inside.sum()) + price
+        return (60 * covered + 80 * outside) / area + 1.2 * float(inside.sum()) + price
 
 
 def _annotation(axes: Axes, label: Label) -> Annotation:

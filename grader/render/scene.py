@@ -75,10 +75,9 @@ def compose(  # noqa: PLR0913, PLR0917
     if run is None:
         message = "a report without runs has nothing to plot"
         raise ValueError(message)
-    title, summary = assignment.title.get(language), report.summary.get(language)
+    title = assignment.title.get(language)
     earned, points = report.score, report.max_score
     if len(report.runs) > 1:
-        summary = f"{_points('total', earned, points, language)}  {summary}"
         title = f"{title} · {_case_title(assignment, run.case, language)}"
         own = [item for item in report.items if item.id.startswith(f"{run.case}/")]
         earned = None if report.score is None else round(sum(item.earned for item in own), 2)
@@ -86,9 +85,9 @@ def compose(  # noqa: PLR0913, PLR0917
     return Scene(
         language=language,
         title=title,
-        score=_points("score", earned, points, language),
+        score=_points(earned, points, language),
         full=earned is not None and earned >= points,
-        summary=summary,
+        summary=report.summary.get(language),
         outcome=run.outcome,
         trajectory=trajectory,
         sketch=sketch,
@@ -96,9 +95,9 @@ def compose(  # noqa: PLR0913, PLR0917
     )
 
 
-def _points(key: str, earned: float | None, points: float, language: Language) -> str:
+def _points(earned: float | None, points: float, language: Language) -> str:
     shown = word("not_yet", language) if earned is None else quantity.score(earned)
-    return f"{word(key, language)} {shown} / {quantity.score(points)}"
+    return f"{word('score', language)} {shown} / {quantity.score(points)}"
 
 
 def _case_title(assignment: Assignment, case_id: str, language: Language) -> str:

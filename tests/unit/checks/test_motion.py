@@ -80,3 +80,15 @@ def test_sketch() -> None:
     assert shown.sides[0].length_m == pytest.approx(2.0)
     assert not shown.ideal_closed
     assert math.dist(shown.ideal_m[1], shown.sides[0].end_m) < 1e-6
+
+
+def test_the_sketch_says_where_points_were_lost() -> None:
+    curved = sketch(assignment("straight"), run_of(drive([(2.0, 1.0, 0.4)])))
+    assert curved.sides[0].ok
+    assert [label.ok for label in curved.labels] == [False, False]
+    assert "偏离" in curved.labels[0].text.zh
+    assert "45.8°" in curved.labels[1].text.en
+    short = sketch(assignment("straight"), run_of(drive([(0.3, 1.0, 0.0)])))
+    assert short.sides[0].ok is False
+    assert short.labels == ()
+    assert math.dist(*short.ideal_m) == pytest.approx(0.5)  # what was asked for, not what was driven

@@ -295,6 +295,5 @@ def test_of_several_runs_each_has_its_picture_and_points() -> None:
     second = compose(task, whole, None, None, "zh", "b")
     assert (first.title, first.score, first.full) == ("正方形 · a", "得分 2 / 2", True)
     assert (second.title, second.score, second.full) == ("正方形 · 边长 2 m", "得分 0 / 2", False)
-    assert second.summary.startswith("总分 2 / 4")
     with pytest.raises(ValueError, match="nothing to plot"):
         compose(task, whole, None, None, "zh", "c")
