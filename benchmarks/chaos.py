@@ -166,7 +166,7 @@ class _Run:
                 ended.finished[id_] - fault.at.timestamp()
                 for fault in own
                 for id_ in fault.struck
-                if id_ in ended.finished
+                if ended.finished.get(id_, 0.0) > fault.at.timestamp()  # else it was done just before
             ]
             gaps = [
                 next((one - fault.at.timestamp() for one in instants if one > fault.at.timestamp()), 0.0)
