@@ -324,3 +324,18 @@ def test_a_bell_rung_between_looking_and_waiting_is_heard() -> None:
     mark = bell.heard()
     bell.ring()
     bell.wait(mark, timeout_s=1e6)
+
+
+def test_giving_a_submission_up_is_an_alarm_in_the_log(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    id_ = bench.upload()
+    made = worker(bench)
+    for _ in range(3):
+        assert not caplog.records or caplog.records[-1].levelname == "WARNING"
+        bench.queue.claim("dead worker")
+        bench.clock.advance(16)
+        made.beat()
+    assert caplog.records[-1].levelname == "ERROR"
+    assert "1 given up" in caplog.text
+    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
