@@ -172,9 +172,12 @@ class Queue:
 
     def state(self) -> QueueState:
         """Count what waits, runs and was given up."""
-        statement = select(
-            col(SubmissionRow.state), func.count(), func.min(col(SubmissionRow.queued_at))
-        ).group_by(col(SubmissionRow.state))
+        counted = (SubmissionState.QUEUED, SubmissionState.RUNNING, SubmissionState.INFRASTRUCTURE_ERROR)
+        statement = (
+            select(col(SubmissionRow.state), func.count(), func.min(col(SubmissionRow.queued_at)))
+            .where(col(SubmissionRow.state).in_([state.value for state in counted]))
+            .group_by(col(SubmissionRow.state))
+        )
         with self._database.reading() as session:
             rows = {state: (count, oldest) for state, count, oldest in session.execute(statement)}
         nothing = (0, None)
@@ -207,18 +210,20 @@ class Queue:
 
     def mean_duration_s(self) -> float | None:
         """Return how long the latest gradings took from claim to result; None when there are none yet."""
-        statement = (
-            select(col(SubmissionRow.started_at), col(SubmissionRow.finished_at))
-            .where(
-                col(SubmissionRow.state) == SubmissionState.GRADED.value,
-                col(SubmissionRow.started_at).is_not(None),
-                col(SubmissionRow.finished_at).is_not(None),
-            )
-            .order_by(col(SubmissionRow.finished_at).desc())
+        row = SubmissionRow
+        latest = (  # nothing else is asked of them here, so that the index on `finished_at` finds them
+            select(col(row.state), col(row.started_at), col(row.finished_at))
+            .where(col(row.finished_at).is_not(None))
+            .order_by(col(row.finished_at).desc())
             .limit(_LATEST)
         )
         with self._database.reading() as session:
-            spans = [(end - start).total_seconds() for start, end in session.execute(statement)]
+            rows = session.execute(latest).all()
+        spans = [
+            (end - start).total_seconds()
+            for state, start, end in rows
+            if state == SubmissionState.GRADED.value and start is not None and end is not None
+        ]
         return fmean(spans) if spans else None
 
     def _announce(self, session: Session, claim: Claim, now: datetime) -> None:

@@ -37,9 +37,10 @@ class SubmissionRow(SQLModel, table=True):
     __table_args__ = (
         CheckConstraint(f"state IN ({_STATES})", name="submission_state"),
         CheckConstraint("state != 'running' OR lease_until IS NOT NULL", name="running_has_a_lease"),
-        Index("submission_queue", "state", "priority", "turn_at", "id"),
+        Index("submission_queue", "state", "priority", "turn_at", "id", "queued_at"),
         Index("submission_regrade", "regrade"),
-        Index("submission_owner", "assignment", "student", "received_at"),
+        Index("submission_class", "course", "student", "assignment", "received_at"),
+        Index("submission_finished", "finished_at"),
     )
 
     id: str = Field(primary_key=True, max_length=36)
