@@ -5,8 +5,10 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, Field
 
+from grader.checks import published_rubric
 from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.concealment import shown_assignment
@@ -45,6 +47,9 @@ class ItemView(BaseModel):
         description="Credit falls to zero over this distance outside; 0: at once.", examples=[0.0]
     )
     needs: list[str] = Field(description="Items that must not have failed.", examples=[[]])
+    looks_at: str = Field(description="What is measured, in words.", examples=["the number of sides"])
+    wanted: str = Field(description="What earns full credit, in words.", examples=["4"])
+    partial: str = Field(description="Where credit ends, in words.", examples=["All or nothing."])
 
 
 class CaseView(BaseModel):
@@ -63,7 +68,8 @@ class AssignmentView(AssignmentSummary):
     walls: bool = Field(description="Whether the window's edges stand as walls.")
     cpu_limit_s: float = Field(description="CPU seconds a run may use.", examples=[10.0])
     memory_limit_bytes: int = Field(examples=[536_870_912])
-    rubric: list[ItemView]
+    rubric: list[ItemView] = Field(description="Made from the data that the scores come from.")
+    remarks: str = Field(description="How this kind of exercise is looked at.")
     cases: list[CaseView]
 
 
@@ -106,6 +112,7 @@ def read(
         allowed = [known.id for known in services.assignments.all()]
         raise ProblemError("assignment_not_found", allowed=allowed) from None
     _say(response, language)
+    published = published_rubric(assignment)
     return AssignmentView(
         **_summary(assignment, language),
         file_patterns=list(assignment.file_patterns),
@@ -113,7 +120,11 @@ def read(
         walls=assignment.world.walls,
         cpu_limit_s=assignment.limits.cpu_s,
         memory_limit_bytes=assignment.limits.memory_bytes,
-        rubric=[_item(item, language) for item in assignment.items],
+        rubric=[
+            _item(item, words, language)
+            for item, words in zip(assignment.items, published.items, strict=True)
+        ],
+        remarks=published.remarks.get(language),
         cases=[
             CaseView(id=case.id, title=case.title.get(language), args=list(case.args))
             for case in assignment.cases
@@ -134,7 +145,7 @@ def _summary(assignment: Assignment, language: Language) -> dict[str, Any]:
     }
 
 
-def _item(item: ItemSpec, language: Language) -> ItemView:
+def _item(item: ItemSpec, words: PublishedItem, language: Language) -> ItemView:
     return ItemView(
         id=item.id,
         title=item.title.get(language),
@@ -144,6 +155,9 @@ def _item(item: ItemSpec, language: Language) -> ItemView:
         high=item.high,
         ramp=item.ramp,
         needs=list(item.needs),
+        looks_at=words.measure.get(language),
+        wanted=words.wanted.get(language),
+        partial=words.partial.get(language),
     )
 
 

@@ -27,6 +27,7 @@ def assignment(assignment_id: str = "square", order: int = 5) -> Assignment:
         title=Text(zh=f"作业 {assignment_id}", en=f"Exercise {assignment_id}"),
         brief=Text(zh="让小车走起来", en="Make the car move"),
         check="polygon",
+        options={"sides": 4},
         items=(
             ItemSpec(
                 id="sides", title=Text(zh="边数", en="Sides"), points=POINTS, measure="sides", low=4, high=4
@@ -35,9 +36,9 @@ def assignment(assignment_id: str = "square", order: int = 5) -> Assignment:
                 id="closed",
                 title=Text(zh="回到起点", en="Back at the start"),
                 points=POINTS,
-                measure="gap_m",
-                high=0.2,
-                ramp=0.5,
+                measure="gap_pct",
+                high=4.0,
+                ramp=12.0,
                 needs=("sides",),
             ),
         ),

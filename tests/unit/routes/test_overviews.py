@@ -47,11 +47,14 @@ def test_a_published_rubric(client: httpx.Client) -> None:
         "id": "closed",
         "title": "回到起点",
         "points": 5.0,
-        "measure": "gap_m",
+        "measure": "gap_pct",
         "low": None,
-        "high": 0.2,
-        "ramp": 0.5,
+        "high": 4.0,
+        "ramp": 12.0,
         "needs": ["sides"],
+        "looks_at": "终点到起点的距离（占周长的百分比）",
+        "wanted": "不超过 4 %",
+        "partial": "偏差越大得分越少，达到 16 % 时为 0 分。",
     }
     assert document["cmd_vel_topic"] == "/turtle1/cmd_vel"
 
