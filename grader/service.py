@@ -34,11 +34,13 @@ from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
+from grader.store.measures import Measures
 from grader.store.occupancy import in_use
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.schema import migrate
 from grader.store.work import WorkSource
 from grader.store.workers import Workers, presence
+from grader.telemetry.metrics import Metrics, exported
 from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
@@ -145,7 +147,10 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings))
         parts = _parts(database, settings, RememberedAssignments(Catalog()))
-        yield stack.enter_context(_working(settings, parts))
+        metrics = Metrics(Measures(database, parts.workers, utc_now, settings.silent_s).state)
+        if settings.metrics_port is not None:
+            stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
+        yield stack.enter_context(_working(settings, replace(parts, observer=metrics)))
 
 
 @contextmanager

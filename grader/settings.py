@@ -112,6 +112,13 @@ class Settings(BaseSettings):
         description="Token that opens `/metrics`, at least 16 characters; without it, only those who may see the "
         "class see the measurements.",
     )
+    metrics_port: int | None = Field(
+        default=None,
+        ge=0,
+        le=65_535,
+        description="Port where `grader worker` answers `/metrics`, on the address GRADER_HOST, without asking "
+        "for a token; by default none.",
+    )
     log_format: LogFormat = Field(
         default="text", description="Lines of the log on stderr: `text` for people, `json` for machines."
     )

@@ -19,6 +19,7 @@ from prometheus_client import (
 )
 
 from grader import __version__
+from grader.contracts.errors import SettingsError
 from grader.contracts.report import GradeStatus
 from grader.contracts.telemetry import ServiceState
 from grader.telemetry.rows import RowCollector
@@ -121,9 +122,12 @@ def exported(metrics: Metrics, port: int, host: str = "127.0.0.1") -> Iterator[i
         The port; `port` 0 takes a free one.
 
     Raises:
-        OSError: the port is taken.
+        SettingsError: the port cannot be had.
     """
-    server, thread = start_http_server(port, host, metrics.registry)
+    try:
+        server, thread = start_http_server(port, host, metrics.registry)
+    except OSError as error:
+        raise SettingsError(f"metrics_port: cannot listen on {host}:{port}: {error.strerror}") from error
     try:
         yield server.server_port
     finally:

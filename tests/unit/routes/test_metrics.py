@@ -8,7 +8,7 @@ import pytest
 from fastapi import FastAPI
 from pydantic import SecretStr
 
-from grader.contracts.errors import InfrastructureError
+from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import WorkerState
 from grader.routes.services import Services
@@ -153,6 +153,8 @@ def test_a_process_without_http_answers_on_a_port_of_its_own() -> None:
     metrics.retried()
     with exported(metrics, 0) as port:
         text = httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False).text
+        with pytest.raises(SettingsError, match="metrics_port"), exported(metrics, port):
+            pass
     assert "grader_retries_total 1.0" in text
     with pytest.raises(httpx.ConnectError):
         httpx.get(f"http://127.0.0.1:{port}/metrics", trust_env=False)
