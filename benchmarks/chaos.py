@@ -129,14 +129,14 @@ class _Run:
         lost = [id_ for id_ in ids if ended.states.get(id_) != "graded"]
         twice = [id_ for id_, count in ended.gradings.items() if count > 1]
         again = sum(attempt > 1 for attempt in ended.attempts.values())
-        table = client.get("/api/v1/gradebook.csv").raise_for_status().text
+        answer = client.get("/api/v1/gradebook.csv").raise_for_status()
         wanted = gradebook.expected(
             [one.upload for one in sorted(accepted, key=lambda one: one.order)], students
         )
-        right = gradebook.read(table) == wanted
-        same = options.reference is None or options.reference.read_text(encoding="utf-8") == table
+        right = gradebook.read(answer.text) == wanted
+        same = options.reference is None or options.reference.read_bytes() == answer.content
         if options.gradebook is not None:
-            options.gradebook.write_text(table, encoding="utf-8")
+            options.gradebook.write_bytes(answer.content)
         self._console.print(
             f"sent {len(sent)}, accepted {len(accepted)}, rows {len(ended.states)}, lost {len(lost)}, "
             f"graded twice in effect {len(twice)}; claimed more than once {again}"
