@@ -57,14 +57,26 @@ def run(arguments: argparse.Namespace) -> int:
         spent_s = time.monotonic() - start
         output.print(f"{len(uploads)} submissions, {spent_s:.1f} s")
         for upload, location in zip(uploads, locations, strict=True):
-            if upload.path.suffix != ".py":
-                continue  # a text has no motion to draw
-            plot = client.get(f"{location}/plot.png", params={"lang": arguments.lang}).raise_for_status()
-            (plots / f"{upload.student}-{upload.assignment}-{upload.path.stem}.png").write_bytes(plot.content)
+            _save_plots(
+                client,
+                location,
+                plots / f"{upload.student}-{upload.assignment}-{upload.path.stem}",
+                arguments.lang,
+            )
         dashboard = client.get("/api/v1/dashboard").raise_for_status().json()
     output.print(render_dashboard(dashboard, language=arguments.lang))
     output.print(f"plots: {plots}/")
     return 0
+
+
+def _save_plots(client: httpx.Client, location: str, stem: Path, language: str) -> None:
+    """Save a picture of each run; a text has none."""
+    runs = client.get(location).raise_for_status().json()["runs"]
+    for run in runs:
+        wanted = {"lang": language, "case": run["case"]}
+        plot = client.get(f"{location}/plot.png", params=wanted).raise_for_status()
+        name = stem.name if len(runs) == 1 else f"{stem.name}-{run['case']}"
+        stem.with_name(f"{name}.png").write_bytes(plot.content)
 
 
 def _class() -> Iterator[Upload]:

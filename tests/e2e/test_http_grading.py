@@ -82,6 +82,13 @@ def test_a_text_is_accepted_graded_or_kept_for_a_person(client: httpx.Client) ->
     for answer in (number, essay):
         plot = client.get(f"/api/v1/submissions/{answer['id']}/plot.png")
         assert plot.status_code == 404
+    location = f"/api/v1/submissions/{essay['id']}"
+    for item in client.get(f"{location}/judgements").raise_for_status().json()["items"]:
+        body = {"points": item["points"], "comment": "right"}
+        client.put(f"{location}/judgements/{item['item']}", json=body).raise_for_status()
+    judged = client.get(location).raise_for_status().json()
+    assert (judged["verdict"], judged["score"], judged["to_judge"]) == ("graded", 100, 0)
+    assert judged["report_sha256"] == essay["report_sha256"]
 
 
 @pytest.mark.parametrize(("assignment", "name"), [("calculation", "answer.py"), ("square", "square.txt")])
