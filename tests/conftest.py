@@ -66,14 +66,18 @@ def postgres_url(postgres_server: postgres.PostgresServer) -> str:
     return postgres_server.washed()
 
 
-@pytest.fixture(params=["sqlite", "postgresql"])
-def database_url(request: pytest.FixtureRequest, tmp_path: Path, migrated_file: Path) -> str:
-    """The address of a database, migrated and empty; each test runs on both kinds."""
-    if request.param == "postgresql":
-        url: str = request.getfixturevalue("postgres_url")
-        return url
+@pytest.fixture
+def sqlite_url(tmp_path: Path, migrated_file: Path) -> str:
+    """The address of a SQLite database, migrated and empty."""
     shutil.copy(migrated_file, tmp_path / "grader.db")
     return f"sqlite:///{tmp_path / 'grader.db'}"
+
+
+@pytest.fixture(params=["sqlite_url", "postgres_url"], ids=["sqlite", "postgresql"])
+def database_url(request: pytest.FixtureRequest) -> str:
+    """The address of a database, migrated and empty; each test runs on both kinds."""
+    url: str = request.getfixturevalue(request.param)
+    return url
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
