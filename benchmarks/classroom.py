@@ -75,12 +75,12 @@ def graded_scripts() -> list[Script]:
 def results() -> list[tuple[Script, GradingResult]]:
     """Grade every script once."""
     with Slot(SlotConfig()) as slot:
-        return [(one, slot.grade(_job(one))) for one in _scripts()]
+        return [(one, slot.grade(job(one))) for one in _scripts()]
 
 
 def bare_rate(uploads: Sequence[Upload], count: int, processes: int) -> float:
     """Return how many of `uploads` bare loops in `processes` grading processes grade in a second."""
-    jobs = [_job(one.script) for one in islice(cycle(uploads), count)]
+    jobs = [job(one.script) for one in islice(cycle(uploads), count)]
     with ExitStack() as stack:
         slots = [stack.enter_context(Slot(SlotConfig())) for _ in range(processes)]
         for slot in slots:
@@ -136,7 +136,8 @@ def _is_python(source: bytes) -> bool:
     return True
 
 
-def _job(script: Script) -> GradingJob:
+def job(script: Script) -> GradingJob:
+    """Return a script as a grading process is told it."""
     return GradingJob(
         file_name=script.name, source=script.source, assignment=Catalog().get(script.assignment)
     )

@@ -19,6 +19,7 @@ import threading
 import time
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -31,6 +32,7 @@ from rich.table import Table
 from benchmarks import gradebook
 from benchmarks.classroom import Upload, bare_rate, graded_scripts, plan, roster
 from benchmarks.handing_in import HandingIn, Sent, evening, steady
+from benchmarks.postgres_server import PostgresServer
 from benchmarks.processes import INSTRUCTOR, Memory, Service
 
 _LOOK_S = 1.0
@@ -82,12 +84,16 @@ def main() -> int:
         at_s = evening(len(uploads), options.minutes * 60.0 / options.speed_up, options.seed)
     bare = bare_rate(uploads, _BARE_GRADINGS, 2)
     console.print(f"two bare grading loops: {bare:.1f} gradings/s; load {os.getloadavg()[0]:.1f}")
-    with tempfile.TemporaryDirectory(prefix="grader-load-") as folder:
-        database = options.database or None
-        with Service(Path(folder), apis=options.apis, workers=options.workers, database=database) as service:
-            run = Run(service, students, console)
-            run.hand_in(uploads, at_s)
-            return run.report(bare)
+    with ExitStack() as stack:
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="grader-load-")))
+        database: str | None = options.database
+        if database in ("postgres", "embedded"):
+            own = database == "postgres"
+            database = stack.enter_context(PostgresServer()).url if own else None
+        service = Service(folder, apis=options.apis, workers=options.workers, database=database)
+        run = Run(stack.enter_context(service), students, console)
+        run.hand_in(uploads, at_s)
+        return run.report(bare)
 
 
 class Run:
@@ -259,10 +265,15 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--speed-up", type=float, default=1.0, help="deadline: so many times faster")
     parser.add_argument("--apis", type=int, default=0, help="processes of `grader serve`")
     parser.add_argument("--workers", type=int, default=-1, help="processes of `grader worker`; 0: in the API")
-    parser.add_argument("--database", default="", help="URL; default: SQLite in a temporary folder")
+    parser.add_argument(
+        "--database",
+        help="embedded (default of `class`), postgres (of `deadline`: a server of its own), or a URL",
+    )
     parser.add_argument("--seed", type=int, default=7)
     options = parser.parse_args()
-    scaled = options.profile == "deadline" and bool(options.database)
+    if options.database is None:
+        options.database = "postgres" if options.profile == "deadline" else "embedded"
+    scaled = options.database != "embedded"
     options.apis = options.apis or (2 if scaled else 1)
     options.workers = options.workers if options.workers >= 0 else (2 if scaled else 0)
     if options.profile == "deadline" and options.uploads is None:
