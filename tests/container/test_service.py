@@ -1,4 +1,7 @@
-"""The image as a service, alone and with workers on PostgreSQL: start-up, health, a class graded, how it stops."""
+"""The image as a service: start-up, health, a class graded, how it stops.
+
+Once alone, by its own command, and once as compose.yaml starts it: an API process and two workers on PostgreSQL.
+"""
 
 import csv
 import subprocess
@@ -8,14 +11,16 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import pytest
+import yaml
 
 from tests.container.running import SCRIPTS, good
 from tests.fakes import postgres
 from tools.image.runtime import Runtime
 
-SERVICE = "service"
+SERVICE, WORKERS = "service", ("worker-1", "worker-2")
 SOCKETS = "/run/postgresql"
 DATABASE = "image"
+COMPOSE = yaml.safe_load((Path(__file__).parents[2] / "compose.yaml").read_text(encoding="utf-8"))["services"]
 
 
 @dataclass(frozen=True)
@@ -33,11 +38,20 @@ class Installation:
     shown: Mapping[str, Path]
     running: dict[str, "subprocess.Popen[str]"] = field(default_factory=dict)
 
-    def start(self, name: str, *arguments: str, **more: str) -> None:
-        environment = {**self.environment, **more}
+    def start(self, name: str, arguments: list[str], environment: Mapping[str, str]) -> None:
+        """Start a container; what all of them have in common comes before `environment`."""
         self.running[name] = self.runtime.start(
-            name, arguments, environment=environment, shown={**SCRIPTS, **self.shown}
+            name,
+            arguments,
+            environment={**environment, **self.environment},
+            shown={**SCRIPTS, **self.shown},
         )
+
+    def start_all(self, replicas: Mapping[str, tuple[str, ...]]) -> None:
+        """Start the services of compose.yaml under the names of their replicas."""
+        for service, names in replicas.items():
+            for name in names:
+                self.start(name, COMPOSE[service]["command"], COMPOSE[service]["environment"])
 
     def stop(self, signal: str) -> dict[str, tuple[int, str]]:
         """Send `signal` to all; return what each ended with and printed."""
@@ -81,14 +95,13 @@ def installation(runtime: Runtime, request: pytest.FixtureRequest) -> Iterator[I
     started = time.time()
     try:
         if request.param == "alone":
-            made.start(SERVICE, *runtime.image.config["Cmd"])
+            made.start(SERVICE, runtime.image.config["Cmd"], {})
         else:
-            made.start(SERVICE, *runtime.image.config["Cmd"], GRADER_SLOTS="0")
-            for number in (1, 2):
-                made.start(f"worker-{number}", "worker", GRADER_SLOTS="1")
+            made.start_all({"api": (SERVICE,), "worker": WORKERS})
+        workers = str(max(len(made.running) - 1, 1))
         while runtime.execute(SERVICE, "python", "-c", "").returncode != 0:
             assert all(process.poll() is None for process in made.running.values()), "it ended at once"
-        ready = float(good(runtime.execute(SERVICE, "python", "/scripts/await_service.py")))
+        ready = float(good(runtime.execute(SERVICE, "python", "/scripts/await_service.py", workers)))
         print(f"\n{request.param}: start-up until /healthz says 200: {ready - started:.2f} s")
         yield made
     finally:
@@ -96,10 +109,13 @@ def installation(runtime: Runtime, request: pytest.FixtureRequest) -> Iterator[I
             print(f"\n{name} printed:\n{printed}")
 
 
-def test_the_health_check_of_the_image_passes(runtime: Runtime, installation: Installation) -> None:
-    kind, *command = runtime.image.config["Healthcheck"]["Test"]
-    assert kind == "CMD"
-    good(runtime.execute(SERVICE, *command))
+def test_the_health_checks_pass(runtime: Runtime, installation: Installation) -> None:
+    checks = dict.fromkeys(WORKERS, COMPOSE["worker"]["healthcheck"]["test"])
+    checks[SERVICE] = runtime.image.config["Healthcheck"]["Test"]
+    for name in installation.running:
+        kind, *command = checks[name]
+        assert kind == "CMD"
+        good(runtime.execute(name, *command))
 
 
 def test_a_class_is_graded(runtime: Runtime, installation: Installation) -> None:

@@ -85,7 +85,10 @@ def _make_base(work: Path) -> None:
     """Make what the published image of the same name holds, from the package sources of this machine."""
     archive = work / "base.tar"
     leave_out = ("man/*", "locale/*/LC_MESSAGES/*", "doc/*")
-    options = ["--dpkgopt=force-unsafe-io", *(f"--dpkgopt=path-exclude=/usr/share/{path}" for path in leave_out)]
+    options = [
+        "--dpkgopt=force-unsafe-io",
+        *(f"--dpkgopt=path-exclude=/usr/share/{path}" for path in leave_out),
+    ]
     _run(
         work, "mmdebstrap", "--quiet", "--mode=root", "--variant=minbase", *options,
         "--dpkgopt=path-include=/usr/share/doc/*/copyright", _SUITE, str(archive), *_sources(),
@@ -99,8 +102,9 @@ def _make_base(work: Path) -> None:
 def _export(work: Path) -> None:
     """Write the image's files, with their owners, to ``rootfs.tar``."""
     container = _run(work, *_buildah(work), "from", _IMAGE).strip()
-    mounted = _run(work, *_buildah(work), "mount", container).strip()
-    _run(work, "tar", "-C", mounted, "--numeric-owner", "-cf", str(work / "rootfs.tar"), ".")
+    # in one go: what is mounted is seen by this process of the namespace alone
+    script = 'mounted=$("$@") && tar -C "$mounted" --numeric-owner -cf rootfs.tar .'
+    _run(work, "sh", "-c", script, "sh", *_buildah(work), "mount", container)
 
 
 def _size_bytes(archive: Path) -> int:
@@ -154,7 +158,7 @@ def _pip_settings(work: Path) -> dict[str, Path]:
 
 
 def _buildah(work: Path) -> list[str]:
-    return ["buildah", "--storage-driver=vfs", f"--root={work}/store", f"--runroot={work}/run"]
+    return ["buildah", f"--root={work}/store", f"--runroot={work}/run"]
 
 
 def _run(work: Path, *command: str) -> str:
