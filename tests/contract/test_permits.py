@@ -1,9 +1,11 @@
 """What holds on PostgreSQL only: permits get lost, doubled or stuck, and rows are graded all the same."""
 
+import logging
 import threading
 from datetime import timedelta
 
 import pytest
+from procrastinate.exceptions import ConnectorException
 from sqlalchemy import text
 
 from grader.contracts.submission import SubmissionState
@@ -207,6 +209,19 @@ def test_a_worker_survives_losing_every_connection(permits: PostgresEngine) -> N
         )
         id_ = permits.upload()
         wait_until(lambda: permits.state(id_) is SubmissionState.GRADED)
+
+
+def test_only_tracebacks_about_the_database_being_away_are_left_out(
+    permits: PostgresEngine, caplog: pytest.LogCaptureFixture
+) -> None:
+    with Running(permits):
+        log = logging.getLogger("procrastinate.worker")
+        for error in (ConnectorException("away"), ValueError("news")):
+            log.error("a job failed", exc_info=error)
+        log.warning("no exception", exc_info=False)
+    assert "away" not in caplog.text
+    assert "news" in caplog.text
+    assert "no exception" in caplog.text
 
 
 def test_stopping_finishes_what_runs_and_leaves_the_rest_to_others(permits: PostgresEngine) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import psycopg
 from procrastinate import App, PsycopgConnector
+from procrastinate.exceptions import ConnectorException
 
 from grader.contracts.errors import GraderError
 from grader.store.columns import Clock
@@ -24,6 +25,8 @@ _LOOK_S = 0.1  # how often to ask whether to take permits
 _PAUSES_S = (0.2, 0.5, 1.0, 2.0)  # before each next try to reach the database
 _CONNECT_S = 5
 _END_S = 10.0
+_EXCITED = ("asyncio", "procrastinate.utils", "procrastinate.worker", "procrastinate.worker.worker")
+"""Loggers that write pages of tracebacks whenever the database is away, which is said here in one line."""
 
 
 class PermitLoop:
@@ -50,6 +53,8 @@ class PermitLoop:
 
     def start(self, slots: int, ready: Callable[[], bool]) -> None:
         """Begin to take permits whenever `ready` says that work may be taken, at most `slots` at once."""
+        for name in _EXCITED:
+            logging.getLogger(name).addFilter(_says_something_new)
         self._thread = threading.Thread(
             target=lambda: asyncio.run(self._take_permits(slots, ready)), name="grader-permits", daemon=True
         )
@@ -126,6 +131,10 @@ class PermitLoop:
     def _give_back(self, submission_id: str) -> None:
         with self._database.writing() as session:
             defer_again(session, submission_id, self._clock())
+
+
+def _says_something_new(record: logging.LogRecord) -> bool:
+    return not (record.exc_info and isinstance(record.exc_info[1], ConnectorException))
 
 
 def _connect_arguments(database: Database) -> dict[str, Any]:
