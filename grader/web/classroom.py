@@ -96,7 +96,8 @@ def read_comparison(
         _source(services, later),
         language_of(request),
     )
-    return page(request, "compare.html", first=earlier, second=later, comparison=comparison)
+    cases = [tuple(one.cases) for one in (earlier_stored, later_stored)]
+    return page(request, "compare.html", first=earlier, second=later, comparison=comparison, cases=cases)
 
 
 @router.get("/service")

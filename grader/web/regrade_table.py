@@ -45,13 +45,17 @@ class Move:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ChangeLine:
-    """One submission: its score, and the items that make the difference."""
+    """One submission: its score, and the items that make the difference.
+
+    `void` are the titles of items that a person has to judge again.
+    """
 
     submission: str
     student: str
     name: str
     score: Move
     items: tuple[Move, ...]
+    void: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -116,6 +120,7 @@ def _line(change: ScoreChangeView, names: Mapping[str, str], titles: Callable[[s
         name=named(names, change.student),
         score=_move("", change),
         items=tuple(_move(titles(item.item), item) for item in change.items),
+        void=tuple(titles(item) for item in change.void),
     )
 
 

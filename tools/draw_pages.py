@@ -1,0 +1,85 @@
+"""Draw docs/images/web-<page>-<device>-<language>.png: the pages as a headless Chromium shows them.
+
+Opens a course of its own with everything real and grades the assignments' own scripts: ``python
+tools/draw_pages.py``. Needs `chromium` and `chromium-driver`.
+"""
+
+import shutil
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from grader.contracts.regrade import Regrade, Wanted  # noqa: E402
+from grader.store.audit import Signature  # noqa: E402
+from tests.e2e.chromium import Browser, chromium  # noqa: E402
+from tests.e2e.school import COURSE, ESSAY, SQUARE, School, school  # noqa: E402
+
+OUT = ROOT / "docs" / "images"
+DEVICES = {"desktop": (1280, 1000), "phone": (390, 844)}
+TALLEST_PX = {"desktop": 1400, "phone": 1800}
+COLOURS = 128  # flat pages: nobody sees the difference, and the files are a third
+
+
+def main() -> None:
+    """Draw the pages named on the command line, or all."""
+    OUT.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder, school(Path(folder)) as opened:
+        pages = dict(_pages(opened))
+        programs = (shutil.which("chromium") or "chromium", shutil.which("chromedriver") or "chromedriver")
+        with chromium(programs, Path(folder) / "profile", opened.address) as browser:
+            browser.command("Emulation.setScrollbarsHidden", hidden=True)
+            browser.enter("token", opened.tokens["wang"])
+            for page in sys.argv[1:] or pages:
+                for device in DEVICES:
+                    for language in ("zh", "en"):
+                        _draw(browser, pages[page], device, language, f"web-{page}-{device}-{language}.png")
+
+
+def _pages(opened: School) -> Iterator[tuple[str, str]]:
+    """Yield every page's name and address."""
+    submissions = opened.services.submissions
+    first = submissions.of_student("20260101", SQUARE, COURSE)[-1].id
+    answer = submissions.of_student("20260101", ESSAY, COURSE)[0].id
+    yield "result", f"/submissions/{first}"
+    yield "class", "/class"
+    yield "gradebook", "/class/gradebook"
+    yield "rules", f"/class/rules/{SQUARE}"
+    yield "points", f"/class/judgements/{answer}?item=timer"
+    yield "regrade", f"/class/regrades/{_trial(opened).id}"
+
+
+def _trial(opened: School) -> Regrade:
+    """Grade the square again with one tolerance less, and wait until every trial grading is made."""
+    opened.tighten()
+    services = opened.services
+    wanted = Wanted(assignment=SQUARE, which="all")
+    regrade = services.regrades.open(wanted, Signature(services.clock(), COURSE, "wang"))
+    services.doorbell.ring()
+    with opened.client("wang") as client:
+        while client.get(f"/api/v1/regrades/{regrade.id}").raise_for_status().json()["waiting"]:
+            pass
+    return regrade
+
+
+def _draw(browser: Browser, address: str, device: str, language: str, name: str) -> None:
+    width, height = DEVICES[device]
+    browser.resize((width, height))
+    browser.open(f"{address}{'&' if '?' in address else '?'}lang={language}")
+    browser.until(lambda: not browser.all("#replay:not([data-ready])"))
+    tall = browser.js("return document.documentElement.scrollHeight")
+    browser.resize((width, max(height, min(tall, TALLEST_PX[device]))))
+    path = OUT / name
+    browser.driver.save_screenshot(str(path))
+    picture = Image.open(path).convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+    picture.save(path, optimize=True)
+    print(f"docs/images/{name} {path.stat().st_size // 1024} KiB")
+
+
+if __name__ == "__main__":
+    main()
