@@ -79,14 +79,7 @@ class Services:
     ) -> Self:
         """Return the services over one database that is up to date."""
         queue, workers = Queue(database, clock, policy), Workers(database, clock)
-        estimates = Estimates(queue, workers, clock, settings.silent_s)
-        doorbell = Doorbell()
-        limits = WatchLimits(
-            most=settings.max_streams, most_each=settings.streams_per_person, poll_s=settings.poll_s
-        )
-        watching = Watching(Standings(database), estimates, doorbell, limits)
-        metrics = Metrics(Measures(database, workers, clock, settings.silent_s).state)
-        metrics.measure_streams(lambda: watching.streams)
+        watching = _watching(database, settings, Estimates(queue, workers, clock, settings.silent_s))
         return cls(
             settings=settings,
             assignments=assignments,
@@ -104,14 +97,27 @@ class Services:
             regrades=Regrades(database),
             judgements=Judgements(database),
             past_gradings=PastGradings(database),
-            estimates=estimates,
+            estimates=watching.estimates,
             request_limit=RateLimit(settings.requests_per_minute, clock),
             upload_limit=RateLimit(settings.uploads_per_minute, clock),
-            doorbell=doorbell,
+            doorbell=watching.doorbell,
             watching=watching,
-            metrics=metrics,
+            metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
             clock=clock,
         )
+
+
+def _watching(database: Database, settings: Settings, estimates: Estimates) -> Watching:
+    limits = WatchLimits(
+        most=settings.max_streams, most_each=settings.streams_per_person, poll_s=settings.poll_s
+    )
+    return Watching(Standings(database), estimates, Doorbell(), limits)
+
+
+def _metrics(measures: Measures, watching: Watching) -> Metrics:
+    metrics = Metrics(measures.state)
+    metrics.measure_streams(lambda: watching.streams)
+    return metrics
 
 
 def _services(request: Request) -> Services:

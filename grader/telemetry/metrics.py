@@ -44,6 +44,10 @@ class Metrics:
             registry.register(RowCollector(state))
         build = Info("grader_build", "What runs here.", registry=registry)
         build.info({"version": __version__, "simulator": f"pybullet {version('pybullet')}"})
+        self._count_gradings(registry)
+        self._count_requests(registry)
+
+    def _count_gradings(self, registry: CollectorRegistry) -> None:
         self._gradings = Counter(
             "grader_gradings", "Gradings stored by this process.", ["verdict"], registry=registry
         )
@@ -65,6 +69,8 @@ class Metrics:
         self._lost = Counter(
             "grader_given_up", "Submissions whose last try failed: no grade.", registry=registry
         )
+
+    def _count_requests(self, registry: CollectorRegistry) -> None:
         self._uploads = Counter(
             "grader_uploads",
             "Uploads by what they were answered: accepted, repeated, or the problem's code.",
