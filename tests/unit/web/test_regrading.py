@@ -218,3 +218,14 @@ def test_reports_are_saved_for_other_graders(wang: Browser, handed_in: dict[str,
         answer = wang.get(f"/class/submissions/{submission}/{name}.json")
         assert field in answer.json()
         assert answer.headers["content-disposition"] == f'attachment; filename="{name}-{submission}.json"'
+
+
+def test_a_service_without_courses_grades_again_too(
+    instructor: Browser, put: Callable[..., str], grade_waiting: Callable[..., None]
+) -> None:
+    put(b"good", student="s1")
+    page = start(instructor, students="s1")
+    grade_waiting(better_for_short_files)
+    assert instructor.post(page, {"decision": "apply", "reason": "x"}).status_code == 303
+    for address in ("/class", "/class/gradebook", "/class/judgements", "/class/audit", page):
+        assert instructor.get(address).status_code == 200, address
