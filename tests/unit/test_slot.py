@@ -264,7 +264,9 @@ def test_a_shadowing_module_in_the_working_folder_is_not_imported(
         assert one.grade(job).report.assignment == "demo"
 
 
-def test_the_first_entry_of_the_path_is_not_handed_on(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_first_entry_of_the_path_is_not_handed_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """`python -m grader` puts the working folder there, where a student's random.py may lie."""
     before = launch._path()
     monkeypatch.setattr(sys, "path", [str(tmp_path), *before.split(os.pathsep)])
