@@ -38,7 +38,7 @@ from benchmarks.processes import INSTRUCTOR, Memory, Service
 _LOOK_S = 1.0
 _DASHBOARD = "/api/v1/dashboard"
 _PERCENTILES = (50, 95, 99)
-_BARE_GRADINGS = 300
+_BARE_GRADINGS = 200
 _TEACHER_LOOKS_S = 5.0
 
 
