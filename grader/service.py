@@ -23,10 +23,9 @@ from grader.contracts.errors import (
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState, SyntaxProblem
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
-from grader.contracts.text import Language
 from grader.preflight import SandboxPreflight
 from grader.routes.access import InstructorGate, new_token
-from grader.routes.plots import PlotCache
+from grader.routes.plots import PlotCache, Wish
 from grader.routes.services import Services
 from grader.settings import Settings, is_loopback
 from grader.slot import Slot, SlotConfig
@@ -279,7 +278,8 @@ def _probe() -> SandboxState:
         )
 
 
-def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, language: Language) -> bytes:
+def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
     from grader.plots import draw  # matplotlib takes a second to import: not at start
 
-    return draw(assignment, from_plain(GradeReport, json.loads(report.content)), trajectory, language)
+    graded = from_plain(GradeReport, json.loads(report.content))
+    return draw(assignment, graded, trajectory, wish.language, wish.form, case=wish.case)
