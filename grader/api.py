@@ -28,6 +28,7 @@ from grader.routes import (
     rules,
     submissions,
 )
+from grader.routes.bodies import BoundedBodies
 from grader.routes.headers import SafeHeaders
 from grader.routes.observing import Observed
 from grader.routes.services import Services
@@ -77,6 +78,7 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
     app = FastAPI(
         title=documentation.TITLE, version=__version__, docs_url=None, redoc_url=None, lifespan=lifespan
     )
+    app.add_middleware(BoundedBodies)
     app.add_middleware(SafeHeaders)
     app.add_middleware(Observed)  # added last, so around everything else
     problems.install(app)

@@ -121,7 +121,9 @@ def read_judgement(  # noqa: PLR0913
     summary="Give points for a rubric item",
     responses={
         200: {"headers": _ETAG},
-        **responses(*_KNOWN, "malformed_body", "item_not_found", "judged_meanwhile", "invalid_points"),
+        **responses(
+            *_KNOWN, "malformed_body", "too_large", "item_not_found", "judged_meanwhile", "invalid_points"
+        ),
     },
 )
 def judge(  # noqa: PLR0913

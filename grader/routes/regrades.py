@@ -136,7 +136,7 @@ class History(BaseModel):
     status_code=202,
     summary="Grade again, on trial",
     responses=responses(
-        *_KNOWN, "malformed_body", "assignment_not_found", "nothing_to_regrade", "regrade_open"
+        *_KNOWN, "malformed_body", "too_large", "assignment_not_found", "nothing_to_regrade", "regrade_open"
     ),
 )
 def start(
@@ -183,7 +183,9 @@ def read(
 @router.post(
     "/{regrade_id}/apply",
     summary="Make it count",
-    responses=responses(*_KNOWN, "malformed_body", "regrade_not_found", "regrade_running", "regrade_decided"),
+    responses=responses(
+        *_KNOWN, "malformed_body", "too_large", "regrade_not_found", "regrade_running", "regrade_decided"
+    ),
 )
 def apply(
     services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
@@ -198,7 +200,7 @@ def apply(
 @router.post(
     "/{regrade_id}/discard",
     summary="Forget it",
-    responses=responses(*_KNOWN, "malformed_body", "regrade_not_found", "regrade_decided"),
+    responses=responses(*_KNOWN, "malformed_body", "too_large", "regrade_not_found", "regrade_decided"),
 )
 def discard(
     services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision

@@ -45,7 +45,7 @@ def read_policy(
 @router.put(
     "/policy",
     summary="Change the rules",
-    responses=responses(*_KNOWN, "forbidden", "malformed_body", "no_course", "invalid_rules"),
+    responses=responses(*_KNOWN, "forbidden", "malformed_body", "too_large", "no_course", "invalid_rules"),
 )
 def change_policy(
     services: ServicesDep, caller: InstructorDep, assignment_id: AssignmentId, change: PolicyChange
@@ -78,7 +78,7 @@ def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: Assi
 @router.put(
     "/extensions/{student}",
     summary="Give one student more",
-    responses=responses(*_KNOWN, "forbidden", "malformed_body", "no_course", "unknown_student"),
+    responses=responses(*_KNOWN, "forbidden", "malformed_body", "too_large", "no_course", "unknown_student"),
 )
 def change_extension(
     services: ServicesDep,

@@ -7,7 +7,6 @@ from typing import Any
 
 from fastapi import Request, Response
 from fastapi.routing import APIRoute
-from starlette.types import Message
 
 from grader.contracts.assignment import SUFFIXES, Input
 from grader.contracts.errors import InfrastructureError, SandboxError, SubmissionError
@@ -16,13 +15,12 @@ from grader.contracts.identity import Caller, is_person_id
 from grader.contracts.text import Text
 from grader.contracts.upload import check_source
 from grader.render.escape import visible_line
+from grader.routes.bodies import media_type, too_large, with_file
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services
 
 _LONGEST_NAME = 100
 _LONGEST_LINE = 200
-_ENVELOPE_BYTES = 16 * 1024  # boundaries, part headers and the two short fields
-_DRAINED_BYTES = 8 * 1024 * 1024
 
 
 class UploadRoute(APIRoute):
@@ -36,12 +34,11 @@ class UploadRoute(APIRoute):
         handle = super().get_route_handler()
 
         async def bounded(request: Request) -> Response:
-            kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
-            if kind != "multipart/form-data":
+            if media_type(request.headers) != "multipart/form-data":
                 raise ProblemError("unsupported_media_type", headers={"Accept": "multipart/form-data"})
             request.state.arrived_at = request.app.state.services.clock()
             limit = request.app.state.services.settings.max_upload_bytes
-            return await handle(Request(request.scope, _Bounded(request, limit).receive))
+            return await handle(with_file(request, limit))
 
         return bounded
 
@@ -53,42 +50,6 @@ def arrival(request: Request) -> datetime:
     """
     instant: datetime = request.state.arrived_at
     return instant
-
-
-class _Bounded:
-    """Passes a request's body on up to a limit."""
-
-    def __init__(self, request: Request, file_limit: int) -> None:
-        self._receive = request.receive
-        self._file_limit = file_limit
-        self._left = file_limit + _ENVELOPE_BYTES
-        declared = request.headers.get("content-length", "")
-        self._declared_too_large = declared.isdecimal() and int(declared) > self._left
-
-    async def receive(self) -> Message:
-        message = await self._receive()
-        self._left -= len(message.get("body", b""))
-        if self._declared_too_large or self._left < 0:
-            await self._drain(message)
-            raise too_large(self._file_limit)
-        return message
-
-    async def _drain(self, message: Message) -> None:
-        """Read on for a while and drop it: most clients read no answer before they sent everything."""
-        dropped = 0
-        while message.get("more_body", False) and dropped < _DRAINED_BYTES:
-            message = await self._receive()
-            dropped += len(message.get("body", b""))
-
-
-def too_large(limit: int) -> ProblemError:
-    """Return the problem of a file beyond `limit` bytes."""
-    kib = limit // 1024
-    return ProblemError(
-        "too_large",
-        Text(zh=f"文件最大 {kib} KiB。", en=f"A file may have at most {kib} KiB."),
-        field="file",
-    )
 
 
 def checked_student(student: str) -> str:

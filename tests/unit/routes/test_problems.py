@@ -119,6 +119,28 @@ def test_a_file_one_byte_too_large(upload: Upload, services: Services) -> None:
     assert services.queue.state().queued == 1
 
 
+@pytest.mark.parametrize("declared", [True, False])
+@pytest.mark.parametrize(
+    ("path", "kind", "start"),
+    [
+        ("/api/v1/regrades", "application/json", b'{"assignment": "'),
+        ("/enter", "application/x-www-form-urlencoded", b"token="),
+        (
+            "/enter",
+            "multipart/form-data; boundary=b",
+            b'--b\r\nContent-Disposition: form-data; name="f"\r\n\r\n',
+        ),
+    ],
+)
+def test_nobody_fills_the_memory_with_a_body_that_is_no_upload(
+    client: httpx.Client, path: str, kind: str, start: bytes, declared: bool
+) -> None:
+    long = start + b"a" * 1024 * 1024
+    content = long if declared else (long[at : at + 65_536] for at in range(0, len(long), 65_536))
+    response = client.post(path, content=content, headers={"Content-Type": kind})
+    assert "1024 KiB" in problem(response, 413, "too_large")["detail"]
+
+
 def test_a_body_declared_far_too_large(upload: Upload, services: Services) -> None:
     problem(upload(b"#" * 3_000_000), 413, "too_large")
     assert nothing_stored(services)
