@@ -6,7 +6,6 @@ other core meanwhile.
 """
 
 import gc
-import os
 import threading
 from collections.abc import Callable
 from contextlib import suppress
@@ -27,7 +26,6 @@ def main(arguments: list[str]) -> int:
     if told is None:
         return 0
     config = SlotConfig(**told)
-    os.nice(config.niceness)
     try:
         sandbox = build_sandbox(config)
     except GraderError as error:

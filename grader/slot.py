@@ -13,7 +13,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Final, Self
 
@@ -38,7 +38,7 @@ class SlotConfig:
         mode: ``strict``, ``best-effort`` or ``dev`` (see docs/design.md).
         preload_numpy: whether the zygote imports numpy once, for scripts that use it.
         namespaces: whether to add namespaces when the host offers them.
-        niceness: added to the process's priority number, so that a service answers while it grades.
+        niceness: priority number of the process and of what it starts, so that a service answers while it grades.
     """
 
     mode: str = "strict"
@@ -138,7 +138,7 @@ class Slot:
             raise InfrastructureError(f"the grading process could not be started: {error}") from error
         self._process = _Process(child)
         self._channel = Channel(child.answers, child.requests)
-        self._send(asdict(replace(self._config, niceness=0)), _SPARE_S)
+        self._send(asdict(self._config), _SPARE_S)
 
     def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
         """Grade `job` in the child; call `on_run` here whenever a run of the script has begun there.
