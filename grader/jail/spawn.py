@@ -105,7 +105,23 @@ def _start() -> Interpreter:
         raise
     finally:
         theirs.close()
+    _group_like_parent(pid)
     return Interpreter(pid, ours)
+
+
+def _group_like_parent(pid: int) -> None:
+    """Give a process in a session of its own the niceness that ours has among sessions.
+
+    Where the kernel groups processes by session, a process's own niceness counts only inside it (sched(7)).
+    """
+    try:
+        with open("/proc/self/autogroup", encoding="ascii") as file:
+            niceness = file.read().split()[-1]
+        if niceness != "0":
+            with open(f"/proc/{pid}/autogroup", "w", encoding="ascii") as file:
+                file.write(niceness)
+    except OSError:
+        return  # this kernel does not group
 
 
 class _FixedAddresses:
