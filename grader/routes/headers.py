@@ -1,4 +1,8 @@
-"""Headers every answer carries: it is data, not a page, and nothing may guess otherwise."""
+"""Headers every answer carries: it is data, not a page, and nothing may guess otherwise.
+
+What does not say how long it holds is asked for again each time: almost all of it is somebody's, and browsers
+would guess from the age of a file that a script or style sheet is good for months, also after an upgrade.
+"""
 
 from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -7,6 +11,7 @@ _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
     "Referrer-Policy": "no-referrer",
+    "Cache-Control": "private, no-cache",
 }
 
 

@@ -185,3 +185,10 @@ def test_every_answer_says_that_it_is_data(client: httpx.Client, upload: Upload)
     for response in (upload(), upload(b""), client.get("/healthz"), client.get("/nothing")):
         assert response.headers["X-Content-Type-Options"] == "nosniff"
         assert response.headers["Content-Security-Policy"].startswith("default-src 'none'")
+
+
+def test_no_shared_cache_keeps_what_is_somebodys(client: httpx.Client, graded: Callable[..., str]) -> None:
+    url = graded(b"good")
+    for part in ("", "/report", "/trajectory", "/source", "/plot.png"):
+        kept = client.get(url + part).headers["Cache-Control"]
+        assert kept in ("no-store", "private, no-cache")

@@ -159,6 +159,11 @@ def test_static_files_are_typed_and_bounded(browser: Browser, services: Services
         answer = browser.client.get(f"/static/{name}")
         assert answer.headers["content-type"].startswith(kind)
         assert answer.headers["x-content-type-options"] == "nosniff"
+        assert (
+            answer.headers["cache-control"] == "private, no-cache"
+        )  # else an upgrade is not seen for months
+        again = browser.client.get(f"/static/{name}", headers={"If-None-Match": answer.headers["etag"]})
+        assert again.status_code == 304
     assert browser.client.get("/static/..%2fpages.py").status_code == 404
     assert browser.client.get("/static/").status_code == 404
 
