@@ -1,7 +1,7 @@
 """The gradebook as CSV: a plain table, and the one Canvas imports.
 
 Cells that a spreadsheet program would take for a formula are made text by an apostrophe before them (OWASP,
-"CSV Injection").
+"CSV Injection"); with an East Asian locale that is so for the full-width signs, too.
 """
 
 import csv
@@ -13,7 +13,7 @@ from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
 from grader.contracts.text import Language
 
-_FORMULA = ("=", "+", "-", "@", "\t", "\r")
+_FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠", "\t", "\r", "\n")
 _BOM = "\ufeff"  # without it, Excel takes Chinese for another encoding
 Scores = Mapping[tuple[str, str], Progress]
 

@@ -65,7 +65,7 @@ def test_without_courses_everybody_who_handed_in(client: httpx.Client, graded: C
     assert [row[0] for row in rows] == ["student", "ann"]
 
 
-@pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@x", "\t=1"])
+@pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@x", "\t=1", "\n=1", "＝1+1", "＋1", "－1", "＠x"])
 def test_no_cell_is_a_formula(name: str) -> None:
     member = Member(course="c", id="1", name=name, role=Role.STUDENT)
     for text in (plain([member], [assignment()], {}), canvas([member], [assignment()], {}, "en")):
