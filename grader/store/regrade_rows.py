@@ -2,10 +2,9 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 from typing import Any
 
-from sqlalchemy import case, delete, func, insert, literal, or_, select, update
+from sqlalchemy import Insert, and_, case, delete, func, insert, literal, or_, select
 from sqlalchemy.orm import aliased
 from sqlmodel import Session, SQLModel, col
 
@@ -76,49 +75,66 @@ def hold(session: Session, regrade_id: str) -> None:
     session.execute(in_order.with_for_update()).all()
 
 
-def adopt(session: Session, trial: Trial, regrade_id: str, now: datetime) -> bool:
-    """Copy a trial's grading to its submission as the latest one; False when that is being graded right now."""
-    original, made = trial.original, trial.row
-    if original.state not in _ENDS:
-        return False
-    attempt = original.attempt + 1  # fences off whoever still believes to grade it
+def adopt(session: Session, trials: Sequence[Trial], regrade_id: str) -> list[Trial]:
+    """Copy trials' gradings to their submissions as the latest ones; return the trials it was done with.
+
+    Left out are failed ones and those whose submission is being graded right now. The number of statements does
+    not grow with the number of trials, as other writers of a SQLite database wait meanwhile.
+    """
+    adopted = [one for one in trials if not one.failed and one.original.state in _ENDS]
     for table in reversed(_OF_GRADING):
-        names = [name for name in table.model_fields if name not in ("submission_id", "attempt", "regrade")]
-        columns = [getattr(table, name) for name in names]
-        key: list[Any] = [literal(original.id), literal(attempt)]
-        origin = [literal(regrade_id)] if table is GradingRow else []
-        source = select(*key, *origin, *columns).where(
-            table.submission_id == made.id,  # type: ignore[attr-defined]
-            table.attempt == made.graded_attempt,  # type: ignore[attr-defined]
-        )
-        target = ["submission_id", "attempt", *(["regrade"] if origin else []), *names]
-        session.execute(insert(table).from_select(target, source))
-    session.execute(
-        update(SubmissionRow)
-        .where(col(SubmissionRow.id) == original.id)
-        .values(
-            state=SubmissionState.GRADED.value,
-            attempt=attempt,
-            graded_attempt=attempt,
-            finished_at=now,
-            trouble="",
-            verdict=made.verdict,
-            score=made.score,
-            max_score=made.max_score,
-            report_sha256=made.report_sha256,
-            to_judge=made.to_judge,
+        session.execute(_copy(table, regrade_id))
+    for trial in adopted:
+        _take_over(trial.original, trial.row)
+    session.flush()
+    for trial in adopted:
+        settle(session, trial.original)
+    return adopted
+
+
+def _copy(table: type[SQLModel], regrade_id: str) -> Insert:
+    """Copy what belongs to the trials' gradings to the next attempts of their submissions."""
+    trial, original, rows = aliased(SubmissionRow), aliased(SubmissionRow), table.__table__  # type: ignore[attr-defined]
+    of_its_own = ("submission_id", "attempt", "regrade")
+    names = [column.name for column in rows.columns if column.name not in of_its_own]
+    key: list[Any] = [col(original.id), col(original.attempt) + 1]
+    origin = [literal(regrade_id)] if table is GradingRow else []
+    of_trial = and_(rows.c.submission_id == trial.id, rows.c.attempt == trial.graded_attempt)
+    source = (
+        select(*key, *origin, *(rows.c[name] for name in names))
+        .select_from(rows)
+        .join(trial, of_trial)
+        .join(original, col(original.id) == col(trial.original))
+        .where(
+            col(trial.regrade) == regrade_id,
+            col(trial.state) == SubmissionState.GRADED.value,
+            col(original.state).in_(_ENDS),
         )
     )
-    settle(session, original)
-    return True
+    return insert(rows).from_select(
+        ["submission_id", "attempt", *(["regrade"] if origin else []), *names], source
+    )
 
 
-def delete_trials(session: Session, trials: list[Trial]) -> None:
+def _take_over(original: SubmissionRow, made: SubmissionRow) -> None:
+    original.state = SubmissionState.GRADED.value
+    original.attempt += 1  # fences off whoever still believes to grade it
+    original.graded_attempt = original.attempt
+    # both instants: their difference tells the pace of gradings
+    original.started_at, original.finished_at = made.started_at, made.finished_at
+    original.trouble = ""
+    original.verdict = made.verdict
+    original.score, original.max_score = made.score, made.max_score
+    original.report_sha256 = made.report_sha256
+    original.to_judge = made.to_judge
+
+
+def delete_trials(session: Session, regrade_id: str) -> None:
     """Delete trials and their gradings; whoever still grades one finds its claim void."""
-    for trial in trials:
-        for table in _OF_GRADING:
-            session.execute(delete(table).where(table.submission_id == trial.row.id))  # type: ignore[attr-defined]
-        session.execute(delete(SubmissionRow).where(col(SubmissionRow.id) == trial.row.id))
+    ids = select(col(SubmissionRow.id)).where(col(SubmissionRow.regrade) == regrade_id)
+    statements = [delete(table).where(table.submission_id.in_(ids)) for table in _OF_GRADING]  # type: ignore[attr-defined]
+    for statement in (*statements, delete(SubmissionRow).where(col(SubmissionRow.regrade) == regrade_id)):
+        session.execute(statement, execution_options={"synchronize_session": False})
 
 
 def mark_of(session: Session, regrade_id: str) -> Mark:

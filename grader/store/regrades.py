@@ -106,9 +106,8 @@ class Regrades:
         def adopt_all(session: Session, row: RegradeRow, trials: list[Trial]) -> None:
             if any(trial.waits for trial in trials):
                 raise RegradeError("waiting", "not every trial grading is made yet")
-            for trial in trials:
-                if not trial.failed and adopt(session, trial, row.id, signed.at):
-                    _note_change(session, trial, signed, reason)
+            for trial in adopt(session, trials, row.id):
+                _note_change(session, trial, signed, reason)
 
         return self._decide(regrade_id, signed, reason, RegradeState.APPLIED, adopt_all)
 
@@ -145,7 +144,7 @@ class Regrades:
             trials = trials_of(session, row.id)
             outcome = _regrade(session, row, trials)
             act(session, row, trials)
-            delete_trials(session, trials)
+            delete_trials(session, row.id)
             row.state, row.reason = state.value, reason
             row.decided_at, row.decided_by = signed.at, signed.actor
             row.outcome = json.dumps(

@@ -41,6 +41,7 @@ class SubmissionRow(SQLModel, table=True):
         Index("submission_regrade", "regrade"),
         Index("submission_class", "course", "student", "assignment", "received_at"),
         Index("submission_finished", "finished_at"),
+        Index("submission_original", "original"),
     )
 
     id: str = Field(primary_key=True, max_length=36)
@@ -77,6 +78,7 @@ class UploadKeyRow(SQLModel, table=True):
     """A key that came with an upload, and a digest of what the upload was. Forgotten after some days."""
 
     __tablename__: ClassVar[str] = "upload_key"
+    __table_args__ = (Index("upload_key_submission", "submission_id"),)
 
     owner: str = Field(primary_key=True, max_length=160)
     key: str = Field(primary_key=True, max_length=255)
