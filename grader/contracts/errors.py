@@ -38,11 +38,13 @@ class SubmissionError(GraderError):
 
     Attributes:
         code: stable machine-readable reason, e.g. ``not_utf8``.
+        zh: the message in Chinese, which students read in their browser; else the message itself.
     """
 
-    def __init__(self, code: str, message: str) -> None:
+    def __init__(self, code: str, message: str, zh: str = "") -> None:
         super().__init__(message)
         self.code = code
+        self.zh = zh or message
 
 
 class CourseError(GraderError):

@@ -10,6 +10,7 @@ from grader.contracts.codec import from_plain
 from grader.contracts.errors import JudgementError
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
+from grader.contracts.text import Text
 from grader.routes.access import ENTRY_PROBLEMS, StaffDep
 from grader.routes.judgement_views import (
     JudgementBody,
@@ -149,18 +150,19 @@ def judge(  # noqa: PLR0913
     try:
         services.judgements.judge(submission_id, given, seen, signed)
     except JudgementError as error:
-        raise _problem(services, submission_id, error) from None
+        raise _problem(services, submission_id, given, error) from None
     return read_judgement(services, caller, language, response, submission_id=submission_id, item=item)
 
 
-def _problem(services: Services, submission_id: str, error: JudgementError) -> ProblemError:
+def _problem(services: Services, submission_id: str, given: Given, error: JudgementError) -> ProblemError:
     if error.code == "stale":
         return ProblemError("judged_meanwhile")
+    known = manual(_machine(graded(services, submission_id)))  # or says that there is none
     if error.code == "range":
-        return ProblemError("invalid_points", str(error), field="points")
-    allowed = [
-        one.id for one in manual(_machine(graded(services, submission_id)))
-    ]  # or says that there is none
+        most = next((f"{one.points:g}" for one in known if one.id == given.item), "?")
+        detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
+        return ProblemError("invalid_points", detail, field="points")
+    allowed = [one.id for one in known]
     return ProblemError("item_not_found", field="item", allowed=allowed)
 
 

@@ -12,10 +12,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.text import Text
+from grader.contracts.text import Language, Text
 from grader.render.escape import visible, visible_line
 from grader.routes.language import language_of
 from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.validation_words import said
 from grader.telemetry import context
 
 _log = logging.getLogger(__name__)
@@ -40,7 +41,7 @@ class FieldError(BaseModel):
     """One field that was not accepted."""
 
     field: str = Field(description="Where it stands: `query.lang`, `student`, ...", examples=["student"])
-    detail: str = Field(description="What is wrong with it.", examples=["Field required"])
+    detail: str = Field(description="What is wrong with it.", examples=["This field is missing."])
 
 
 class Problem(BaseModel):
@@ -193,17 +194,18 @@ async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
 
 async def _on_invalid(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
-    found = [_field_error(problem) for problem in error.errors()]
-    detail = "; ".join(f"{one.field}: {one.detail}" for one in found)
+    language = language_of(request)
+    found = [_field_error(problem, language) for problem in error.errors()]
+    detail = " ".join(f"{one.field}: {one.detail}" for one in found)
     field = found[0].field if found else None
     return _answer(request, "invalid_request", detail, field=field, errors=found)
 
 
-def _field_error(problem: Any) -> FieldError:
+def _field_error(problem: Any, language: Language) -> FieldError:
     where = [str(part) for part in problem["loc"]]
     name = ".".join(where[1:] if where[0] == "body" and len(where) > 1 else where)
     return FieldError(
-        field=visible_line(name, _LONGEST_ECHO), detail=visible_line(str(problem["msg"]), _LONGEST_ECHO)
+        field=visible_line(name, _LONGEST_ECHO), detail=visible_line(said(problem, language), _LONGEST_ECHO)
     )
 
 

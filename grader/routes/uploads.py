@@ -113,7 +113,7 @@ def check_content(services: Services, source: bytes, file_name: str, kind: Input
     try:
         check_source(source, limit)
     except SubmissionError as error:
-        raise ProblemError(error.code, str(error), field="file") from error
+        raise ProblemError(error.code, Text(zh=error.zh, en=str(error)), field="file") from error
     if kind == "text":
         return
     try:

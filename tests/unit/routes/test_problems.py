@@ -54,18 +54,20 @@ def nothing_stored(services: Services) -> bool:
 
 @pytest.mark.parametrize("source", [b"", b" \n\t\n", b"\xef\xbb\xbf", b"\xef\xbb\xbf \n"])
 def test_an_empty_file(upload: Upload, services: Services, source: bytes) -> None:
-    assert problem(upload(source), 422, "empty")["field"] == "file"
+    document = problem(upload(source), 422, "empty")
+    assert (document["field"], document["detail"][:2]) == ("file", "文件")
     assert nothing_stored(services)
 
 
 def test_a_file_in_another_encoding(upload: Upload, services: Services) -> None:
     document = problem(upload("# 第一行\nprint('方')\n".encode("gbk")), 422, "not_utf8")
-    assert "line 1" in document["detail"]
+    assert "第 1 行" in document["detail"]
     assert nothing_stored(services)
 
 
 def test_a_file_with_nul_bytes(upload: Upload, services: Services) -> None:
-    assert "line 2" in problem(upload(b"x = 1\ny = \0\n"), 422, "contains_nul")["detail"]
+    english = upload(b"x = 1\ny = \0\n", headers={"Accept-Language": "en"})
+    assert "line 2" in problem(english, 422, "contains_nul")["detail"]
     assert nothing_stored(services)
 
 
@@ -75,6 +77,20 @@ def test_a_file_that_is_not_python(upload: Upload, services: Services) -> None:
     assert document["text"] == "print(def broken("
     assert "never closed" in document["detail"]
     assert nothing_stored(services)
+
+
+@pytest.mark.parametrize(
+    ("language", "words"),
+    [("zh", "query.offset: 不能大于 1000000。"), ("en", "query.offset: Use 1000000 or less.")],
+)
+def test_a_wrong_field_is_told_in_the_readers_language(
+    client: httpx.Client, language: str, words: str
+) -> None:
+    headers = {"Authorization": f"Bearer {TOKEN}", "Accept-Language": language}
+    response = client.get("/api/v1/judgements/waiting?offset=9999999&every=perhaps", headers=headers)
+    document = problem(response, 422, "invalid_request")
+    assert words in document["detail"]
+    assert len(document["errors"]) == 2
 
 
 def test_a_syntax_error_cannot_smuggle_control_characters(upload: Upload) -> None:
@@ -323,7 +339,7 @@ def test_whatever_a_message_quotes_is_shown_escaped() -> None:
     request = Request(
         {"type": "http", "method": "GET", "path": "/", "headers": [], "query_string": b"lang=en"}
     )
-    found = [problems._field_error({"loc": ("body", "\u202ename"), "msg": "not \x1b[2J"})]
+    found = [problems._field_error({"loc": ("body", "\u202ename"), "msg": "not \x1b[2J", "type": "?"}, "en")]
     answer = problems._answer(request, "invalid_request", "line 1\nnot \x1b[2J\u202e", errors=found)
     document = json.loads(bytes(answer.body))
     assert document["detail"] == "line 1\nnot \\x1b[2J\\u202e"

@@ -1,0 +1,52 @@
+"""What is wrong with a field of a request, in words: pydantic's kinds of errors in both languages."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from grader.contracts.text import Language, Text
+
+_NUMBER = Text(zh="要填一个数。", en="This is no number.")
+_INTEGER = Text(zh="要填一个整数。", en="This is no whole number.")
+_INSTANT = Text(
+    zh="要填一个时间，例如 2026-03-20T23:59:59。", en="This is no date and time such as 2026-03-20T23:59:59."
+)
+_ONE_OF = Text(zh="只能是这些值之一：{expected}。", en="Use one of these: {expected}.")
+_OBJECT = Text(zh="要填一个 JSON 对象。", en="This is no JSON object.")
+_UNREADABLE = Text(zh="文字里有不能使用的字符。", en="The text has characters that are not accepted.")
+
+_WORDS: Mapping[str, Text] = {
+    "missing": Text(zh="缺少这个字段。", en="This field is missing."),
+    "extra_forbidden": Text(zh="没有这个字段。", en="There is no such field."),
+    "greater_than_equal": Text(zh="不能小于 {ge}。", en="Use {ge} or more."),
+    "less_than_equal": Text(zh="不能大于 {le}。", en="Use {le} or less."),
+    "string_too_short": Text(zh="至少 {min_length} 个字。", en="Use at least {min_length} characters."),
+    "string_too_long": Text(zh="最多 {max_length} 个字。", en="Use at most {max_length} characters."),
+    "too_long": Text(zh="最多 {max_length} 项。", en="Use at most {max_length} entries."),
+    "string_pattern_mismatch": _UNREADABLE,
+    "string_unicode": _UNREADABLE,
+    "string_type": Text(zh="要填文字。", en="This is no text."),
+    "finite_number": Text(zh="要填一个有限的数。", en="This is no finite number."),
+    "float_parsing": _NUMBER,
+    "float_type": _NUMBER,
+    "int_parsing": _INTEGER,
+    "int_parsing_size": _INTEGER,
+    "int_from_float": _INTEGER,
+    "int_type": _INTEGER,
+    "bool_parsing": Text(zh="要填 true 或 false。", en="Use true or false."),
+    "bool_type": Text(zh="要填 true 或 false。", en="Use true or false."),
+    "enum": _ONE_OF,
+    "literal_error": _ONE_OF,
+    "datetime_type": _INSTANT,
+    "datetime_parsing": _INSTANT,
+    "datetime_from_date_parsing": _INSTANT,
+    "list_type": Text(zh="要填一个列表。", en="This is no list."),
+    "dict_type": _OBJECT,
+    "model_type": _OBJECT,
+    "model_attributes_type": _OBJECT,
+}
+
+
+def said(problem: Mapping[str, Any], language: Language) -> str:
+    """Return one of pydantic's `errors()` as a sentence; pydantic's own, in English, of a kind not known here."""
+    known = _WORDS.get(problem["type"])
+    return str(problem["msg"]) if known is None else known.get(language).format(**problem.get("ctx", {}))
