@@ -29,7 +29,7 @@ from grader.routes.plots import PlotCache, Wish
 from grader.routes.services import Services
 from grader.settings import Settings, is_loopback
 from grader.slot import Slot, SlotConfig
-from grader.store.columns import utc_now
+from grader.store.columns import Clock, utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
@@ -37,6 +37,7 @@ from grader.store.measures import Measures
 from grader.store.occupancy import in_use
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.schema import migrate
+from grader.store.server_clock import clock_of
 from grader.store.work import WorkSource
 from grader.store.workers import Workers, presence
 from grader.telemetry.metrics import Metrics, exported
@@ -115,12 +116,13 @@ def running(
     """
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings))
-        courses = Courses(database, utc_now)
+        clock = stack.enter_context(clock_of(database))
+        courses = Courses(database, clock)
         check_exposure(settings, courses)
         services = Services.over(
             database,
             settings,
-            utc_now,
+            clock,
             policy=_policy(settings),
             assignments=RememberedAssignments(Catalog(cache=AssignmentMemory())),
             preflight=preflight or stack.enter_context(_preflight()),
@@ -130,7 +132,7 @@ def running(
         stack.callback(services.plots.close)
         stack.callback(services.watching.close)
         if settings.slots:
-            parts = _parts(database, settings, services.assignments)
+            parts = _parts(database, settings, services.assignments, clock)
             parts = replace(parts, doorbell=services.doorbell, observer=services.metrics)
             stack.enter_context(_working(settings, parts))
         yield services
@@ -145,8 +147,9 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     """
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings))
-        parts = _parts(database, settings, RememberedAssignments(Catalog()))
-        metrics = Metrics(Measures(database, parts.workers, utc_now, settings.silent_s).state)
+        clock = stack.enter_context(clock_of(database))
+        parts = _parts(database, settings, RememberedAssignments(Catalog()), clock)
+        metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
         yield stack.enter_context(_working(settings, replace(parts, observer=metrics)))
@@ -182,23 +185,25 @@ def _working(settings: Settings, parts: WorkerParts) -> Iterator[Worker]:
             worker.stop()
 
 
-def _parts(database: Database, settings: Settings, assignments: AssignmentSource) -> WorkerParts:
+def _parts(
+    database: Database, settings: Settings, assignments: AssignmentSource, clock: Clock
+) -> WorkerParts:
     return WorkerParts(
-        queue=Queue(database, utc_now, _policy(settings)),
-        workers=Workers(database, utc_now),
+        queue=Queue(database, clock, _policy(settings)),
+        workers=Workers(database, clock),
         assignments=assignments,
         make_grader=lambda: Slot(_ISOLATION),
         probe=_probe,
         doorbell=Doorbell(),
-        clock=utc_now,
-        work=None if database.is_sqlite else _permits(database, settings),
+        clock=clock,
+        work=None if database.is_sqlite else _permits(database, settings, clock),
     )
 
 
-def _permits(database: Database, settings: Settings) -> WorkSource:
+def _permits(database: Database, settings: Settings, clock: Clock) -> WorkSource:
     from grader.store.permits.loop import PermitLoop  # the embedded default does without Procrastinate
 
-    return PermitLoop(database, utc_now, settings.poll_s)
+    return PermitLoop(database, clock, settings.poll_s)
 
 
 @contextmanager

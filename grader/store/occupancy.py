@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 
 from grader.contracts.errors import SettingsError
-from grader.store.columns import utc_now
 from grader.store.database import Database
+from grader.store.server_clock import ServerClock
 from grader.store.workers import Workers
 
 _LIVES_S = 30.0  # a worker says every few seconds that it lives
@@ -35,7 +35,7 @@ def alone(database: Database) -> Iterator[None]:
     """
     busy = SettingsError(f"a service works with {database.name}: stop it first")
     if not database.is_sqlite:
-        if Workers(database, utc_now).alive(_LIVES_S):
+        if Workers(database, ServerClock(database)).alive(_LIVES_S):
             raise busy
         yield
         return

@@ -1,0 +1,93 @@
+"""Which clock instants are taken from: this machine's, or that of the database server that several machines share.
+
+Leases, turns and due dates compare instants of different processes. On SQLite they are all on one machine. On
+PostgreSQL the server's clock decides, so that a machine whose own clock is wrong takes nobody's grading away,
+accepts nothing late and is not believed dead.
+"""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from datetime import UTC, datetime, timedelta
+
+from sqlalchemy import text
+
+from grader.store.columns import Clock, utc_now
+from grader.store.database import Database
+
+_AGAIN_S = 20.0
+_SLOWEST_S = 0.5  # an answer that took longer tells the time too badly to be worth more than what is known
+_NOW = text("SELECT clock_timestamp()")
+_log = logging.getLogger(__name__)
+
+
+def _elapsed_s() -> float:
+    """Seconds that nobody sets, and that go on while the machine sleeps."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME)
+
+
+class ServerClock:
+    """The database server's clock, asked now and then and counted on in between. Never waits for the server."""
+
+    def __init__(self, database: Database, elapsed_s: Callable[[], float] = _elapsed_s) -> None:
+        """Ask for the first time.
+
+        Raises:
+            InfrastructureError: the database does not answer.
+        """
+        self._database = database
+        self._elapsed_s = elapsed_s
+        self._known, _ = self._asked()
+
+    def __call__(self) -> datetime:
+        """Return the current instant."""
+        instant, at_s = self._known
+        return instant + timedelta(seconds=self._elapsed_s() - at_s)
+
+    def set(self) -> None:
+        """Ask again; a slow answer is not used.
+
+        Raises:
+            InfrastructureError: the database does not answer.
+        """
+        known, took_s = self._asked()
+        if took_s <= _SLOWEST_S:
+            self._known = known
+
+    def _asked(self) -> tuple[tuple[datetime, float], float]:
+        with self._database.reading() as session:
+            session.connection()  # connecting would count as the way of the question
+            before_s = self._elapsed_s()
+            instant: datetime = session.execute(_NOW).scalar_one()
+            took_s = self._elapsed_s() - before_s
+        return (instant.astimezone(UTC), before_s + took_s / 2), took_s
+
+
+@contextmanager
+def clock_of(database: Database) -> Iterator[Clock]:
+    """Give the clock of a database for as long as the context lasts.
+
+    Raises:
+        InfrastructureError: the database does not answer.
+    """
+    if database.is_sqlite:
+        yield utc_now
+        return
+    clock, ended = ServerClock(database), threading.Event()
+
+    def set_now_and_then() -> None:
+        while not ended.wait(_AGAIN_S):
+            try:
+                clock.set()
+            except Exception as error:  # what is known goes on
+                _log.warning("the database's clock could not be asked: %s", error)
+
+    thread = threading.Thread(target=set_now_and_then, name="grader-clock", daemon=True)
+    thread.start()
+    try:
+        yield clock
+    finally:
+        ended.set()
+        thread.join(_SLOWEST_S)
