@@ -43,22 +43,24 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
 
 
 @router.get("/assignments/{assignment_id}")
-def read_assignment(request: Request, services: ServicesDep, assignment_id: str) -> Response:
+def read_assignment(
+    request: Request, services: ServicesDep, _visitor: VisitorDep, assignment_id: str
+) -> Response:
     """Show what is asked and how it earns points, and take a file."""
     return _assignment_page(request, _assignment(services, assignment_id))
 
 
 @uploads.post("/assignments/{assignment_id}", dependencies=[Depends(require_own_form)])
-def hand_in(
+def hand_in(  # noqa: PLR0913, PLR0917
     request: Request,
     services: ServicesDep,
+    visitor: VisitorDep,
     assignment_id: str,
     file: Annotated[UploadFile, File()],
     student: Annotated[str, Form(max_length=200)] = "",
 ) -> Response:
     """Take a file and lead to its result; on a refusal show the same page with the reason."""
     assignment = _assignment(services, assignment_id)
-    visitor = access.visitor_of(request)
     if not visitor.open:
         access.require_known(visitor)
     given = visitor.student or student.strip()

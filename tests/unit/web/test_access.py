@@ -199,3 +199,16 @@ class TestCourse:
         assert "还可提交 4 次" in browser.get("/assignments/square").text
         browser.enter(token=tokens["wang"])
         assert "回到起点</h3>" in browser.get(own).text
+
+
+def test_a_members_pages_are_limited_as_their_requests_are(
+    browser: Browser, services: Services, tokens: dict[str, str]
+) -> None:
+    browser.enter(token=tokens["li"])
+    sent = browser.get("/assignments/square")
+    assert sent.status_code == 200
+    for _ in range(services.settings.requests_per_minute - 1):
+        services.request_limit.take("ros/li")
+    for answer in (browser.get("/assignments/square"), browser.hand_in("square", b"good")):
+        assert (answer.status_code, "请求太频繁" in answer.text) == (429, True)
+        assert int(answer.headers["Retry-After"]) >= 1
