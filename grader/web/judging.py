@@ -142,7 +142,7 @@ def judge(
     if form.then == "next" and around.next is not None:
         address = f"{HOME}/{around.next}?{urlencode(kept)}"
     elif form.then == "next":
-        address = HOME
+        address = HOME + ("?anonymous=1" if form.anonymous else "")
     else:
         address = f"{HOME}/{submission.id}?{urlencode(kept)}"
     return RedirectResponse(address, status_code=303)

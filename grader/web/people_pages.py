@@ -52,7 +52,7 @@ def read_audit(
 
 def address(subject: str) -> str:
     """Return the page of what an entry of the log is about, empty where there is none."""
-    kind, _, name = subject.partition(" ")
+    kind, _, name = subject.partition(",")[0].partition(" ")  # what follows a comma is a part of it
     if kind == "submission" and _ID.fullmatch(name):
         return f"/submissions/{name}"
     if kind == "assignment" and _ID.fullmatch(name):

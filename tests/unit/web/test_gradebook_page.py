@@ -132,7 +132,8 @@ def test_only_what_differs_is_shown() -> None:
 def test_entries_of_the_log_lead_to_what_they_are_about() -> None:
     assert address("submission 019-ab") == "/submissions/019-ab"
     assert address("assignment square") == "/class/rules/square"
-    assert address("assignment square, member li") == ""
+    assert address("assignment square, member li") == "/class/rules/square"
+    assert address("submission 019-ab, item near/timer") == "/submissions/019-ab"
     assert address("regrade 9f2c of square") == "/class/regrades/9f2c"
     assert address("submission //evil") == ""
     assert address("member li") == ""

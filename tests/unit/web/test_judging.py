@@ -69,6 +69,12 @@ def test_names_can_be_hidden(ta: Browser, answers: dict[str, str]) -> None:
         assert not re.search(r">\s*li\b", ta.get(page + "anonymous=1").text)
 
 
+def test_names_stay_hidden_after_the_last_answer(ta: Browser, answers: dict[str, str]) -> None:
+    first = give(ta, answers["li"], anonymous="1").headers["Location"]
+    assert first.startswith(f"/class/judgements/{answers['han']}?item=timer&anonymous=1")
+    assert give(ta, answers["han"], anonymous="1").headers["Location"] == "/class/judgements?anonymous=1"
+
+
 def test_an_answer_keeps_its_lines_and_is_only_text(ta: Browser, answers: dict[str, str]) -> None:
     text = ta.get(desk(answers["li"])).text
     assert "timer calls.\n\n&lt;script&gt;alert(1)&lt;/script&gt;\\u202e\n</pre>" in text.replace("\r", "")
