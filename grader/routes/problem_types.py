@@ -43,7 +43,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     "not_open_yet": ProblemType(
         status=403,
         title=Text(zh="作业还没有开放", en="The assignment is not open yet"),
-        fix=Text(zh="到 detail 所说的时间再提交。", en="Hand it in from the instant that detail names."),
+        fix=Text(zh="等作业开放后再提交。", en="Hand it in once the assignment is open."),
     ),
     "closed": ProblemType(
         status=403,
@@ -79,8 +79,8 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
         status=404,
         title=Text(zh="没有这个地址", en="There is nothing at this address"),
         fix=Text(
-            zh="检查地址；/openapi.json 列出全部地址。",
-            en="Check the address; /openapi.json lists all of them.",
+            zh="检查地址是否完整；程序接口的地址见 /openapi.json。",
+            en="Check the address; /openapi.json lists those for programs.",
         ),
     ),
     "submission_not_found": ProblemType(
@@ -162,7 +162,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     "invalid_request": ProblemType(
         status=422,
         title=Text(zh="请求中有字段不正确", en="A field of the request is wrong"),
-        fix=Text(zh="改正 errors 中列出的字段。", en="Correct the fields listed in errors."),
+        fix=Text(zh="改正所列的字段。", en="Correct the fields that are named."),
     ),
     "invalid_points": ProblemType(
         status=422,
@@ -246,8 +246,8 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
         status=422,
         title=Text(zh="Python 语法错误", en="This is not valid Python"),
         fix=Text(
-            zh="改正 line 所指的那一行（也看看它的上一行），在本机能运行后再上传。",
-            en="Correct the line given in line (look at the one above, too), run it at home, then upload it.",
+            zh="改正所指的那一行（也看看它的上一行），在自己电脑上能运行后再上传。",
+            en="Correct that line (look at the one above, too), run it at home, then upload it.",
         ),
     ),
     "key_reused": ProblemType(
@@ -264,8 +264,8 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
         status=429,
         title=Text(zh="请求太频繁", en="Too many requests"),
         fix=Text(
-            zh="等响应头 Retry-After 所说的秒数，再试一次。",
-            en="Wait as many seconds as the header Retry-After says, then try again.",
+            zh="稍等片刻再试；响应头 Retry-After 是要等的秒数。",
+            en="Wait a moment, then try again; the header Retry-After says how many seconds.",
         ),
     ),
     "too_many_streams": ProblemType(

@@ -58,8 +58,7 @@ class Problem(BaseModel):
                     "instance": "urn:uuid:0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f",
                     "code": "syntax_error",
                     "field": "file",
-                    "fix": "Correct the line given in line (look at the one above, too), run it at home, "
-                    "then upload it.",
+                    "fix": "Correct that line (look at the one above, too), run it at home, then upload it.",
                     "line": 12,
                     "column": 21,
                     "text": "        self.publish(",
