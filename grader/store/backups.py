@@ -6,9 +6,10 @@ service runs. Putting back wants the service stopped.
 
 import os
 import sqlite3
+import stat
 import tempfile
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from pathlib import Path
 
 from grader.contracts.errors import SettingsError
@@ -56,6 +57,7 @@ def restore_file(backup: Path, database: Path) -> Path | None:
         if database.is_file():
             old = database.with_name(database.name + ".before-restore")
             copy_file(database, old)  # with what its log holds
+            _pass_on_access(database, new)
         _forget_log(database)
         os.replace(new, database)
     finally:
@@ -88,6 +90,8 @@ def copy_file(source: Path, target: Path) -> None:
     """
     if not source.is_file():
         raise SettingsError(f"{source}: there is no such file")
+    if target.exists() and target.samefile(source):  # whose users would go on with a file that has no name
+        raise SettingsError(f"{target} is the very file that is to be copied")
     half = target.with_name(target.name + ".part")
     half.unlink(missing_ok=True)
     try:
@@ -114,6 +118,14 @@ def _check(copy: sqlite3.Connection, source: Path) -> None:
     tables = {row[0] for row in copy.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     if not {"submission", "alembic_version"} <= tables:
         raise SettingsError(f"{source} is no database of the grader")
+
+
+def _pass_on_access(old: Path, new: Path) -> None:
+    """Let those open `new` who may open `old`: the service, for whom an administrator puts a backup back."""
+    was = old.stat()
+    with suppress(PermissionError):  # who may not give files away is not the administrator
+        os.chown(new, was.st_uid, was.st_gid)
+    new.chmod(stat.S_IMODE(was.st_mode))
 
 
 def _forget_log(database: Path) -> None:

@@ -11,11 +11,12 @@ before it writes therefore first takes a lock on what it decides about: `grader.
 to be run again as a whole, most often on deadline evenings.
 """
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+import os
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from typing import Any
 
-from sqlalchemy import URL, Connection, Engine, event, make_url
+from sqlalchemy import URL, Connection, Dialect, Engine, event, make_url
 from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlmodel import Session, create_engine
@@ -112,6 +113,7 @@ class Database:
 def _engine(url: URL) -> Engine:
     if url.get_backend_name() == "sqlite":
         engine = create_engine(url)
+        event.listen(engine, "do_connect", _create_private)
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
         return engine
@@ -142,6 +144,13 @@ def _announcer(engine: Engine) -> Announcer:
     from grader.store.permits.announcer import PermitAnnouncer
 
     return PermitAnnouncer()
+
+
+def _create_private(_dialect: Dialect, _record: Any, arguments: Sequence[Any], _options: Any) -> None:
+    """Create a SQLite file for its owner only: it has names and people's work. Its logs get the same mode."""
+    # whatever else is wrong with the path, SQLite says
+    with suppress(OSError):
+        os.close(os.open(arguments[0], os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC, 0o600))
 
 
 def _configure_sqlite(connection: Any, _record: Any) -> None:

@@ -84,6 +84,25 @@ def test_a_restored_database_is_as_it_was(database: Database, db, tmp_path: Path
     assert count(tmp_path / "grader.db.before-restore") == 2
 
 
+def test_a_database_is_its_owners_only_and_stays_whose_it_is(database: Database, db, tmp_path: Path) -> None:
+    add(database, "a")
+    files = [tmp_path / name for name in ("grader.db", "grader.db-wal", "backup.db")]
+    db("backup", files[-1])
+    assert [oct(one.stat().st_mode & 0o777) for one in files] == ["0o600"] * 3
+    database.close()
+    files[0].chmod(0o640)  # say, a group makes backups
+    db("restore", files[-1])
+    assert oct(files[0].stat().st_mode & 0o777) == "0o640"
+
+
+def test_a_backup_does_not_take_the_place_of_the_database(database: Database, db, tmp_path: Path) -> None:
+    before = (tmp_path / "grader.db").stat().st_ino
+    (tmp_path / "link.db").symlink_to("grader.db")
+    for name in ("grader.db", "link.db"):
+        assert "the very file" in db("backup", tmp_path / name, status=2)
+    assert (tmp_path / "grader.db").stat().st_ino == before
+
+
 def test_under_a_running_service_nothing_is_restored(database: Database, db, tmp_path: Path) -> None:
     add(database, "a")
     db("backup", tmp_path / "backup.db")
