@@ -1,149 +1,145 @@
-"""`grader serve` as an operator starts it: a real process, the real sandbox, the lesson's scripts."""
+"""`grader serve` as an operator starts it: a real process, the real sandbox, the car and the lesson's scripts."""
 
 import json
-import os
-import re
-import signal
 import subprocess
 import sys
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import httpx
 import pytest
+from rich.console import Console
 
-ROOT = Path(__file__).resolve().parents[2]
-LESSON = ROOT / "lesson"
-TOKEN = "3q9fKx72LmVb0pTzQQ"
-INSTRUCTOR = {"Authorization": f"Bearer {TOKEN}"}
-PATIENCE_S = 120.0  # only ever waited for in full when a test fails
+from grader.commands.demo import Upload, await_grades, hand_in, serving
+from grader.contracts.codec import from_plain
+from grader.contracts.report import GradeReport
+from tests.e2e.grading_slot import LESSON, catalog
 
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    pause = threading.Event()
-    for _ in range(int(PATIENCE_S / 0.05)):
-        if condition():
-            return
-        pause.wait(0.05)
-    raise AssertionError("it never happened")
-
-
-def command(*arguments: str) -> list[str]:
-    return [sys.executable, "-m", "grader", *arguments]
+SCRIPTS = {"hello": "hello_node.py", "straight": "straight_mover.py", "square": "square_mover.py"}
+STUDENT = "20260123"
 
 
 @pytest.fixture(scope="module")
-def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
-    data = tmp_path_factory.mktemp("served")
-    process = subprocess.Popen(
-        command("serve", "--port", "0", "--slots", "1", "--data", str(data)),
-        cwd=ROOT,
-        # what nobody reads until the end must not fill the pipe
-        env={**os.environ, "GRADER_INSTRUCTOR_TOKEN": TOKEN, "GRADER_LOG_LEVEL": "warning"},
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    assert process.stderr is not None
-    address = re.search(r"http://127\.0\.0\.1:\d+", process.stderr.readline())
-    assert address is not None
-    with httpx.Client(base_url=address.group(), timeout=PATIENCE_S, trust_env=False) as client:
-        wait_until(lambda: client.get("/healthz").status_code == 200)
+def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
+    """One service for all tests, asked with the operator's token."""
+    with serving(tmp_path_factory.mktemp("service")) as client:
         yield client
-    process.send_signal(signal.SIGTERM)
-    rest = process.stderr.read()
-    assert process.wait() == 0
-    assert "Traceback" not in rest
-    process.stderr.close()
 
 
-def upload(client: httpx.Client, name: str, source: bytes, assignment: str) -> httpx.Response:
-    return client.post(
+def graded(client: httpx.Client, *uploads: Upload) -> list[str]:
+    locations = [hand_in(client, upload) for upload in uploads]
+    await_grades(client, locations, Console(quiet=True))
+    return locations
+
+
+@pytest.fixture(scope="module")
+def lesson(client: httpx.Client) -> dict[str, str]:
+    """Where the submissions of the lesson's scripts are found, by assignment."""
+    uploads = [Upload(STUDENT, assignment, LESSON / name) for assignment, name in SCRIPTS.items()]
+    return dict(zip(SCRIPTS, graded(client, *uploads), strict=True))
+
+
+def refused(client: httpx.Client, assignment: str, name: str, source: bytes) -> httpx.Response:
+    answer = client.post(
         "/api/v1/submissions",
-        files={"file": (name, source)},
-        data={"assignment": assignment, "student": "20260123"},
+        data={"student": STUDENT, "assignment": assignment},
+        files={"file": (name, source, "text/plain")},
         headers={"Accept-Language": "en"},
     )
+    assert answer.headers["content-type"].startswith("application/problem+json")
+    return answer
 
 
-def graded(client: httpx.Client, name: str, source: bytes, assignment: str) -> str:
-    response = upload(client, name, source, assignment)
-    assert response.status_code == 202, response.text
-    url = response.headers["Location"]
-    wait_until(lambda: client.get(url).json()["status"] not in ("queued", "running"))
-    return url
-
-
-@pytest.mark.parametrize(
-    ("name", "assignment"),
-    [("hello_node.py", "hello"), ("straight_mover.py", "straight"), ("square_mover.py", "square")],
-)
-def test_the_lessons_scripts_get_full_marks_as_on_the_command_line(
-    served: httpx.Client, name: str, assignment: str
+@pytest.mark.parametrize("assignment", SCRIPTS)
+def test_the_lessons_scripts_get_the_very_report_that_check_prints(
+    client: httpx.Client, lesson: dict[str, str], assignment: str
 ) -> None:
-    url = graded(served, name, (LESSON / name).read_bytes(), assignment)
-    document = served.get(url).json()
-    assert (document["verdict"], document["score"]) == ("graded", document["max_score"])
-    checked = subprocess.run(
-        command("check", str(LESSON / name), "--assignment", assignment, "--json"),
-        cwd=ROOT,
-        capture_output=True,
-        check=True,
-    )
-    assert served.get(url + "/report").content == checked.stdout.strip()
+    command = [sys.executable, "-m", "grader", "check", str(LESSON / SCRIPTS[assignment]), "--json"]
+    local = subprocess.run(command, capture_output=True, check=True).stdout.strip()
+    report = from_plain(GradeReport, json.loads(local))
+    assert report.score == report.max_score == 100
+    document = client.get(lesson[assignment]).json()
+    assert (document["verdict"], document["score"]) == ("graded", 100)
+    assert document["report_sha256"] == report.sha256()
+    assert client.get(lesson[assignment] + "/report").content == local
 
 
-def test_what_was_driven_can_be_looked_at(served: httpx.Client) -> None:
-    url = graded(served, "square_mover.py", (LESSON / "square_mover.py").read_bytes(), "square")
-    columns = served.get(url + "/trajectory").json()
+def test_what_was_driven_can_be_looked_at(client: httpx.Client, lesson: dict[str, str]) -> None:
+    columns = client.get(lesson["square"] + "/trajectory").json()
     lengths = {len(columns[name]) for name in ("t_ns", "x_m", "y_m", "heading_rad", "v_mps", "w_radps")}
     assert len(lengths) == 1
-    plot = served.get(url + "/plot.png")
+    assert lengths.pop() > 500
+    plot = client.get(lesson["square"] + "/plot.png").raise_for_status()
+    assert plot.headers["content-type"] == "image/png"
     assert plot.content.startswith(b"\x89PNG")
 
 
-def test_a_square_is_no_pentagon_and_the_report_says_why(served: httpx.Client) -> None:
-    url = graded(served, "square_mover.py", (LESSON / "square_mover.py").read_bytes(), "pentagon")
-    document = served.get(url, params={"lang": "en"}).json()
+def test_a_square_is_no_pentagon_and_a_crash_is_the_students(client: httpx.Client, tmp_path: Path) -> None:
+    crash = tmp_path / "crash.py"
+    crash.write_text("import rclpy\n\nrclpy.init()\nrclpy.crete_node('x')\n")
+    square = Upload(STUDENT, "pentagon", LESSON / "square_mover.py")
+    other, crashed = graded(client, square, Upload(STUDENT, "hello", crash))
+    document = client.get(other, params={"lang": "en"}).json()
     assert document["score"] < document["max_score"]
     failed = [item for item in document["rubric"] if item["status"] == "failed"]
     assert failed
     assert all(item["message"] and item["hint"] for item in failed)
-
-
-def test_a_syntax_error_is_refused_with_its_place(served: httpx.Client) -> None:
-    response = upload(served, "bad.py", b"import rclpy\nif True:\n    print('hi'\nx = 1\n", "square")
-    document = response.json()
-    assert (response.status_code, document["code"], document["line"]) == (422, "syntax_error", 3)
-    assert document["text"] == "    print('hi'"
-    assert document["column"] == 10
-    assert "never closed" in document["detail"]
-
-
-def test_a_crash_is_the_students_with_their_line(served: httpx.Client) -> None:
-    url = graded(served, "crash.py", b"import rclpy\n\nrclpy.init()\nrclpy.crete_node('x')\n", "hello")
-    (run,) = served.get(url).json()["runs"]
+    (run,) = client.get(crashed).json()["runs"]
     assert (run["status"], run["blame"]) == ("crashed", "student")
     assert (run["error"]["type"], run["error"]["line"]) == ("AttributeError", 4)
 
 
-def test_the_dashboard_needs_the_operators_token(served: httpx.Client) -> None:
-    assert served.get("/api/v1/dashboard").status_code == 401
-    document = served.get("/api/v1/dashboard", headers=INSTRUCTOR).json()
-    assert [one["student"] for one in document["students"]] == ["20260123"]
-    assert TOKEN not in json.dumps(document)
+def test_a_text_is_accepted_graded_or_kept_for_a_person(client: httpx.Client) -> None:
+    solutions = {
+        name: catalog().folder(name) / "solution.txt" for name in ("calculation", "theory_keep_publishing")
+    }
+    places = graded(client, *(Upload("s004", name, path) for name, path in solutions.items()))
+    number, essay = (client.get(place).raise_for_status().json() for place in places)
+    assert (number["verdict"], number["score"]) == ("graded", 100)
+    assert (essay["verdict"], essay["score"]) == ("needs_manual", None)
+    assert [client.get(place + "/plot.png").status_code for place in places] == [404, 404]
+    location = places[1]
+    for item in client.get(f"{location}/judgements").raise_for_status().json()["items"]:
+        body = {"points": item["points"], "comment": "right"}
+        client.put(f"{location}/judgements/{item['item']}", json=body).raise_for_status()
+    judged = client.get(location).raise_for_status().json()
+    assert (judged["verdict"], judged["score"], judged["to_judge"]) == ("graded", 100, 0)
+    assert judged["report_sha256"] == essay["report_sha256"]
 
 
-def test_a_second_server_on_the_same_port_says_so(served: httpx.Client, tmp_path: Path) -> None:
-    arguments = command("serve", "--port", str(served.base_url.port), "--data", str(tmp_path))
-    failed = subprocess.run(arguments, cwd=ROOT, capture_output=True, text=True, check=False)
+def test_a_syntax_error_is_refused_with_its_place(client: httpx.Client) -> None:
+    answer = refused(client, "square", "bad.py", b"import rclpy\nif True:\n    print('hi'\nx = 1\n")
+    document = answer.json()
+    assert (answer.status_code, document["code"], document["line"]) == (422, "syntax_error", 3)
+    assert (document["text"], document["column"]) == ("    print('hi'", 10)
+    assert "never closed" in document["detail"]
+
+
+@pytest.mark.parametrize(("assignment", "name"), [("calculation", "answer.py"), ("square", "square.txt")])
+def test_a_script_for_a_question_is_refused_and_the_other_way_round(
+    client: httpx.Client, assignment: str, name: str
+) -> None:
+    answer = refused(client, assignment, name, b"12 s")
+    assert (answer.status_code, answer.json()["code"]) == (415, "wrong_file_type")
+
+
+def test_healthz_says_that_the_sandbox_was_proven(client: httpx.Client) -> None:
+    health = client.get("/healthz").raise_for_status().json()
+    assert health["sandbox"]["ready"] is True
+
+
+def test_the_dashboard_needs_the_operators_token(client: httpx.Client, lesson: dict[str, str]) -> None:
+    assert httpx.get(client.base_url.join("/api/v1/dashboard"), trust_env=False).status_code == 401
+    document = client.get("/api/v1/dashboard").raise_for_status().json()
+    assert STUDENT in [one["student"] for one in document["students"]]
+    token = client.headers["Authorization"].removeprefix("Bearer ")
+    assert token not in json.dumps(document)
+
+
+def test_a_second_server_on_the_same_port_says_so(client: httpx.Client, tmp_path: Path) -> None:
+    port = str(client.base_url.port)
+    command = [sys.executable, "-m", "grader", "serve", "--port", port, "--data", str(tmp_path)]
+    failed = subprocess.run(command, capture_output=True, text=True, check=False)
     assert failed.returncode == 2
     assert failed.stderr.startswith("grader: cannot listen on 127.0.0.1")
     assert "Traceback" not in failed.stderr
-
-
-def test_leaving_this_machine_is_refused(tmp_path: Path) -> None:
-    arguments = command("serve", "--host", "0.0.0.0", "--data", str(tmp_path))
-    failed = subprocess.run(arguments, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert failed.returncode == 2
-    assert "GRADER_ALLOW_ANONYMOUS_NETWORK" in failed.stderr
