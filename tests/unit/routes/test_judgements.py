@@ -299,3 +299,40 @@ def test_a_regrade_keeps_what_still_fits_and_says_so(
     seen = client.get(url + "/judgements/timer", headers=school.as_("ta")).headers["ETag"]
     assert give(url, "timer", 20, seen=seen).status_code == 200
     assert client.get(url, headers=school.as_("li")).json()["score"] == 60.0
+
+
+def test_a_trial_is_not_judged(
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    answered: Callable[..., str],
+    give: Callable[..., httpx.Response],
+) -> None:
+    """Its grading is deleted when the re-grade is decided, which a judgement would make impossible for ever."""
+    answered()
+    order, wang = {"assignment": "essay", "which": "all"}, school.as_("wang")
+    opened = client.post("/api/v1/regrades", json=order, headers=wang).headers["Location"]
+    trial = services.queue.claim("w")
+    essay = services.assignments.get("essay")
+    job = GradingJob(file_name=trial.file_name, source=trial.source, assignment=essay)
+    assert services.queue.finish(trial, grade_essay(job), essay)
+    assert give(f"/api/v1/submissions/{trial.submission_id}", "publisher", 45).status_code == 404
+    assert client.post(f"{opened}/apply", json={"reason": "why"}, headers=wang).status_code == 200
+
+
+def test_a_trial_cannot_be_judged_which_would_keep_it_from_being_decided(
+    client: httpx.Client,
+    school: Any,
+    answered: Callable[..., str],
+    give: Callable[..., httpx.Response],
+    services: Services,
+) -> None:
+    answered()
+    wang = school.as_("wang")
+    regrade = client.post("/api/v1/regrades", json={"assignment": "essay"}, headers=wang).headers["Location"]
+    claim = services.queue.claim("w")
+    assert claim is not None
+    job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=question())
+    assert services.queue.finish(claim, grade_essay(job), question())
+    assert give(f"/api/v1/submissions/{claim.submission_id}", "timer", 3).status_code == 404
+    assert client.post(regrade + "/discard", json={"reason": "try"}, headers=wang).status_code == 200
