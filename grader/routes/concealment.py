@@ -71,12 +71,16 @@ def shown(
 def shown_list(
     services: Services, caller: Caller, submissions: Iterable[Submission]
 ) -> tuple[Submission, ...]:
-    """Return submissions without the scores that hidden items are part of."""
+    """Return submissions without what hidden items are part of: scores, and that somebody has to judge one."""
     listed = tuple(submissions)
     hiding = {one for one in {item.assignment for item in listed} if hidden_from(services, caller, one)}
-    return tuple(
-        replace(one, score=None, report_sha256=None) if one.assignment in hiding else one for one in listed
-    )
+    return tuple(_without_score(one) if one.assignment in hiding else one for one in listed)
+
+
+def _without_score(submission: Submission) -> Submission:
+    waits = submission.verdict is GradeStatus.NEEDS_MANUAL
+    verdict = None if waits else submission.verdict
+    return replace(submission, score=None, max_score=None, report_sha256=None, verdict=verdict, to_judge=None)
 
 
 def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:

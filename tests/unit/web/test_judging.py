@@ -6,6 +6,7 @@ from html import unescape
 
 import pytest
 
+from grader.contracts.policy import AssignmentPolicy
 from grader.contracts.submission import SubmissionState
 from grader.routes.services import Services
 from grader.store.audit import Signature
@@ -67,6 +68,19 @@ def test_names_can_be_hidden(ta: Browser, answers: dict[str, str]) -> None:
     for page in ("/class/judgements?", desk(answers["li"]) + "&"):
         assert ">li" in ta.get(page).text
         assert not re.search(r">\s*li\b", ta.get(page + "anonymous=1").text)
+
+
+def test_a_list_does_not_tell_that_a_hidden_item_waits(
+    ta: Browser, answers: dict[str, str], services: Services, tokens: dict[str, str]
+) -> None:
+    hidden = AssignmentPolicy(hidden_items=("timer",))
+    services.policies.set(QUESTION, hidden, Signature(services.clock(), "ros", "test"))
+    give(ta, answers["li"], "publisher")
+    ta.enter(token=tokens["li"])
+    assert "waiting for the teacher" not in ta.get(f"/submissions/{answers['li']}?lang=en").text
+    for page in ("/submissions?lang=en", f"/assignments/{QUESTION}?lang=en"):
+        assert f'href="/submissions/{answers["li"]}"' in ta.get(page).text
+        assert "waiting for the teacher" not in ta.get(page).text
 
 
 def test_names_stay_hidden_after_the_last_answer(ta: Browser, answers: dict[str, str]) -> None:
