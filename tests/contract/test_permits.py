@@ -224,6 +224,20 @@ def test_only_tracebacks_about_the_database_being_away_are_left_out(
     assert "no exception" in caplog.text
 
 
+def test_a_job_that_is_aborted_costs_no_slot(permits: PostgresEngine) -> None:
+    first = permits.upload("a")
+    with Running(permits, hold=True) as worker:
+        assert worker.busy.wait(PATIENCE_S)
+        permits.change(
+            "SELECT procrastinate_cancel_job_v1(id, true, false) FROM procrastinate_jobs WHERE status = 'doing'"
+        )
+        wait_until(lambda: not permits.jobs("status = 'doing'"))
+        worker.go.set()
+        wait_until(lambda: permits.state(first) is SubmissionState.GRADED)
+        second = permits.upload("b")
+        wait_until(lambda: permits.state(second) is SubmissionState.GRADED)
+
+
 def test_stopping_finishes_what_runs_and_leaves_the_rest_to_others(permits: PostgresEngine) -> None:
     running, waiting = permits.upload("a"), permits.upload("b")
     with Running(permits, hold=True) as worker:

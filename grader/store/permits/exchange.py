@@ -7,7 +7,10 @@ from concurrent.futures import Future
 
 
 class Exchange:
-    """Hands permits to slots. Each permit is answered exactly once: whether it was used."""
+    """Hands permits to slots. Each permit is answered exactly once: whether it was used.
+
+    Procrastinate cancels a job that somebody asked it to abort; no slot may end by that.
+    """
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -39,11 +42,18 @@ class Exchange:
         with self._changed:
             self._closed = True
             for answer in self._offered:
-                answer.set_result(False)
+                if answer.set_running_or_notify_cancel():
+                    answer.set_result(False)
             self._offered.clear()
             self._changed.notify_all()
 
     def _next(self) -> Future[bool] | None:
+        """Wait for a permit that is still wanted; from then on it cannot be withdrawn. None: there are no more."""
         with self._changed:
-            self._changed.wait_for(lambda: self._closed or self._offered)
-            return None if self._closed else self._offered.popleft()
+            while True:
+                self._changed.wait_for(lambda: self._closed or self._offered)
+                if self._closed:
+                    return None
+                answer = self._offered.popleft()
+                if answer.set_running_or_notify_cancel():
+                    return answer
