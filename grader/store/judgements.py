@@ -70,9 +70,7 @@ class Judgements:
         """
         with self._database.writing() as session:
             row = session.get(SubmissionRow, submission_id, with_for_update=True)
-            if row is not None and (row.course != signed.course or row.regrade is not None):
-                row = None  # of others, or a trial, which is nobody's work and goes again
-            report = None if row is None else report_of(session, row)
+            report = None if row is None or row.course != signed.course else report_of(session, row)
             if row is None or report is None or row.regrade is not None:  # a trial is nobody's to judge
                 raise JudgementError("submission", "there is no such grading")
             item = _manual_item(report, given.item)

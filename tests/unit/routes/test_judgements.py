@@ -301,25 +301,6 @@ def test_a_regrade_keeps_what_still_fits_and_says_so(
     assert client.get(url, headers=school.as_("li")).json()["score"] == 60.0
 
 
-def test_a_trial_is_not_judged(
-    client: httpx.Client,
-    services: Services,
-    school: Any,
-    answered: Callable[..., str],
-    give: Callable[..., httpx.Response],
-) -> None:
-    """Its grading is deleted when the re-grade is decided, which a judgement would make impossible for ever."""
-    answered()
-    order, wang = {"assignment": "essay", "which": "all"}, school.as_("wang")
-    opened = client.post("/api/v1/regrades", json=order, headers=wang).headers["Location"]
-    trial = services.queue.claim("w")
-    essay = services.assignments.get("essay")
-    job = GradingJob(file_name=trial.file_name, source=trial.source, assignment=essay)
-    assert services.queue.finish(trial, grade_essay(job), essay)
-    assert give(f"/api/v1/submissions/{trial.submission_id}", "publisher", 45).status_code == 404
-    assert client.post(f"{opened}/apply", json={"reason": "why"}, headers=wang).status_code == 200
-
-
 def test_a_trial_cannot_be_judged_which_would_keep_it_from_being_decided(
     client: httpx.Client,
     school: Any,
