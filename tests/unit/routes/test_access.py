@@ -195,10 +195,11 @@ def test_a_student_hands_in_for_nobody_else(upload: Callable[..., httpx.Response
 
 
 def test_handing_in_for_somebody_else_is_written_down(
-    client: httpx.Client, upload: Callable[..., httpx.Response], school: Any
+    client: httpx.Client, upload: Callable[..., httpx.Response], school: Any, clock: FakeClock
 ) -> None:
     upload(student="li", headers=school.as_("li"))
     upload(student="", headers=school.as_("wang"))
+    clock.advance(1.0)  # of two uploads at one instant, neither is the latest
     submission = upload(source=b"x = 1\n", student="li", headers=school.as_("wang")).json()["id"]
     assert upload(source=b"x = 1\n", student="li", headers=school.as_("wang")).json()["repeated"]
     entries = client.get("/api/v1/audit", headers=school.as_("wang")).json()["entries"]
