@@ -54,6 +54,7 @@ class Health(BaseModel):
     workers: list[WorkerView]
 
 
+@router.head("/healthz", include_in_schema=False)  # what many monitors send
 @router.get(
     "/healthz",
     summary="State of the service",

@@ -13,6 +13,12 @@ from tests.fakes.server import PNG, FakePlotter
 Upload = Callable[..., httpx.Response]
 
 
+@pytest.fixture
+def database_url(sqlite_url: str) -> str:
+    """What is stored comes back the same from each kind of database: tests of the store see to that."""
+    return sqlite_url
+
+
 def test_an_upload_is_accepted_with_an_address(upload: Upload, client: httpx.Client) -> None:
     response = upload(b"good\n")
     assert response.status_code == 202
@@ -185,6 +191,11 @@ def test_every_answer_says_that_it_is_data(client: httpx.Client, upload: Upload)
     for response in (upload(), upload(b""), client.get("/healthz"), client.get("/nothing")):
         assert response.headers["X-Content-Type-Options"] == "nosniff"
         assert response.headers["Content-Security-Policy"].startswith("default-src 'none'")
+
+
+def test_a_monitor_may_ask_for_the_head_only(client: httpx.Client) -> None:
+    asked, whole = client.head("/healthz"), client.get("/healthz")
+    assert (asked.status_code, asked.content) == (whole.status_code, b"") == (503, b"")
 
 
 def test_no_shared_cache_keeps_what_is_somebodys(client: httpx.Client, graded: Callable[..., str]) -> None:
