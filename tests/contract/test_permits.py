@@ -8,6 +8,7 @@ import pytest
 from procrastinate.exceptions import ConnectorException
 from sqlalchemy import text
 
+from grader.contracts.errors import InfrastructureError
 from grader.contracts.submission import SubmissionState
 from grader.store.announcing import Waiting
 from grader.store.permits.jobs import defer
@@ -80,6 +81,23 @@ def test_a_permit_that_waits_already_does_not_undo_the_transaction(permits: Post
     row = permits.submissions.get(id_)
     assert row is not None
     assert row.trouble == "kept"
+
+
+def test_a_database_that_fails_while_a_permit_is_deferred_is_said_to_be_away(permits: PostgresEngine) -> None:
+    """So the upload is answered like every other one that the database cannot take now."""
+    now = permits.clock()
+    row = Waiting(submission_id="one", priority=0, due_at=now)
+
+    def defer_behind_another() -> None:
+        with permits.database.writing() as second:
+            second.execute(text("SET LOCAL lock_timeout = 20"))
+            defer(second, [row], now)
+
+    with permits.database.writing() as first:
+        defer(first, [row], now)
+        with pytest.raises(InfrastructureError):
+            defer_behind_another()
+    assert permits.jobs() == 1
 
 
 def test_the_job_of_a_dead_worker_is_put_away_and_its_row_announced_again(permits: PostgresEngine) -> None:

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from datetime import datetime
 
 from procrastinate import SyncPsycopgConnector
-from procrastinate.exceptions import AlreadyEnqueued
+from procrastinate.exceptions import AlreadyEnqueued, ConnectorException
 from procrastinate.jobs import Job
 from procrastinate.manager import JobManager
 from sqlmodel import Session
 
+from grader.contracts.errors import InfrastructureError
 from grader.store.announcing import Waiting
 
 QUEUE = "grading"
@@ -27,6 +28,9 @@ def defer(session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
     """Defer a permit for each of `waiting` in the transaction of `session`.
 
     A row whose permit waits already keeps it: the collision is undone to a savepoint, the transaction goes on.
+
+    Raises:
+        InfrastructureError: the database does not answer, or has no queue.
     """
     jobs = [_job(one, now) for one in waiting]
     if not jobs or _deferred(session, jobs):
@@ -43,8 +47,14 @@ def _deferred(session: Session, jobs: list[Job]) -> bool:
     except AlreadyEnqueued:
         savepoint.rollback()
         return False
+    except ConnectorException as error:
+        raise InfrastructureError(f"the queue does not answer: {_reason(error)}") from error
     savepoint.commit()
     return True
+
+
+def _reason(error: ConnectorException) -> str:
+    return " ".join(str(error.__cause__ or error).split())
 
 
 def _job(waiting: Waiting, now: datetime) -> Job:
