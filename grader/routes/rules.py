@@ -8,6 +8,7 @@ from grader import policy as rules
 from grader.contracts.errors import CourseError, UnknownAssignmentError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.policy import NO_EXTENSION
+from grader.contracts.text import Text
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, StaffDep
 from grader.routes.concealment import hidden_from
 from grader.routes.problems import ProblemError, responses
@@ -56,7 +57,8 @@ def change_policy(
     policy = policy_from(change, services.policies.rules(caller.course).zone)
     unknown = set(policy.hidden_items) - set(assignment)
     if unknown:
-        raise ProblemError("invalid_rules", f"no such item: {min(unknown)}", allowed=list(assignment))
+        detail = Text(zh=f"没有这个评分项：{min(unknown)}。", en=f"There is no rubric item {min(unknown)}.")
+        raise ProblemError("invalid_rules", detail, field="hidden_items", allowed=list(assignment))
     services.policies.set(assignment_id, policy, signed, change.reason)
     return policy_body(policy, with_hidden=True)
 

@@ -77,6 +77,11 @@ def test_rules_that_make_no_sense(
     assert (response.status_code, response.json()["code"]) == (422, code)
 
 
+def test_a_hidden_item_that_there_is_not_is_named(ruled: Callable[..., httpx.Response]) -> None:
+    problem = ruled(hidden_items=["nose"]).json()
+    assert (problem["field"], problem["detail"]) == ("hidden_items", "没有这个评分项：nose。")
+
+
 def test_too_early_and_too_late(
     ruled: Callable[..., httpx.Response], hand_in: Callable[..., httpx.Response], clock: FakeClock
 ) -> None:
