@@ -23,18 +23,17 @@ def programs() -> tuple[str, str]:
     return _found("chromium", "chromium-browser", "google-chrome"), _found("chromedriver")
 
 
-@pytest.fixture(scope="module")
-def window(
-    programs: tuple[str, str], address: str, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[Browser]:
-    """One window for all tests of a module, whose fixture `address` says where its service is."""
-    with chromium(programs, tmp_path_factory.mktemp("profile"), address) as opened:
+@pytest.fixture(scope="session")
+def window(programs: tuple[str, str], tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
+    """One window for all tests."""
+    with chromium(programs, tmp_path_factory.mktemp("profile"), "") as opened:
         yield opened
 
 
 @pytest.fixture
-def browser(window: Browser) -> Iterator[Browser]:
-    """The one window, as if nobody had used it."""
+def browser(window: Browser, address: str) -> Iterator[Browser]:
+    """The one window, as if nobody had used it, at the module's service, whose fixture is `address`."""
+    window.address = address
     window.open("/static/icon.svg")
     window.driver.delete_all_cookies()
     window.resize(DESKTOP)

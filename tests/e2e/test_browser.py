@@ -13,9 +13,9 @@ import pytest
 from grader.catalog import Catalog
 from grader.commands.demo import Upload, await_grades, hand_in, serving
 from grader.render.terminal import console
-from tests.e2e.chromium import PHONE, Browser, chromium
+from tests.e2e.chromium import PHONE, Browser
 
-pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
+pytestmark = pytest.mark.browser
 
 HOME, ARROW_RIGHT = "\ue011", "\ue014"  # as WebDriver spells these keys
 HOSTILE = """
@@ -127,12 +127,11 @@ def test_a_file_is_dropped(browser: Browser) -> None:
 
 
 @pytest.fixture
-def scriptless(programs: tuple[str, str], service: httpx.Client, tmp_path: Path) -> Iterator[Browser]:
-    """A window that has never run a script."""
-    with chromium(programs, tmp_path / "profile", str(service.base_url)) as opened:
-        opened.command("Emulation.setScriptExecutionDisabled", value=True)
-        yield opened
-        assert opened.complaints() == []
+def scriptless(browser: Browser) -> Iterator[Browser]:
+    """The window while it runs no scripts."""
+    browser.command("Emulation.setScriptExecutionDisabled", value=True)
+    yield browser
+    browser.command("Emulation.setScriptExecutionDisabled", value=False)
 
 
 def test_everything_without_scripts(scriptless: Browser) -> None:
@@ -221,9 +220,7 @@ def test_every_control_has_a_name(browser: Browser, token: str) -> None:
     browser.enter("token", token)
     for page in ("/class", "/class/students/bo", "/assignments/square", "/enter"):
         browser.open(page)
-        controls = browser.all(
-            "a, button, input:not([type=hidden]), select, summary, [role=group], nav, img"
-        )
+        controls = browser.all("a, button, input:not([type=hidden]), select, summary, [role=group], nav, img")
         assert [
             one.get_attribute("outerHTML") for one in controls if one.is_displayed() and not _named(one)
         ] == []

@@ -8,7 +8,7 @@ import pytest
 from tests.e2e.chromium import PHONE, Browser
 from tests.e2e.school import ESSAY, School, school
 
-pytestmark = [pytest.mark.browser, pytest.mark.xdist_group("browser")]
+pytestmark = pytest.mark.browser
 
 WORK = (
     ("20260101", "square", "wrong/one_radian.py"),

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from grader import cli
 from tests.e2e.grading_slot import LESSON, catalog
 
 
@@ -69,15 +70,28 @@ def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path) -> None:
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
-def test_bad_input_is_one_readable_message_and_2(tmp_path: Path, arguments: list[str], words: str) -> None:
+def test_bad_input_is_one_readable_message_and_2(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    arguments: list[str],
+    words: str,
+) -> None:
+    monkeypatch.chdir(tmp_path)
     (tmp_path / "mystery.py").write_text("print(1)\n")
     (tmp_path / "empty_square.py").write_text("")
     (tmp_path / "gbk_square.py").write_bytes("x = 1\ns = '方'\n".encode("gbk"))
-    done = grader(*arguments, cwd=tmp_path)
-    assert done.returncode == 2
-    assert words in done.stderr
-    assert "Traceback" not in done.stderr
-    assert not done.stdout
+    assert cli.run(arguments) == 2
+    said = capsys.readouterr()
+    assert words in said.err
+    assert "Traceback" not in said.err
+    assert not said.out
+
+
+def test_bad_input_ends_the_process_with_2(tmp_path: Path) -> None:
+    done = grader("check", "missing_square.py", cwd=tmp_path)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "missing_square.py: No such file" in done.stderr
 
 
 def test_run_shows_logs_timeline_and_end_pose_without_grading(tmp_path: Path) -> None:
@@ -88,10 +102,10 @@ def test_run_shows_logs_timeline_and_end_pose_without_grading(tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("name", [assignment.id for assignment in catalog().all()])
-def test_the_published_rubric_names_every_item(tmp_path: Path, name: str) -> None:
-    done = grader("assignments", "show", name, "--lang", "en", cwd=tmp_path)
-    assert done.returncode == 0, done.stderr
-    assert all(item.title.en in done.stdout for item in catalog().get(name).items)
+def test_the_published_rubric_names_every_item(capsys: pytest.CaptureFixture[str], name: str) -> None:
+    assert cli.run(["assignments", "show", name, "--lang", "en"]) == 0
+    shown = capsys.readouterr().out
+    assert all(item.title.en in shown for item in catalog().get(name).items)
 
 
 def test_a_text_answers_a_question(tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """The plot shows what was measured, is the same twice, and leaves matplotlib's settings alone."""
 
+import hashlib
 import subprocess
 import sys
 from dataclasses import replace
@@ -108,21 +109,21 @@ def test_the_same_bytes_twice(case: tuple[Trajectory | None, FigureSketch | None
 
 
 def test_the_same_bytes_in_another_process() -> None:
+    motion, sketch = figure_of("square", wrong=True)
+    here = hashlib.sha256(plot_svg(assignment(), square_report(), motion, sketch)).hexdigest()
     program = (
         "import hashlib; from tests.unit.render.test_plot import *;"
         "m, s = figure_of('square', True);"
         "print(hashlib.sha256(plot_svg(assignment(), square_report(), m, s)).hexdigest())"
     )
-    digests = {
-        subprocess.run(
-            [sys.executable, "-c", program],
-            env={"PYTHONHASHSEED": seed, "PATH": ""},
-            capture_output=True,
-            check=True,
-        ).stdout
-        for seed in ("1", "2")
-    }
-    assert len(digests) == 1
+    there = subprocess.run(
+        [sys.executable, "-c", program],
+        env={"PYTHONHASHSEED": "1", "PATH": ""},  # this process's own is random
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    assert there.strip() == here
 
 
 def test_size() -> None:
@@ -254,7 +255,7 @@ CORNER = st.builds(
 )
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @given(
     legs=st.lists(st.tuples(st.floats(-2, 2), st.floats(-3, 3), st.floats(0.01, 3)), max_size=4),
     sketch=st.builds(
