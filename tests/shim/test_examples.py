@@ -1,104 +1,11 @@
 """The nodes every ROS 2 course starts with, as pairs in one process: what they show is what ROS 2 shows."""
 
-import re
 from collections.abc import Callable
 from typing import Any
 
+from tests.shim.course_nodes import HEAD, said
+
 RunScript = Callable[..., Any]
-
-HEAD = """\
-import sys, threading, time
-import rclpy
-from rclpy.action import ActionClient, ActionServer, CancelResponse, GoalResponse
-from rclpy.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
-from rclpy.executors import Executor, MultiThreadedExecutor, SingleThreadedExecutor
-from rclpy.node import Node
-from rclpy.qos import QoSProfile, qos_profile_sensor_data, DurabilityPolicy
-from std_msgs.msg import String
-from example_interfaces.srv import AddTwoInts
-from example_interfaces.action import Fibonacci
-
-class Talker(Node):
-    def __init__(self, name='talker', period=1.0, qos=10, group=None):
-        super().__init__(name)
-        self.count = 0
-        self.pub = self.create_publisher(String, 'chatter', qos)
-        self.create_timer(period, self.talk, callback_group=group)
-    def talk(self):
-        self.pub.publish(String(data=f'word {self.count}'))
-        self.count += 1
-
-class Listener(Node):
-    def __init__(self, name='listener', qos=10, raw=False):
-        super().__init__(name)
-        self.create_subscription(String, 'chatter', self.hear, qos, raw=raw)
-    def hear(self, msg):
-        self.get_logger().info(f'heard {msg if isinstance(msg, bytes) else msg.data}')
-
-class Adder(Node):
-    def __init__(self):
-        super().__init__('adder')
-        self.create_service(AddTwoInts, 'add', self.add)
-    def add(self, request, response):
-        response.sum = request.a + request.b
-        self.get_logger().info(f'{request.a} + {request.b}')
-        return response
-
-def spin_in_thread(node, executor=None):
-    executor = executor or SingleThreadedExecutor()
-    executor.add_node(node)
-    threading.Thread(target=executor.spin, daemon=True).start()
-
-rclpy.init()
-"""
-
-ACTIONS = """
-class Server(Node):
-    def __init__(self, **callbacks):
-        super().__init__('server')
-        self.server = ActionServer(self, Fibonacci, 'fibonacci', self.execute,
-                                   callback_group=ReentrantCallbackGroup(), **callbacks)
-    def execute(self, goal):
-        sequence = [0, 1]
-        for i in range(1, goal.request.order):
-            if not goal.is_active:
-                return Fibonacci.Result()
-            if goal.is_cancel_requested:
-                goal.canceled()
-                return Fibonacci.Result(sequence=sequence)
-            sequence.append(sequence[i] + sequence[i - 1])
-            goal.publish_feedback(Fibonacci.Feedback(sequence=sequence))
-            time.sleep(1)
-        goal.succeed()
-        return Fibonacci.Result(sequence=sequence)
-
-class Client(Node):
-    def __init__(self, name='client'):
-        super().__init__(name)
-        self.client = ActionClient(self, Fibonacci, 'fibonacci')
-    def send(self, order):
-        assert self.client.wait_for_server(timeout_sec=1.0)
-        future = self.client.send_goal_async(Fibonacci.Goal(order=order), feedback_callback=self.on_feedback)
-        self.wait(future)
-        self.get_logger().info('accepted' if future.result().accepted else 'rejected')
-        return future.result()
-    def result(self, handle):
-        future = handle.get_result_async()
-        self.wait(future)
-        answer = future.result()
-        self.get_logger().info(f'status {answer.status} {list(answer.result.sequence)}')
-    def wait(self, future):
-        rclpy.spin_until_future_complete(self, future)
-    def on_feedback(self, feedback):
-        self.get_logger().info(f'feedback {list(feedback.feedback.sequence)}')
-"""
-
-_LOG = re.compile(r"^\[(?:INFO|WARN)\] \[17000000(\d\d\.\d)\d*\] \[(\w+)\]: (.*)$", re.MULTILINE)
-
-
-def said(run: Any) -> list[str]:
-    """Return the log as ``seconds node: message``, seconds to a tenth."""
-    return [f"{float(t):.1f} {node}: {text}" for t, node, text in _LOG.findall(run.stderr)]
 
 
 def test_talker_and_listener_share_an_executor(run_script: RunScript) -> None:
@@ -196,82 +103,6 @@ def test_an_unknown_service_is_waited_for_in_quarter_seconds(run_script: RunScri
         "for _ in range(2):\n    print(client.wait_for_service(timeout_sec=0.3), round(time.time() % 10, 2))\n"
     )
     assert run.stdout == "False 0.5\nFalse 1.0\n"
-
-
-def test_an_action_gives_feedback_and_a_result(run_script: RunScript) -> None:
-    run = run_script(
-        HEAD + ACTIONS + "spin_in_thread(Server())\nnode = Client()\nnode.result(node.send(4))\n"
-    )
-    lines = said(run)
-    assert sorted(lines[:2]) == ["0.0 client: accepted", "0.0 client: feedback [0, 1, 1]"]
-    assert lines[2:] == [
-        "1.0 client: feedback [0, 1, 1, 2]",
-        "2.0 client: feedback [0, 1, 1, 2, 3]",
-        "3.0 client: status 4 [0, 1, 1, 2, 3]",
-    ]
-
-
-def test_an_action_is_canceled(run_script: RunScript) -> None:
-    run = run_script(
-        HEAD + ACTIONS + "spin_in_thread(Server(cancel_callback=lambda goal: CancelResponse.ACCEPT),"
-        " MultiThreadedExecutor())\nnode = Client()\nhandle = node.send(9)\n"
-        "node.create_timer(1.5, lambda: handle.cancel_goal_async())\nnode.result(handle)\n"
-    )
-    assert said(run)[-1] == "2.0 client: status 5 [0, 1, 1, 2]"
-    assert len(said(run)) == 4
-
-
-def test_an_action_refuses_a_goal(run_script: RunScript) -> None:
-    run = run_script(
-        HEAD + ACTIONS + "def judge(goal):\n"
-        "    return GoalResponse.ACCEPT if goal.order < 5 else GoalResponse.REJECT\n"
-        "spin_in_thread(Server(goal_callback=judge))\nnode = Client()\nnode.send(7)\nnode.result(node.send(2))\n"
-    )
-    lines = said(run)
-    assert lines[0] == "0.0 client: rejected"
-    assert sorted(lines[1:3]) == ["0.0 client: accepted", "0.0 client: feedback [0, 1, 1]"]
-    assert lines[3:] == ["1.0 client: status 4 [0, 1, 1]"]
-
-
-def test_a_goal_is_executed_later(run_script: RunScript) -> None:
-    run = run_script(
-        HEAD + ACTIONS + "def accepted(goal):\n    server.goal = goal\n"
-        "    server.timer = server.create_timer(2.0, start)\n"
-        "def start():\n    server.timer.cancel()\n    server.goal.execute()\n"
-        "server = Server(handle_accepted_callback=accepted)\nspin_in_thread(server)\n"
-        "node = Client()\nnode.result(node.send(3))\n"
-    )
-    assert said(run)[0] == "0.0 client: accepted"
-    assert said(run)[1] == "2.0 client: feedback [0, 1, 1]"
-    assert said(run)[-1] == "4.0 client: status 4 [0, 1, 1, 2]"
-
-
-def test_a_new_goal_aborts_the_one_before(run_script: RunScript) -> None:
-    run = run_script(
-        HEAD + ACTIONS + "current = None\ndef accepted(goal):\n    global current\n"
-        "    if current is not None and current.is_active:\n        current.abort()\n"
-        "    current = goal\n    goal.execute()\n"
-        "spin_in_thread(Server(handle_accepted_callback=accepted), MultiThreadedExecutor())\n"
-        "node = Client()\nfirst = node.send(8)\ntime.sleep(1.5)\nsecond = node.send(3)\n"
-        "node.result(first)\nnode.result(second)\n"
-    )
-    results = [line for line in said(run) if "status" in line]
-    assert results == ["2.0 client: status 6 []", "3.5 client: status 4 [0, 1, 1, 2]"]
-
-
-def test_two_goals_run_side_by_side(run_script: RunScript) -> None:
-    run = run_script(
-        HEAD + ACTIONS + "import asyncio\n"
-        "async def spin():\n    while rclpy.ok():\n        rclpy.spin_once(node, timeout_sec=0)\n"
-        "        await asyncio.sleep(0.001)\n"
-        "async def ask(order):\n"
-        "    handle = await node.client.send_goal_async(Fibonacci.Goal(order=order))\n"
-        "    result = await handle.get_result_async()\n    return list(result.result.sequence)\n"
-        "async def main():\n    spinning = asyncio.ensure_future(spin())\n"
-        "    print(await asyncio.gather(ask(3), ask(5)), round(time.time() % 10, 1))\n    spinning.cancel()\n"
-        "spin_in_thread(Server(), MultiThreadedExecutor())\nnode = Client()\nasyncio.run(main())\n"
-    )
-    assert run.stdout == "[[0, 1, 1, 2], [0, 1, 1, 2, 3, 5]] 4.0\n"
 
 
 def test_callback_groups_decide_what_overlaps(run_script: RunScript) -> None:

@@ -1,109 +1,19 @@
 """turtlesim's services and its action, as the script meets them."""
 
 import math
-from collections.abc import Generator
-from typing import Any
 
 import numpy as np
 import pytest
 
-from grader.contracts.assignment import StartPose, World
+from grader.contracts.assignment import World
 from grader.sim.bullet import AREA_M, BulletCar
-from grader.sim.cdr import encode
-from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
+from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
-from tests.fakes.jail import SECOND, Answer, FakeLink, Script
+from tests.fakes.jail import SECOND, FakeLink, Script
+from tests.unit.sim.student import Student, run
 
 MS = 1_000_000
 TICK = 16 * MS
-UUID = bytes(range(16))
-ACTION = "/turtle1/rotate_absolute/_action"
-ROTATE = "turtlesim/action/RotateAbsolute"
-TYPES = {
-    "/clear": "std_srvs/srv/Empty",
-    "/reset": "std_srvs/srv/Empty",
-    "/spawn": "turtlesim/srv/Spawn",
-    "/kill": "turtlesim/srv/Kill",
-    "/turtle1/set_pen": "turtlesim/srv/SetPen",
-    "/turtle1/teleport_absolute": "turtlesim/srv/TeleportAbsolute",
-    "/turtle1/teleport_relative": "turtlesim/srv/TeleportRelative",
-    f"{ACTION}/send_goal": f"{ROTATE}_SendGoal",
-    f"{ACTION}/cancel_goal": "action_msgs/srv/CancelGoal",
-    f"{ACTION}/get_result": f"{ROTATE}_GetResult",
-}
-
-
-class Student:
-    """A script under test: keeps its clock and its ids; its methods are generators of frames."""
-
-    def __init__(self) -> None:
-        self.now = 0
-        self.ids: dict[str, int] = {}
-        self.heard: list[tuple[int, int, bytes]] = []
-        self.sequence = 0
-
-    def _new(self, key: str) -> int:
-        return self.ids.setdefault(key, len(self.ids) + 10)
-
-    def drive(self, v: float, w: float = 0.0) -> Script:
-        if "driver" not in self.ids:
-            yield jail.driver(self._new("driver"), self.now)
-        yield jail.publish(self.ids["driver"], self.now, jail.twist(v, w))
-
-    def subscribe(self, topic: str, type: str) -> Script:
-        yield jail.entity(self._new(topic), 3, self.now, name=topic, type=type)
-
-    def wait(self, until: int) -> Script:
-        while self.now < until:
-            answer = yield jail.advance(until)
-            self._hear(answer)
-
-    def ask(self, service: str, **values: Any) -> Generator[bytes, Answer | None, int]:
-        kind = TYPES[service]
-        if service not in self.ids:
-            yield jail.entity(self._new(service), 5, self.now, name=service, type=kind)
-        self.sequence += 1
-        payload = encode(f"{kind}_Request", values)
-        yield jail.request(self.ids[service], self.sequence, self.now, payload)
-        return self.sequence
-
-    def call(self, service: str, **values: Any) -> Generator[bytes, Answer | None, dict[str, Any]]:
-        sequence = yield from self.ask(service, **values)
-        while True:
-            answer = yield jail.advance(60 * SECOND)
-            self._hear(answer)
-            assert answer is not None
-            for what, identity, number, _, payload in answer.events:
-                if (what, identity, number) == (2, self.ids[service], sequence):
-                    return jail.decode(f"{TYPES[service]}_Response", payload)
-            assert self.now < 60 * SECOND, f"{service} was never answered"
-
-    def messages(self, topic: str, type: str) -> list[tuple[int, dict[str, Any]]]:
-        return [
-            (t, jail.decode(type, data)) for t, identity, data in self.heard if identity == self.ids[topic]
-        ]
-
-    def _hear(self, answer: Answer | None) -> None:
-        assert answer is not None
-        assert answer.now_ns >= self.now
-        self.now = answer.now_ns
-        self.heard += [(t, identity, payload) for what, identity, _, t, payload in answer.events if what == 1]
-
-
-def run(
-    car: BulletCar, student: Student, story: Script, *, walls: bool = True, heading_deg: float = 0.0
-) -> EpisodeResult:
-    def script() -> Script:
-        yield jail.node()
-        yield from story
-        yield jail.ended(student.now)
-
-    world = World(walls=walls, start=StartPose(heading_deg=heading_deg))
-    spec = EpisodeSpec(world=world, horizon_ns=60 * SECOND, source=b"", file_name="a.py")
-    result = Episode(spec, car).run(FakeLink(script()))
-    assert result.violation is None
-    assert result.exit is not None
-    return result
 
 
 def test_a_teleport_is_served_at_the_next_tick_and_is_a_jump(car: BulletCar) -> None:
@@ -281,117 +191,6 @@ def test_a_malformed_request_is_a_violation(car: BulletCar) -> None:
     assert "Spawn_Request" in result.violation
 
 
-def goal(
-    student: Student, theta: float, uuid: bytes = UUID
-) -> Generator[bytes, Answer | None, dict[str, Any]]:
-    return (
-        yield from student.call(f"{ACTION}/send_goal", goal_id={"uuid": list(uuid)}, goal={"theta": theta})
-    )
-
-
-def result_of(student: Student, uuid: bytes = UUID) -> Generator[bytes, Answer | None, dict[str, Any]]:
-    return (yield from student.call(f"{ACTION}/get_result", goal_id={"uuid": list(uuid)}))
-
-
-def test_rotate_absolute_turns_and_reports(car: BulletCar) -> None:
-    student = Student()
-    ends: list[dict[str, Any]] = []
-
-    def story() -> Script:
-        yield from student.subscribe(f"{ACTION}/feedback", f"{ROTATE}_FeedbackMessage")
-        yield from student.subscribe(f"{ACTION}/status", "action_msgs/msg/GoalStatusArray")
-        accepted = yield from goal(student, -1.5)
-        assert accepted["accepted"]
-        ends.append((yield from result_of(student)))
-        ends.append((yield from result_of(student)))
-        ends.append((yield from result_of(student, bytes(16))))
-
-    path = run(car, student, story()).trajectory
-    assert path.heading_rad[-1] == pytest.approx(-1.5, abs=0.02)
-    assert ends[0]["status"] == ends[1]["status"] == 4
-    assert ends[0]["result"]["delta"] == pytest.approx(1.5, abs=0.03)
-    assert ends[2]["status"] == 0
-    assert np.abs(path.w_radps).max() == pytest.approx(1.0, rel=1e-3)
-    feedback = student.messages(f"{ACTION}/feedback", f"{ROTATE}_FeedbackMessage")
-    assert feedback[0][1]["feedback"]["remaining"] == pytest.approx(-1.5)
-    assert {t % TICK for t, _ in feedback} == {0}
-    statuses = student.messages(f"{ACTION}/status", "action_msgs/msg/GoalStatusArray")
-    assert [message["status_list"][0]["status"] for _, message in statuses][:1] == [2]
-    assert statuses[-1][1]["status_list"][0]["status"] == 4
-
-
-def test_a_velocity_command_aborts_the_rotation(car: BulletCar) -> None:
-    student = Student()
-    ends: list[dict[str, Any]] = []
-
-    def story() -> Script:
-        yield from goal(student, 3.0)
-        yield from student.wait(SECOND)
-        yield from student.drive(0.5)
-        ends.append((yield from result_of(student)))
-        yield from student.wait(3 * SECOND)
-
-    path = run(car, student, story()).trajectory
-    assert ends[0]["status"] == 6
-    assert path.heading_rad[-1] == pytest.approx(1.0, abs=0.05)
-    assert np.hypot(path.x_m[-1] - path.x_m[0], path.y_m[-1] - path.y_m[0]) == pytest.approx(0.5, abs=0.02)
-
-
-def test_a_new_goal_aborts_the_old_one(car: BulletCar) -> None:
-    student = Student()
-    ends: list[dict[str, Any]] = []
-    other = bytes([7] * 16)
-
-    def story() -> Script:
-        yield from goal(student, 3.0)
-        yield from student.wait(SECOND)
-        yield from goal(student, 0.0, other)
-        assert not (yield from goal(student, 0.0, other))["accepted"]
-        ends.append((yield from result_of(student)))
-        ends.append((yield from result_of(student, other)))
-
-    path = run(car, student, story()).trajectory
-    assert [end["status"] for end in ends] == [6, 4]
-    assert path.heading_rad[-1] == pytest.approx(0.0, abs=0.02)
-
-
-def test_a_goal_is_cancelled(car: BulletCar) -> None:
-    student = Student()
-    replies: list[dict[str, Any]] = []
-
-    def cancel(uuid: bytes) -> Script:
-        info = {"goal_id": {"uuid": list(uuid)}}
-        replies.append((yield from student.call(f"{ACTION}/cancel_goal", goal_info=info)))
-
-    def story() -> Script:
-        yield from cancel(bytes(16))
-        yield from goal(student, 3.0)
-        yield from student.wait(SECOND)
-        yield from cancel(bytes([9] * 16))
-        yield from cancel(bytes(16))
-        replies.append((yield from result_of(student)))
-        yield from cancel(UUID)
-
-    path = run(car, student, story()).trajectory
-    rejected, unknown, cancelled, end, late = replies
-    assert (rejected["return_code"], unknown["return_code"], late["return_code"]) == (1, 2, 3)
-    assert cancelled["return_code"] == 0
-    assert cancelled["goals_canceling"][0]["goal_id"]["uuid"] == UUID
-    assert end["status"] == 5
-    assert path.heading_rad[-1] == pytest.approx(1.0, abs=0.05)
-
-
-def test_a_rotation_goes_on_when_the_script_has_ended(car: BulletCar) -> None:
-    student = Student()
-
-    def story() -> Script:
-        yield from goal(student, 2.0)
-
-    result = run(car, student, story())
-    assert result.trajectory.heading_rad[-1] == pytest.approx(2.0, abs=0.02)
-    assert result.trajectory.end_ns < 3 * SECOND
-
-
 def test_a_teleport_beyond_all_measure_ends_far_away(car: BulletCar) -> None:
     student = Student()
 
@@ -407,19 +206,3 @@ def test_a_teleport_beyond_all_measure_ends_far_away(car: BulletCar) -> None:
     assert len(path.jumps) == 2
     assert path.x_m[-1] == 1e6
     assert student.messages("/turtle1/pose", "turtlesim/msg/Pose")[-1][1]["x"] == 1e6
-
-
-@pytest.mark.parametrize("theta", [math.nan, math.inf])
-def test_a_goal_that_is_no_angle_turns_until_it_is_cancelled(car: BulletCar, theta: float) -> None:
-    student = Student()
-    replies: list[dict[str, Any]] = []
-
-    def story() -> Script:
-        yield from goal(student, theta)
-        yield from student.wait(2 * SECOND)
-        yield from student.call(f"{ACTION}/cancel_goal", goal_info={"goal_id": {"uuid": list(UUID)}})
-        replies.append((yield from result_of(student)))
-
-    path = run(car, student, story()).trajectory
-    assert replies[0]["status"] == 5
-    assert path.heading_rad[-1] == pytest.approx(2.0, abs=0.05)
