@@ -5,6 +5,7 @@ GraderError
 ├── UnknownAssignmentError no assignment of that name
 ├── SubmissionError        the student's file cannot be accepted: names the reason and the fix
 ├── CourseError            a course, its people or its rules cannot be changed as asked
+│   └── ChangedMeanwhileError     somebody else changed the same since it was looked at
 ├── RegradeError           a re-grade cannot be opened or decided
 ├── JudgementError         a person's points for a rubric item cannot be taken
 ├── UploadRefusedError     the rules of the assignment do not accept an upload (any more, yet)
@@ -49,6 +50,10 @@ class SubmissionError(GraderError):
 
 class CourseError(GraderError):
     """A course, its people or its rules cannot be changed as asked."""
+
+
+class ChangedMeanwhileError(CourseError):
+    """Somebody else changed what is to be changed since it was looked at."""
 
 
 class RegradeError(GraderError):

@@ -21,6 +21,7 @@ from grader.routes.judgement_views import (
     manual_items,
     waiting_list,
 )
+from grader.routes.preconditions import seen
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
@@ -40,8 +41,9 @@ ItemId = Annotated[
 IfMatch = Annotated[
     str | None,
     Header(
-        max_length=200,
-        description="The `etag` of the state that was looked at. Left out: nobody had judged the item then.",
+        max_length=1_000,
+        description="The `etag` of the state that was looked at, or several of them; `*`: whatever it is. "
+        "Left out: nobody had judged the item then.",
     ),
 ]
 _Id = Annotated[str | None, Query(max_length=128)]
@@ -145,10 +147,9 @@ def judge(  # noqa: PLR0913
     if not math.isclose(body.points, round(body.points, 2), abs_tol=1e-9):
         raise ProblemError("invalid_points", field="points")
     given = Given(item=item, points=round(body.points, 2), comment=body.comment.replace("\r\n", "\n"))
-    seen = None if if_match is None else if_match.strip().removeprefix("W/").strip('"')
     signed = Signature(services.clock(), caller.course, caller.signature)
     try:
-        services.judgements.judge(submission_id, given, seen, signed)
+        services.judgements.judge(submission_id, given, seen(if_match), signed)
     except JudgementError as error:
         raise _problem(services, submission_id, given, error) from None
     return read_judgement(services, caller, language, response, submission_id=submission_id, item=item)

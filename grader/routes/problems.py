@@ -3,6 +3,7 @@
 import logging
 import uuid
 from collections.abc import Mapping
+from http import HTTPStatus
 from typing import Any
 
 from fastapi import FastAPI, HTTPException, Request
@@ -10,6 +11,7 @@ from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException as StarletteHTTPException
+from starlette.routing import Match
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.text import Language, Text
@@ -35,6 +37,7 @@ _BY_STATUS = {
 }
 _LONGEST_ECHO = 200
 _RETRY_AFTER_S = 5
+_METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
 
 
 class FieldError(BaseModel):
@@ -188,7 +191,21 @@ async def _on_problem(request: Request, error: Exception) -> JSONResponse:
 async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, StarletteHTTPException)
     code = _BY_STATUS.get(error.status_code, "refused")
-    return _answer(request, code, None, status=error.status_code, headers=error.headers)
+    headers = dict(error.headers or {})
+    if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED and (allowed := _methods(request)):
+        headers["Allow"] = ", ".join(allowed)  # the framework names those of the first route only
+    return _answer(request, code, None, status=error.status_code, headers=headers)
+
+
+def _methods(request: Request) -> list[str]:
+    """Return the methods of the address; none where not the routes decide about it (static files)."""
+    routes = request.app.router.routes
+    found = [
+        method
+        for method in _METHODS
+        if any(one.matches({**request.scope, "method": method})[0] is Match.FULL for one in routes)
+    ]
+    return [] if request.method in found else found
 
 
 async def _on_invalid(request: Request, error: Exception) -> JSONResponse:

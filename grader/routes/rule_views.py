@@ -108,6 +108,9 @@ class ExtensionView(ExtensionBody):
     """An extension and whose it is."""
 
     student: str = Field(examples=["20260123"])
+    etag: str = Field(
+        description="To be sent as If-Match with the next change.", examples=['"9f86d081884c7d65"']
+    )
 
 
 class ExtensionList(BaseModel):

@@ -2,15 +2,16 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Response
+from fastapi import APIRouter, Header, Path, Response
 
 from grader import policy as rules
-from grader.contracts.errors import CourseError, UnknownAssignmentError
+from grader.contracts.errors import ChangedMeanwhileError, CourseError, UnknownAssignmentError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.policy import NO_EXTENSION
+from grader.contracts.policy import NO_EXTENSION, Extension
 from grader.contracts.text import Text
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, StaffDep
 from grader.routes.concealment import hidden_from
+from grader.routes.preconditions import etag, seen
 from grader.routes.problems import ProblemError, responses
 from grader.routes.rule_views import (
     ExtensionChange,
@@ -25,31 +26,54 @@ from grader.routes.rule_views import (
 )
 from grader.routes.services import Services, ServicesDep
 from grader.store.audit import Signature
-from grader.store.policies import Rules
+from grader.store.policies import ANY_STATE, Rules, tag
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
 AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
 _KNOWN = (*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request")
+_CHANGING = ("forbidden", "malformed_body", "too_large", "no_course", "changed_meanwhile")
 _PATH = "/api/v1/submissions/"
+_ETAG = {
+    "ETag": {"description": "Of the rules; for assistants and instructors.", "schema": {"type": "string"}}
+}
+IfMatch = Annotated[
+    str | None,
+    Header(max_length=1_000, description="The ETag of what was looked at. Left out: whatever there is."),
+]
 
 
-@router.get("/policy", summary="The rules, and where one stands", responses=responses(*_KNOWN))
+@router.get(
+    "/policy",
+    summary="The rules, and where one stands",
+    responses={200: {"headers": _ETAG}, **responses(*_KNOWN)},
+)
 def read_policy(
     services: ServicesDep, caller: CallerDep, response: Response, assignment_id: AssignmentId
 ) -> StandingView:
     """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
     _require_assignment(services, assignment_id)
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
-    return _standing(services, caller, services.policies.rules(caller.course), assignment_id)
+    known = services.policies.rules(caller.course)
+    if caller.is_staff:  # a student could find out from a digest which items are hidden
+        response.headers["ETag"] = etag(tag(known.policy(assignment_id)))
+    return _standing(services, caller, known, assignment_id)
 
 
 @router.put(
     "/policy",
     summary="Change the rules",
-    responses=responses(*_KNOWN, "forbidden", "malformed_body", "too_large", "no_course", "invalid_rules"),
+    responses={
+        200: {"headers": _ETAG},
+        **responses(*_KNOWN, *_CHANGING, "invalid_rules"),
+    },
 )
-def change_policy(
-    services: ServicesDep, caller: InstructorDep, assignment_id: AssignmentId, change: PolicyChange
+def change_policy(  # noqa: PLR0913, PLR0917
+    services: ServicesDep,
+    caller: InstructorDep,
+    response: Response,
+    assignment_id: AssignmentId,
+    change: PolicyChange,
+    if_match: IfMatch = None,
 ) -> PolicyBody:
     """Put new rules in place of the old ones. They hold for what was handed in before, too."""
     assignment = _require_assignment(services, assignment_id)
@@ -59,7 +83,11 @@ def change_policy(
     if unknown:
         detail = Text(zh=f"没有这个评分项：{min(unknown)}。", en=f"There is no rubric item {min(unknown)}.")
         raise ProblemError("invalid_rules", detail, field="hidden_items", allowed=list(assignment))
-    services.policies.set(assignment_id, policy, signed, change.reason)
+    try:
+        services.policies.set(assignment_id, policy, signed, change.reason, seen=seen(if_match) or ANY_STATE)
+    except ChangedMeanwhileError:
+        raise ProblemError("changed_meanwhile") from None
+    response.headers["ETag"] = etag(tag(policy))
     return policy_body(policy, with_hidden=True)
 
 
@@ -70,7 +98,7 @@ def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: Assi
     extensions = services.policies.rules(caller.course).extensions.items()
     return ExtensionList(
         extensions=[
-            ExtensionView(student=student, due=one.due, extra_attempts=one.extra_attempts)
+            _extension(student, one)
             for (assignment, student), one in sorted(extensions, key=lambda item: item[0])
             if assignment == assignment_id and one != NO_EXTENSION
         ]
@@ -80,24 +108,29 @@ def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: Assi
 @router.put(
     "/extensions/{student}",
     summary="Give one student more",
-    responses=responses(*_KNOWN, "forbidden", "malformed_body", "too_large", "no_course", "unknown_student"),
+    responses=responses(*_KNOWN, *_CHANGING, "unknown_student"),
 )
-def change_extension(
+def change_extension(  # noqa: PLR0913, PLR0917
     services: ServicesDep,
     caller: InstructorDep,
     assignment_id: AssignmentId,
     student: Annotated[str, Path(max_length=64, examples=["20260123"])],
     change: ExtensionChange,
+    if_match: IfMatch = None,
 ) -> ExtensionView:
     """Put an extension in place of what the student had."""
     _require_assignment(services, assignment_id)
     signed = signature(services, caller)
     extension = extension_from(change, services.policies.rules(caller.course).zone)
     try:
-        services.policies.extend(assignment_id, student, extension, signed, change.reason)
+        services.policies.extend(
+            assignment_id, student, extension, signed, change.reason, seen=seen(if_match) or ANY_STATE
+        )
+    except ChangedMeanwhileError:
+        raise ProblemError("changed_meanwhile") from None
     except CourseError:
         raise ProblemError("unknown_student", field="student") from None
-    return ExtensionView(student=student, due=extension.due, extra_attempts=extension.extra_attempts)
+    return _extension(student, extension)
 
 
 def signature(services: Services, caller: Caller) -> Signature:
@@ -118,6 +151,10 @@ def _require_assignment(services: Services, assignment_id: str) -> tuple[str, ..
     except UnknownAssignmentError:
         allowed = [known.id for known in services.assignments.all()]
         raise ProblemError("assignment_not_found", allowed=allowed) from None
+
+
+def _extension(student: str, one: Extension) -> ExtensionView:
+    return ExtensionView(student=student, due=one.due, extra_attempts=one.extra_attempts, etag=etag(tag(one)))
 
 
 def _standing(services: Services, caller: Caller, known: Rules, assignment_id: str) -> StandingView:

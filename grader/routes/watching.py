@@ -24,6 +24,7 @@ Subject = tuple[str, str | None]
 
 _PAUSE_S = 0.1  # however often the doorbell rings
 _CLASS_EVERY = 4  # looks at submissions per look at classes, which reads more rows
+_LATER = {"Retry-After": "5"}  # a place is free whenever some page is closed or a stream has lived its time
 _log = logging.getLogger(__name__)
 
 
@@ -149,9 +150,9 @@ class Watching:
             if self._closing.is_set():
                 raise ProblemError("unavailable")
             if self._owners[owner] >= self.limits.most_each:
-                raise ProblemError("too_many_streams")
+                raise ProblemError("too_many_streams", headers=_LATER)
             if len(self._watches) >= self.limits.most:
-                raise ProblemError("streams_full")
+                raise ProblemError("streams_full", headers=_LATER)
             self._watches[watch] = owner
             self._owners[owner] += 1
             if self._thread is None:

@@ -13,6 +13,7 @@ from grader.contracts.errors import JudgementError
 from grader.contracts.judgement import Judgement
 from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.seen import Seen
 from grader.store.audit import Signature, record
 from grader.store.class_cells import in_class
 from grader.store.database import Database
@@ -56,13 +57,13 @@ class Judgements:
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def judge(self, submission_id: str, given: Given, seen: str | None, signed: Signature) -> None:
+    def judge(self, submission_id: str, given: Given, seen: Seen | None, signed: Signature) -> None:
         """Add a judgement, and the submission's score and verdict with it, in one transaction.
 
         Args:
             submission_id: of the course of `signed`.
             given: the points.
-            seen: the `tag` of the state that was looked at; None: nobody had judged the item then.
+            seen: the states, by their `tag`, that are meant; None: nobody had judged the item then.
             signed: who gives them.
 
         Raises:
@@ -78,7 +79,7 @@ class Judgements:
                 raise JudgementError("range", f"use points from 0 to {item.points:g}")
             own = [one for one in judgements_of(session, [row.id]) if one.item == item.id]
             latest = own[-1] if own else None
-            if seen != tag(latest, row.report_sha256) and not (seen is None and latest is None):
+            if not (latest is None if seen is None else seen.includes(tag(latest, row.report_sha256))):
                 raise JudgementError("stale", "the item was judged or graded again meanwhile")
             score = row.score
             session.add(_row(row, item, given, signed, 1 if latest is None else latest.revision + 1))

@@ -1,5 +1,6 @@
 """Rules of assignments per course, and extensions of single students."""
 
+import hashlib
 import json
 from dataclasses import asdict, dataclass
 from datetime import datetime
@@ -10,7 +11,7 @@ from zoneinfo import ZoneInfo
 from sqlalchemy import select
 from sqlmodel import Session, col
 
-from grader.contracts.errors import CourseError
+from grader.contracts.errors import ChangedMeanwhileError, CourseError
 from grader.contracts.policy import (
     NO_EXTENSION,
     NO_POLICY,
@@ -20,6 +21,7 @@ from grader.contracts.policy import (
     LateRule,
     LateStep,
 )
+from grader.contracts.seen import Seen
 from grader.store.audit import Signature, record
 from grader.store.course_tables import CourseRow, ExtensionRow, MemberRow, PolicyRow
 from grader.store.database import Database
@@ -27,6 +29,8 @@ from grader.store.locks import one_at_a_time
 
 _INSTANTS = ("opens", "due", "hidden_until")
 _UTC = "UTC"
+_TAG_LENGTH = 16
+ANY_STATE = Seen(None)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,12 +62,19 @@ class Policies:
             return rules_of(session, course)
 
     def set(
-        self, assignment: str, policy: AssignmentPolicy, signed: Signature, reason: str = ""
+        self,
+        assignment: str,
+        policy: AssignmentPolicy,
+        signed: Signature,
+        reason: str = "",
+        *,
+        seen: Seen = ANY_STATE,
     ) -> AssignmentPolicy:
         """Make `policy` the rules of an assignment in the course of `signed`; return the rules before.
 
         Raises:
             CourseError: there is no such course.
+            ChangedMeanwhileError: the rules, by their `tag`, are none of `seen`; they stay.
         """
         course = _course(signed)
         with self._database.writing() as session:
@@ -72,6 +83,7 @@ class Policies:
                 raise CourseError(f"there is no course {course!r}")
             row = session.get(PolicyRow, (course, assignment))
             before = NO_POLICY if row is None else _read(row.document)
+            _require(seen, before)
             document = json.dumps(to_document(policy), sort_keys=True)
             session.merge(
                 PolicyRow(course=course, assignment=assignment, document=document, changed_at=signed.at)
@@ -88,13 +100,21 @@ class Policies:
                 )
             return before
 
-    def extend(
-        self, assignment: str, person: str, extension: Extension, signed: Signature, reason: str = ""
+    def extend(  # noqa: PLR0913
+        self,
+        assignment: str,
+        person: str,
+        extension: Extension,
+        signed: Signature,
+        reason: str = "",
+        *,
+        seen: Seen = ANY_STATE,
     ) -> None:
         """Give one student what `extension` says, instead of what they had before.
 
         Raises:
             CourseError: the course has no such member.
+            ChangedMeanwhileError: what they had, by its `tag`, is none of `seen`; it stays.
         """
         course = _course(signed)
         with self._database.writing() as session:
@@ -103,6 +123,7 @@ class Policies:
                 raise CourseError(f"course {course} has no member {person!r}")
             row = session.get(ExtensionRow, (course, assignment, person))
             before = NO_EXTENSION if row is None else _extension(row)
+            _require(seen, before)
             session.merge(
                 ExtensionRow(course=course, assignment=assignment, person=person, **asdict(extension))
             )
@@ -116,6 +137,11 @@ class Policies:
                     after=_plain(extension),
                     reason=reason,
                 )
+
+
+def tag(rules: AssignmentPolicy | Extension) -> str:
+    """Return what names these rules, or this extension: others have another."""
+    return hashlib.sha256(json.dumps(_plain(rules), sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
 
 
 def rules_of(session: Session, course: str | None) -> Rules:
@@ -157,6 +183,11 @@ def from_document(document: dict[str, Any]) -> AssignmentPolicy:
 @lru_cache(maxsize=1_024)
 def _read(document: str) -> AssignmentPolicy:
     return from_document(json.loads(document))
+
+
+def _require(seen: Seen, before: AssignmentPolicy | Extension) -> None:
+    if not seen.includes(tag(before)):
+        raise ChangedMeanwhileError("somebody else changed this meanwhile")
 
 
 def _plain(value: AssignmentPolicy | Extension) -> dict[str, Any]:

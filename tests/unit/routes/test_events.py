@@ -157,6 +157,7 @@ def test_a_person_has_so_many_streams_and_the_service_too(
         refused = client.get(own["li"] + "/events", headers=li)
         assert (refused.status_code, refused.json()["code"]) == (429, "too_many_streams")
         assert refused.json()["fix"]
+        assert int(refused.headers["Retry-After"]) > 0
         streams.append(stack.enter_context(opened(client, own["han"], han)))
         refused = client.get(own["han"] + "/events", headers=han)
         assert (refused.status_code, refused.json()["code"]) == (503, "streams_full")

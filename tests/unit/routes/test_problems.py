@@ -272,6 +272,8 @@ def test_a_method_that_is_not_there(client: httpx.Client) -> None:
     response = client.delete("/api/v1/assignments")
     problem(response, 405, "method_not_allowed")
     assert response.headers["Allow"] == "GET"
+    assert client.put("/api/v1/regrades").headers["Allow"] == "GET, POST"
+    assert client.post("/static/style.css").headers.get("Allow", "") != "POST"
 
 
 def test_an_unknown_language(client: httpx.Client) -> None:

@@ -50,6 +50,31 @@ def test_rules_are_changed_whole_and_written_down(
     assert first["after"]["due"] == second["before"]["due"] == "2026-03-20T23:59:59+08:00"
 
 
+def test_rules_that_were_changed_meanwhile_stay(
+    client: httpx.Client, ruled: Callable[..., httpx.Response], school: Any
+) -> None:
+    seen = client.get(POLICY, headers=school.as_("ta")).headers["ETag"]
+    assert "ETag" not in client.get(POLICY, headers=school.as_("li")).headers
+    now = ruled(attempts=3).headers["ETag"]
+    matching = {**school.as_("wang"), "If-Match": seen}
+    refused = client.put(POLICY, json={"attempts": 9}, headers=matching)
+    assert (refused.status_code, refused.json()["code"]) == (412, "changed_meanwhile")
+    answer = client.get(POLICY, headers=school.as_("wang"))
+    assert (answer.json()["rules"]["attempts"], answer.headers["ETag"]) == (3, now)
+    matching["If-Match"] = f"{seen}, {now}"
+    assert client.put(POLICY, json={"attempts": 9}, headers=matching).status_code == 200
+
+
+def test_an_extension_that_was_changed_meanwhile_stays(client: httpx.Client, school: Any) -> None:
+    address = "/api/v1/assignments/square/extensions/li"
+    wang = school.as_("wang")
+    seen = client.put(address, json={"extra_attempts": 1}, headers=wang).json()["etag"]
+    matching = {**wang, "If-Match": seen}
+    assert client.put(address, json={"extra_attempts": 2}, headers=matching).status_code == 200
+    refused = client.put(address, json={"extra_attempts": 3}, headers=matching)
+    assert (refused.status_code, refused.json()["code"]) == (412, "changed_meanwhile")
+
+
 def test_rules_hold_for_one_course(
     client: httpx.Client, ruled: Callable[..., httpx.Response], school: Any
 ) -> None:
