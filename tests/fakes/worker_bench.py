@@ -1,0 +1,63 @@
+"""What tests of workers and their slots share."""
+
+import threading
+from collections.abc import Callable
+
+from grader.contracts.grading import SandboxState
+from grader.contracts.submission import NewSubmission, Submission
+from grader.store.database import Database
+from grader.store.doorbell import Doorbell
+from grader.store.queue import Queue, RetryPolicy
+from grader.store.submissions import Submissions
+from grader.store.workers import Workers
+from grader.worker import GradingSlot, Sandbox, WorkerParts
+from tests.fakes.clock import FakeClock
+from tests.fakes.grading import FakeAssignments, FakeGrader
+
+READY = SandboxState(ready=True, isolation="strict")
+PATIENCE_S = 30.0  # only ever waited for in full when a test fails
+
+
+class Bench:
+    """A store, one fake grader and what a worker needs besides."""
+
+    def __init__(self, url: str) -> None:
+        self.clock = FakeClock()
+        self.database = Database(url)
+        self.queue = Queue(self.database, self.clock, RetryPolicy(lease_s=15, max_tries=3, backoff_s=0))
+        self.submissions = Submissions(self.database, self.clock)
+        self.workers = Workers(self.database, self.clock)
+        self.doorbell = Doorbell()
+        self.grader = FakeGrader()
+        self.probed = [READY]
+        self.parts = WorkerParts(
+            queue=self.queue,
+            workers=self.workers,
+            assignments=FakeAssignments(),
+            make_grader=lambda: self.grader,
+            probe=lambda: self.probed[-1],
+            doorbell=self.doorbell,
+            clock=self.clock,
+        )
+
+    def slot(self) -> GradingSlot:
+        sandbox = Sandbox(lambda: self.probed[-1])
+        sandbox.try_out()
+        return GradingSlot("w/0", self.parts, sandbox)
+
+    def upload(self, source: bytes = b"good good", assignment: str = "square") -> str:
+        new = NewSubmission(student="s1", assignment=assignment, file_name="square.py", source=source)
+        return self.submissions.add(new).id
+
+    def row(self, submission_id: str) -> Submission:
+        found = self.submissions.get(submission_id)
+        assert found is not None
+        return found
+
+    def wait_until(self, condition: Callable[[], bool]) -> None:
+        pause = threading.Event()
+        for _ in range(int(PATIENCE_S / 0.01)):
+            if condition():
+                return
+            pause.wait(0.01)
+        raise AssertionError("it never happened")

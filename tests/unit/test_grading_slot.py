@@ -1,0 +1,197 @@
+"""One slot: what it grades, what counts as a try, what is never stored."""
+
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import pytest
+
+from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
+from grader.contracts.grading import GradingJob, GradingResult, SandboxState
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import SubmissionState
+from grader.store.queue import Queue, RetryPolicy
+from grader.worker import Sandbox
+from tests.fakes.grading import FakeGrader, grade
+from tests.fakes.worker_bench import PATIENCE_S, Bench
+
+
+@pytest.fixture
+def bench(database_url: str) -> Iterator[Bench]:
+    made = Bench(database_url)
+    yield made
+    made.database.close()
+
+
+def test_a_step_grades_one_submission(bench: Bench) -> None:
+    id_ = bench.upload()
+    slot = bench.slot()
+    assert slot.step()
+    assert not slot.step()
+    row = bench.row(id_)
+    assert (row.state, row.verdict, row.score) == (SubmissionState.GRADED, GradeStatus.GRADED, 10.0)
+    assert bench.submissions.report(id_).cases.keys() == {"default"}
+
+
+def test_the_same_bytes_graded_twice_give_the_same_report(bench: Bench) -> None:
+    first, second = bench.upload(), bench.upload()
+    slot = bench.slot()
+    while slot.step():
+        bench.clock.advance(1)
+    one, two = bench.submissions.report(first), bench.submissions.report(second)
+    assert one.content == two.content
+    assert one.sha256 == two.sha256
+
+
+def test_a_crashed_grading_process_is_one_retry(bench: Bench) -> None:
+    id_ = bench.upload()
+    bench.grader.faults = [InfrastructureError("the grading process ended unexpectedly")]
+    slot = bench.slot()
+    assert slot.step()
+    assert bench.row(id_).state is SubmissionState.QUEUED
+    assert "ended unexpectedly" in bench.row(id_).trouble
+    assert bench.grader.closed == 1
+    assert slot.step()
+    row = bench.row(id_)
+    assert (row.state, row.tries, row.trouble) == (SubmissionState.GRADED, 2, "")
+
+
+class Told:
+    """Writes down what an observer is told."""
+
+    def __init__(self) -> None:
+        self.gradings: list[tuple[GradeStatus, float | None]] = []
+        self.retries = self.lost = 0
+
+    def graded(self, verdict: GradeStatus, grading_s: float, waited_s: float | None) -> None:
+        assert grading_s >= 0
+        self.gradings.append((verdict, waited_s))
+
+    def retried(self, tries: int = 1) -> None:
+        self.retries += tries
+
+    def given_up(self, submissions: int = 1) -> None:
+        self.lost += submissions
+
+
+def test_an_observer_is_told_how_gradings_went(bench: Bench) -> None:
+    told = Told()
+    bench.parts = replace(bench.parts, observer=told)
+    bench.grader.faults = [InfrastructureError("died")] * 3
+    slot = bench.slot()
+    bench.upload(assignment="straight")
+    for _ in range(3):
+        assert slot.step()
+    bench.grader.faults = []
+    bench.upload()
+    bench.clock.advance(7)
+    assert slot.step()
+    assert (told.gradings, told.retries, told.lost) == ([(GradeStatus.GRADED, 7.0)], 2, 1)
+
+
+@pytest.mark.parametrize(
+    "fault", [InfrastructureError("died"), ValueError("nonsense"), MemoryError(), RecursionError()]
+)
+def test_a_lasting_fault_never_becomes_a_zero(bench: Bench, fault: Exception) -> None:
+    id_ = bench.upload()
+    bench.grader.faults = [fault] * 10
+    slot = bench.slot()
+    assert [slot.step() for _ in range(4)] == [True, True, True, False]
+    row = bench.row(id_)
+    assert (row.state, row.score, row.verdict) == (SubmissionState.INFRASTRUCTURE_ERROR, None, None)
+
+
+def test_a_vanished_assignment_is_no_fault_of_the_student(bench: Bench) -> None:
+    id_ = bench.upload(assignment="withdrawn")
+    slot = bench.slot()
+    while slot.step():
+        pass
+    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
+    assert "withdrawn" in bench.row(id_).trouble
+
+
+def _with_report(**changes: object) -> Callable[[GradingJob], GradingResult]:
+    def grading(job: GradingJob) -> GradingResult:
+        result = grade(job)
+        return replace(result, report=replace(result.report, **changes))
+
+    return grading
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"submission_sha256": "0" * 64},
+        {"assignment": "straight"},
+        {"status": GradeStatus.INFRASTRUCTURE_ERROR},
+    ],
+)
+def test_a_report_of_something_else_is_not_stored(bench: Bench, changes: dict[str, object]) -> None:
+    id_ = bench.upload()
+    bench.grader = FakeGrader(_with_report(**changes))
+    slot = bench.slot()
+    while slot.step():
+        pass
+    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
+    assert bench.submissions.report(id_) is None
+
+
+def test_no_work_is_taken_without_a_sandbox(bench: Bench) -> None:
+    id_ = bench.upload()
+    bench.probed = [SandboxState(ready=False, detail="no seccomp")]
+    assert not bench.slot().step()
+    assert (bench.row(id_).state, bench.row(id_).attempt) == (SubmissionState.QUEUED, 0)
+
+
+def test_a_sandbox_lost_on_the_way_costs_no_try(bench: Bench) -> None:
+    id_ = bench.upload()
+    bench.grader.faults = [SandboxUnavailableError("Landlock is gone")]
+    slot = bench.slot()
+    assert slot.step()
+    assert not slot.step()
+    assert (bench.row(id_).state, bench.row(id_).tries) == (SubmissionState.QUEUED, 0)
+
+
+def test_a_probe_that_raises_means_no_sandbox() -> None:
+    def probe() -> SandboxState:
+        raise OSError("no such file")
+
+    sandbox = Sandbox(probe)
+    assert not sandbox.try_out()
+    assert not sandbox.state.ready
+    assert "no such file" in sandbox.state.detail
+
+
+def test_a_report_is_stored_although_the_database_was_away_for_a_moment(bench: Bench) -> None:
+    id_ = bench.upload()
+
+    class Reluctant(Queue):
+        refusals = 2
+
+        def finish(self, claim, result, assignment):
+            if self.refusals:
+                self.refusals -= 1
+                raise InfrastructureError("database is locked")
+            return super().finish(claim, result, assignment)
+
+    queue = Reluctant(bench.database, bench.clock, RetryPolicy())
+    bench.parts = replace(bench.parts, queue=queue)
+    assert bench.slot().step()
+    assert bench.row(id_).state is SubmissionState.GRADED
+
+
+def test_a_slot_fenced_off_while_grading_changes_nothing(bench: Bench) -> None:
+    id_ = bench.upload()
+    slot = bench.slot()
+    bench.grader.hold()
+    thread = threading.Thread(target=slot.step)
+    thread.start()
+    assert bench.grader.busy.wait(PATIENCE_S)
+    bench.clock.advance(16)
+    bench.queue.reconcile()
+    other = bench.queue.claim("other")
+    assert other is not None
+    bench.grader.release()
+    thread.join()
+    row = bench.row(id_)
+    assert (row.state, row.attempt, row.verdict) == (SubmissionState.RUNNING, 2, None)
