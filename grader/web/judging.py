@@ -25,6 +25,7 @@ from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.roster import named, names
+from grader.web.rule_form import typed
 
 HOME = "/class/judgements"
 router = APIRouter(prefix=HOME, include_in_schema=False, dependencies=[Depends(require_staff)])
@@ -180,7 +181,7 @@ def _place(received_at: datetime, submission_id: str) -> tuple[datetime, str]:
 def _read(form: PointsForm) -> tuple[JudgementBody | None, dict[str, str]]:
     """Return what was typed, or None and what is wrong with it."""
     try:
-        points = float(form.points.strip().replace(",", "."))
+        points = float(typed(form.points).replace(",", "."))
         comment = form.comment.replace("\r\n", "\n").strip()
         return JudgementBody(points=points, comment=comment), {}
     except ValidationError as error:

@@ -19,12 +19,17 @@ _MOST_HOURS = 10 * 366 * 24
 _MOST_ATTEMPTS = 10_000
 _YEARS = range(2000, 2201)
 _SPARE_STEPS = 2
+CHANGED_MEANWHILE = "rules.error.meanwhile"
+EXTENDED_MEANWHILE = "rules.error.extended_meanwhile"
 _SHORT = Field(default="", max_length=40)
 _Read = TypeVar("_Read")
 
 
 class RuleForm(BaseModel):
-    """The fields as they are typed. `step_after` and `step_keep` belong together line by line."""
+    """The fields as they are typed. `step_after` and `step_keep` belong together line by line.
+
+    `seen` is the tag of the rules that the form was made from; empty: whatever they are now.
+    """
 
     model_config = ConfigDict(use_enum_values=True)
 
@@ -41,6 +46,7 @@ class RuleForm(BaseModel):
     hidden_items: list[str] = Field(default_factory=list, max_length=100)
     hidden_until: str = _SHORT
     reason: str = Field(default="", max_length=1_000)
+    seen: str = _SHORT
 
     def steps(self) -> list[tuple[str, str]]:
         """Return the lines of the late rule with some empty ones behind them."""
@@ -50,12 +56,17 @@ class RuleForm(BaseModel):
 
 
 class ExtensionForm(BaseModel):
-    """What one student gets beyond the rules, as typed."""
+    """What one student gets beyond the rules, as typed.
+
+    `seen` is the tag of what the student `seen_for` had when the form was made; empty: whatever it is now.
+    """
 
     student: str = Field(default="", max_length=200)
     due: str = _SHORT
     extra_attempts: str = _SHORT
     reason: str = Field(default="", max_length=1_000)
+    seen: str = _SHORT
+    seen_for: str = Field(default="", max_length=200)
 
 
 def form_of(policy: AssignmentPolicy, zone: ZoneInfo) -> RuleForm:
@@ -161,6 +172,17 @@ class Reader:
             return None
 
 
+def typed(text: str) -> str:
+    """Return what was typed as a number, without blanks around it.
+
+    Raises:
+        ValueError: it has an underscore, which Python would pass over: 1_0 is no way to write 10.
+    """
+    if "_" in text:
+        raise ValueError(text)
+    return text.strip()
+
+
 def _instant(text: str, zone: ZoneInfo) -> datetime | None:
     if not text:
         return None
@@ -177,7 +199,7 @@ def _count(text: str, least: Literal[0, 1]) -> int | None:
     if not text.strip():
         return None
     try:
-        number = int(text)
+        number = int(typed(text))
     except ValueError:
         raise FieldError("rules.error.count") from None
     if not least <= number <= _MOST_ATTEMPTS:
@@ -217,7 +239,7 @@ def _between(text: str, high: float, wrong: str) -> float | None:
     if not text.strip():
         return None
     try:
-        number = float(text.strip().removesuffix("%"))
+        number = float(typed(text).removesuffix("%"))
     except ValueError:
         raise FieldError(wrong) from None
     if not 0.0 <= number <= high:

@@ -6,17 +6,20 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import CourseError, UnknownAssignmentError
+from grader.contracts.errors import ChangedMeanwhileError, CourseError, UnknownAssignmentError
 from grader.contracts.policy import NO_EXTENSION, Extension
+from grader.contracts.seen import Seen
 from grader.routes.problems import ProblemError
 from grader.routes.rules import AssignmentId, signature
 from grader.routes.services import Services, ServicesDep
-from grader.store.policies import Rules
+from grader.store.policies import ANY_STATE, Rules, tag
 from grader.web.access import InstructorDep, StaffDep, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import page
 from grader.web.roster import names
 from grader.web.rule_form import (
+    CHANGED_MEANWHILE,
+    EXTENDED_MEANWHILE,
     ExtensionForm,
     Reader,
     RuleForm,
@@ -51,7 +54,7 @@ def read(  # noqa: PLR0913, PLR0917
     """Show the rules of one assignment and who got more; `student` fills the form of extensions."""
     assignment = _assignment(services, assignment_id)
     known = services.policies.rules(visitor.caller.course)
-    extension = extension_form_of(student, known.extension(assignment.id, student), known.zone)
+    extension = _extension_form(known, assignment.id, student)
     return _page(request, services, visitor, assignment, extension=extension, saved=saved)
 
 
@@ -70,9 +73,16 @@ def change(
     reader = Reader(known.zone)
     items = frozenset(item.id for item in assignment.items)
     policy = reader.policy(form, known.policy(assignment.id), items)
+    if not reader.errors:
+        seen = Seen.one(form.seen) if form.seen else ANY_STATE
+        try:
+            services.policies.set(assignment.id, policy, signed, form.reason.strip(), seen=seen)
+        except ChangedMeanwhileError:
+            reader.errors["form"] = CHANGED_MEANWHILE
+            now = services.policies.rules(visitor.caller.course).policy(assignment.id)
+            form = form.model_copy(update={"seen": tag(now)})
     if reader.errors:
         return _page(request, services, visitor, assignment, form=form, errors=reader.errors)
-    services.policies.set(assignment.id, policy, signed, form.reason.strip())
     return RedirectResponse(f"/class/rules/{assignment.id}?saved=rules", status_code=303)
 
 
@@ -93,7 +103,14 @@ def extend(
     extension = reader.extension(form, known.extension(assignment.id, student))
     if not reader.errors:
         try:
-            services.policies.extend(assignment.id, student, extension, signed, form.reason.strip())
+            seen = _seen(form, student)
+            services.policies.extend(
+                assignment.id, student, extension, signed, form.reason.strip(), seen=seen
+            )
+        except ChangedMeanwhileError:
+            reader.errors["form"] = EXTENDED_MEANWHILE
+            now = services.policies.rules(visitor.caller.course).extension(assignment.id, student)
+            form = form.model_copy(update={"seen": tag(now), "seen_for": student})
         except CourseError:
             reader.errors["student"] = "rules.error.student"
     if reader.errors:
@@ -118,10 +135,11 @@ def _page(  # noqa: PLR0913
         "assignment": assignment,
         "policy": known.policy(assignment.id),
         "zone": known.zone,
-        "form": form or form_of(known.policy(assignment.id), known.zone),
+        "form": form or _form(known, assignment.id),
         "errors": errors or {},
         "extensions": _extensions(known, assignment.id),
-        "extension": extension or ExtensionForm(),
+        "extension": extension or _extension_form(known, assignment.id, ""),
+        "tag": tag,
         "extension_errors": extension_errors or {},
         "names": names(services, visitor.caller),
         "may_change": visitor.caller.is_instructor and visitor.caller.course is not None,
@@ -130,6 +148,24 @@ def _page(  # noqa: PLR0913
         "saved": saved,
     }
     return page(request, "rules_assignment.html", status=422 if errors or extension_errors else 200, **values)
+
+
+def _form(known: Rules, assignment_id: str) -> RuleForm:
+    policy = known.policy(assignment_id)
+    return form_of(policy, known.zone).model_copy(update={"seen": tag(policy)})
+
+
+def _extension_form(known: Rules, assignment_id: str, student: str) -> ExtensionForm:
+    extension = known.extension(assignment_id, student)
+    form = extension_form_of(student, extension, known.zone)
+    return form.model_copy(update={"seen": tag(extension), "seen_for": student})
+
+
+def _seen(form: ExtensionForm, student: str) -> Seen:
+    """Return which extension of `student` the form replaces: that it was made from, for another student none."""
+    if not form.seen:
+        return ANY_STATE
+    return Seen.one(form.seen if form.seen_for == student else tag(NO_EXTENSION))
 
 
 def _extensions(known: Rules, assignment_id: str) -> list[tuple[str, Extension]]:

@@ -93,6 +93,8 @@ def test_what_is_shown_means_what_is_meant(policy: AssignmentPolicy) -> None:
         ({"accept_late": "inf"}, "accept_late", "rules.error.hours"),
         ({"attempts": "0"}, "attempts", "rules.error.count_from_1"),
         ({"attempts": "two"}, "attempts", "rules.error.count"),
+        ({"attempts": "1_0"}, "attempts", "rules.error.count"),
+        ({"accept_late": "1_0"}, "accept_late", "rules.error.hours"),
         ({"attempts_per_day": "10001"}, "attempts_per_day", "rules.error.count_from_1"),
         ({"hidden_items": ["gone"]}, "hidden_items", "rules.error.items"),
     ],
@@ -153,6 +155,41 @@ def test_wrong_rules_change_nothing_and_lose_nothing(wang: Browser, services: Se
     assert 'aria-invalid="true" aria-describedby="per_day-error' in field[0]
     assert 'value="a lot"' in field[0]
     assert 'value="5"' in answer.text
+
+
+def hidden(text: str, name: str) -> str:
+    return re.findall(rf'name="{name}" value="([^"]*)"', text)[-1]
+
+
+def test_rules_changed_meanwhile_are_not_lost(wang: Browser, services: Services) -> None:
+    seen = re.findall(r'name="seen" value="(\w+)"', wang.get(PAGE).text)[0]
+    theirs = AssignmentPolicy(attempts=7)
+    services.policies.set("square", theirs, Signature(services.clock(), "ros", "ta"))
+    mistyped = wang.post(PAGE, {"attempts": "x", "seen": seen}).text
+    assert f'name="seen" value="{seen}"' in mistyped  # correcting a field is no look at the other's change
+    answer = wang.post(PAGE, {"attempts": "5", "reason": "mine", "seen": seen})
+    assert answer.status_code == 422
+    assert rules_of(services) == theirs
+    assert "somebody changed the rules meanwhile" in answer.text
+    assert 'id="attempts" name="attempts" type="text" value="5"' in answer.text
+    assert 'value="mine"' in answer.text
+    again = re.findall(r'name="seen" value="(\w+)"', answer.text)[0]
+    assert wang.post(PAGE, {"attempts": "5", "seen": again}).status_code == 303
+    assert rules_of(services).attempts == 5
+
+
+def test_an_extension_given_meanwhile_is_not_lost(wang: Browser, services: Services) -> None:
+    seen = hidden(wang.get(PAGE).text, "seen")
+    theirs = Extension(extra_attempts=3)
+    services.policies.extend("square", "li", theirs, Signature(services.clock(), "ros", "ta"))
+    given_ = {"student": "li", "extra_attempts": "1", "seen": seen, "seen_for": ""}
+    answer = wang.post(PAGE + "/extensions", given_, page=PAGE)
+    assert answer.status_code == 422
+    assert "this student has another extension" in answer.text
+    assert services.policies.rules("ros").extension("square", "li") == theirs
+    given_ |= {name: hidden(answer.text, name) for name in ("seen", "seen_for")}
+    assert wang.post(PAGE + "/extensions", given_, page=PAGE).status_code == 303
+    assert services.policies.rules("ros").extension("square", "li") == Extension(extra_attempts=1)
 
 
 def test_a_student_gets_more_and_it_is_taken_back(wang: Browser, services: Services) -> None:
