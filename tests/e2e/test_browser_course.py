@@ -62,6 +62,8 @@ def test_grading_again_shows_who_loses_and_is_applied(wang: Browser, course: Sch
     assert "on trial" in wang.says()
     wang.driver.back()
     wang.type("#reason", "sides must be equal")
+    wang.driver.refresh()
+    wang.until(lambda: wang.one("#reason").get_attribute("value") == "sides must be equal")
     wang.click("button[value=apply]")
     assert "applied wang" in wang.says(".notice")
     wang.click("#changes ~ .scroll th a")

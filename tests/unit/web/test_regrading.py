@@ -54,7 +54,8 @@ def test_a_trial_shows_its_progress(wang: Browser, handed_in: dict[str, str]) ->
     text = wang.get(page).text
     assert "0 of 2 made" in text
     assert 'src="/static/trial.js"' in text
-    assert '<noscript><meta http-equiv="refresh"' in text
+    assert 'http-equiv="refresh"' not in text  # it would lose the reason that is being written
+    assert f'<noscript><p><a href="{page}">' in text
     assert 'value="apply"' not in text
     assert wang.get(page + "/state.json").json() == {"waiting": 2, "total": 2, "open": True}
 
