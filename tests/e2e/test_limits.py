@@ -64,7 +64,7 @@ ENDINGS = {
     "writes a file": (
         "open('result.txt', 'w')\n",
         RunStatus.FORBIDDEN,
-        ("open for writing: result.txt", "open for writing: result.txt"),
+        ("写文件 result.txt", "writing the file result.txt"),
     ),
     "asks the network": (
         "import urllib.request\nurllib.request.urlopen('http://127.0.0.1:9')\n",
@@ -87,7 +87,11 @@ ENDINGS = {
         RunStatus.MEMORY_LIMIT,
         ("内存", "memory"),
     ),
-    "tampers": ("os.write(3, b'\\x01\\0\\0\\0\\x7f')\ntime.sleep(1)\n", RunStatus.PROTOCOL, ("0x7f", "0x7f")),
+    "tampers": (
+        "os.write(3, b'\\x01\\0\\0\\0\\x7f')\ntime.sleep(1)\n",
+        RunStatus.PROTOCOL,
+        ("通信", "channel"),
+    ),
     "crashes in C": (
         "import ctypes\nctypes.string_at(0)\n",
         RunStatus.CRASHED,
