@@ -18,7 +18,7 @@ LONGEST_COMMENT = 2_000
 """Characters of a comment for the student."""
 
 _CENT = 2  # scores are rounded to 1e-2, as rubric items are
-_JUDGED = Text(zh="老师已评分。", en="A teacher has graded this.")
+_JUDGED = Text(zh="已人工评分。", en="A person has graded this.")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,7 +90,7 @@ def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeRepor
     score, told = total(scores), report.summary
     if score is not None:
         points = f"{score:g} / {report.max_score:g}"
-        told = Text(zh=f"老师已评分：{points} 分。", en=f"A teacher has graded this: {points} points.")
+        told = Text(zh=f"已人工评分：{points} 分。", en=f"A person has graded this: {points} points.")
     status = status_of(items, (run.outcome for run in report.runs))
     return replace(report, items=items, score=score, status=status, summary=told)
 

@@ -32,7 +32,7 @@ ITEM_MARK: Mapping[ItemStatus, str] = {
 
 GRADE_STATUS: Mapping[GradeStatus, Text] = {
     GradeStatus.GRADED: _t("已评分", "graded"),
-    GradeStatus.NEEDS_MANUAL: _t("等待老师评分", "waiting for the teacher"),
+    GradeStatus.NEEDS_MANUAL: _t("等待人工评分", "waiting for a person"),
     GradeStatus.SYNTAX_ERROR: _t("语法错误，程序没有运行", "syntax error, the script did not run"),
     GradeStatus.CRASHED: _t("程序出错退出", "the script crashed"),
     GradeStatus.CPU_LIMIT: _t("用完了允许的 CPU 时间", "CPU time used up"),

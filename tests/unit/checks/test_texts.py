@@ -106,7 +106,7 @@ def test_an_essay_waits_for_a_person() -> None:
     assert item(verdict, "written").status is ItemStatus.PASSED
     assert item(verdict, "publisher").status is ItemStatus.NEEDS_MANUAL
     assert item(verdict, "publisher").earned == 0
-    assert "老师" in verdict.summary.zh
+    assert "等待人工评分" in verdict.summary.zh
     assert verdict.hint.zh == ""
     short = evaluate_text(task, "发消息。")
     assert "太短" in short.hint.zh
@@ -115,7 +115,7 @@ def test_an_essay_waits_for_a_person() -> None:
 
 def test_what_a_person_judges_is_published() -> None:
     items = {each.id: each for each in published_rubric(assignment("theory_publisher_timer")).items}
-    assert items["publisher"].wanted.zh == "由老师评分"
+    assert items["publisher"].wanted.zh == "由人工评分"
     assert items["publisher"].needs.en
 
 

@@ -74,7 +74,7 @@ def test_once_all_is_judged_the_score_is_complete_everywhere(
     assert (whole["verdict"], whole["score"], whole["to_judge"]) == ("graded", 77.5, 0)
     assert (whole["rubric"][2]["status"], whole["rubric"][2]["earned"]) == ("partial", 22.5)
     assert whole["rubric"][2]["message"] == "Who calls it?"
-    assert whole["summary"] == "A teacher has graded this: 77.5 / 100 points."
+    assert whole["summary"] == "A person has graded this: 77.5 / 100 points."
     again = client.get(url + "/report", headers=school.as_("li"))
     assert again.content == report.content
     assert again.headers["ETag"] == f'"{hashlib.sha256(report.content).hexdigest()}"'

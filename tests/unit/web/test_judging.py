@@ -77,10 +77,10 @@ def test_a_list_does_not_tell_that_a_hidden_item_waits(
     services.policies.set(QUESTION, hidden, Signature(services.clock(), "ros", "test"))
     give(ta, answers["li"], "publisher")
     ta.enter(token=tokens["li"])
-    assert "waiting for the teacher" not in ta.get(f"/submissions/{answers['li']}?lang=en").text
+    assert "waiting for a person" not in ta.get(f"/submissions/{answers['li']}?lang=en").text
     for page in ("/submissions?lang=en", f"/assignments/{QUESTION}?lang=en"):
         assert f'href="/submissions/{answers["li"]}"' in ta.get(page).text
-        assert "waiting for the teacher" not in ta.get(page).text
+        assert "waiting for a person" not in ta.get(page).text
 
 
 def test_names_stay_hidden_after_the_last_answer(ta: Browser, answers: dict[str, str]) -> None:
@@ -176,7 +176,7 @@ def test_unknown_items_are_told(ta: Browser, answers: dict[str, str], put: Calla
 def test_the_matrix_finds_who_waits_for_a_person(ta: Browser, answers: dict[str, str]) -> None:
     text = ta.get("/class?show=judge").text
     assert "2 of 2 students" in text
-    assert "waiting for the teacher" in text
+    assert "waiting for a person" in text
     for student in answers.values():
         for item in ("timer", "publisher"):
             give(ta, student, item)
