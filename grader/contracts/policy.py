@@ -9,7 +9,22 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Literal
 
+from grader.contracts.text import Text
+
 LateKind = Literal["none", "linear", "steps"]
+
+
+class RuleError(ValueError):
+    """Rules that make no sense; its message is English.
+
+    Attributes:
+        field: the rule that is meant. text: what is wrong, in both languages.
+    """
+
+    def __init__(self, field: str, *, zh: str, en: str) -> None:
+        super().__init__(en)
+        self.field = field
+        self.text = Text(zh=zh, en=en)
 
 
 class Counts(StrEnum):
@@ -44,14 +59,28 @@ class LateRule:
 
     def __post_init__(self) -> None:
         if self.kind == "linear" and not 0.0 < self.per_day <= 1.0:
-            raise ValueError("late.per_day must be more than 0 and at most 1")
+            raise RuleError(
+                "late.per_day",
+                zh="late.per_day 要大于 0、不超过 1。",
+                en="late.per_day must be more than 0 and at most 1",
+            )
         if self.kind == "steps" and not self.steps:
-            raise ValueError("late.steps must name at least one step")
+            raise RuleError(
+                "late.steps", zh="late.steps 至少要有一档。", en="late.steps must name at least one step"
+            )
         if any(not (step.after_s >= 0 and 0.0 <= step.keep <= 1.0) for step in self.steps):
-            raise ValueError("late.steps: after_s must be at least 0, keep from 0 to 1")
+            raise RuleError(
+                "late.steps",
+                zh="late.steps：after_s 不能小于 0，keep 在 0 到 1 之间。",
+                en="late.steps: after_s must be at least 0, keep from 0 to 1",
+            )
         pairs = list(zip(self.steps, self.steps[1:], strict=False))
         if any(second.after_s <= first.after_s or second.keep > first.keep for first, second in pairs):
-            raise ValueError("late.steps must rise in after_s and not rise in keep")
+            raise RuleError(
+                "late.steps",
+                zh="late.steps：after_s 要一档比一档大，keep 不能变大。",
+                en="late.steps must rise in after_s and not rise in keep",
+            )
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -79,17 +108,23 @@ class AssignmentPolicy:
         for name in ("opens", "due", "hidden_until"):
             instant: datetime | None = getattr(self, name)
             if instant is not None and instant.tzinfo is None:
-                raise ValueError(f"{name} needs a time zone")
+                raise RuleError(name, zh=f"{name} 要有时区。", en=f"{name} needs a time zone")
         if self.opens is not None and self.due is not None and self.opens >= self.due:
-            raise ValueError("due must be later than opens")
+            raise RuleError("due", zh="due（截止）要晚于 opens（开放）。", en="due must be later than opens")
         for name in ("attempts", "attempts_per_day"):
             number: int | None = getattr(self, name)
             if number is not None and number < 1:
-                raise ValueError(f"{name} must be at least 1")
+                raise RuleError(name, zh=f"{name} 不能小于 1。", en=f"{name} must be at least 1")
         if self.accept_late_s is not None and self.accept_late_s < 0:
-            raise ValueError("accept_late_s must be at least 0")
+            raise RuleError(
+                "accept_late_s", zh="accept_late_s 不能小于 0。", en="accept_late_s must be at least 0"
+            )
         if self.due is None and self.counts is Counts.BEST_BEFORE_DUE:
-            raise ValueError("counts best_before_due needs a due date")
+            raise RuleError(
+                "counts",
+                zh="counts 用 best_before_due 时要有 due（截止时间）。",
+                en="counts best_before_due needs a due date",
+            )
 
 
 NO_POLICY = AssignmentPolicy()
@@ -104,9 +139,11 @@ class Extension:
 
     def __post_init__(self) -> None:
         if self.due is not None and self.due.tzinfo is None:
-            raise ValueError("due needs a time zone")
+            raise RuleError("due", zh="due 要有时区。", en="due needs a time zone")
         if self.extra_attempts < 0:
-            raise ValueError("extra_attempts must be at least 0")
+            raise RuleError(
+                "extra_attempts", zh="extra_attempts 不能小于 0。", en="extra_attempts must be at least 0"
+            )
 
 
 NO_EXTENSION = Extension()

@@ -5,6 +5,7 @@ from typing import Annotated
 from zoneinfo import ZoneInfo
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic_core import PydanticCustomError
 
 from grader.contracts.policy import (
     AssignmentPolicy,
@@ -13,8 +14,10 @@ from grader.contracts.policy import (
     LateKind,
     LateRule,
     LateStep,
+    RuleError,
 )
 from grader.routes.problems import ProblemError
+from grader.routes.validation_words import OUT_OF_YEARS
 
 _MOST_S = 10 * 366 * 86_400
 _MOST_ATTEMPTS = 10_000
@@ -22,7 +25,7 @@ _MOST_ATTEMPTS = 10_000
 
 def _in_our_years(instant: datetime) -> datetime:
     if not 2000 <= instant.year <= 2200:  # near the ends of the calendar arithmetic overflows
-        raise ValueError("must lie between the years 2000 and 2200")
+        raise PydanticCustomError(*OUT_OF_YEARS)
     return instant
 
 
@@ -152,8 +155,8 @@ def policy_from(body: PolicyBody, zone: ZoneInfo) -> AssignmentPolicy:
             hidden_items=tuple(body.hidden_items),
             hidden_until=_aware(body.hidden_until, zone),
         )
-    except ValueError as error:
-        raise ProblemError("invalid_rules", str(error)) from None
+    except RuleError as error:
+        raise ProblemError("invalid_rules", error.text, field=error.field) from None
 
 
 def policy_body(policy: AssignmentPolicy, *, with_hidden: bool) -> PolicyBody:

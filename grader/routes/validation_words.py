@@ -1,7 +1,7 @@
 """What is wrong with a field of a request, in words: pydantic's kinds of errors in both languages."""
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
 from grader.contracts.text import Language, Text
 
@@ -13,6 +13,9 @@ _INSTANT = Text(
 _ONE_OF = Text(zh="只能是这些值之一：{expected}。", en="Use one of these: {expected}.")
 _OBJECT = Text(zh="要填一个 JSON 对象。", en="This is no JSON object.")
 _UNREADABLE = Text(zh="文字里有不能使用的字符。", en="The text has characters that are not accepted.")
+
+OUT_OF_YEARS: Final = ("out_of_years", "Use a year from 2000 to 2200.")
+"""Kind and message of our own error about an instant."""
 
 _WORDS: Mapping[str, Text] = {
     "missing": Text(zh="缺少这个字段。", en="This field is missing."),
@@ -39,6 +42,7 @@ _WORDS: Mapping[str, Text] = {
     "datetime_type": _INSTANT,
     "datetime_parsing": _INSTANT,
     "datetime_from_date_parsing": _INSTANT,
+    "out_of_years": Text(zh="年份要在 2000 到 2200 之间。", en="Use a year from 2000 to 2200."),
     "list_type": Text(zh="要填一个列表。", en="This is no list."),
     "dict_type": _OBJECT,
     "model_type": _OBJECT,

@@ -102,6 +102,22 @@ def test_rules_that_make_no_sense(
     assert (response.status_code, response.json()["code"]) == (422, code)
 
 
+@pytest.mark.parametrize(
+    ("rules", "field", "words"),
+    [
+        ({"opens": at(10), "due": at(5)}, "due", "晚于"),
+        ({"late": {"kind": "linear"}}, "late.per_day", "大于 0"),
+        ({"due": "9999-12-31T23:59:59"}, "due", "年份要在 2000 到 2200 之间。"),
+    ],
+)
+def test_what_is_wrong_is_said_in_the_readers_language(
+    ruled: Callable[..., httpx.Response], rules: dict[str, object], field: str, words: str
+) -> None:
+    problem = ruled(**rules).json()
+    assert problem["field"] == field
+    assert words in problem["detail"]
+
+
 def test_a_hidden_item_that_there_is_not_is_named(ruled: Callable[..., httpx.Response]) -> None:
     problem = ruled(hidden_items=["nose"]).json()
     assert (problem["field"], problem["detail"]) == ("hidden_items", "没有这个评分项：nose。")
