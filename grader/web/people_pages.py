@@ -1,20 +1,19 @@
 """Who is in the course, and what was changed by whom."""
 
-import json
 import re
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
 from grader.routes import people
 from grader.routes.services import ServicesDep
 from grader.web.access import InstructorDep, StaffDep, require_staff
-from grader.web.pages import page
+from grader.web.audit_lines import Teller
+from grader.web.pages import language_of, page
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 _ENTRIES = 50
 _LARGEST_ID = 2**63 - 1
-_LONGEST_SHOWN = 400
 _ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 
 
@@ -46,8 +45,11 @@ def read_audit(
     log = people.read_audit(
         services=services, caller=visitor.caller, response=Response(), before=before, limit=_ENTRIES
     )
-    lines = [(entry, differences(entry.before, entry.after), address(entry.subject)) for entry in log.entries]
-    return page(request, "audit.html", lines=lines, next_before=log.next_before, newest=before is None)
+    teller = Teller(language_of(request), services.policies.rules(visitor.caller.course).zone)
+    lines = [(one, teller.differences(one.before, one.after), address(one.subject)) for one in log.entries]
+    return page(
+        request, "audit.html", lines=lines, teller=teller, next_before=log.next_before, newest=before is None
+    )
 
 
 def address(subject: str) -> str:
@@ -58,24 +60,3 @@ def address(subject: str) -> str:
     if kind == "assignment" and _ID.fullmatch(name):
         return f"/class/rules/{name}"
     return f"/class/regrades/{name.split()[0]}" if kind == "regrade" and name else ""
-
-
-def differences(before: Any, after: Any) -> list[tuple[str, str, str]]:
-    """Return what changed as name, text before and text after; only the fields that differ of two records."""
-    if not (isinstance(before, dict) or isinstance(after, dict)):
-        return [("", _text(before), _text(after))]
-    old, new = (one if isinstance(one, dict) else {} for one in (before, after))
-    return [
-        (name, _text(old.get(name)), _text(new.get(name)))
-        for name in dict.fromkeys([*old, *new])
-        if old.get(name) != new.get(name)
-    ]
-
-
-def _text(value: Any) -> str:
-    if value is None:
-        return "—"
-    if isinstance(value, float):
-        return f"{value:g}"
-    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, sort_keys=True)
-    return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN] + "…"

@@ -101,7 +101,7 @@ def test_rules_are_edited_and_wrong_ones_are_told_at_their_field(wang: Browser) 
     wang.click("form[aria-labelledby=extend] button")
     assert "20260105 王小明" in wang.says("#extensions ~ .scroll")
     wang.open("/class/audit")
-    assert "extension.change" in wang.says()
+    assert "extension changed" in wang.says()
 
 
 def test_points_by_hand_reach_the_student(wang: Browser, course: School) -> None:

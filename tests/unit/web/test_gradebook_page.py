@@ -10,7 +10,7 @@ import pytest
 from grader.contracts.policy import AssignmentPolicy, Counts
 from grader.routes.services import Services
 from grader.store.audit import Signature
-from grader.web.people_pages import address, differences
+from grader.web.people_pages import address
 from tests.unit.web.conftest import Browser
 
 
@@ -111,7 +111,7 @@ def test_the_audit_log_is_paged(wang: Browser, services: Services) -> None:
     for attempts in range(1, 60):
         services.policies.set("square", AssignmentPolicy(attempts=attempts), signed, f"change {attempts}.")
     newest = wang.get("/class/audit").text
-    assert newest.count("policy.change") == 50
+    assert newest.count("rules changed") == 50
     assert "change 59." in newest
     older = re.search(r'href="(/class/audit\?before=\d+)"', newest)
     assert older is not None
@@ -119,14 +119,6 @@ def test_the_audit_log_is_paged(wang: Browser, services: Services) -> None:
     assert "change 9." in text
     assert "change 59." not in text
     assert 'href="/class/audit"' in text
-
-
-def test_only_what_differs_is_shown() -> None:
-    assert differences({"a": 1, "b": 2.0}, {"a": 1, "b": 3.5}) == [("b", "2", "3.5")]
-    assert differences(None, {"a": "x"}) == [("a", "—", "x")]
-    assert differences(None, "id") == [("", "—", "id")]
-    assert differences({}, {"late": {"kind": "none"}}) == [("late", "—", '{"kind": "none"}')]
-    assert differences("x" * 1_000, None)[0][1].endswith("…")
 
 
 def test_entries_of_the_log_lead_to_what_they_are_about() -> None:

@@ -9,6 +9,7 @@ import pytest
 from grader.contracts.identity import Role
 from grader.contracts.text import LANGUAGES
 from grader.web import words
+from grader.web.audit_lines import _UNITS, ACTIONS, FIELDS, KINDS
 from grader.web.matrix import SHOWS
 from grader.web.pages import FOLDER
 from grader.web.regrade_table import PARTS
@@ -28,6 +29,10 @@ BUILT = {
     "rules.late_short.none", "rules.late_short.steps",
     *(f"rules.counts.{one}" for one in COUNTS),
     *(f"people.role.{one}" for one in Role),
+    *(f"audit.action.{one}" for one in ACTIONS),
+    *(f"audit.kind.{one}" for one in KINDS),
+    *FIELDS.values(),
+    *(key for _, key in _UNITS),
     "figure.side", "figure.corner", "figure.gap",
 }  # fmt: skip
 

@@ -140,7 +140,9 @@ def test_rules_are_set_on_the_clock_of_the_course(wang: Browser, services: Servi
         assert words in line
     log = wang.get("/class/audit").text
     assert "term begins" in log
-    assert "policy.change" in log
+    assert "rules changed" in log
+    assert "Accepted after due for: " in log
+    assert "</span> 2 d</li>" in log
     assert 'href="/class/rules/square"' in log
 
 

@@ -1,0 +1,152 @@
+"""Entries of the audit log in words: what was done to what, and what is different since.
+
+Entries are kept for ever, whatever wrote them: what has no words here is shown as it stands.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+from zoneinfo import ZoneInfo
+
+from grader.contracts.text import Language
+from grader.web.words import say, table
+
+ACTIONS = (
+    "course.create", "member.add", "member.change", "token.issue", "token.revoke", "policy.change",
+    "extension.change", "submission.hand_in", "grade.judge", "grade.change", "regrade.applied",
+    "regrade.discarded",
+)  # fmt: skip
+KINDS = ("assignment", "course", "item", "member", "submission", "token")
+FIELDS: Mapping[str, str] = {
+    "opens": "rules.opens",
+    "due": "rules.due",
+    "late": "rules.late",
+    "accept_late_s": "audit.field.accept_late",
+    "attempts": "rules.attempts_all",
+    "attempts_per_day": "rules.attempts_per_day",
+    "counts": "rules.counts",
+    "hidden_items": "rules.hidden",
+    "hidden_until": "rules.hidden_until",
+    "extra_attempts": "rules.extra_attempts",
+    "points": "audit.field.points",
+    "comment": "audit.field.comment",
+    "score": "score",
+    "judgements kept": "audit.field.kept",
+    "judgements void": "audit.field.void",
+    "title": "audit.field.title",
+    "time_zone": "audit.field.time_zone",
+    "name": "people.name",
+    "role": "people.role",
+    "token": "enter.token",
+    "expires_at": "audit.field.expires_at",
+    "open": "audit.field.open",
+    "student": "student",
+    "assignment": "assignment",
+    "sha256": "audit.field.sha256",
+}
+_LONGEST_SHOWN = 400
+_UNITS = ((86_400, "audit.days"), (3_600, "audit.hours"), (60, "audit.minutes"), (1, "audit.seconds"))
+
+
+@dataclass(frozen=True, slots=True)
+class Teller:
+    """Tells entries in `language`, instants on the clock of `zone`."""
+
+    language: Language
+    zone: ZoneInfo
+
+    def action(self, name: str) -> str:
+        """Return what was done."""
+        return self._word(f"audit.action.{name}", name)
+
+    def subject(self, text: str) -> str:
+        """Return what it was done to; `text` is as `grader.store` writes it: kinds and names."""
+        return say("comma", self.language).join(self._part(part) for part in text.split(", "))
+
+    def differences(self, before: Any, after: Any) -> list[tuple[str, str, str]]:
+        """Return what changed as name, text before and text after; only the fields that differ of two records."""
+        if not (isinstance(before, dict) or isinstance(after, dict)):
+            return [("", _text(before), _text(after))]
+        old, new = (one if isinstance(one, dict) else {} for one in (before, after))
+        return [
+            (
+                self._word(FIELDS.get(name, ""), name),
+                self.value(name, old.get(name)),
+                self.value(name, new.get(name)),
+            )
+            for name in dict.fromkeys([*old, *new])
+            if old.get(name) != new.get(name)
+        ]
+
+    def value(self, name: str, value: Any) -> str:
+        """Return the value of the field `name` in words, as it stands when it is not what such fields hold."""
+        told = _VALUES.get(name)
+        if told is None or value is None:
+            return _text(value)
+        try:
+            return told(self, value)
+        except (KeyError, TypeError, ValueError, AttributeError):
+            return _text(value)
+
+    def _part(self, part: str) -> str:
+        kind, _, name = part.partition(" ")
+        if kind == "regrade":
+            id_, _, assignment = name.partition(" of ")
+            return say("audit.kind.regrade", self.language, assignment=assignment, id=id_)
+        return f"{self._word(f'audit.kind.{kind}', kind)} {name}" if name else part
+
+    def _word(self, key: str, otherwise: str) -> str:
+        return say(key, self.language) if key in table() else otherwise
+
+    def _instant(self, value: str) -> str:
+        return (
+            datetime.fromisoformat(value)
+            .astimezone(self.zone)
+            .strftime("%Y-%m-%d %H:%M:%S")
+            .removesuffix(":00")
+        )
+
+    def _span(self, seconds: int) -> str:
+        parts, rest = [], int(seconds)
+        for unit_s, key in _UNITS:
+            count, rest = divmod(rest, unit_s)
+            if count:
+                parts.append(say(key, self.language, count=count))
+        return " ".join(parts) or say("audit.seconds", self.language, count=0)
+
+    def _late(self, late: dict[str, Any]) -> str:
+        if late["kind"] == "linear":
+            return say("rules.late_linear_short", self.language, percent=f"{late['per_day'] * 100:g}")
+        if late["kind"] == "steps":
+            steps = ((self._span(one["after_s"]), f"{one['keep'] * 100:g}") for one in late["steps"])
+            told = [say("audit.late_step", self.language, after=after, percent=keep) for after, keep in steps]
+            return say("comma", self.language).join(told)
+        return say(f"rules.late_short.{late['kind']}", self.language)
+
+    def _counts(self, value: str) -> str:
+        return say(f"rules.counts.{value}", self.language)
+
+    def _role(self, value: str) -> str:
+        return say(f"people.role.{value}", self.language)
+
+
+_VALUES: Mapping[str, Callable[[Teller, Any], str]] = {
+    **dict.fromkeys(("opens", "due", "hidden_until", "expires_at"), Teller._instant),
+    "accept_late_s": Teller._span,
+    "late": Teller._late,
+    "counts": Teller._counts,
+    "role": Teller._role,
+}
+
+
+def _text(value: Any) -> str:
+    if value is None or value == []:
+        return "—"
+    if isinstance(value, float):
+        return f"{value:g}"
+    if isinstance(value, list) and all(isinstance(one, str) for one in value):
+        value = ", ".join(value)
+    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, sort_keys=True)
+    return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN] + "…"
