@@ -1,14 +1,17 @@
 """The instructor's whole way through a course in a real headless Chromium, and what students of it see."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import httpx
 import pytest
 
+from grader.routes import regrades
 from tests.e2e.chromium import PHONE, Browser
 from tests.e2e.school import ESSAY, School, school
 
 pytestmark = pytest.mark.browser
+_READ = regrades.read
 
 WORK = (
     ("20260101", "square", "wrong/one_radian.py"),
@@ -38,7 +41,13 @@ def wang(browser: Browser, course: School) -> Browser:
     return browser
 
 
-def test_grading_again_shows_who_loses_and_is_applied(wang: Browser, course: School) -> None:
+def _still_running(**arguments: Any) -> regrades.RegradeSummary:
+    return _READ(**arguments).model_copy(update={"waiting": 1})
+
+
+def test_grading_again_shows_who_loses_and_is_applied(
+    wang: Browser, course: School, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Matrix, cell, compare, then a re-grade after one tolerance was tightened."""
     assert [one.text.split()[0] for one in wang.all(".matrix tbody th")] == [
         "20260101", "20260102", "20260103", "20260104", "20260105",
@@ -61,8 +70,13 @@ def test_grading_again_shows_who_loses_and_is_applied(wang: Browser, course: Sch
     assert "Two gradings compared" in wang.says("h1")
     assert "on trial" in wang.says()
     wang.driver.back()
-    wang.type("#reason", "sides must be equal")
-    wang.driver.refresh()
+    with monkeypatch.context() as patch:  # as if it were not complete yet
+        patch.setattr("grader.web.regrading.regrades.read", _still_running)
+        wang.driver.refresh()
+        assert not wang.all("button[value=apply]")
+        wang.type("#reason", "sides must be equal")
+    wang.until(lambda: wang.one("[data-ready]").is_displayed())  # no reloading while a reason is written
+    wang.click("[data-ready] a")
     wang.until(lambda: wang.one("#reason").get_attribute("value") == "sides must be equal")
     wang.click("button[value=apply]")
     assert "applied wang" in wang.says(".notice")
