@@ -139,10 +139,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     "changed_meanwhile": ProblemType(
         status=412,
         title=Text(zh="别人刚刚改过", en="Somebody else changed this meanwhile"),
-        fix=Text(
-            zh="重新读取，看过别人的改动后，把新的 ETag 填入 If-Match 再提交。",
-            en="Read it again, look at what was changed, and send its ETag as If-Match.",
-        ),
+        fix=Text(zh="重新读取，在 If-Match 中用新的 ETag。", en="Read it again; send its ETag as If-Match."),
     ),
     "too_large": ProblemType(
         status=413,
