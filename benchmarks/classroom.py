@@ -92,18 +92,24 @@ def bare_rate(uploads: Sequence[Upload], count: int, processes: int) -> float:
 
 
 def plan(scripts: Sequence[Script], students: Sequence[str], attempts: int, seed: int) -> list[Upload]:
-    """Return everything the class hands in, in order: each assignment in turn, attempt by attempt."""
+    """Return everything the class hands in, in order: attempt by attempt, assignments and students mixed."""
     chance = random.Random(seed)  # noqa: S311 - a class, no secret
+    right, wrong = _by_assignment(scripts, right=True), _by_assignment(scripts, right=False)
     uploads: list[Upload] = []
-    for assignment in ASSIGNMENTS:
-        right = [one for one in scripts if one.assignment == assignment and one.right]
-        wrong = [one for one in scripts if one.assignment == assignment and not one.right]
-        for attempt in range(1, attempts + 1):
-            share = _SHARE_RIGHT[min(attempt, len(_SHARE_RIGHT)) - 1]
-            for student in chance.sample(students, len(students)):
-                script = chance.choice(right if chance.random() < share else wrong)
-                uploads += _with_extras(Upload(student, attempt, script), chance)
+    for attempt in range(1, attempts + 1):
+        share = _SHARE_RIGHT[min(attempt, len(_SHARE_RIGHT)) - 1]
+        work = [(assignment, student) for assignment in ASSIGNMENTS for student in students]
+        for assignment, student in chance.sample(work, len(work)):
+            script = chance.choice((right if chance.random() < share else wrong)[assignment])
+            uploads += _with_extras(Upload(student, attempt, script), chance)
     return uploads
+
+
+def _by_assignment(scripts: Sequence[Script], *, right: bool) -> dict[str, list[Script]]:
+    return {
+        assignment: [one for one in scripts if one.assignment == assignment and one.right is right]
+        for assignment in ASSIGNMENTS
+    }
 
 
 def _with_extras(upload: Upload, chance: random.Random) -> Iterator[Upload]:
