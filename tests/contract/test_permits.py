@@ -13,7 +13,8 @@ from grader.contracts.submission import SubmissionState
 from grader.store.announcing import Waiting
 from grader.store.permits.jobs import defer
 from grader.store.permits.loop import PermitLoop
-from tests.fakes.engines import PATIENCE_S, PostgresEngine, wait_until
+from tests.fakes.engines import PostgresEngine
+from tests.fakes.waiting import PATIENCE_S, wait_until
 
 
 def announced_late(permits: PostgresEngine) -> int:

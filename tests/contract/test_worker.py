@@ -10,8 +10,9 @@ from grader.store.doorbell import Doorbell
 from grader.store.permits.loop import PermitLoop
 from grader.store.workers import Workers
 from grader.worker import Worker, WorkerConfig, WorkerParts
-from tests.fakes.engines import PATIENCE_S, PostgresEngine, wait_until
+from tests.fakes.engines import PostgresEngine
 from tests.fakes.grading import FakeAssignments, FakeGrader
+from tests.fakes.waiting import PATIENCE_S, wait_until
 
 
 class Bench:

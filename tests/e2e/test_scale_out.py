@@ -5,8 +5,7 @@ import re
 import signal
 import subprocess
 import sys
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -14,20 +13,12 @@ import httpx
 from sqlalchemy import text
 
 from grader.store.database import Database
+from tests.fakes.waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 PATIENCE_S = 120.0  # only ever waited for in full when a test fails
 QUICK = {"GRADER_LEASE_S": "3", "GRADER_HEARTBEAT_S": "0.5", "GRADER_INSTRUCTOR_TOKEN": "3q9fKx72LmVb0pTzQQ"}
 _SLOW = b"sum(range(50_000_000))\n"  # long enough to be killed in
-
-
-def wait_until(condition: Callable[[], object]) -> None:
-    pause = threading.Event()
-    for _ in range(int(PATIENCE_S / 0.02)):
-        if condition():
-            return
-        pause.wait(0.02)
-    raise AssertionError("it never happened")
 
 
 @contextmanager
@@ -51,7 +42,7 @@ def serving(folder: Path, url: str) -> Iterator[httpx.Client]:
     log = folder / "serve.log"
     log.touch()
     with process(log, url, "serve", "--port", "0", "--slots", "0"):
-        wait_until(lambda: re.search(r"http://127\.0\.0\.1:\d+", log.read_text()))
+        wait_until(lambda: re.search(r"http://127\.0\.0\.1:\d+", log.read_text()), PATIENCE_S)
         address = re.search(r"http://127\.0\.0\.1:\d+", log.read_text())
         assert address is not None
         with httpx.Client(base_url=address.group(), timeout=PATIENCE_S, trust_env=False) as client:
@@ -82,12 +73,12 @@ def test_a_worker_killed_while_it_grades_costs_nobody_a_grading(postgres_url: st
         logs = [tmp_path / "one.log", tmp_path / "other.log"]
         worker = (postgres_url, "worker", "--slots", "1")
         with process(logs[0], *worker) as one, process(logs[1], *worker) as other:
-            wait_until(lambda: grading_pid(database))
+            wait_until(lambda: grading_pid(database), PATIENCE_S)
             pid = grading_pid(database)
             victim, survivors_log = (one, logs[1]) if one.pid == pid else (other, logs[0])
             victim.send_signal(signal.SIGKILL)
             urls += [upload(client, f"s{number}", hello) for number in range(3)]
-            wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls))
+            wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls), PATIENCE_S)
         documents = [client.get(url).json() for url in urls]
         assert {document["score"] for document in documents} == {documents[0]["max_score"]}
     with database.reading() as session:

@@ -6,8 +6,7 @@ import signal
 import socket
 import subprocess
 import sys
-import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -24,20 +23,12 @@ from grader.store.workers import presence
 from grader.worker import Worker, WorkerConfig, WorkerParts
 from tests.fakes import server
 from tests.fakes.grading import FakeGrader
+from tests.fakes.waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 INSTRUCTOR = {"Authorization": f"Bearer {server.TOKEN}"}
 PATIENCE_S = 60.0  # only ever waited for in full when a test fails
 SCRIPTS = {f"s{number}": f"good {'good' * (number % 2)} # {number}\n".encode() for number in range(12)}
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    pause = threading.Event()
-    for _ in range(int(PATIENCE_S / 0.02)):
-        if condition():
-            return
-        pause.wait(0.02)
-    raise AssertionError("it never happened")
 
 
 @contextmanager
@@ -82,7 +73,9 @@ def scores(client: httpx.Client) -> dict[str, float]:
 def test_a_class_is_graded_and_remembered(database_url: str) -> None:
     with opened(database_url) as (_, client):
         urls = {student: upload(client, student, source) for student, source in SCRIPTS.items()}
-        wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls.values()))
+        wait_until(
+            lambda: all(client.get(url).json()["status"] == "graded" for url in urls.values()), PATIENCE_S
+        )
         assert client.get("/healthz").json()["status"] == "ok"
         before = scores(client)
         reports = {student: client.get(url + "/report").content for student, url in urls.items()}
@@ -100,7 +93,7 @@ def test_what_waits_at_a_restart_is_graded_after_it(database_url: str) -> None:
     with opened(database_url, slots=0) as (_, client):
         urls = [upload(client, student, source) for student, source in SCRIPTS.items()]
     with opened(database_url) as (_, client):
-        wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls))
+        wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls), PATIENCE_S)
 
 
 SERVER = """
@@ -175,7 +168,8 @@ def test_killing_the_server_at_any_moment_loses_nothing(tmp_path: Path) -> None:
             httpx.Client(base_url=base, timeout=PATIENCE_S, trust_env=False) as client,
         ):
             wait_until(
-                lambda: all(client.get(url).json()["status"] == "graded" for url, _ in accepted.values())
+                lambda: all(client.get(url).json()["status"] == "graded" for url, _ in accepted.values()),
+                PATIENCE_S,
             )
             for url, source in accepted.values():
                 assert client.get(url).json()["sha256"] == hashlib.sha256(source).hexdigest()

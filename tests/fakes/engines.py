@@ -17,20 +17,11 @@ from grader.store.submissions import Submissions
 from grader.store.work import PolledWork, WorkSource
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
+from tests.fakes.waiting import wait_until
 
 POLICY = RetryPolicy(lease_s=15.0, max_tries=3, backoff_s=2.0)
-PATIENCE_S = 30.0  # only ever waited for in full when a test fails
 # Long after the server's own clock: what is not due yet by the test's clock is not due by the server's either.
 _FAR_OFF = datetime(2100, 3, 1, 8, 0, 0, tzinfo=UTC)
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    pause = threading.Event()
-    for _ in range(int(PATIENCE_S / 0.01)):
-        if condition():
-            return
-        pause.wait(0.01)
-    raise AssertionError("it never happened")
 
 
 class Engine:

@@ -1,8 +1,5 @@
 """What tests of workers and their slots share."""
 
-import threading
-from collections.abc import Callable
-
 from grader.contracts.grading import SandboxState
 from grader.contracts.submission import NewSubmission, Submission
 from grader.store.database import Database
@@ -15,7 +12,6 @@ from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, FakeGrader
 
 READY = SandboxState(ready=True, isolation="strict")
-PATIENCE_S = 30.0  # only ever waited for in full when a test fails
 
 
 class Bench:
@@ -53,11 +49,3 @@ class Bench:
         found = self.submissions.get(submission_id)
         assert found is not None
         return found
-
-    def wait_until(self, condition: Callable[[], bool]) -> None:
-        pause = threading.Event()
-        for _ in range(int(PATIENCE_S / 0.01)):
-            if condition():
-                return
-            pause.wait(0.01)
-        raise AssertionError("it never happened")

@@ -13,7 +13,8 @@ from grader.contracts.submission import SubmissionState
 from grader.store.queue import Queue, RetryPolicy
 from grader.worker import Sandbox
 from tests.fakes.grading import FakeGrader, grade
-from tests.fakes.worker_bench import PATIENCE_S, Bench
+from tests.fakes.waiting import PATIENCE_S
+from tests.fakes.worker_bench import Bench
 
 
 @pytest.fixture

@@ -9,7 +9,8 @@ from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
 from grader.store.doorbell import Doorbell
 from grader.worker import Worker, WorkerConfig
-from tests.fakes.worker_bench import PATIENCE_S, READY, Bench
+from tests.fakes.waiting import PATIENCE_S, wait_until
+from tests.fakes.worker_bench import READY, Bench
 
 
 @pytest.fixture
@@ -26,10 +27,10 @@ def worker(bench: Bench, **config: float) -> Worker:
 def test_a_worker_wakes_for_an_upload_and_stops_in_order(bench: Bench) -> None:
     made = worker(bench)
     made.start()
-    bench.wait_until(lambda: bool(bench.workers.alive(60)))
+    wait_until(lambda: bool(bench.workers.alive(60)))
     id_ = bench.upload()
     bench.doorbell.ring()
-    bench.wait_until(lambda: bench.row(id_).state is SubmissionState.GRADED)
+    wait_until(lambda: bench.row(id_).state is SubmissionState.GRADED)
     made.stop()
     assert bench.workers.alive(60) == ()
     assert bench.grader.closed == 1
