@@ -16,8 +16,6 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission
 from grader.routes.services import Services
 from grader.settings import Settings
-from grader.store.database import Database
-from grader.store.schema import migrate
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import grade
@@ -66,21 +64,12 @@ class Browser:
 
 
 @pytest.fixture(scope="session")
-def migrated(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = tmp_path_factory.mktemp("migrated") / "grader.db"
-    database = Database(f"sqlite:///{path}")
-    migrate(database)
-    database.close()
-    return path
-
-
-@pytest.fixture(scope="session")
 def shipped() -> AssignmentSource:
     return Shipped()
 
 
-def _services(folder: Path, migrated: Path, shipped: AssignmentSource) -> Services:
-    shutil.copy(migrated, folder / "grader.db")
+def _services(folder: Path, migrated_file: Path, shipped: AssignmentSource) -> Services:
+    shutil.copy(migrated_file, folder / "grader.db")
     settings = Settings(database_url=f"sqlite:///{folder / 'grader.db'}", max_upload_bytes=4096)
     return replace(server.services(settings, FakeClock()), assignments=shipped)
 
@@ -91,18 +80,18 @@ def _close(services: Services) -> None:
 
 
 @pytest.fixture
-def services(tmp_path: Path, migrated: Path, shipped: AssignmentSource) -> Iterator[Services]:
-    made = _services(tmp_path, migrated, shipped)
+def services(tmp_path: Path, migrated_file: Path, shipped: AssignmentSource) -> Iterator[Services]:
+    made = _services(tmp_path, migrated_file, shipped)
     yield made
     _close(made)
 
 
 @pytest.fixture(scope="session")
 def running(
-    tmp_path_factory: pytest.TempPathFactory, migrated: Path, shipped: AssignmentSource
+    tmp_path_factory: pytest.TempPathFactory, migrated_file: Path, shipped: AssignmentSource
 ) -> Iterator[tuple[FastAPI, str]]:
     """One server for all tests; each test puts its own services in."""
-    made = _services(tmp_path_factory.mktemp("server"), migrated, shipped)
+    made = _services(tmp_path_factory.mktemp("server"), migrated_file, shipped)
     app = server.application(made)
     with server.serving(app) as client:
         client.get("/healthz")
