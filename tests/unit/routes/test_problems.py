@@ -1,7 +1,6 @@
 """Every refusal is a problem document that says what, where and what to do."""
 
 import json
-import unicodedata
 from collections.abc import Callable
 
 import httpx
@@ -12,6 +11,7 @@ from grader.contracts.errors import InfrastructureError, SandboxError
 from grader.routes import problems
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.services import Services
+from tests.fakes.refusals import nothing_stored, problem
 from tests.fakes.server import TOKEN
 
 
@@ -22,34 +22,6 @@ def database_url(sqlite_url: str) -> str:
 
 
 Upload = Callable[..., httpx.Response]
-
-
-def problem(response: httpx.Response, status: int, code: str) -> dict:
-    assert response.status_code == status, response.text
-    assert response.headers["content-type"] == "application/problem+json"
-    document = response.json()
-    assert {"type", "title", "status", "detail", "instance", "code", "fix"} <= document.keys()
-    assert document["status"] == status
-    assert document["code"] == code
-    assert document["type"] == f"/api/v1/problems/{code}"
-    assert document["instance"].startswith("urn:uuid:")
-    assert None not in document.values()
-    assert {unicodedata.category(each) for each in texts(document)}.isdisjoint({"Cc", "Cf", "Zl", "Zp"})
-    return document
-
-
-def texts(value: object) -> str:
-    """All strings anywhere in a JSON document."""
-    if isinstance(value, dict):
-        return texts([*value.keys(), *value.values()])
-    if isinstance(value, list):
-        return "".join(map(texts, value))
-    return str(value)
-
-
-def nothing_stored(services: Services) -> bool:
-    state = services.queue.state()
-    return state.queued == 0
 
 
 @pytest.mark.parametrize("source", [b"", b" \n\t\n", b"\xef\xbb\xbf", b"\xef\xbb\xbf \n"])
@@ -126,79 +98,6 @@ def test_a_failing_preflight_is_no_fault_of_the_file(
 def test_a_file_of_another_type(upload: Upload, services: Services, name: str) -> None:
     assert problem(upload(name=name), 415, "wrong_file_type")["field"] == "file"
     assert nothing_stored(services)
-
-
-def test_a_file_one_byte_too_large(upload: Upload, services: Services) -> None:
-    assert upload(b"#" * 2048).status_code == 202
-    document = problem(upload(b"#" * 2049), 413, "too_large")
-    assert "2 KiB" in document["detail"]
-    assert services.queue.state().queued == 1
-
-
-@pytest.mark.parametrize("declared", [True, False])
-@pytest.mark.parametrize(
-    ("path", "kind", "start"),
-    [
-        ("/api/v1/regrades", "application/json", b'{"assignment": "'),
-        ("/enter", "application/x-www-form-urlencoded", b"token="),
-        (
-            "/enter",
-            "multipart/form-data; boundary=b",
-            b'--b\r\nContent-Disposition: form-data; name="f"\r\n\r\n',
-        ),
-    ],
-)
-def test_nobody_fills_the_memory_with_a_body_that_is_no_upload(
-    client: httpx.Client, path: str, kind: str, start: bytes, declared: bool
-) -> None:
-    long = start + b"a" * 1024 * 1024
-    content = long if declared else (long[at : at + 65_536] for at in range(0, len(long), 65_536))
-    response = client.post(path, content=content, headers={"Content-Type": kind})
-    assert "1024 KiB" in problem(response, 413, "too_large")["detail"]
-
-
-def test_a_body_declared_far_too_large(upload: Upload, services: Services) -> None:
-    problem(upload(b"#" * 3_000_000), 413, "too_large")
-    assert nothing_stored(services)
-
-
-def test_a_body_that_never_says_how_large_it_is(client: httpx.Client, services: Services) -> None:
-    sent = 0
-
-    def body():
-        nonlocal sent
-        yield b'--x\r\nContent-Disposition: form-data; name="file"; filename="a.py"\r\n\r\n'
-        for _ in range(2_000):
-            sent += 1000
-            yield b"#" * 1000
-
-    headers = {"Content-Type": "multipart/form-data; boundary=x"}
-    problem(client.post("/api/v1/submissions", content=body(), headers=headers), 413, "too_large")
-    assert nothing_stored(services)
-
-
-@pytest.mark.parametrize(
-    "kind", ["application/json", "text/x-python", "application/x-www-form-urlencoded", ""]
-)
-def test_a_body_that_is_no_upload(client: httpx.Client, kind: str) -> None:
-    response = client.post("/api/v1/submissions", content=b"{}", headers={"Content-Type": kind})
-    problem(response, 415, "unsupported_media_type")
-
-
-@pytest.mark.parametrize(
-    "body", [b"", b"garbage", b"--x\r\nbroken\r\n", b'--x\r\nContent-Disposition: form-data; name="file"']
-)
-def test_a_body_that_cannot_be_parsed(client: httpx.Client, services: Services, body: bytes) -> None:
-    headers = {"Content-Type": "multipart/form-data; boundary=x"}
-    response = client.post("/api/v1/submissions", content=body, headers=headers)
-    assert response.status_code in (400, 422)
-    problem(response, response.status_code, response.json()["code"])
-    assert nothing_stored(services)
-
-
-def test_a_boundary_that_is_missing(client: httpx.Client) -> None:
-    headers = {"Content-Type": "multipart/form-data"}
-    problem(client.post("/api/v1/submissions", content=b"x", headers=headers), 400, "malformed_body")
 
 
 def test_an_unknown_assignment(upload: Upload, services: Services) -> None:
