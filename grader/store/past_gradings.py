@@ -9,8 +9,8 @@ from grader.contracts.codec import from_plain
 from grader.contracts.report import Measurements
 from grader.contracts.submission import StoredReport
 from grader.store.database import Database
-from grader.store.judgement_rows import judgements_of
-from grader.store.tables import GradingRow, SubmissionRow, TrajectoryRow
+from grader.store.stored_reports import standing_grading, stored_report
+from grader.store.tables import GradingRow, SubmissionRow
 
 
 class PastGradings:
@@ -23,7 +23,7 @@ class PastGradings:
         """Return the grading that `attempt` made of a submission, or None."""
         with self._database.reading() as session:
             row = session.get(GradingRow, (submission_id, attempt))
-            return None if row is None else _stored(session, row, submission_id)
+            return None if row is None else stored_report(session, row, submission_id)
 
     def around(self, regrade_id: str, submission_id: str) -> tuple[StoredReport | None, StoredReport | None]:
         """Return a submission's grading before a re-grade and the one the re-grade made.
@@ -38,12 +38,7 @@ class PastGradings:
             if applied is not None:
                 earlier = _of(submission_id).where(col(GradingRow.attempt) < applied.attempt)
                 before = _newest(session, earlier, submission_id)
-                return before, _stored(session, applied, submission_id)
-            standing = (
-                _of(submission_id)
-                .join(SubmissionRow, col(SubmissionRow.id) == col(GradingRow.submission_id))
-                .where(col(SubmissionRow.graded_attempt) == col(GradingRow.attempt))
-            )
+                return before, stored_report(session, applied, submission_id)
             trial = (
                 select(GradingRow)
                 .join(SubmissionRow, col(SubmissionRow.id) == col(GradingRow.submission_id))
@@ -53,7 +48,7 @@ class PastGradings:
                     col(SubmissionRow.graded_attempt) == col(GradingRow.attempt),
                 )
             )
-            before = _newest(session, standing, submission_id)
+            before = _newest(session, standing_grading(submission_id), submission_id)
             return before, _newest(session, trial, submission_id)
 
     def measurements(self, stored: StoredReport) -> Measurements | None:
@@ -70,26 +65,4 @@ def _of(submission_id: str) -> Select[GradingRow]:
 def _newest(session: Session, statement: Select[GradingRow], judged: str) -> StoredReport | None:
     newest = statement.order_by(col(GradingRow.attempt).desc()).limit(1)
     row = session.execute(newest).scalar_one_or_none()
-    return None if row is None else _stored(session, row, judged)
-
-
-def _stored(session: Session, row: GradingRow, judged: str) -> StoredReport:
-    of_grading = (
-        col(TrajectoryRow.submission_id) == row.submission_id,
-        col(TrajectoryRow.attempt) == row.attempt,
-    )
-    cases = (
-        select(col(TrajectoryRow.case_id), col(TrajectoryRow.sha256))
-        .where(*of_grading)
-        .order_by(col(TrajectoryRow.position))
-    )
-    return StoredReport(
-        submission_id=row.submission_id,
-        attempt=row.attempt,
-        finished_at=row.finished_at,
-        content=row.report,
-        sha256=row.report_sha256,
-        cases={case: digest for case, digest in session.execute(cases)},  # noqa: C416
-        assignment_sha256=row.assignment_sha256,
-        judgements=judgements_of(session, [judged]),
-    )
+    return None if row is None else stored_report(session, row, judged)

@@ -2,7 +2,7 @@
 
 import json
 
-from sqlalchemy import Select, func, select
+from sqlalchemy import func, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
@@ -15,8 +15,8 @@ from grader.store.audit import Signature, record
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.intake import attempts_of, refusal_of, take_in
-from grader.store.judgement_rows import judgements_of
-from grader.store.tables import GradedAssignmentRow, GradingRow, SourceRow, SubmissionRow, TrajectoryRow
+from grader.store.stored_reports import standing_grading, stored_report
+from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, TrajectoryRow
 
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 
@@ -144,43 +144,8 @@ def _record_handed_in(session: Session, by: str, row: SubmissionRow) -> None:
 
 
 def _report(session: Session, submission_id: str) -> StoredReport | None:
-    row = session.execute(_latest_grading(submission_id)).scalar_one_or_none()
-    if row is None:
-        return None
-    return StoredReport(
-        submission_id=submission_id,
-        attempt=row.attempt,
-        finished_at=row.finished_at,
-        content=row.report,
-        sha256=row.report_sha256,
-        cases=_cases(session, row),
-        assignment_sha256=row.assignment_sha256,
-        judgements=judgements_of(session, [submission_id]),
-    )
-
-
-def _latest_grading(submission_id: str) -> Select[GradingRow]:
-    return (
-        select(GradingRow)
-        .join(
-            SubmissionRow,
-            (col(SubmissionRow.id) == col(GradingRow.submission_id))
-            & (col(SubmissionRow.graded_attempt) == col(GradingRow.attempt)),
-        )
-        .where(col(SubmissionRow.id) == submission_id)
-    )
-
-
-def _cases(session: Session, grading: GradingRow) -> dict[str, str]:
-    statement = (
-        select(col(TrajectoryRow.case_id), col(TrajectoryRow.sha256))
-        .where(
-            col(TrajectoryRow.submission_id) == grading.submission_id,
-            col(TrajectoryRow.attempt) == grading.attempt,
-        )
-        .order_by(col(TrajectoryRow.position))
-    )
-    return {row[0]: row[1] for row in session.execute(statement)}
+    row = session.execute(standing_grading(submission_id)).scalar_one_or_none()
+    return None if row is None else stored_report(session, row, submission_id)
 
 
 def _submission(row: SubmissionRow) -> Submission:
