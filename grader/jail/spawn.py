@@ -116,12 +116,21 @@ def _group_like_parent(pid: int) -> None:
     """
     try:
         with open("/proc/self/autogroup", encoding="ascii") as file:
-            niceness = file.read().split()[-1]
-        if niceness != "0":
+            niceness = _group_niceness(file.read())
+        if niceness:
             with open(f"/proc/{pid}/autogroup", "w", encoding="ascii") as file:
-                file.write(niceness)
+                file.write(str(niceness))
     except OSError:
         return  # this kernel does not group
+
+
+def _group_niceness(shown: str) -> int:
+    """Read ``/autogroup-25 nice 19``.
+
+    The file is there and empty for a process whose ancestors never began a session: all that init starts so
+    shares one group, which has no niceness to hand on.
+    """
+    return int(shown.rsplit(maxsplit=1)[-1]) if shown else 0
 
 
 class _FixedAddresses:
