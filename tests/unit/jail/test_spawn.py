@@ -1,12 +1,11 @@
 """The zygote's interpreter, before it is told anything."""
 
-import builtins
 import io
 import os
 import subprocess
 import sys
 from pathlib import Path
-from typing import IO, Any
+from typing import IO
 
 import pytest
 
@@ -42,15 +41,12 @@ def test_it_starts_where_processes_are_in_no_group(
 ) -> None:
     """Below an init that began no session the file is empty; other kernels do not have it."""
 
-    def open_(path: str, *arguments: Any, **options: Any) -> IO[Any]:
-        if path != "/proc/self/autogroup":
-            opened: IO[Any] = builtins.open(path, *arguments, **options)
-            return opened
+    def read_group(path: str, encoding: str) -> IO[str]:
         if shown is None:
             raise FileNotFoundError(path)
         return io.StringIO(shown)
 
-    monkeypatch.setattr(spawn, "open", open_, raising=False)
+    monkeypatch.setattr(spawn, "open", read_group, raising=False)
     interpreter = spawn.spawn()
     assert interpreter.alive
     interpreter.end()
