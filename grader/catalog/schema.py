@@ -3,6 +3,7 @@
 from typing import Annotated, Self
 
 from pydantic import (
+    AfterValidator,
     BaseModel,
     ConfigDict,
     Field,
@@ -52,12 +53,18 @@ class TextModel(_Model):
         return Text(zh=self.zh.strip(), en=self.en.strip())
 
 
+def _in_cents(points: float) -> float:
+    if points != round(points, 2):
+        raise ValueError("use at most two decimals: points are counted in hundredths")
+    return points
+
+
 class ItemModel(_Model):
     """A rubric item."""
 
     id: Id
     title: TextModel
-    points: Annotated[float, Field(gt=0.0, le=1000.0)]
+    points: Annotated[float, Field(gt=0.0, le=1000.0), AfterValidator(_in_cents)]
     measure: str
     low: float | None = None
     high: float | None = None

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 from grader.catalog import Catalog
+from grader.contracts.numerals import written
 from grader.contracts.text import LANGUAGES
 from grader.render.terminal import console
 
@@ -56,7 +57,7 @@ def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:
             str(assignment.order),
             assignment.id,
             assignment.title.get(arguments.lang),
-            f"{assignment.max_score:g}",
+            written(assignment.max_score),
             assignment.brief.get(arguments.lang),
         )
     console().print(table)

@@ -11,6 +11,7 @@ from grader.commands.sensitivity import Sensitivity, lax, replayable, sensitivit
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment, ItemSpec, WrongAttempt
 from grader.contracts.grading import Grader, GradingJob, GradingResult
+from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.verdict import Run
@@ -75,7 +76,7 @@ def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool =
             "✗" if finding.problem else "✓",
             finding.assignment,
             finding.script,
-            f"{'—' if finding.score is None else format(finding.score, 'g')}/{finding.max_score:g}",
+            f"{'—' if finding.score is None else written(finding.score)}/{written(finding.max_score)}",
             Text(finding.problem, style="red"),
         )
     console().print(table)
@@ -207,7 +208,9 @@ def _misjudged(attempt: WrongAttempt, report: GradeReport) -> str:
     if report.score == report.max_score:
         problems.append("false pass: full marks")
     elif not attempt.low <= score <= attempt.high:
-        problems.append(f"score {score:g} is outside [{attempt.low:g}, {attempt.high:g}]")
+        problems.append(
+            f"score {written(score)} is outside [{written(attempt.low)}, {written(attempt.high)}]"
+        )
     lost = (item for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL))
     if attempt.fails not in [_plain(item) for item in lost]:
         problems.append(f"item {attempt.fails} loses nothing")

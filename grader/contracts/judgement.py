@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from grader.contracts.codec import from_plain
+from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport, status_of
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import StoredReport
@@ -89,7 +90,7 @@ def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeRepor
     items = tuple(_judged(item, score, judgements) for item, score in zip(report.items, scores, strict=True))
     score, told = total(scores), report.summary
     if score is not None:
-        points = f"{score:g} / {report.max_score:g}"
+        points = f"{written(score)} / {written(report.max_score)}"
         told = Text(zh=f"已人工评分：{points} 分。", en=f"A person has graded this: {points} points.")
     status = status_of(items, (run.outcome for run in report.runs))
     return replace(report, items=items, score=score, status=status, summary=told)

@@ -112,7 +112,8 @@ def _prairielearn_test(item: RubricItem, language: Language) -> dict[str, object
 
 def _share(report: GradeReport) -> float:
     """Return the score as a share in [0, 1]; items judged so far count while a person has still to grade."""
-    score = sum(item.earned for item in report.items) if report.score is None else report.score
+    judged = round(sum(item.earned for item in report.items), 2)
+    score = judged if report.score is None else report.score
     return min(max(score / report.max_score, 0.0), 1.0) if report.max_score > 0 else 0.0
 
 

@@ -2,6 +2,7 @@
 
 import math
 
+from grader.contracts.numerals import written
 from grader.contracts.rubric import RubricItem
 from grader.contracts.text import Language
 from grader.render.labels import word
@@ -34,7 +35,12 @@ def signed(value: float, decimals: int) -> str:
 
 
 def _trimmed(value: float) -> str:
-    return f"{round(value, 4):.10g}"
+    return written(round(value, 4))
+
+
+def plain(value: float) -> str:
+    """Return a number that somebody set, such as a share in per cent: nine decimals at most."""
+    return written(round(value, 9))
 
 
 def _inside(value: float, target: float, tolerance: float) -> bool:
@@ -81,4 +87,4 @@ def wanted(item: RubricItem, language: Language) -> str:
 
 def score(value: float) -> str:
     """Return a score with at most two decimals and no trailing zeros."""
-    return f"{round(value, 2):.10g}"
+    return written(round(value, 2))

@@ -11,9 +11,11 @@ from collections.abc import Mapping, Sequence
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
+from grader.contracts.numerals import written
 from grader.contracts.text import Language
 
 _FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠", "\t", "\r", "\n")
+_CENT = 2  # decimals of points: sums of floats are off by less
 _BOM = "\ufeff"  # without it, Excel takes Chinese for another encoding
 Scores = Mapping[tuple[str, str], Progress]
 
@@ -22,7 +24,7 @@ def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: 
     """Return one line per student and per assignment one column of points and one of attempts."""
     head = ["student", "name"]
     for assignment in assignments:
-        head += [f"{assignment.id} ({assignment.max_score:g})", f"{assignment.id} attempts"]
+        head += [f"{assignment.id} ({written(assignment.max_score)})", f"{assignment.id} attempts"]
     rows: list[list[str]] = [[*head, "total"]]
     for member in members:
         cells, total = [_text(member.id), _text(member.name)], 0.0
@@ -30,7 +32,7 @@ def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: 
             progress = scores.get((member.id, assignment.id))
             total += (progress.counted_score or 0.0) if progress else 0.0
             cells += [_points(progress), "0" if progress is None else str(progress.attempts)]
-        rows.append([*cells, f"{round(total, 2):g}"])
+        rows.append([*cells, written(round(total, _CENT))])
     return _BOM + _written(rows)
 
 
@@ -45,7 +47,7 @@ def canvas(
     """
     head = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
     titles = [_text(f"{one.title.get(language)} [{one.id}]") for one in assignments]
-    possible = ["    Points Possible", "", "", "", "", *(f"{one.max_score:g}" for one in assignments)]
+    possible = ["    Points Possible", "", "", "", "", *(written(one.max_score) for one in assignments)]
     rows = [[*head, *titles], possible]
     for member in members:
         person = [_text(member.name or member.id), "", _text(member.id), _text(member.id), ""]
@@ -54,7 +56,7 @@ def canvas(
 
 
 def _points(progress: Progress | None) -> str:
-    return "" if progress is None or progress.counted_score is None else f"{progress.counted_score:g}"
+    return "" if progress is None or progress.counted_score is None else written(progress.counted_score)
 
 
 def _text(value: str) -> str:

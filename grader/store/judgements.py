@@ -11,6 +11,7 @@ from sqlmodel import col
 
 from grader.contracts.errors import JudgementError
 from grader.contracts.judgement import Judgement
+from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.seen import Seen
@@ -76,7 +77,7 @@ class Judgements:
                 raise JudgementError("submission", "there is no such grading")
             item = _manual_item(report, given.item)
             if not 0.0 <= given.points <= item.points:
-                raise JudgementError("range", f"use points from 0 to {item.points:g}")
+                raise JudgementError("range", f"use points from 0 to {written(item.points)}")
             own = [one for one in judgements_of(session, [row.id]) if one.item == item.id]
             latest = own[-1] if own else None
             if not (latest is None if seen is None else seen.includes(tag(latest, row.report_sha256))):

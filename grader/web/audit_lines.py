@@ -10,6 +10,7 @@ from datetime import datetime
 from typing import Any
 from zoneinfo import ZoneInfo
 
+from grader.contracts.numerals import written
 from grader.contracts.text import Language
 from grader.web.words import say, table
 
@@ -118,9 +119,9 @@ class Teller:
 
     def _late(self, late: dict[str, Any]) -> str:
         if late["kind"] == "linear":
-            return say("rules.late_linear_short", self.language, percent=f"{late['per_day'] * 100:g}")
+            return say("rules.late_linear_short", self.language, percent=_percent(late["per_day"]))
         if late["kind"] == "steps":
-            steps = ((self._span(one["after_s"]), f"{one['keep'] * 100:g}") for one in late["steps"])
+            steps = ((self._span(one["after_s"]), _percent(one["keep"])) for one in late["steps"])
             told = [say("audit.late_step", self.language, after=after, percent=keep) for after, keep in steps]
             return say("comma", self.language).join(told)
         return say(f"rules.late_short.{late['kind']}", self.language)
@@ -145,8 +146,12 @@ def _text(value: Any) -> str:
     if value is None or value == []:
         return "—"
     if isinstance(value, float):
-        return f"{value:g}"
+        return written(value)
     if isinstance(value, list) and all(isinstance(one, str) for one in value):
         value = ", ".join(value)
     text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, sort_keys=True)
     return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN] + "…"
+
+
+def _percent(share: float) -> str:
+    return written(round(share * 100, 9))

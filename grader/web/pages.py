@@ -97,6 +97,7 @@ def _environment() -> Environment:
         lstrip_blocks=True,
     )
     environment.filters["points"] = quantity.score
+    environment.filters["number"] = quantity.plain
     environment.globals.update(GRADE_STATUS=GRADE_STATUS, SUBMISSION_STATE=SUBMISSION_STATE)
     return environment
 

@@ -106,6 +106,7 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
         ("zh: 演示, ", "", 4, ("title.zh", "required")),
         ("points: 40", "points: -40", 15, ("items.1.points", "greater than 0")),
         ("points: 40", "points: .nan", 15, ("items.1.points", "finite")),
+        ("points: 40", "points: 33.333", 15, ("items.1.points", "two decimals")),
         ("    low: 1\n    needs", "    needs", 13, ("items.1", "band")),
         ("low: 1\n    needs", "low: 3\n    high: 2\n    needs", 13, ("swap",)),
         ("needs: [node]", "needs: [mode]", 1, ("'log' needs 'mode'",)),

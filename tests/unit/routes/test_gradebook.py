@@ -3,14 +3,21 @@
 import csv
 import io
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import timedelta
+from decimal import Decimal
 from typing import Any
 
 import httpx
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member, Role, RosterEntry
 from grader.contracts.policy import AssignmentPolicy, LateRule
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import SubmissionState
 from grader.routes.gradebook_tables import canvas, plain
 from grader.routes.services import Services
 from grader.store.audit import Signature
@@ -72,6 +79,43 @@ def test_no_cell_is_a_formula(name: str) -> None:
         cells = [cell for row in csv.reader(io.StringIO(text.removeprefix("\ufeff"))) for cell in row]
         assert "'" + name in cells
         assert name not in cells
+
+
+@given(st.lists(st.integers(0, 10**9), min_size=1, max_size=4))
+def test_points_are_in_tables_to_the_cent(cents: list[int]) -> None:
+    member = Member(course="c", id="1", name="Li", role=Role.STUDENT)
+    published = [replace(assignment(), id=f"a{i}") for i in range(len(cents))]
+    scores = {
+        (member.id, one.id): progress(one.id, score / 100)
+        for one, score in zip(published, cents, strict=True)
+    }
+    *points, total = rows(plain([member], published, scores))[1][2:]
+    assert [Decimal(one) * 100 for one in points[::2]] == cents
+    assert Decimal(total) * 100 == sum(cents)
+    assert [Decimal(one) * 100 for one in rows(canvas([member], published, scores, "en"))[2][5:]] == cents
+
+
+def progress(assignment_id: str, score: float) -> Progress:
+    return Progress(
+        student="1",
+        assignment=assignment_id,
+        attempts=1,
+        best_score=score,
+        max_score=score,
+        best_submission="s",
+        counted_score=score,
+        counted_submission="s",
+        latest_submission="s",
+        state=SubmissionState.GRADED,
+        verdict=GradeStatus.GRADED,
+        last_activity_at=START,
+        waiting_submission=None,
+        shares=(1.0,),
+    )
+
+
+def rows(text: str) -> list[list[str]]:
+    return list(csv.reader(io.StringIO(text.removeprefix("\ufeff"))))
 
 
 def test_reports_for_other_graders(client: httpx.Client, graded: Callable[..., str], school: Any) -> None:
