@@ -13,6 +13,7 @@ from grader.contracts.text import Language
 from grader.routes.access import ENTRY_PROBLEMS, StaffDep
 from grader.routes.dashboard_views import DashboardView, Selection, overview, selected
 from grader.routes.health import alive
+from grader.routes.numbers import QueryWhole
 from grader.routes.problems import responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import LanguageDep
@@ -40,8 +41,10 @@ def read_class(  # noqa: PLR0913
     *,
     search: Annotated[str, Query(max_length=100, description="Only students whose id contains this.")] = "",
     at_risk: Annotated[bool, Query(description="Only students who have not started or are stuck.")] = False,
-    offset: Annotated[int, Query(ge=0, le=_MOST, description="Students left out at the start.")] = 0,
-    limit: Annotated[int | None, Query(ge=1, le=_MOST, description="Most students; null: all.")] = None,
+    offset: Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Students left out at the start.")] = 0,
+    limit: Annotated[
+        QueryWhole | None, Query(ge=1, le=_MOST, description="Most students; null: all.")
+    ] = None,
     if_none_match: Annotated[str | None, Header(max_length=1_000)] = None,
 ) -> Response:
     """Return students by assignments, what each assignment shows about the class, and the queue.

@@ -12,6 +12,7 @@ from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Language
+from grader.routes.numbers import Number
 from grader.store.judgements import Waiting, tag
 
 _PATH = "/api/v1/submissions/"
@@ -23,7 +24,7 @@ class JudgementBody(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     points: Annotated[
-        float,
+        Number,
         Field(
             ge=0.0,
             allow_inf_nan=False,

@@ -8,6 +8,7 @@ from fastapi import APIRouter, Header, Path, Query, Response
 
 from grader.contracts.codec import from_plain
 from grader.contracts.errors import JudgementError
+from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Text
@@ -21,6 +22,7 @@ from grader.routes.judgement_views import (
     manual_items,
     waiting_list,
 )
+from grader.routes.numbers import QueryWhole
 from grader.routes.preconditions import seen
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
@@ -69,8 +71,8 @@ def read_waiting(  # noqa: PLR0913
         bool, Query(description="Earlier submissions, too; else of each student the newest only.")
     ] = False,
     anonymous: Annotated[bool, Query(description="Leave out whose they are.")] = False,
-    offset: Annotated[int, Query(ge=0, le=_MOST)] = 0,
-    limit: Annotated[int, Query(ge=1, le=_MOST_PER_PAGE)] = 50,
+    offset: Annotated[QueryWhole, Query(ge=0, le=_MOST)] = 0,
+    limit: Annotated[QueryWhole, Query(ge=1, le=_MOST_PER_PAGE)] = 50,
 ) -> WaitingList:
     """Return answers to be judged, question by question, so that one question is judged with one measure."""
     which = WaitingFor(assignment=assignment, item=item, newest=not every)
@@ -160,7 +162,7 @@ def _problem(services: Services, submission_id: str, given: Given, error: Judgem
         return ProblemError("judged_meanwhile")
     known = manual(_machine(graded(services, submission_id)))  # or says that there is none
     if error.code == "range":
-        most = next((f"{one.points:g}" for one in known if one.id == given.item), "?")
+        most = next((written(one.points) for one in known if one.id == given.item), "?")
         detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
         return ProblemError("invalid_points", detail, field="points")
     allowed = [one.id for one in known]

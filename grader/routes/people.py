@@ -8,6 +8,7 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.identity import AuditEntry, Role
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, StaffDep
+from grader.routes.numbers import QueryWhole
 from grader.routes.problems import responses
 from grader.routes.services import ServicesDep
 
@@ -110,9 +111,9 @@ def read_audit(
     caller: InstructorDep,
     response: Response,
     before: Annotated[
-        int | None, Query(ge=0, le=_LARGEST_ID, description="Only changes older than this id.")
+        QueryWhole | None, Query(ge=0, le=_LARGEST_ID, description="Only changes older than this id.")
     ] = None,
-    limit: Annotated[int, Query(ge=1, le=1_000)] = _PAGE,
+    limit: Annotated[QueryWhole, Query(ge=1, le=1_000)] = _PAGE,
 ) -> AuditPage:
     """Return changes of grades and settings in the caller's course."""
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})

@@ -10,6 +10,7 @@ from grader.contracts.errors import RegradeError, UnknownAssignmentError
 from grader.contracts.identity import Caller
 from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, Wanted, Which
 from grader.routes.access import ENTRY_PROBLEMS, InstructorDep, StaffDep
+from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, SubmissionId
@@ -170,8 +171,8 @@ def read(
     caller: StaffDep,
     regrade_id: RegradeId,
     *,
-    offset: Annotated[int, Query(ge=0, le=_MOST, description="Changes left out at the start.")] = 0,
-    limit: Annotated[int | None, Query(ge=1, le=_MOST, description="Most changes; null: all.")] = None,
+    offset: Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Changes left out at the start.")] = 0,
+    limit: Annotated[QueryWhole | None, Query(ge=1, le=_MOST, description="Most changes; null: all.")] = None,
 ) -> RegradeView:
     """Return how far a re-grade is, who gains and who loses, by which item. Counts are of all changes."""
     regrade = services.regrades.get(regrade_id, caller.course)

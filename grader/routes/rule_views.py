@@ -4,9 +4,10 @@ from datetime import datetime
 from typing import Annotated
 from zoneinfo import ZoneInfo
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from grader.contracts.instants import instant
 from grader.contracts.policy import (
     AssignmentPolicy,
     Counts,
@@ -16,6 +17,7 @@ from grader.contracts.policy import (
     LateStep,
     RuleError,
 )
+from grader.routes.numbers import Number, Whole
 from grader.routes.problems import ProblemError
 from grader.routes.validation_words import OUT_OF_YEARS
 
@@ -29,7 +31,16 @@ def _in_our_years(instant: datetime) -> datetime:
     return instant
 
 
-Instant = Annotated[datetime, AfterValidator(_in_our_years)]
+def _instant(value: object) -> object:
+    if isinstance(value, datetime):
+        return value
+    try:
+        return instant(str(value))
+    except ValueError as error:
+        raise PydanticCustomError("datetime_parsing", str(error)) from None
+
+
+Instant = Annotated[datetime, BeforeValidator(_instant), AfterValidator(_in_our_years)]
 Reason = Annotated[
     str, Field(max_length=1_000, description="Goes into the audit log.", examples=["exam week"])
 ]
@@ -40,8 +51,8 @@ class LateStepBody(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    after_s: int = Field(ge=0, le=_MOST_S, description="Late by more than this.", examples=[86_400])
-    keep: float = Field(ge=0.0, le=1.0, description="Share of the points that is kept.", examples=[0.8])
+    after_s: Whole = Field(ge=0, le=_MOST_S, description="Late by more than this.", examples=[86_400])
+    keep: Number = Field(ge=0.0, le=1.0, description="Share of the points that is kept.", examples=[0.8])
 
 
 class LateRuleBody(BaseModel):
@@ -50,7 +61,7 @@ class LateRuleBody(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     kind: LateKind = Field(default="none", examples=["linear"])
-    per_day: float = Field(
+    per_day: Number = Field(
         default=0.0, ge=0.0, le=1.0, description="`linear`: share lost for each begun day.", examples=[0.1]
     )
     steps: list[LateStepBody] = Field(
@@ -66,17 +77,17 @@ class PolicyBody(BaseModel):
     opens: Instant | None = Field(default=None, description="Nothing is accepted before.")
     due: Instant | None = Field(default=None, description="Later is late.", examples=["2026-03-20T23:59:59"])
     late: LateRuleBody = Field(default_factory=LateRuleBody)
-    accept_late_s: int | None = Field(
+    accept_late_s: Whole | None = Field(
         default=None,
         ge=0,
         le=_MOST_S,
         description="How long after `due`; null: for ever.",
         examples=[172_800],
     )
-    attempts: int | None = Field(
+    attempts: Whole | None = Field(
         default=None, ge=1, le=_MOST_ATTEMPTS, description="In all; null: any number."
     )
-    attempts_per_day: int | None = Field(
+    attempts_per_day: Whole | None = Field(
         default=None, ge=1, le=_MOST_ATTEMPTS, description="In a calendar day of the course."
     )
     counts: Counts = Field(default=Counts.BEST, description="Which attempt counts.")
@@ -98,7 +109,7 @@ class ExtensionBody(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     due: Instant | None = Field(default=None, description="Later than everybody's, else without effect.")
-    extra_attempts: int = Field(default=0, ge=0, le=_MOST_ATTEMPTS)
+    extra_attempts: Whole = Field(default=0, ge=0, le=_MOST_ATTEMPTS)
 
 
 class ExtensionChange(ExtensionBody):

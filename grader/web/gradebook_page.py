@@ -15,6 +15,7 @@ from grader.contracts.identity import Member
 from grader.routes import gradebook
 from grader.routes.gradebook import Format
 from grader.routes.gradebook_tables import Scores
+from grader.routes.numbers import QueryWhole
 from grader.routes.services import ServicesDep
 from grader.web.access import StaffDep, require_staff
 from grader.web.pages import language_of, page
@@ -30,7 +31,7 @@ class BookQuery(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     search: str = Field(default="", max_length=100)
-    page: int = Field(default=1, ge=1, le=100_000)
+    page: QueryWhole = Field(default=1, ge=1, le=100_000)
 
     def address(self, **changes: object) -> str:
         """Return the query string of this view with some fields changed."""

@@ -6,6 +6,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from grader.contracts.submission import StoredReport
 from grader.routes import gradebook, regrades
+from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SubmissionId
@@ -21,7 +22,7 @@ router = APIRouter(
     include_in_schema=False,
     dependencies=[Depends(require_staff)],
 )
-_Attempt = Annotated[int, Query(ge=0, le=1_000_000)]
+_Attempt = Annotated[QueryWhole, Query(ge=0, le=1_000_000)]
 
 
 @router.get("/gradings")

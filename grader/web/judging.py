@@ -13,9 +13,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.judgement import LONGEST_COMMENT
+from grader.contracts.numerals import decimal, written
 from grader.contracts.submission import Submission
 from grader.routes import judgements
 from grader.routes.judgement_views import JudgementBody, ManualItemsView, ManualItemView
+from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SubmissionId
@@ -25,11 +27,11 @@ from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.roster import named, names
-from grader.web.rule_form import typed
 
 HOME = "/class/judgements"
 router = APIRouter(prefix=HOME, include_in_schema=False, dependencies=[Depends(require_staff)])
 _PAGE = 50
+_CENT = 2  # decimals of points
 _MOST_WAITING = 100_000
 
 
@@ -41,7 +43,7 @@ class WaitingQuery(BaseModel):
     assignment: str = Field(default="", max_length=64)
     item: str = Field(default="", max_length=128)
     anonymous: bool = False
-    page: int = Field(default=1, ge=1, le=100_000)
+    page: QueryWhole = Field(default=1, ge=1, le=100_000)
 
     def address(self, **changes: object) -> str:
         """Return the query string of this view with some fields changed."""
@@ -181,7 +183,7 @@ def _place(received_at: datetime, submission_id: str) -> tuple[datetime, str]:
 def _read(form: PointsForm) -> tuple[JudgementBody | None, dict[str, str]]:
     """Return what was typed, or None and what is wrong with it."""
     try:
-        points = float(typed(form.points).replace(",", "."))
+        points = _points(form.points.strip())
         comment = form.comment.replace("\r\n", "\n").strip()
         return JudgementBody(points=points, comment=comment), {}
     except ValidationError as error:
@@ -189,6 +191,18 @@ def _read(form: PointsForm) -> tuple[JudgementBody | None, dict[str, str]]:
     except ValueError:
         wrong = {"points"}
     return None, {name: f"judge.error.{name}" for name in wrong}
+
+
+def _points(text: str) -> float:
+    """Return what was typed as points; a comma before one or two digits is a decimal one.
+
+    Raises:
+        ValueError: it is no number, or could be a thousand as well as one.
+    """
+    units, comma, cents = text.partition(",")
+    if comma and len(cents) > _CENT:
+        raise ValueError("a comma for thousands")
+    return decimal(f"{units}.{cents}" if comma else text)
 
 
 def _desk(  # noqa: PLR0913, PLR0917
@@ -223,7 +237,7 @@ def _desk(  # noqa: PLR0913, PLR0917
 def _filled(form: PointsForm, item: ManualItemView) -> PointsForm:
     """Return the form with what was given before, if anything was."""
     given = item.judgement
-    known = {} if given is None else {"points": f"{given.points:g}", "comment": given.comment}
+    known = {} if given is None else {"points": written(given.points), "comment": given.comment}
     return form.model_copy(update=known)
 
 

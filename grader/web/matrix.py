@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.submission import SubmissionState
 from grader.routes.dashboard_views import AssignmentStatistics, CellView, DashboardView, StudentView
+from grader.routes.numbers import QueryWhole
 from grader.web.roster import named
 
 Show = Literal["all", "at_risk", "unfinished", "not_begun", "stuck", "waiting", "judge", "fault"]
@@ -37,7 +38,7 @@ class MatrixQuery(BaseModel):
     assignment: str = Field(default="", max_length=64)
     sort: str = Field(default="student", max_length=64)
     descending: bool = False
-    page: int = Field(default=1, ge=1, le=100_000)
+    page: QueryWhole = Field(default=1, ge=1, le=100_000)
 
     def address(self, **changes: object) -> str:
         """Return the query string of this view with some fields changed."""

@@ -6,6 +6,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Request, Response
 
 from grader.routes import people
+from grader.routes.numbers import QueryWhole
 from grader.routes.services import ServicesDep
 from grader.web.access import InstructorDep, StaffDep, require_staff
 from grader.web.audit_lines import Teller
@@ -39,7 +40,7 @@ def read_audit(
     request: Request,
     services: ServicesDep,
     visitor: InstructorDep,
-    before: Annotated[int | None, Query(ge=0, le=_LARGEST_ID)] = None,
+    before: Annotated[QueryWhole | None, Query(ge=0, le=_LARGEST_ID)] = None,
 ) -> Response:
     """Show changes of grades and settings, newest first."""
     log = people.read_audit(

@@ -12,6 +12,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.text import Language
+from grader.routes.numbers import QueryWhole
 from grader.routes.regrades import ItemChangeView, ScoreChangeView
 from grader.web.roster import item_title, named
 
@@ -26,7 +27,7 @@ class ChangesQuery(BaseModel):
     model_config = ConfigDict(frozen=True)
 
     part: Part = "all"
-    page: int = Field(default=1, ge=1, le=100_000)
+    page: QueryWhole = Field(default=1, ge=1, le=100_000)
 
     def address(self, **changes: object) -> str:
         """Return the query string of this view with some fields changed."""

@@ -12,6 +12,8 @@ from zoneinfo import ZoneInfo
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from grader.contracts.instants import instant
+from grader.contracts.numerals import decimal, whole, written
 from grader.contracts.policy import AssignmentPolicy, Counts, Extension, LateKind, LateRule, LateStep
 
 _HOUR_S = 3600
@@ -172,34 +174,23 @@ class Reader:
             return None
 
 
-def typed(text: str) -> str:
-    """Return what was typed as a number, without blanks around it.
-
-    Raises:
-        ValueError: it has an underscore, which Python would pass over: 1_0 is no way to write 10.
-    """
-    if "_" in text:
-        raise ValueError(text)
-    return text.strip()
-
-
 def _instant(text: str, zone: ZoneInfo) -> datetime | None:
     if not text:
         return None
     try:
-        instant = datetime.fromisoformat(text)
+        typed = instant(text)
     except ValueError:
         raise FieldError("rules.error.instant") from None
-    if instant.year not in _YEARS:
+    if typed.year not in _YEARS:
         raise FieldError("rules.error.years")
-    return instant.replace(tzinfo=zone) if instant.tzinfo is None else instant
+    return typed.replace(tzinfo=zone) if typed.tzinfo is None else typed
 
 
 def _count(text: str, least: Literal[0, 1]) -> int | None:
     if not text.strip():
         return None
     try:
-        number = int(typed(text))
+        number = whole(text.strip())
     except ValueError:
         raise FieldError("rules.error.count") from None
     if not least <= number <= _MOST_ATTEMPTS:
@@ -239,7 +230,7 @@ def _between(text: str, high: float, wrong: str) -> float | None:
     if not text.strip():
         return None
     try:
-        number = float(typed(text).removesuffix("%"))
+        number = decimal(text.strip().removesuffix("%").strip())
     except ValueError:
         raise FieldError(wrong) from None
     if not 0.0 <= number <= high:
@@ -249,5 +240,4 @@ def _between(text: str, high: float, wrong: str) -> float | None:
 
 def _number(value: float) -> str:
     """Return `value` with nine decimals at most, whole numbers without a point."""
-    rounded = round(value, 9)
-    return str(int(rounded)) if rounded == int(rounded) else repr(rounded)
+    return written(round(value, 9))

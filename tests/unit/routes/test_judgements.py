@@ -109,13 +109,16 @@ def test_points_out_of_range_name_the_field(
     assert (problem.status_code, problem.json()["code"], problem.json()["field"]) == (422, code, field)
 
 
-@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
+@pytest.mark.parametrize(
+    "number",
+    ["NaN", "Infinity", "-Infinity", "1e999", '"10"', '"1_0"', '" 10"', '"1e1"', '"١٠"', "true"],
+)
 def test_what_is_no_number_is_refused(
     number: str, client: httpx.Client, school: Any, answered: Callable[..., str]
 ) -> None:
     headers = school.as_("ta") | {"Content-Type": "application/json"}
     body = f'{{"points": {number}}}'
-    problem = client.put(answered() + "/judgements/timer", content=body, headers=headers)
+    problem = client.put(answered() + "/judgements/timer", content=body.encode(), headers=headers)
     assert (problem.status_code, problem.json()["field"]) == (422, "points")
 
 

@@ -124,7 +124,9 @@ def test_the_student_sees_points_and_comment(
     assert 'href="/class/judgements/' not in text
 
 
-@pytest.mark.parametrize("points", ["", "many", "1_0", "-1", "45.5", "1.234", "nan", "inf", "1e999"])
+@pytest.mark.parametrize(
+    "points", ["", "many", "1_0", "1e1", "١٠", "1,000", "-1", "45.5", "1.234", "nan", "inf", "1e999"]
+)
 def test_points_out_of_range_are_told_at_the_field(
     ta: Browser, answers: dict[str, str], services: Services, points: str
 ) -> None:

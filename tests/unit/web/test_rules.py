@@ -74,6 +74,7 @@ def test_what_is_shown_means_what_is_meant(policy: AssignmentPolicy) -> None:
     ("typed", "field", "sentence"),
     [
         ({"due": "tomorrow"}, "due", "rules.error.instant"),
+        ({"due": "2026-03-20"}, "due", "rules.error.instant"),
         ({"due": "1999-12-31T23:59"}, "due", "rules.error.years"),
         ({"opens": "2026-03-20T23:59", "due": "2026-03-20T23:59"}, "due", "rules.error.order"),
         ({"counts": "best_before_due"}, "counts", "rules.error.needs_due"),
@@ -94,7 +95,10 @@ def test_what_is_shown_means_what_is_meant(policy: AssignmentPolicy) -> None:
         ({"attempts": "0"}, "attempts", "rules.error.count_from_1"),
         ({"attempts": "two"}, "attempts", "rules.error.count"),
         ({"attempts": "1_0"}, "attempts", "rules.error.count"),
+        ({"attempts": "１０"}, "attempts", "rules.error.count"),
+        ({"attempts": "1e1"}, "attempts", "rules.error.count"),
         ({"accept_late": "1_0"}, "accept_late", "rules.error.hours"),
+        ({"accept_late": "1e1"}, "accept_late", "rules.error.hours"),
         ({"attempts_per_day": "10001"}, "attempts_per_day", "rules.error.count_from_1"),
         ({"hidden_items": ["gone"]}, "hidden_items", "rules.error.items"),
     ],
