@@ -71,14 +71,14 @@ class Queue:
         with self._database.writing() as session:
             return self._claim(session, worker, self._clock())
 
-    def renew(self, claims: Collection[Claim]) -> set[str]:
-        """Extend the leases of `claims`; return the submissions that are still theirs."""
+    def renew(self, claims: Collection[Claim]) -> set[Claim]:
+        """Extend the leases of `claims`; return those that are still valid. One that is not never is again."""
         now, held = self._clock(), set()
         with self._database.writing() as session:
             for claim in sorted(claims, key=lambda one: one.submission_id):  # rows are locked in one order
                 values = {"lease_until": now + timedelta(seconds=self._policy.lease_s)}
                 if change(session, claim, values):
-                    held.add(claim.submission_id)
+                    held.add(claim)
         return held
 
     def finish(self, claim: Claim, result: GradingResult, assignment: Assignment | None = None) -> bool:

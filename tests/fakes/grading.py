@@ -148,6 +148,7 @@ class FakeGrader:
 
     Attributes:
         faults: exceptions to raise, one per grading, before grading works again.
+        aborts: how often `abort` was called.
         hold: when set, gradings wait until `release` (or `abort`, which makes them fail).
     """
 
@@ -156,6 +157,7 @@ class FakeGrader:
         self.graded: list[str] = []
         self.starts = 0
         self.closed = 0
+        self.aborts = 0
         self.busy = threading.Event()
         self._grading = grading
         self._go = threading.Event()
@@ -184,6 +186,7 @@ class FakeGrader:
         return self._grading(job)
 
     def abort(self) -> None:
+        self.aborts += 1
         self._aborted = True
         self._go.set()
 

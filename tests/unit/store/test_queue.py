@@ -144,7 +144,7 @@ def test_a_late_worker_is_fenced_off(queue: Queue, submissions: Submissions, clo
     assert not queue.finish(late, result_of(late))
     assert queue.fail(late, "too late") is None
     assert not queue.hand_back(late)
-    assert queue.renew([late, second]) == {added.id}
+    assert queue.renew([late, second]) == {second}
     assert queue.renew([late]) == set()
     assert submissions.get(added.id).state is SubmissionState.RUNNING
     assert queue.finish(second, result_of(second))
@@ -156,7 +156,7 @@ def test_a_renewed_lease_lives_on(queue: Queue, submissions: Submissions, clock:
     claim = claimed(queue)
     for _ in range(5):
         clock.advance(10)
-        assert queue.renew([claim]) == {claim.submission_id}
+        assert queue.renew([claim]) == {claim}
         assert queue.reconcile().requeued == 0
     clock.advance(15.1)
     assert queue.reconcile().requeued == 1

@@ -1,16 +1,15 @@
-"""A whole worker: waking, stopping, and the heart that renews, mends and reports."""
+"""A whole worker: waking and stopping."""
 
 import threading
 from collections.abc import Iterator
 
 import pytest
 
-from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
 from grader.store.doorbell import Doorbell
 from grader.worker import Worker, WorkerConfig
 from tests.fakes.waiting import PATIENCE_S, wait_until
-from tests.fakes.worker_bench import READY, Bench
+from tests.fakes.worker_bench import Bench
 
 
 @pytest.fixture
@@ -62,53 +61,8 @@ def test_stopping_returns_a_grading_that_takes_too_long(bench: Bench) -> None:
     assert (row.state, row.tries) == (SubmissionState.QUEUED, 0)
 
 
-def test_a_beat_renews_mends_and_reports(bench: Bench) -> None:
-    lost = bench.upload()
-    bench.queue.claim("dead worker")
-    bench.clock.advance(8)
-    mine = bench.upload()
-    made = worker(bench)
-    made.beat()
-    slot = made._slots[0]
-    slot.claim = bench.queue.claim("w")
-    assert slot.claim.submission_id == mine
-    bench.clock.advance(8)
-    made.beat()
-    bench.clock.advance(14)
-    made.beat()
-    assert bench.row(lost).state is SubmissionState.QUEUED
-    assert bench.row(mine).state is SubmissionState.RUNNING
-    (state,) = bench.workers.alive(60)
-    assert (state.busy, state.slots, state.sandbox_ready, state.isolation) == (1, 1, True, "strict")
-
-
-def test_a_beat_tries_the_sandbox_until_it_is_ready(bench: Bench) -> None:
-    bench.probed = [SandboxState(ready=False, detail="no seccomp")]
-    made = worker(bench)
-    made.beat()
-    assert not bench.workers.alive(60)[0].sandbox_ready
-    bench.probed.append(READY)
-    made.beat()
-    assert bench.workers.alive(60)[0].sandbox_ready
-
-
 def test_a_bell_rung_between_looking_and_waiting_is_heard() -> None:
     bell = Doorbell()
     mark = bell.heard()
     bell.ring()
     bell.wait(mark, timeout_s=1e6)
-
-
-def test_giving_a_submission_up_is_an_alarm_in_the_log(
-    bench: Bench, caplog: pytest.LogCaptureFixture
-) -> None:
-    id_ = bench.upload()
-    made = worker(bench)
-    for _ in range(3):
-        assert not caplog.records or caplog.records[-1].levelname == "WARNING"
-        bench.queue.claim("dead worker")
-        bench.clock.advance(16)
-        made.beat()
-    assert caplog.records[-1].levelname == "ERROR"
-    assert "1 given up" in caplog.text
-    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR

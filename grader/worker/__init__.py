@@ -1,0 +1,12 @@
+"""The worker: claims submissions, has them graded in child processes, stores the reports.
+
+One thread per slot supervises one grading process, so a crash of the physics is one retry and nothing more;
+one more thread, the heart, renews leases while the slots are busy, mends what crashed workers left, and says
+how this worker is. Killed at any moment, a worker loses nothing: its claims end with their leases.
+"""
+
+from grader.worker.parts import Sandbox, WorkerConfig, WorkerParts
+from grader.worker.slots import GradingSlot
+from grader.worker.worker import Worker
+
+__all__ = ["GradingSlot", "Sandbox", "Worker", "WorkerConfig", "WorkerParts"]

@@ -1,0 +1,114 @@
+"""The heart of a worker: keeps its claims alive, lets go of those it lost, mends what others left, and reports.
+
+A beat does four things, in this order: it renews the leases of what the slots grade; it tries a sandbox that was
+not ready; it says how the worker is; and it mends what crashed workers left. What matters most to the gradings
+under way comes first, so that trouble with what comes later takes nothing from them.
+
+A claim that is lost never comes back: somebody else grades the submission, or has graded it. Its slot is told at
+the second beat in a row that finds it lost, because at the first the slot may just have stored its result.
+"""
+
+import logging
+import threading
+from collections.abc import Sequence, Set
+
+from grader.contracts.submission import Claim, WorkerState
+from grader.worker.parts import Sandbox, WorkerParts
+from grader.worker.slots import GradingSlot
+
+_log = logging.getLogger(__name__)
+
+
+class Heart:
+    """Beats in a thread of its own, for as long as the worker lives. Started once and stopped once."""
+
+    def __init__(
+        self,
+        worker_id: str,
+        slots: Sequence[GradingSlot],
+        parts: WorkerParts,
+        sandbox: Sandbox,
+        heartbeat_s: float,
+    ) -> None:
+        """Prepare; the heart does not beat yet.
+
+        Args:
+            worker_id: as which the worker is reported.
+            slots: whose claims are renewed.
+            parts: the store, and who is told.
+            sandbox: tried again at every beat while it is not ready and no slot is busy.
+            heartbeat_s: pause between two beats.
+        """
+        self._worker_id = worker_id
+        self._slots = slots
+        self._parts = parts
+        self._sandbox = sandbox
+        self._heartbeat_s = heartbeat_s
+        self._started_at = parts.clock()
+        self._lost: Set[Claim] = frozenset()  # at the latest beat that was answered
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._beat_on, name="grader-heart", daemon=True)
+
+    def start(self) -> None:
+        """Begin to beat."""
+        self._thread.start()
+
+    def stop(self, patience_s: float) -> None:
+        """Beat no more; wait at most `patience_s` for a beat under way."""
+        self._stopped.set()
+        self._thread.join(patience_s)
+
+    def beat(self) -> None:
+        """Do what a heart does, once.
+
+        Raises:
+            InfrastructureError: the database does not answer. What was not done is done at the next beat.
+        """
+        busy = self._renew()
+        # only while nothing runs: trying may take longer than a lease
+        if self._slots and not busy and not self._sandbox.state.ready and self._sandbox.try_out():
+            self._parts.doorbell.ring()
+        self._parts.workers.report(self._state(busy))
+        self._mend()
+
+    def _renew(self) -> int:
+        """Renew what the slots hold; return how many are busy."""
+        held = [(slot, claim) for slot in self._slots if (claim := slot.claim) is not None]
+        claims = {claim for _, claim in held}
+        lost = claims - self._parts.queue.renew(claims) if claims else frozenset()
+        for slot, claim in held:
+            if claim in lost & self._lost:
+                slot.abandon(claim)
+        self._lost = lost
+        return len(held)
+
+    def _mend(self) -> None:
+        mended = self._parts.queue.reconcile()
+        if mended.requeued or mended.given_up:
+            level = logging.ERROR if mended.given_up else logging.WARNING
+            _log.log(level, "%d lost gradings queued again, %d given up", mended.requeued, mended.given_up)
+            self._parts.observer.retried(mended.requeued)
+            self._parts.observer.given_up(mended.given_up)
+            self._parts.doorbell.ring()
+
+    def _state(self, busy: int) -> WorkerState:
+        sandbox = self._sandbox.state
+        return WorkerState(
+            id=self._worker_id,
+            slots=len(self._slots),
+            busy=busy,
+            sandbox_ready=sandbox.ready,
+            isolation=sandbox.isolation,
+            detail=sandbox.detail,
+            started_at=self._started_at,
+            seen_at=self._parts.clock(),
+        )
+
+    def _beat_on(self) -> None:
+        while True:
+            try:
+                self.beat()
+            except Exception as error:  # a heart that stopped would give away every grading of this worker
+                _log.warning("heartbeat failed: %s", error)
+            if self._stopped.wait(self._heartbeat_s):
+                return

@@ -1,0 +1,131 @@
+"""One slot of a worker: claims a submission, has it graded in a child process, stores the report."""
+
+import hashlib
+import logging
+import threading
+import time
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import Claim, SubmissionState
+from grader.telemetry.context import about
+from grader.worker.parts import Sandbox, WorkerParts
+
+_log = logging.getLogger(__name__)
+_STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, 4.0)  # a database server that restarts is back by then
+
+
+class GradingSlot:
+    """One grading at a time. Only `claim`, `abort` and `abandon` may be used from other threads.
+
+    Attributes:
+        claim: what is graded now; None between two gradings.
+    """
+
+    def __init__(self, name: str, parts: WorkerParts, sandbox: Sandbox) -> None:
+        self._name = name
+        self._parts = parts
+        self._sandbox = sandbox
+        self._grader = parts.make_grader()
+        self.claim: Claim | None = None
+        self._abandoned: Claim | None = None
+        self._lock = threading.Lock()  # so that whoever abandons a claim does not hit the next one
+
+    def warm_up(self) -> None:
+        """Start the grading process before there is work."""
+        try:
+            self._grader.start()
+        except GraderError as error:
+            _log.warning("%s: the grading process did not start: %s", self._name, error)
+
+    def step(self) -> bool:
+        """Grade the submission that is due; False when there was nothing to do."""
+        if not self._sandbox.state.ready:
+            return False
+        claim = self._parts.queue.claim(self._name)
+        if claim is None:
+            return False
+        self.claim = claim
+        try:
+            with about(claim):
+                self._grade(claim)
+        finally:
+            with self._lock:
+                self.claim = None
+        return True
+
+    def abort(self) -> None:
+        """Kill the grading under way."""
+        self._grader.abort()
+
+    def abandon(self, claim: Claim) -> None:
+        """Kill the grading of `claim`, which is lost; do nothing if that has ended."""
+        with self._lock:
+            if self.claim is claim:
+                self._abandoned = claim
+                self._grader.abort()
+
+    def close(self) -> None:
+        """End the grading process."""
+        self._grader.close()
+
+    def _grade(self, claim: Claim) -> None:
+        begun_s = time.monotonic()
+        try:
+            assignment = self._parts.assignments.get(claim.assignment)
+            job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+            self._grader.start()
+            result = _checked(self._grader.grade(job), claim)
+            stored = self._store(claim, result, assignment)
+        except SandboxUnavailableError as error:
+            self._sandbox.failed(error)
+            self._parts.queue.hand_back(claim)
+        except Exception as error:
+            # no fault of the student, whatever it is: the child is replaced and the submission tried again
+            self._fail(claim, error)
+        else:
+            _log.info("%s %s", claim.submission_id, result.report.status if stored else "dropped: fenced off")
+            if stored:
+                self._tell(claim, result, time.monotonic() - begun_s)
+
+    def _tell(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
+        now, since = self._parts.clock(), claim.queued_at
+        waited_s = None if since is None else max((now - since).total_seconds(), 0.0)
+        self._parts.observer.graded(result.report.status, grading_s, waited_s)
+
+    def _store(self, claim: Claim, result: GradingResult, assignment: Assignment) -> bool:
+        for pause_s in _STORE_PAUSES_S:
+            try:
+                return self._parts.queue.finish(claim, result, assignment)
+            except InfrastructureError as error:
+                _log.warning("%s: the report could not be stored yet: %s", claim.submission_id, error)
+                time.sleep(pause_s)
+        return self._parts.queue.finish(claim, result, assignment)
+
+    def _fail(self, claim: Claim, error: Exception) -> None:
+        self._grader.close()
+        if self._abandoned is claim:
+            _log.warning("%s: its claim was lost, this grading of it is given up", claim.submission_id)
+            return
+        state = self._parts.queue.fail(claim, f"{type(error).__name__}: {error}")
+        if state is SubmissionState.INFRASTRUCTURE_ERROR:
+            self._parts.observer.given_up()
+        elif state is not None:
+            self._parts.observer.retried()
+        level = logging.ERROR if state is SubmissionState.INFRASTRUCTURE_ERROR else logging.WARNING
+        unexpected = error if not isinstance(error, GraderError) else None
+        _log.log(level, "%s, try %d: %s", claim.submission_id, claim.tries, error, exc_info=unexpected)
+
+
+def _checked(result: GradingResult, claim: Claim) -> GradingResult:
+    """Return `result` if it grades the claimed bytes under the claimed assignment."""
+    report = result.report
+    if report.submission_sha256 != hashlib.sha256(claim.source).hexdigest():
+        raise InfrastructureError("the grading process answered with the report of another file")
+    if report.assignment != claim.assignment:
+        raise InfrastructureError("the grading process graded another assignment")
+    if report.status is GradeStatus.INFRASTRUCTURE_ERROR:
+        raise InfrastructureError(report.summary.en or "the grading process reported a fault of its own")
+    return result

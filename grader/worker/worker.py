@@ -1,0 +1,81 @@
+"""A worker process: its slots, its heart, and how both start and stop."""
+
+import logging
+import os
+import secrets
+import socket
+import threading
+import time
+
+from grader.contracts.errors import InfrastructureError
+from grader.store.work import PolledWork
+from grader.telemetry.context import about
+from grader.worker.heart import Heart
+from grader.worker.parts import Sandbox, WorkerConfig, WorkerParts
+from grader.worker.slots import GradingSlot
+
+_log = logging.getLogger(__name__)
+_ABORT_S = 5.0
+
+
+class Worker:
+    """Slots and a heart, in threads of this process. Started once and stopped once."""
+
+    def __init__(self, parts: WorkerParts, config: WorkerConfig) -> None:
+        self.id = f"{socket.gethostname()}:{os.getpid()}:{secrets.token_hex(4)}"
+        self._parts = parts
+        self._config = config
+        self._sandbox = Sandbox(parts.probe)
+        self._slots = [
+            GradingSlot(f"{self.id}/{number}", parts, self._sandbox) for number in range(config.slots)
+        ]
+        self._work = parts.work or PolledWork(parts.doorbell, config.poll_s)
+        self._heart = Heart(self.id, self._slots, parts, self._sandbox, config.heartbeat_s)
+        self._threads = [
+            threading.Thread(target=self._work_on, args=(slot,), name=f"grader-slot-{number}", daemon=True)
+            for number, slot in enumerate(self._slots)
+        ]
+
+    def start(self) -> None:
+        """Try the sandbox, then begin to take work."""
+        self._heart.start()
+        self._work.start(len(self._slots), lambda: self._sandbox.state.ready)
+        for thread in self._threads:
+            thread.start()
+
+    def stop(self) -> None:
+        """Take no more work, let running gradings finish, and return to the queue what takes too long."""
+        self._work.drain()
+        self._join(self._config.drain_s)
+        self._heart.stop(_ABORT_S)
+        try:
+            self._return_unfinished()
+            self._parts.workers.leave(self.id)
+        except InfrastructureError as error:
+            _log.warning("stopped without the database, leases will end what was under way: %s", error)
+        self._join(_ABORT_S)
+        self._work.close()
+
+    def _return_unfinished(self) -> None:
+        for slot in self._slots:
+            if (claim := slot.claim) is not None:
+                with about(claim):
+                    _log.warning("%s goes back to the queue: the worker stops", claim.submission_id)
+                self._parts.queue.hand_back(claim)  # first, so that the abort below counts for nothing
+                slot.abort()
+
+    def _work_on(self, slot: GradingSlot) -> None:
+        def step() -> bool:
+            busy = slot.step()
+            if busy:
+                self._parts.doorbell.ring()  # for those who watch
+            return busy
+
+        slot.warm_up()
+        self._work.serve(step)
+        slot.close()
+
+    def _join(self, timeout_s: float) -> None:
+        deadline_s = time.monotonic() + timeout_s
+        for thread in self._threads:
+            thread.join(max(0.0, deadline_s - time.monotonic()))

@@ -1,0 +1,135 @@
+"""The heart of a worker: what it renews, lets go of, mends and reports."""
+
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from grader.contracts.grading import SandboxState
+from grader.contracts.submission import SubmissionState
+from grader.worker.heart import Heart
+from grader.worker.parts import Sandbox
+from grader.worker.slots import GradingSlot
+from tests.fakes.waiting import PATIENCE_S
+from tests.fakes.worker_bench import READY, Bench
+
+
+@pytest.fixture
+def bench(database_url: str) -> Iterator[Bench]:
+    made = Bench(database_url)
+    yield made
+    made.grader.release()
+    made.database.close()
+
+
+def heart(bench: Bench, slot: GradingSlot | None = None) -> Heart:
+    """A heart that only beats when the test says so."""
+    sandbox = Sandbox(lambda: bench.probed[-1])
+    return Heart("w", [slot or bench.slot()], bench.parts, sandbox, heartbeat_s=3.0)
+
+
+def stolen(bench: Bench) -> None:
+    """Let another worker have what is graded now."""
+    bench.clock.advance(16)
+    bench.queue.reconcile()
+    assert bench.queue.claim("other") is not None
+
+
+def test_a_beat_renews_mends_and_reports(bench: Bench) -> None:
+    lost = bench.upload()
+    bench.queue.claim("dead worker")
+    bench.clock.advance(8)
+    mine = bench.upload()
+    slot = bench.slot()
+    made = heart(bench, slot)
+    made.beat()
+    slot.claim = bench.queue.claim("w")
+    assert slot.claim.submission_id == mine
+    bench.clock.advance(8)
+    made.beat()
+    bench.clock.advance(14)
+    made.beat()
+    assert bench.row(lost).state is SubmissionState.QUEUED
+    assert bench.row(mine).state is SubmissionState.RUNNING
+    (state,) = bench.workers.alive(60)
+    assert (state.busy, state.slots, state.sandbox_ready, state.isolation) == (1, 1, True, "strict")
+
+
+def test_a_beat_tries_the_sandbox_until_it_is_ready(bench: Bench) -> None:
+    bench.probed = [SandboxState(ready=False, detail="no seccomp")]
+    made = heart(bench)
+    made.beat()
+    assert not bench.workers.alive(60)[0].sandbox_ready
+    bench.probed.append(READY)
+    made.beat()
+    assert bench.workers.alive(60)[0].sandbox_ready
+
+
+def test_giving_a_submission_up_is_an_alarm_in_the_log(
+    bench: Bench, caplog: pytest.LogCaptureFixture
+) -> None:
+    id_ = bench.upload()
+    made = heart(bench)
+    for _ in range(3):
+        assert not caplog.records or caplog.records[-1].levelname == "WARNING"
+        bench.queue.claim("dead worker")
+        bench.clock.advance(16)
+        made.beat()
+    assert caplog.records[-1].levelname == "ERROR"
+    assert "1 given up" in caplog.text
+    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
+
+
+class Grading:
+    """A slot that grades in a thread of its own until the test lets it."""
+
+    def __init__(self, bench: Bench) -> None:
+        bench.grader.hold()
+        self.slot = bench.slot()
+        self._thread = threading.Thread(target=self.slot.step)
+        self._thread.start()
+        assert bench.grader.busy.wait(PATIENCE_S)
+
+    def join(self) -> None:
+        self._thread.join(PATIENCE_S)
+        assert not self._thread.is_alive()
+
+
+def test_a_grading_whose_claim_was_lost_is_given_up_and_the_slot_goes_on(bench: Bench) -> None:
+    lost = bench.upload()
+    grading = Grading(bench)
+    made = heart(bench, grading.slot)
+    stolen(bench)
+    made.beat()
+    assert bench.grader.aborts == 0  # one answer may only mean that the result has just been stored
+    made.beat()
+    grading.join()
+    row = bench.row(lost)
+    assert (row.state, row.attempt) == (SubmissionState.RUNNING, 2)
+    following = bench.upload()
+    assert grading.slot.step()
+    assert bench.row(following).state is SubmissionState.GRADED
+
+
+def test_a_claim_that_was_lost_is_not_taken_for_the_next_of_the_same_submission(bench: Bench) -> None:
+    """Both are of this worker: the first was frozen, say, and a second slot took the submission again."""
+    bench.upload()
+    first, second = bench.slot(), bench.slot()
+    first.claim = bench.queue.claim("w/0")
+    bench.clock.advance(16)
+    bench.queue.reconcile()
+    second.claim = bench.queue.claim("w/1")
+    made = Heart("w", [first, second], bench.parts, Sandbox(lambda: READY), heartbeat_s=3.0)
+    made.beat()
+    made.beat()
+    assert bench.grader.aborts == 1
+
+
+def test_abandoning_a_claim_spares_the_next(bench: Bench) -> None:
+    bench.upload()
+    slot = bench.slot()
+    old = bench.queue.claim("w/0")
+    assert old is not None
+    slot.claim = bench.queue.claim("w/0")
+    slot.abandon(old)
+    assert bench.grader.aborts == 0
