@@ -62,6 +62,11 @@ class Queue:
         self._clock = clock
         self._policy = policy
 
+    @property
+    def lease_s(self) -> float:
+        """For how long a claim lives without being renewed."""
+        return self._policy.lease_s
+
     def claim(self, worker: str) -> Claim | None:
         """Take the submission that is due first, or None when nothing is due."""
         if self._database.is_sqlite:  # an idle poll must not take the only write lock
@@ -169,6 +174,12 @@ class Queue:
             self._database.announcer.queued(session, requeued, now)
             announced = self._database.announcer.mend(session, now)
         return Reconciled(requeued=len(requeued), given_up=len(given_up), announced=announced)
+
+    def sweep(self) -> Reconciled:
+        """Do of `reconcile` what judges no claim: make lost announcements again."""
+        with self._database.writing() as session:
+            announced = self._database.announcer.mend(session, self._clock())
+        return Reconciled(requeued=0, given_up=0, announced=announced)
 
     def state(self) -> QueueState:
         """Count what waits, runs and was given up."""

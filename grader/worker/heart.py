@@ -14,6 +14,7 @@ from collections.abc import Sequence, Set
 
 from grader.contracts.submission import Claim, WorkerState
 from grader.worker.parts import Sandbox, WorkerParts
+from grader.worker.patience import Patience
 from grader.worker.slots import GradingSlot
 
 _log = logging.getLogger(__name__)
@@ -44,6 +45,7 @@ class Heart:
         self._parts = parts
         self._sandbox = sandbox
         self._heartbeat_s = heartbeat_s
+        self._patience = Patience(parts.queue.lease_s, heartbeat_s)
         self._started_at = parts.clock()
         self._lost: Set[Claim] = frozenset()  # at the latest beat that was answered
         self._stopped = threading.Event()
@@ -64,6 +66,13 @@ class Heart:
         Raises:
             InfrastructureError: the database does not answer. What was not done is done at the next beat.
         """
+        try:
+            self._beat()
+        except Exception:
+            self._patience.failed()
+            raise
+
+    def _beat(self) -> None:
         busy = self._renew()
         # only while nothing runs: trying may take longer than a lease
         if self._slots and not busy and not self._sandbox.state.ready and self._sandbox.try_out():
@@ -83,7 +92,8 @@ class Heart:
         return len(held)
 
     def _mend(self) -> None:
-        mended = self._parts.queue.reconcile()
+        queue = self._parts.queue
+        mended = queue.reconcile() if self._patience.over(self._parts.clock()) else queue.sweep()
         if mended.requeued or mended.given_up:
             level = logging.ERROR if mended.given_up else logging.WARNING
             _log.log(level, "%d lost gradings queued again, %d given up", mended.requeued, mended.given_up)

@@ -1,10 +1,12 @@
 """The heart of a worker: what it renews, lets go of, mends and reports."""
 
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import NoReturn
 
 import pytest
 
+from grader.contracts.errors import InfrastructureError
 from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
 from grader.worker.heart import Heart
@@ -12,6 +14,8 @@ from grader.worker.parts import Sandbox
 from grader.worker.slots import GradingSlot
 from tests.fakes.waiting import PATIENCE_S
 from tests.fakes.worker_bench import READY, Bench
+
+BEAT_S = 3.0  # a fifth of the bench's lease
 
 
 @pytest.fixture
@@ -25,7 +29,7 @@ def bench(database_url: str) -> Iterator[Bench]:
 def heart(bench: Bench, slot: GradingSlot | None = None) -> Heart:
     """A heart that only beats when the test says so."""
     sandbox = Sandbox(lambda: bench.probed[-1])
-    return Heart("w", [slot or bench.slot()], bench.parts, sandbox, heartbeat_s=3.0)
+    return Heart("w", [slot or bench.slot()], bench.parts, sandbox, heartbeat_s=BEAT_S)
 
 
 def stolen(bench: Bench) -> None:
@@ -35,20 +39,23 @@ def stolen(bench: Bench) -> None:
     assert bench.queue.claim("other") is not None
 
 
+def live(bench: Bench, *hearts: Heart, beats: int) -> None:
+    for _ in range(beats):
+        bench.clock.advance(BEAT_S)
+        for made in hearts:
+            made.beat()
+
+
 def test_a_beat_renews_mends_and_reports(bench: Bench) -> None:
     lost = bench.upload()
     bench.queue.claim("dead worker")
-    bench.clock.advance(8)
     mine = bench.upload()
     slot = bench.slot()
     made = heart(bench, slot)
     made.beat()
     slot.claim = bench.queue.claim("w")
     assert slot.claim.submission_id == mine
-    bench.clock.advance(8)
-    made.beat()
-    bench.clock.advance(14)
-    made.beat()
+    live(bench, made, beats=6)
     assert bench.row(lost).state is SubmissionState.QUEUED
     assert bench.row(mine).state is SubmissionState.RUNNING
     (state,) = bench.workers.alive(60)
@@ -73,8 +80,7 @@ def test_giving_a_submission_up_is_an_alarm_in_the_log(
     for _ in range(3):
         assert not caplog.records or caplog.records[-1].levelname == "WARNING"
         bench.queue.claim("dead worker")
-        bench.clock.advance(16)
-        made.beat()
+        live(bench, made, beats=6)
     assert caplog.records[-1].levelname == "ERROR"
     assert "1 given up" in caplog.text
     assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
@@ -119,7 +125,7 @@ def test_a_claim_that_was_lost_is_not_taken_for_the_next_of_the_same_submission(
     bench.clock.advance(16)
     bench.queue.reconcile()
     second.claim = bench.queue.claim("w/1")
-    made = Heart("w", [first, second], bench.parts, Sandbox(lambda: READY), heartbeat_s=3.0)
+    made = Heart("w", [first, second], bench.parts, Sandbox(lambda: READY), heartbeat_s=BEAT_S)
     made.beat()
     made.beat()
     assert bench.grader.aborts == 1
@@ -133,3 +139,37 @@ def test_abandoning_a_claim_spares_the_next(bench: Bench) -> None:
     slot.claim = bench.queue.claim("w/0")
     slot.abandon(old)
     assert bench.grader.aborts == 0
+
+
+def outage(bench: Bench, hearts: Sequence[Heart], seconds: float) -> None:
+    """Let the database be away while `hearts` go on beating."""
+
+    def refuse() -> NoReturn:
+        raise InfrastructureError("the database does not answer")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bench.database, "writing", refuse)
+        for _ in range(round(seconds / BEAT_S)):
+            bench.clock.advance(BEAT_S)
+            for made in hearts:
+                with pytest.raises(InfrastructureError):
+                    made.beat()
+
+
+def test_after_an_outage_whoever_comes_back_first_takes_nothing_from_the_others(bench: Bench) -> None:
+    for _ in range(2):
+        bench.upload()
+    slot = bench.slot()
+    first, other = heart(bench), heart(bench, slot)
+    live(bench, first, other, beats=6)
+    theirs = slot.claim = bench.queue.claim("other")
+    dead = bench.queue.claim("dead worker")
+    assert theirs is not None
+    assert dead is not None
+    outage(bench, (first, other), seconds=30)
+    live(bench, first, other, beats=5)
+    assert bench.row(dead.submission_id).state is SubmissionState.RUNNING
+    live(bench, first, other, beats=1)
+    assert bench.row(dead.submission_id).state is SubmissionState.QUEUED
+    row = bench.row(theirs.submission_id)
+    assert (row.state, row.tries) == (SubmissionState.RUNNING, 1)
