@@ -51,12 +51,13 @@ def run(argv: Sequence[str]) -> int:
         prog=f"grader {chosen.command}", description=COMMANDS[chosen.command]
     )
     module.configure(command_parser)
+    arguments = command_parser.parse_args(chosen.arguments)
     try:
-        return int(module.run(command_parser.parse_args(chosen.arguments)))
+        return int(module.run(arguments))
     except GraderError as error:
         from grader.render.escape import visible
 
-        sys.stderr.write(f"grader: {visible(str(error))}\n")
+        sys.stderr.write(f"grader: {visible(error.told(getattr(arguments, 'lang', 'zh')))}\n")
         return EXIT_COULD_NOT
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED

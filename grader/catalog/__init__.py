@@ -115,7 +115,10 @@ class Catalog:
             if folder.name == assignment_id:
                 return folder
         known = ", ".join(sorted(folder.name for folder in self._folders()))
-        raise UnknownAssignmentError(f"no assignment {assignment_id!r}; there are: {known}")
+        raise UnknownAssignmentError(
+            f"no assignment {assignment_id!r}; there are: {known}",
+            f"没有作业 {assignment_id!r}；现有：{known}",
+        )
 
     def _folders(self) -> Iterator[Path]:
         if not self.root.is_dir():

@@ -125,7 +125,8 @@ def _guess(catalog: "Catalog", file_name: str) -> str:
     if guess is None:
         known = ", ".join(assignment.id for assignment in catalog.all())
         raise UnknownAssignmentError(
-            f"the file name {file_name!r} does not tell the assignment; say it with --assignment, one of: {known}"
+            f"the file name {file_name!r} does not tell the assignment; say it with --assignment, one of: {known}",
+            f"从文件名 {file_name!r} 看不出是哪个作业；请用 --assignment 指明，可选：{known}",
         )
     return guess
 

@@ -4,10 +4,19 @@ import argparse
 import sys
 from pathlib import Path
 
-from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
+from grader.commands.storage import (
+    Storage,
+    actor,
+    add_course_option,
+    add_data_option,
+    add_language_option,
+    chosen_course,
+    opened,
+)
 from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
+from grader.contracts.text import Text
 from grader.store.roster import MAX_ROSTER_BYTES, read_roster
 
 
@@ -25,15 +34,16 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--roster", type=Path, metavar="FILE.csv", help="its people, each of whom gets a token"
     )
     add_days_option(create)
-    add_data_option(create)
     roster = actions.add_parser("roster", help="import the people of a course from CSV: id,name,role")
     roster.add_argument("verb", choices=("import",))
     roster.add_argument("file", type=Path, metavar="FILE.csv")
     roster.add_argument("--tokens", action="store_true", help="print a token for each new member")
     add_days_option(roster)
     add_course_option(roster)
-    add_data_option(roster)
-    add_data_option(actions.add_parser("list", help="list the courses"))
+    listing = actions.add_parser("list", help="list the courses")
+    for one in (create, roster, listing):
+        add_data_option(one)
+        add_language_option(one)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -56,7 +66,11 @@ def _create(storage: Storage, arguments: argparse.Namespace) -> None:
         arguments.id, arguments.title or arguments.id, arguments.time_zone, actor()
     )
     storage.courses.import_roster(course.id, entries, actor())
-    sys.stderr.write(f"course {course.id}: {len(entries)} members; each token is shown this once\n")
+    _say(
+        arguments,
+        zh=f"课程 {course.id}：{len(entries)} 人；令牌只显示这一次",
+        en=f"course {course.id}: {_members(len(entries))}; each token is shown this once",
+    )
     write_tokens(storage, course.id, [entry.id for entry in entries], arguments.days)
 
 
@@ -64,18 +78,29 @@ def _import(storage: Storage, arguments: argparse.Namespace) -> None:
     course = chosen_course(storage, arguments.course)
     entries = read_roster(_content(arguments.file))
     change = storage.courses.import_roster(course, entries, actor())
-    sys.stderr.write(
-        f"course {course}: {len(change.added)} added, {len(change.changed)} changed, "
-        f"{change.unchanged} as they were\n"
+    added, changed, same = len(change.added), len(change.changed), change.unchanged
+    _say(
+        arguments,
+        zh=f"课程 {course}：新增 {added} 人，修改 {changed} 人，{same} 人不变",
+        en=f"course {course}: {added} added, {changed} changed, {same} as they were",
     )
     if arguments.tokens:
         write_tokens(storage, course, change.added, arguments.days)
 
 
-def _list(storage: Storage, _: argparse.Namespace) -> None:
+def _list(storage: Storage, arguments: argparse.Namespace) -> None:
     for course in storage.courses.all():
-        members = len(storage.courses.members(course.id))
-        sys.stdout.write(f"{course.id}\t{course.time_zone}\t{members} members\t{course.title}\n")
+        count = len(storage.courses.members(course.id))
+        members = f"{count} 人" if arguments.lang == "zh" else _members(count)
+        sys.stdout.write(f"{course.id}\t{course.time_zone}\t{members}\t{course.title}\n")
+
+
+def _members(count: int) -> str:
+    return "1 member" if count == 1 else f"{count} members"
+
+
+def _say(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
+    sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
 
 
 def _content(path: Path) -> bytes:

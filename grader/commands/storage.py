@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from grader.contracts.errors import CourseError, SettingsError
+from grader.contracts.identity import no_course
+from grader.contracts.text import LANGUAGES
 from grader.settings import load
 from grader.store.columns import utc_now
 from grader.store.courses import Courses
@@ -31,6 +33,11 @@ class Storage:
 def add_data_option(parser: argparse.ArgumentParser) -> None:
     """Declare where the database is, as `grader serve` does."""
     parser.add_argument("--data", type=Path, metavar="DIR", help="folder of the database (default: here)")
+
+
+def add_language_option(parser: argparse.ArgumentParser) -> None:
+    """Declare the language of what is told."""
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="zh or en (default: zh)")
 
 
 def add_course_option(parser: argparse.ArgumentParser) -> None:
@@ -82,9 +89,10 @@ def chosen_course(storage: Storage, course: str | None) -> str:
         return storage.courses.get(course).id
     courses = storage.courses.all()
     if not courses:
-        raise CourseError("there is no course yet: create one with `grader course create`")
+        raise no_course()
     if len(courses) > 1:
-        raise CourseError(f"say which course with --course: {', '.join(one.id for one in courses)}")
+        known = ", ".join(one.id for one in courses)
+        raise CourseError(f"say which course with --course: {known}", f"请用 --course 指明课程：{known}")
     return courses[0].id
 
 

@@ -184,6 +184,7 @@ def _guess(file_name: str) -> str:
     guess = Catalog().guess_assignment(file_name)
     if guess is None:
         raise UnknownAssignmentError(
-            f"the file name {visible_line(file_name, 100)} does not tell the assignment; say it with --assignment"
+            f"the file name {visible_line(file_name, 100)} does not tell the assignment; say it with --assignment",
+            f"从文件名 {visible_line(file_name, 100)} 看不出是哪个作业；请用 --assignment 指明",
         )
     return guess

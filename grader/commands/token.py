@@ -6,8 +6,19 @@ import sys
 from collections.abc import Iterable
 from datetime import timedelta
 
-from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
+from grader.commands.storage import (
+    Storage,
+    actor,
+    add_course_option,
+    add_data_option,
+    add_language_option,
+    chosen_course,
+    opened,
+)
 from grader.contracts.errors import CourseError
+from grader.contracts.identity import unknown_members
+from grader.contracts.numerals import whole
+from grader.contracts.text import Text
 from grader.store.columns import utc_now
 
 DEFAULT_DAYS = 200  # a term and the exams after it
@@ -30,6 +41,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     for one in (issue, revoke, listing):
         add_course_option(one)
         add_data_option(one)
+        add_language_option(one)
 
 
 def add_days_option(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +69,7 @@ def write_tokens(storage: Storage, course: str, people: Iterable[str], days: int
     wanted = list(dict.fromkeys(people))
     unknown = [person for person in wanted if person not in members]
     if unknown:
-        raise CourseError(f"course {course} has no member {', '.join(unknown)}")
+        raise unknown_members(course, *unknown)
     table = csv.writer(sys.stdout, lineterminator="\n")
     table.writerow(("id", "name", "role", "token"))
     for person in wanted:
@@ -85,22 +97,20 @@ def _without_token(storage: Storage, course: str) -> list[str]:
 def _revoke(storage: Storage, course: str, arguments: argparse.Namespace) -> None:
     count = storage.tokens.revoke(course, actor(), token_id=arguments.token, person=arguments.person)
     if not count:
-        raise CourseError("no such token that still opens anything")
-    sys.stderr.write(f"{count} revoked\n")
+        raise CourseError("no such token that still opens anything", "没有这样的有效令牌")
+    told = Text(zh=f"已撤销 {count} 个令牌", en=f"{count} revoked")
+    sys.stderr.write(told.get(arguments.lang) + "\n")
 
 
-def _list(storage: Storage, course: str, _: argparse.Namespace) -> None:
+def _list(storage: Storage, course: str, arguments: argparse.Namespace) -> None:
     for token in storage.tokens.of_course(course):
-        ends = (
-            f"revoked {token.revoked_at:%Y-%m-%d}"
-            if token.revoked_at
-            else f"until {token.expires_at:%Y-%m-%d}"
-        )
-        sys.stdout.write(f"{token.id}\t{token.person}\t{ends}\n")
+        ended, end = token.revoked_at is not None, token.revoked_at or token.expires_at
+        what = Text(zh="已撤销", en="revoked") if ended else Text(zh="有效到", en="until")
+        sys.stdout.write(f"{token.id}\t{token.person}\t{what.get(arguments.lang)} {end:%Y-%m-%d}\n")
 
 
 def _days(text: str) -> int:
-    days = int(text)
+    days = whole(text)
     if not 1 <= days <= _MOST_DAYS:
         raise argparse.ArgumentTypeError(f"{text}: must be from 1 to {_MOST_DAYS} days")
     return days

@@ -20,10 +20,23 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from grader.contracts.policy import Refusal
+    from grader.contracts.text import Language
 
 
 class GraderError(Exception):
-    """Root of the grader's own exceptions; its message is fit to be shown."""
+    """Root of the grader's own exceptions; its message is fit to be shown.
+
+    Attributes:
+        zh: the message in Chinese; empty where only operators read it.
+    """
+
+    def __init__(self, message: str = "", zh: str = "") -> None:
+        super().__init__(message)
+        self.zh = zh
+
+    def told(self, language: "Language") -> str:
+        """Return the message in `language` if it is there, else in English."""
+        return (self.zh if language == "zh" else "") or str(self)
 
 
 class AssignmentError(GraderError):
@@ -43,9 +56,8 @@ class SubmissionError(GraderError):
     """
 
     def __init__(self, code: str, message: str, zh: str = "") -> None:
-        super().__init__(message)
+        super().__init__(message, zh or message)
         self.code = code
-        self.zh = zh or message
 
 
 class CourseError(GraderError):

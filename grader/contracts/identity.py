@@ -148,7 +148,8 @@ def checked_id(text: str, what: str) -> str:
     """
     if not is_person_id(text):
         raise CourseError(
-            f"{text!r} is no {what}: use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit"
+            f"{text!r} is no {what}: use 1 to 64 letters, digits or . _ @ -, beginning with a letter or digit",
+            f"{text!r} 不能用作编号：用 1 到 64 个英文字母、数字或 . _ @ -，以字母或数字开头",
         )
     return text
 
@@ -161,5 +162,27 @@ def checked_name(text: str) -> str:
     """
     name = text.strip()
     if len(name) > _LONGEST_NAME or not name.isprintable():
-        raise CourseError(f"{name[:40]!r} is no name: use at most {_LONGEST_NAME} printable characters")
+        raise CourseError(
+            f"{name[:40]!r} is no name: use at most {_LONGEST_NAME} printable characters",
+            f"{name[:40]!r} 不能用作名字：最多 {_LONGEST_NAME} 个可显示的字符",
+        )
     return name
+
+
+def no_course() -> CourseError:
+    """Return what is wrong while there is no course at all."""
+    return CourseError(
+        "there is no course yet: create one with `grader course create`",
+        "还没有课程：先用 `grader course create` 创建",
+    )
+
+
+def unknown_course(course: str) -> CourseError:
+    """Return what is wrong with the id of a course that there is not."""
+    return CourseError(f"there is no course {course!r}", f"没有课程 {course!r}")
+
+
+def unknown_members(course: str, *people: str) -> CourseError:
+    """Return what is wrong with ids of people who are not in a course."""
+    ids = ", ".join(people)
+    return CourseError(f"course {course} has no member {ids}", f"课程 {course} 没有成员 {ids}")

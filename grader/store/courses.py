@@ -8,7 +8,15 @@ from sqlalchemy import select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import CourseError
-from grader.contracts.identity import Course, Member, Role, RosterEntry, checked_id, checked_name
+from grader.contracts.identity import (
+    Course,
+    Member,
+    Role,
+    RosterEntry,
+    checked_id,
+    checked_name,
+    unknown_course,
+)
 from grader.store.audit import Signature, record
 from grader.store.columns import Clock
 from grader.store.course_tables import CourseRow, MemberRow
@@ -56,7 +64,7 @@ class Courses:
         with self._database.writing() as session:
             one_at_a_time(session, "course", course_id)
             if session.get(CourseRow, course_id) is not None:
-                raise CourseError(f"there is a course {course_id} already")
+                raise CourseError(f"there is a course {course_id} already", f"已经有课程 {course_id}")
             session.add(row)
             signed = Signature(now, course_id, actor)
             after = {"title": row.title, "time_zone": row.time_zone}
@@ -72,7 +80,7 @@ class Courses:
         with self._database.reading() as session:
             row = session.get(CourseRow, course_id)
         if row is None:
-            raise CourseError(f"there is no course {course_id!r}")
+            raise unknown_course(course_id)
         return _course(row)
 
     def all(self) -> tuple[Course, ...]:
@@ -108,7 +116,7 @@ class Courses:
         with self._database.writing() as session:
             one_at_a_time(session, "course", course_id)
             if session.get(CourseRow, course_id) is None:
-                raise CourseError(f"there is no course {course_id!r}")
+                raise unknown_course(course_id)
             for entry in entries:
                 known = session.get(MemberRow, (course_id, entry.id))
                 if known is None:
@@ -141,7 +149,8 @@ def _checked_zone(name: str) -> str:
         ZoneInfo(name)
     except (ZoneInfoNotFoundError, ValueError, OSError):
         raise CourseError(
-            f"{name!r} is no time zone of this machine: use a name such as Asia/Shanghai"
+            f"{name!r} is no time zone of this machine: use a name such as Asia/Shanghai",
+            f"本机没有时区 {name!r}：请用 Asia/Shanghai 这样的名称",
         ) from None
     return name
 

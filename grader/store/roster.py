@@ -2,9 +2,11 @@
 
 import csv
 import io
+from typing import Any
 
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id, checked_name
+from grader.contracts.text import Text
 
 _REQUIRED = ("id", "name")
 _KNOWN = (*_REQUIRED, "role")
@@ -20,12 +22,17 @@ def read_roster(content: bytes) -> tuple[RosterEntry, ...]:
         CourseError: the file is not right; the message has a line for each line of the file that is wrong.
     """
     if len(content) > MAX_ROSTER_BYTES:
-        raise CourseError(f"the roster has more than {MAX_ROSTER_BYTES} bytes")
+        raise CourseError(
+            f"the roster has more than {MAX_ROSTER_BYTES} bytes", f"名单超过 {MAX_ROSTER_BYTES} 字节"
+        )
     try:
         text = content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise CourseError(f"line {line}: not UTF-8: save the roster as CSV UTF-8") from None
+        raise CourseError(
+            f"line {line}: not UTF-8: save the roster as CSV UTF-8",
+            f"第 {line} 行：不是 UTF-8 编码：请把名单另存为“CSV UTF-8”",
+        ) from None
     reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     _check_header([name.strip().lower() for name in reader.fieldnames or ()])
     reader.fieldnames = [name.strip().lower() for name in reader.fieldnames or ()]
@@ -35,15 +42,18 @@ def read_roster(content: bytes) -> tuple[RosterEntry, ...]:
 def _check_header(columns: list[str]) -> None:
     missing = [name for name in _REQUIRED if name not in columns]
     if missing:
-        raise CourseError(f"line 1: no column {missing[0]!r}: the first line names the columns id,name,role")
+        raise CourseError(
+            f"line 1: no column {missing[0]!r}: the first line names the columns id,name,role",
+            f"第 1 行：缺少 {missing[0]!r} 列：第一行要写列名 id,name,role",
+        )
     twice = [name for name in _KNOWN if columns.count(name) > 1]
     if twice:
-        raise CourseError(f"line 1: two columns {twice[0]!r}")
+        raise CourseError(f"line 1: two columns {twice[0]!r}", f"第 1 行：有两个 {twice[0]!r} 列")
 
 
 def _entries(reader: "csv.DictReader[str]") -> tuple[RosterEntry, ...]:
     entries: list[RosterEntry] = []
-    problems: list[str] = []
+    problems: list[Text] = []
     first_line: dict[str, int] = {}
     try:
         for row in reader:
@@ -51,25 +61,41 @@ def _entries(reader: "csv.DictReader[str]") -> tuple[RosterEntry, ...]:
             try:
                 entry = _entry(row)
                 if entry.id in first_line:
-                    raise CourseError(f"{entry.id} stands in line {first_line[entry.id]} already")
+                    before = first_line[entry.id]
+                    raise CourseError(
+                        f"{entry.id} stands in line {before} already", f"第 {before} 行已经有 {entry.id}"
+                    )
             except CourseError as error:
-                problems.append(f"line {line}: {error}")
+                problems.append(_at(line, error.told("zh"), error.told("en")))
             else:
                 first_line[entry.id] = line
                 entries.append(entry)
     except csv.Error as error:
-        problems.append(f"line {reader.line_num}: {error}")
+        problems.append(_at(reader.line_num, str(error), str(error)))
     if problems:
-        raise CourseError("\n".join(["nothing was imported:", *problems]))
+        raise CourseError(
+            "\n".join(["nothing was imported:", *(one.en for one in problems)]),
+            "\n".join(["没有导入任何人：", *(one.zh for one in problems)]),
+        )
     if not entries:
-        raise CourseError("the roster names nobody")
+        raise CourseError("the roster names nobody", "名单里没有人")
     return tuple(entries)
 
 
-def _entry(row: dict[str, str | None]) -> RosterEntry:
+def _at(line: int, zh: str, en: str) -> Text:
+    return Text(zh=f"第 {line} 行：{zh}", en=f"line {line}: {en}")
+
+
+def _entry(row: dict[str | Any, str | Any]) -> RosterEntry:
+    if any(cell.strip() for cell in row.get(None, ())):  # where the reader puts what no column is for
+        raise CourseError(
+            "more cells than columns: put quotes around a name with a comma",
+            "单元格比列多：名字里有逗号时要加引号",
+        )
     role = (row.get("role") or "").strip().lower() or Role.STUDENT.value
     if role not in list(Role):
-        raise CourseError(f"{role!r} is no role: use {', '.join(Role)}")
+        known = ", ".join(Role)
+        raise CourseError(f"{role!r} is no role: use {known}", f"没有角色 {role!r}：只能用 {known}")
     return RosterEntry(
         id=checked_id((row["id"] or "").strip(), "id"), name=checked_name(row["name"] or ""), role=Role(role)
     )

@@ -11,8 +11,7 @@ from datetime import timedelta
 from sqlalchemy import CursorResult, select, update
 from sqlmodel import col
 
-from grader.contracts.errors import CourseError
-from grader.contracts.identity import Caller, Role, TokenInfo
+from grader.contracts.identity import Caller, Role, TokenInfo, unknown_members
 from grader.store.audit import Signature, record
 from grader.store.columns import Clock
 from grader.store.course_tables import MemberRow, TokenRow
@@ -47,7 +46,7 @@ class Tokens:
         )
         with self._database.writing() as session:
             if session.get(MemberRow, (course, person)) is None:
-                raise CourseError(f"course {course} has no member {person!r}")
+                raise unknown_members(course, person)
             session.add(row)
             after = {"token": row.id, "expires_at": row.expires_at.isoformat()}
             record(session, Signature(now, course, actor), "token.issue", f"member {person}", after=after)
