@@ -3,7 +3,7 @@
 import hashlib
 import json
 from dataclasses import asdict, dataclass
-from datetime import datetime
+from datetime import UTC, datetime
 from functools import lru_cache
 from typing import Any
 from zoneinfo import ZoneInfo
@@ -11,7 +11,8 @@ from zoneinfo import ZoneInfo
 from sqlalchemy import select
 from sqlmodel import Session, col
 
-from grader.contracts.errors import ChangedMeanwhileError, CourseError
+from grader.contracts.errors import ChangedMeanwhileError
+from grader.contracts.identity import no_course, unknown_course, unknown_members
 from grader.contracts.policy import (
     NO_EXTENSION,
     NO_POLICY,
@@ -80,7 +81,7 @@ class Policies:
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             if session.get(CourseRow, course) is None:
-                raise CourseError(f"there is no course {course!r}")
+                raise unknown_course(course)
             row = session.get(PolicyRow, (course, assignment))
             before = NO_POLICY if row is None else _read(row.document)
             _require(seen, before)
@@ -120,7 +121,7 @@ class Policies:
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             if session.get(MemberRow, (course, person)) is None:
-                raise CourseError(f"course {course} has no member {person!r}")
+                raise unknown_members(course, person)
             row = session.get(ExtensionRow, (course, assignment, person))
             before = NO_EXTENSION if row is None else _extension(row)
             _require(seen, before)
@@ -133,15 +134,22 @@ class Policies:
                     signed,
                     "extension.change",
                     f"assignment {assignment}, member {person}",
-                    before=_plain(before),
-                    after=_plain(extension),
+                    before=to_document(before),
+                    after=to_document(extension),
                     reason=reason,
                 )
 
 
 def tag(rules: AssignmentPolicy | Extension) -> str:
-    """Return what names these rules, or this extension: others have another."""
-    return hashlib.sha256(json.dumps(_plain(rules), sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
+    """Return what names these rules, or this extension: others have another.
+
+    The same instants have the same tag, whatever offset they are written with: databases give back UTC.
+    """
+    told = {
+        name: one.astimezone(UTC).isoformat() if isinstance(one, datetime) else one
+        for name, one in asdict(rules).items()
+    }
+    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
 
 
 def rules_of(session: Session, course: str | None) -> Rules:
@@ -158,9 +166,11 @@ def rules_of(session: Session, course: str | None) -> Rules:
     )
 
 
-def to_document(policy: AssignmentPolicy) -> dict[str, Any]:
-    """Return a policy as JSON-ready data; instants as ISO 8601 with their offset."""
-    return _plain(policy)
+def to_document(rules: AssignmentPolicy | Extension) -> dict[str, Any]:
+    """Return rules or an extension as JSON-ready data; instants as ISO 8601 with their offset."""
+    return {
+        name: one.isoformat() if isinstance(one, datetime) else one for name, one in asdict(rules).items()
+    }
 
 
 def from_document(document: dict[str, Any]) -> AssignmentPolicy:
@@ -187,13 +197,9 @@ def _read(document: str) -> AssignmentPolicy:
 
 def _require(seen: Seen, before: AssignmentPolicy | Extension) -> None:
     if not seen.includes(tag(before)):
-        raise ChangedMeanwhileError("somebody else changed this meanwhile")
-
-
-def _plain(value: AssignmentPolicy | Extension) -> dict[str, Any]:
-    return {
-        name: one.isoformat() if isinstance(one, datetime) else one for name, one in asdict(value).items()
-    }
+        raise ChangedMeanwhileError(
+            "somebody else changed this meanwhile: look again", "刚刚有人改过：请重新查看后再改"
+        )
 
 
 def _extension(row: ExtensionRow) -> Extension:
@@ -202,5 +208,5 @@ def _extension(row: ExtensionRow) -> Extension:
 
 def _course(signed: Signature) -> str:
     if signed.course is None:
-        raise CourseError("there is no course: create one with `grader course create`")
+        raise no_course()
     return signed.course

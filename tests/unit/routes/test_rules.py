@@ -68,7 +68,8 @@ def test_rules_that_were_changed_meanwhile_stay(
 def test_an_extension_that_was_changed_meanwhile_stays(client: httpx.Client, school: Any) -> None:
     address = "/api/v1/assignments/square/extensions/li"
     wang = school.as_("wang")
-    seen = client.put(address, json={"extra_attempts": 1}, headers=wang).json()["etag"]
+    due = {"due": "2026-03-27T23:59:59"}  # on the course's clock; databases keep UTC
+    seen = client.put(address, json={"extra_attempts": 1, **due}, headers=wang).json()["etag"]
     matching = {**wang, "If-Match": seen}
     assert client.put(address, json={"extra_attempts": 2}, headers=matching).status_code == 200
     refused = client.put(address, json={"extra_attempts": 3}, headers=matching)
