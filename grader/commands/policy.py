@@ -1,33 +1,51 @@
-"""`grader policy`: show and change the rules of assignments, and extend them for single students."""
+"""`grader policy`: show and change the rules of assignments, and extend them for single students.
+
+Only what is named changes; the rest stays as it is. What is replaced is shown, before and after.
+"""
 
 import argparse
 import json
 import sys
-from datetime import datetime
+from dataclasses import replace
 from typing import Any
 from zoneinfo import ZoneInfo
 
 from pydantic import ValidationError
 
 from grader.catalog import Catalog
-from grader.commands.storage import actor, add_course_option, add_data_option, chosen_course, opened
+from grader.commands.storage import (
+    actor,
+    add_course_option,
+    add_data_option,
+    add_language_option,
+    chosen_course,
+    opened,
+)
 from grader.contracts.errors import CourseError
-from grader.contracts.policy import NO_POLICY, Counts, Extension
+from grader.contracts.identity import unknown_members
+from grader.contracts.numerals import whole
+from grader.contracts.policy import NO_EXTENSION, NO_POLICY, AssignmentPolicy, Counts, Extension
+from grader.contracts.seen import Seen
+from grader.contracts.text import Text
+from grader.policy import due_for
 from grader.routes.problems import ProblemError
-from grader.routes.rule_views import PolicyBody, policy_from
+from grader.routes.rule_views import ExtensionBody, PolicyBody, extension_from, policy_from
+from grader.routes.validation_words import said
 from grader.store.audit import Signature
 from grader.store.columns import utc_now
-from grader.store.policies import Policies, to_document
+from grader.store.policies import Policies, Rules, tag, to_document
+from grader.web.audit_lines import Teller
 
 _FIELDS = tuple(to_document(NO_POLICY))
 _TEXTS = ("opens", "due", "hidden_until", "counts")
+_NONE = ("none", "null", "")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="show | set | extend")
-    show = actions.add_parser("show", help="print the rules of a course as JSON")
-    change = actions.add_parser("set", help="change some of the rules of an assignment")
+    show = actions.add_parser("show", help="print the rules and extensions of a course as JSON")
+    change = actions.add_parser("set", help="change some of the rules of an assignment; the others stay")
     change.add_argument("assignment")
     change.add_argument(
         "rules",
@@ -36,18 +54,24 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help=f"{', '.join(_FIELDS)}; e.g. due=2026-03-20T23:59:59 attempts=5 counts={Counts.LAST} "
         'late=\'{"kind": "linear", "per_day": 0.1}\'; none takes a rule back',
     )
-    extend = actions.add_parser("extend", help="give one student more time or attempts")
+    extend = actions.add_parser(
+        "extend", help="give one student more time or attempts; what is not named stays"
+    )
     extend.add_argument("student")
     extend.add_argument("assignment")
     extend.add_argument(
-        "--due", metavar="INSTANT", help="in the course's time zone, e.g. 2026-03-27T23:59:59"
+        "--due",
+        metavar="INSTANT",
+        help="in the course's time zone, e.g. 2026-03-27T23:59:59; none takes it back",
     )
-    extend.add_argument("--extra-attempts", type=int, default=0)
+    extend.add_argument("--extra-attempts", type=whole, metavar="N", help="0 takes them back")
     for one in (change, extend):
         one.add_argument("--reason", default="", help="goes into the audit log")
+        one.add_argument("--dry-run", action="store_true", help="show what would change, and change nothing")
     for one in (show, change, extend):
         add_course_option(one)
         add_data_option(one)
+        add_language_option(one)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -55,6 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
     action = {"show": _show, "set": _set, "extend": _extend}[arguments.action]
     with opened(arguments) as storage:
         course = chosen_course(storage, arguments.course)
+        if arguments.action == "extend" and storage.courses.member(course, arguments.student) is None:
+            raise unknown_members(course, arguments.student)
         action(Policies(storage.database), Signature(utc_now(), course, actor()), arguments)
     return 0
 
@@ -62,60 +88,134 @@ def run(arguments: argparse.Namespace) -> int:
 def _show(policies: Policies, signed: Signature, _: argparse.Namespace) -> None:
     rules = policies.rules(signed.course)
     document = {assignment: to_document(policy) for assignment, policy in sorted(rules.policies.items())}
+    for (assignment, student), extension in sorted(rules.extensions.items(), key=lambda item: item[0]):
+        if extension != NO_EXTENSION:
+            shown = document.setdefault(assignment, to_document(NO_POLICY))
+            shown.setdefault("extensions", {})[student] = to_document(_local(extension, rules.zone))
     sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")
 
 
+def _local(extension: Extension, zone: ZoneInfo) -> Extension:
+    return extension if extension.due is None else replace(extension, due=extension.due.astimezone(zone))
+
+
 def _set(policies: Policies, signed: Signature, arguments: argparse.Namespace) -> None:
-    items = {item.id for item in Catalog().get(arguments.assignment).items}
+    items = [item.id for item in Catalog().get(arguments.assignment).items]
     rules = policies.rules(signed.course)
-    document = to_document(rules.policy(arguments.assignment))
-    for rule in arguments.rules:
-        name, given, value = rule.partition("=")
-        if name not in _FIELDS or not given:
-            raise CourseError(f"{rule}: write RULE=VALUE with one of {', '.join(_FIELDS)}")
-        document[name] = _value(name, value)
-    try:
-        policy = policy_from(PolicyBody.model_validate(document), rules.zone)
-    except ValidationError as error:
-        wrong = error.errors()[0]
-        where = ".".join(str(part) for part in wrong["loc"])
-        raise CourseError(f"{where}: {wrong['msg']}") from None
-    except ProblemError as error:
-        raise CourseError(f"these rules make no sense: {error.text}") from None
-    if unknown := set(policy.hidden_items) - items:
+    before = rules.policy(arguments.assignment)
+    policy = _read(_changed(before, arguments.rules), rules.zone, arguments)
+    if unknown := set(policy.hidden_items) - set(items):
+        name, known = min(unknown), ", ".join(items)
         raise CourseError(
-            f"{arguments.assignment} has no item {min(unknown)}; it has {', '.join(sorted(items))}"
+            f"{arguments.assignment} has no item {name}; it has {known}",
+            f"{arguments.assignment} 没有评分项 {name}；它有 {known}",
         )
-    policies.set(arguments.assignment, policy, signed, arguments.reason)
+    if not arguments.dry_run:
+        seen = Seen.one(tag(before))
+        policies.set(arguments.assignment, policy, signed, arguments.reason, seen=seen)
+    _tell(arguments.assignment, before, policy, rules.zone, arguments)
 
 
-def _extend(policies: Policies, signed: Signature, arguments: argparse.Namespace) -> None:
-    Catalog().get(arguments.assignment)
-    zone = policies.rules(signed.course).zone
-    due = None if arguments.due is None else _instant(arguments.due, zone)
-    try:
-        extension = Extension(due=due, extra_attempts=arguments.extra_attempts)
-    except ValueError as error:
-        raise CourseError(str(error)) from None
-    policies.extend(arguments.assignment, arguments.student, extension, signed, arguments.reason)
+def _changed(before: AssignmentPolicy, given: list[str]) -> dict[str, Any]:
+    """Return the rules `before` as a document, with those that were given in their places."""
+    document = to_document(before)
+    for rule in given:
+        name, equals, value = rule.partition("=")
+        if name not in _FIELDS or not equals:
+            known = ", ".join(_FIELDS)
+            raise CourseError(
+                f"{rule}: write RULE=VALUE with one of {known}", f"{rule}：写成 规则=值，规则有 {known}"
+            )
+        document[name] = _value(name, value)
+    return document
 
 
 def _value(name: str, text: str) -> Any:
-    if text in ("none", "null", ""):
+    if text in _NONE:
         return to_document(NO_POLICY)[name]
     if name in _TEXTS:
         return text
     if name == "hidden_items":
-        return text.split(",")
+        return [one.strip() for one in text.split(",")]
     try:
         return json.loads(text)
     except ValueError:
-        raise CourseError(f"{name}={text}: not a number or JSON") from None
+        raise CourseError(f"{name}={text}: not a number or JSON", f"{name}={text}：不是数字或 JSON") from None
 
 
-def _instant(text: str, zone: ZoneInfo) -> datetime:
+def _read(document: dict[str, Any], zone: ZoneInfo, arguments: argparse.Namespace) -> AssignmentPolicy:
     try:
-        instant = datetime.fromisoformat(text)
-    except ValueError:
-        raise CourseError(f"{text}: write an instant such as 2026-03-20T23:59:59") from None
-    return instant if instant.tzinfo is not None else instant.replace(tzinfo=zone)
+        return policy_from(PolicyBody.model_validate(document), zone)
+    except ValidationError as error:
+        raise _refusal(error) from None
+    except ProblemError as error:
+        told = error.text
+        assert isinstance(told, Text)
+        raise CourseError(told.en, told.zh) from None
+
+
+def _extend(policies: Policies, signed: Signature, arguments: argparse.Namespace) -> None:
+    Catalog().get(arguments.assignment)
+    rules = policies.rules(signed.course)
+    before = rules.extension(arguments.assignment, arguments.student)
+    extension = _extended(before, rules.zone, arguments)
+    if not arguments.dry_run:
+        who = (arguments.assignment, arguments.student)
+        policies.extend(*who, extension, signed, arguments.reason, seen=Seen.one(tag(before)))
+    _tell(f"{arguments.assignment}, {arguments.student}", before, extension, rules.zone, arguments)
+    _warn_of_no_effect(extension, rules, arguments)
+
+
+def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) -> Extension:
+    """Return what the student has `before`, with what was given in its place."""
+    if arguments.due is None and arguments.extra_attempts is None:
+        raise CourseError("say --due or --extra-attempts", "请给出 --due 或 --extra-attempts")
+    given: dict[str, Any] = {}
+    if arguments.due is not None:
+        given["due"] = None if arguments.due in _NONE else arguments.due
+    if arguments.extra_attempts is not None:
+        given["extra_attempts"] = arguments.extra_attempts
+    try:
+        read = extension_from(ExtensionBody.model_validate(given), zone)
+    except ValidationError as error:
+        raise _refusal(error) from None
+    return replace(before, **{name: getattr(read, name) for name in given})
+
+
+def _warn_of_no_effect(extension: Extension, rules: Rules, arguments: argparse.Namespace) -> None:
+    policy = rules.policy(arguments.assignment)
+    if extension.due is not None and due_for(policy, extension) != extension.due:
+        told = Text(
+            zh="注意：不晚于全班的截止时间，没有作用",
+            en="note: no later than everybody's due date, so without effect",
+        )
+        sys.stderr.write(told.get(arguments.lang) + "\n")
+
+
+def _refusal(error: ValidationError) -> CourseError:
+    wrong = error.errors()[0]
+    where = ".".join(str(part) for part in wrong["loc"])
+    return CourseError(f"{where}: {said(wrong, 'en')}", f"{where}：{said(wrong, 'zh')}")
+
+
+def _tell(
+    what: str,
+    before: AssignmentPolicy | Extension,
+    after: AssignmentPolicy | Extension,
+    zone: ZoneInfo,
+    arguments: argparse.Namespace,
+) -> None:
+    """Print the fields that differ, old and new, instants on the course's clock."""
+    old, new = to_document(before), to_document(after)
+    teller = Teller(arguments.lang, zone)
+    changed = [name for name in old if old[name] != new[name]]
+    if not changed:
+        head = Text(zh="没有变化", en="nothing changes")
+    elif arguments.dry_run:
+        head = Text(zh="将会改变（试运行，什么也没改）", en="would change (dry run: nothing was changed)")
+    else:
+        head = Text(zh="已改变", en="changed")
+    lines = [f"{what}: {head.get(arguments.lang)}"]
+    for name in changed:
+        lines.append(f"  {name:<16} {teller.value(name, old[name])} → {teller.value(name, new[name])}")
+    sys.stderr.write("\n".join(lines) + "\n")

@@ -1,0 +1,132 @@
+"""`grader policy`, as typed: what is named changes, the rest stays, and both are shown."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from grader import cli
+from grader.contracts.policy import AssignmentPolicy, Extension
+from grader.store.audit import Signature
+from grader.store.columns import utc_now
+from grader.store.database import Database
+from grader.store.policies import Policies
+
+
+@pytest.fixture
+def grader(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    def run(*arguments: str, status: int = 0, lang: str = "en") -> tuple[str, str]:
+        assert cli.run([*arguments, "--data", str(tmp_path / "data"), "--lang", lang]) == status
+        return capsys.readouterr()
+
+    roster = tmp_path / "class.csv"
+    roster.write_text("id,name\n1,a\n2,b\n")
+    run("course", "create", "ros", "--instructor", "w", "--roster", str(roster))
+    return run
+
+
+@pytest.fixture
+def shown(grader):
+    return lambda: json.loads(grader("policy", "show")[0])
+
+
+def test_what_is_named_changes_and_the_rest_stays(grader, shown) -> None:
+    grader("policy", "set", "square", "due=2026-03-20T23:59:59", "attempts=5")
+    told = grader("policy", "set", "square", 'late={"kind": "linear", "per_day": 0.1}', "attempts=none")[1]
+    assert told.splitlines() == [
+        "square: changed",
+        "  late             costs nothing → −10 % a day",
+        "  attempts         5 → —",
+    ]
+    rules = shown()["square"]
+    assert rules["due"] == "2026-03-20T23:59:59+08:00"
+    assert (rules["late"]["per_day"], rules["attempts"]) == (0.1, None)
+    assert grader("policy", "set", "square", "attempts=none", lang="zh")[1] == "square: 没有变化\n"
+
+
+def test_a_dry_run_shows_and_changes_nothing(grader, shown) -> None:
+    told = grader("policy", "set", "square", "due=2026-03-20T23:59:59", "--dry-run", lang="zh")[1]
+    assert "什么也没改" in told
+    assert "— → 2026-03-20 23:59:59" in told
+    grader("policy", "extend", "1", "square", "--extra-attempts", "2", "--dry-run")
+    assert shown() == {}
+
+
+def test_an_extension_changes_only_what_is_named(grader, shown) -> None:
+    extend = ("policy", "extend", "1", "square")
+    grader(*extend, "--extra-attempts", "2")
+    told = grader(*extend, "--due", "2026-03-27T23:59:59", "--reason", "ill")[1]
+    assert told.splitlines()[:2] == ["square, 1: changed", "  due              — → 2026-03-27 23:59:59"]
+    given = {"due": "2026-03-27T23:59:59+08:00", "extra_attempts": 2}
+    assert shown()["square"]["extensions"] == {"1": given}
+    grader(*extend, "--due", "none", "--extra-attempts", "0")
+    assert "square" not in shown()
+
+
+def test_an_extension_without_effect_is_told(grader) -> None:
+    grader("policy", "set", "square", "due=2026-03-20T23:59:59")
+    told = grader("policy", "extend", "1", "square", "--due", "2026-03-19T23:59:59", lang="zh")[1]
+    assert "没有作用" in told
+
+
+@pytest.mark.parametrize("action", ["set", "extend"])
+def test_what_somebody_else_changes_meanwhile_stays(
+    grader, shown, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, action: str
+) -> None:
+    rules = Policies.rules
+
+    def then_somebody_else(self: Policies, course: str | None):
+        before = rules(self, course)
+        database = Database(f"sqlite:///{tmp_path / 'data' / 'grader.db'}")
+        signed = Signature(utc_now(), "ros", "wang")
+        Policies(database).set("square", AssignmentPolicy(attempts=9), signed)
+        Policies(database).extend("square", "1", Extension(extra_attempts=9), signed)
+        database.close()
+        return before
+
+    change = {"set": ("square", "attempts=2"), "extend": ("1", "square", "--extra-attempts", "2")}[action]
+    with monkeypatch.context() as patched:
+        patched.setattr(Policies, "rules", then_somebody_else)
+        assert "刚刚有人改过" in grader("policy", action, *change, status=2, lang="zh")[1]
+    assert (shown()["square"]["attempts"], shown()["square"]["extensions"]["1"]["extra_attempts"]) == (9, 9)
+
+
+@pytest.mark.parametrize(
+    ("rule", "zh", "en"),
+    [
+        ("attempts=many", "不是数字或 JSON", "not a number or JSON"),
+        ("attempts=1_0", "不是数字或 JSON", "not a number or JSON"),
+        ('attempts="10"', "要填一个整数", "no whole number"),
+        ("attempts=2.5", "要填一个整数", "no whole number"),
+        ("attempts=0", "不能小于 1", "1 or more"),
+        ("accept_late_s=NaN", "要填一个", "number"),
+        ("due=tomorrow", "要填一个时间", "date and time"),
+        ("due=2026-03-20", "要填一个时间", "date and time"),
+        ("counts=best_before_due", "要有 due", "needs a due date"),
+        ("colour=red", "写成 规则=值", "RULE=VALUE"),
+        ("late=[1]", "JSON 对象", "JSON object"),
+        ("hidden_items=nose", "没有评分项 nose", "no item nose"),
+    ],
+)
+def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: str, en: str) -> None:
+    for language, words in (("zh", zh), ("en", en)):
+        told = grader("policy", "set", "square", rule, status=2, lang=language)[1]
+        assert told.startswith("grader: ")
+        assert words in told
+    assert shown() == {}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "zh"),
+    [
+        (("9", "square", "--extra-attempts", "1"), "没有成员 9"),
+        (("1", "spiral", "--extra-attempts", "1"), "没有作业"),
+        (("1", "square"), "请给出 --due 或 --extra-attempts"),
+        (("1", "square", "--due", "soon"), "要填一个时间"),
+        (("1", "square", "--due", "9999-01-01T00:00"), "年份"),
+        (("1", "square", "--extra-attempts", "-1"), "不能小于 0"),
+    ],
+)
+def test_extensions_that_make_no_sense(grader, shown, arguments: tuple[str, ...], zh: str) -> None:
+    assert zh in grader("policy", "extend", *arguments, status=2, lang="zh")[1]
+    assert shown() == {}
