@@ -9,6 +9,8 @@ from grader.messages.details import explained
 
 _FLOAT_FIELD = re.compile(r"The '(\w+)' field must be of type 'float'")
 _MISSPELT = re.compile(r"'(\w+)' object has no attribute '(\w+)'")
+_DISK_FULL = "[Errno 28]"
+_NO_TERMINAL = ("(25, ", "setupterm:")  # of termios and curses, whose exceptions are both called `error`
 _MESSAGE_CLASSES = {"Twist", "Vector3"}
 
 _ENDINGS = {
@@ -68,9 +70,14 @@ def _exception(error: StudentError) -> tuple[str, dict[str, str]]:
         return "crashed", {}
     if error.type == "TypeError" and "qos_profile" in error.message:
         return "missing_qos", {}
+    if error.type == "OSError" and error.message.startswith(_DISK_FULL):
+        return "disk_full", {}
+    if error.type == "error" and error.message.startswith(_NO_TERMINAL):
+        return "no_terminal", {}
     plain = {
         "NotInitializedException": "not_initialized",
         "EOFError": "no_input",
+        "FileNotFoundError": "missing_file",
         "NameError": "unknown_name",
         "ModuleNotFoundError": "missing_module",
     }

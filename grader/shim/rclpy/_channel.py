@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 
 _end_process = os._exit
+_read, _write = os.read, os.write
 
 
 class Descriptor:
@@ -15,19 +16,17 @@ class Descriptor:
 
     def __init__(self, number: int) -> None:
         self._number = number
-        self._read = os.read
-        self._write = os.write
 
     def sendall(self, data: bytes, /) -> None:
         view = memoryview(data)
         try:
             while view:
-                view = view[self._write(self._number, view) :]
+                view = view[_write(self._number, view) :]
         except OSError:
             _end_process(0)
 
     def recv(self, size: int, /) -> bytes:
-        data = self._read(self._number, size)
+        data = _read(self._number, size)
         if not data:
             _end_process(0)
         return data

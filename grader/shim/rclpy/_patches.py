@@ -7,13 +7,15 @@ imported already). Names that already imported modules have copied (`from time i
 from __future__ import annotations
 
 import _thread
+import builtins
+import io
 import os
 import sys
 import time
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 
-from rclpy import _patches_host, _patches_thread, _patches_time
+from rclpy import _patches_files, _patches_host, _patches_thread, _patches_time
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -26,6 +28,9 @@ LAZY = {
     "linecache": ("_report", "prime_linecache"),
     "datetime": ("_patches_datetime", "patch_datetime"),
     "logging": ("_patches_threading", "patch_logging"),
+    "numpy.lib._datasource": ("_patches_numpy", "patch_datasource"),
+    "numpy.lib._format_impl": ("_patches_numpy", "patch_format"),
+    "numpy.lib.format": ("_patches_numpy", "patch_format"),
     "queue": ("_patches_threading", "patch_queue"),
     "random": ("_patches_host", "patch_random"),
     "sched": ("_patches_time", "patch_sched"),
@@ -37,12 +42,26 @@ LAZY = {
 }
 """Module -> (our module, function called with it once it is there)."""
 
-_OURS = ("rclpy._kernel", "rclpy._scheduler", "rclpy._patches", "rclpy._runner")
+_OURS = (
+    *(
+        "rclpy._kernel",
+        "rclpy._scheduler",
+        "rclpy._patches",
+        "rclpy._runner",
+        "rclpy._channel",
+        "rclpy._output",
+    ),
+    "rclpy._open_files",
+    "rclpy._descriptors",
+)
+_SYSTEM = ("posix", "_io")
+"""What the import system works with keeps the real files: it reads the shim and the standard library."""
 
 
 def install() -> None:
     """Replace what is there already; to be called once, in the student's process, before `begin`."""
     _replace()
+    os.environ.update(_patches_host.ENVIRONMENT)
     sys.meta_path.insert(0, PostImport())
 
 
@@ -74,7 +93,13 @@ _REPLACED: tuple[tuple[ModuleType, dict[str, object]], ...] = (
     (time, _patches_time.REPLACED),
     (_thread, _patches_thread.REPLACED),
     (os, _patches_host.REPLACED),
+    (os, _patches_files.REPLACED),
+    (io, _patches_files.REPLACED_OPEN),
+    (builtins, _patches_files.REPLACED_OPEN),
 )
+_FILES = {
+    id(new) for table in (_patches_files.REPLACED, _patches_files.REPLACED_OPEN) for new in table.values()
+}
 _searched: dict[str, ModuleType] = {}
 _copies: list[tuple[dict[str, object], str, object]] = []
 """Where a copy was found: the module's names, its name there, what shall stand there instead."""
@@ -113,6 +138,7 @@ def _copies_in(
         (names, name, replacements[id(value)][1])
         for name, value in names.items()
         if id(value) in replacements
+        and not (module.__name__ in _SYSTEM and id(replacements[id(value)][1]) in _FILES)
     ]
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import _random
 import os
 
+from rclpy._entries import HOME, UID, USER, WORK
 from rclpy._kernel import kernel
 
 TYPE_CHECKING = False
@@ -14,6 +15,9 @@ if TYPE_CHECKING:
 
 PID = 4242
 CPUS = 4
+ENVIRONMENT = {"HOME": HOME, "LOGNAME": USER, "PWD": WORK, "USER": USER}
+UNAME = os.uname_result(("Linux", "ubuntu", "5.15.0-91-generic", "#101-Ubuntu SMP", "x86_64"))
+"""Ubuntu 22.04, on which Humble runs."""
 
 _entropy = _random.Random(0)
 _kill = os.kill
@@ -41,6 +45,22 @@ def getpid() -> int:
 
 def getppid() -> int:
     return PID - 1
+
+
+def getuid() -> int:
+    return UID
+
+
+def getgroups() -> list[int]:
+    return [UID]
+
+
+def getlogin() -> str:
+    return USER
+
+
+def uname() -> os.uname_result:
+    return UNAME
 
 
 def cpu_count() -> int:
@@ -71,6 +91,10 @@ REPLACED: dict[str, object] = {
     "getrandom": getrandom,
     "getpid": getpid,
     "getppid": getppid,
+    **dict.fromkeys(("getuid", "geteuid", "getgid", "getegid"), getuid),
+    "getgroups": getgroups,
+    "getlogin": getlogin,
+    "uname": uname,
     "cpu_count": cpu_count,
     "process_cpu_count": cpu_count,
     "sched_getaffinity": sched_getaffinity,

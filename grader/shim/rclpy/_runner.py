@@ -17,6 +17,7 @@ from rclpy import _loops, _output, _patches, _report, _wire
 from rclpy._channel import Descriptor
 from rclpy._kernel import kernel
 from rclpy._link import link
+from rclpy._storage import storage
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ def run(channel: int = 3) -> NoReturn:
     _report.script.source = source
     kernel.start_episode(start["horizon_ns"], start["epoch_ns"])
     link.connect_world(start["world"])
-    module = _prepare(start)
+    module = _prepare(start, source)
     kernel.at_horizon = _tell_interrupt
     code = _compile(source)
     if code is not None:
@@ -108,9 +109,10 @@ def _get_ready() -> None:
     setattr(builtins, _loops.CHECKPOINT, kernel.checkpoint)
 
 
-def _prepare(start: dict[str, Any]) -> ModuleType:
+def _prepare(start: dict[str, Any], source: bytes) -> ModuleType:
     """Make the process look as Python makes it for ``python3 student.py``."""
     _patches.begin(start["seed"])
+    storage.place_script(start["file_name"], source)
     sys.argv = [start["file_name"], *start["args"]]
     _open_stdin(start["stdin"])
     _output.budget.limit(start.get("output_bytes"), _end_at_output_limit)

@@ -52,6 +52,14 @@ def error(kind: str, message: str) -> StudentError:
         (error("EOFError", "EOF when reading a line"), "no_input", ("input()",)),
         (error("NameError", "name 'Twst' is not defined"), "unknown_name", ("Twst",)),
         (error("ModuleNotFoundError", "No module named 'rospy'"), "missing_module", ("rospy",)),
+        (
+            error("FileNotFoundError", "[Errno 2] No such file or directory: 'a.csv'"),
+            "missing_file",
+            ("a.csv",),
+        ),
+        (error("OSError", "[Errno 28] No space left on device"), "disk_full", ("16 MiB",)),
+        (error("OSError", "[Errno 22] Invalid argument"), "crashed", ("OSError",)),
+        (error("error", "(25, 'Inappropriate ioctl for device')"), "no_terminal", ("7",)),
         (error("ZeroDivisionError", "division by zero"), "crashed", ("ZeroDivisionError", "17")),
         (None, "killed", ("SIGSEGV",)),
     ],
@@ -159,6 +167,7 @@ def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
         ("square", polygon_legs(4, corners_deg=[97] * 4), "turns_too_far"),
         ("square", polygon_legs(4, corners_deg=[83] * 4), "turns_too_short"),
         ("square", polygon_legs(4, corners_deg=[90, 80, 90, 90]), "one_corner_off"),
+        ("square", polygon_legs(4, corners_deg=[60, 120, 60, 120]), "one_corner_off"),  # not "0° too far"
         ("square", polygon_legs(4, lengths_m=[2, 2, 2, 1.7]), "unequal_sides"),
         ("square", polygon_legs(4, corners_deg=[90, -90, 90, -90]), "zigzag"),
         ("square", [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)] * 4, "arcs"),
