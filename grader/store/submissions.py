@@ -70,9 +70,9 @@ class Submissions:
             return attempts_of(session, student, assignment, course)
 
     def get(self, submission_id: str) -> Submission | None:
-        """Return one submission, or None."""
+        """Return one submission, or None. A re-grade's trial is none: it is shown with its re-grade only."""
         with self._database.reading() as session:
-            row = session.get(SubmissionRow, submission_id)
+            row = _handed_in(session, submission_id)
             return None if row is None else _submission(row)
 
     def source(self, submission_id: str) -> bytes | None:
@@ -91,9 +91,9 @@ class Submissions:
             return _report(session, submission_id)
 
     def with_report(self, submission_id: str) -> tuple[Submission, StoredReport | None] | None:
-        """Return a submission and its latest grading as they are at one instant, or None."""
+        """Return a submission and its latest grading as they are at one instant, or None, as `get` does."""
         with self._database.reading() as session:
-            row = session.get(SubmissionRow, submission_id)
+            row = _handed_in(session, submission_id)
             return None if row is None else (_submission(row), _report(session, submission_id))
 
     def trajectory(self, report: StoredReport, case_id: str) -> bytes | None:
@@ -141,6 +141,11 @@ def _record_handed_in(session: Session, by: str, row: SubmissionRow) -> None:
     signed = Signature(row.received_at, row.course, by)
     what = {"student": row.student, "assignment": row.assignment, "sha256": row.source_sha256}
     record(session, signed, "submission.hand_in", f"submission {row.id}", after=what)
+
+
+def _handed_in(session: Session, submission_id: str) -> SubmissionRow | None:
+    row = session.get(SubmissionRow, submission_id)
+    return None if row is None or row.regrade is not None else row
 
 
 def _report(session: Session, submission_id: str) -> StoredReport | None:

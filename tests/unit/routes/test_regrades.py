@@ -194,6 +194,34 @@ def test_what_the_service_failed_to_grade(
     assert (document["status"], document["score"]) == ("graded", 5.0)
 
 
+@pytest.mark.parametrize("made", [False, True])
+def test_a_trial_is_no_submission(
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    klass: dict[str, str],
+    post: Callable[..., httpx.Response],
+    made: bool,
+) -> None:
+    post(assignment="square", which="best")
+    claim = services.queue.claim("w")
+    assert claim is not None
+    if made:
+        assignment = services.assignments.get("square")
+        job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+        assert services.queue.finish(claim, grade(job), assignment)
+    of_submissions = [
+        path.partition("{submission_id}")[2]
+        for path in client.get("/openapi.json").json()["paths"]
+        if path.startswith("/api/v1/submissions/{submission_id}")
+    ]
+    assert {"", "/report", "/source", "/events", "/plot.png", "/gradings"} <= set(of_submissions)
+    for rest in of_submissions:
+        address = f"/api/v1/submissions/{claim.submission_id}{rest.replace('{item}', 'closed')}"
+        answer = client.get(address, headers=school.as_("wang"))
+        assert (answer.status_code, answer.json()["code"]) == (404, "submission_not_found"), rest
+
+
 def test_a_trial_that_cannot_be_made_leaves_its_submission(
     client: httpx.Client,
     services: Services,
