@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grader.checks.credit import share
 from grader.checks.drive import Drive, drive_of
@@ -17,6 +18,7 @@ from grader.contracts.verdict import Run
 from grader.messages import say
 
 DIRECTIONS = ("forward", "backward")
+Bools = NDArray[np.bool_]
 MEASURES = {
     "commands": MeasureKind(form="count"),
     "advance_m": MeasureKind("m"),
@@ -49,14 +51,22 @@ def _motion(drive: Drive, *, backward: bool) -> dict[str, Measure]:
     ahead_m, left_m = _frame(drive)
     advance_m = -ahead_m if backward else ahead_m
     net_m = float(advance_m[-1])
+    facing_m = float(np.sum(np.diff(advance_m)[_keeps_facing(drive)]))
     headings = np.degrees(drive.path.heading_rad - drive.path.heading_rad[0])
     turned = float(headings[int(np.argmax(np.abs(headings)))])
     return {
-        "advance_m": Measure(net_m),
+        "advance_m": Measure(min(net_m, facing_m)),  # whoever turned round drove the other way
         "lateral_pct": Measure(100.0 * float(np.max(np.abs(left_m))) / net_m) if net_m > 0.0 else UNMEASURED,
         "turned_deg": Measure(abs(turned)),
         "way_back_m": Measure(float(np.max(np.maximum.accumulate(advance_m) - advance_m))),
     }
+
+
+def _keeps_facing(drive: Drive) -> Bools:
+    """Return for each of the (n - 1) steps whether the car faced its initial heading rather than away from it."""
+    heading = drive.path.heading_rad
+    facing: Bools = np.cos((heading[1:] + heading[:-1]) / 2.0 - heading[0]) > 0.0
+    return facing
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

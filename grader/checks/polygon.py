@@ -93,7 +93,7 @@ def _corner_measures(wanted: WantedPolygon, figure: PolygonFigure) -> dict[str, 
     ideal = wanted.corner_deg
     worst = corners[int(np.argmax(np.abs(sense * corners - ideal)))]
     opposite = int(np.count_nonzero(sense * corners < 0.0))
-    details = {"corners": listed(np.abs(corners), "deg"), "ideal": number(ideal, "deg")}
+    details = {"corners": listed(sense * corners, "deg"), "ideal": number(ideal, "deg")}
     return {
         "corner_deg": Measure(float(sense * worst), details),
         "opposite_corners": Measure(

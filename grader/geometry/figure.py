@@ -13,6 +13,7 @@ FULL_TURN_RAD = 2.0 * math.pi
 MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
 REPEAT_TOLERANCE = 0.15  # by how much a later side may differ when the figure is repeated
 MIN_CLOSING_TURN_RAD = math.radians(10.0)
+SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
 
 
 @positional_record
@@ -76,9 +77,19 @@ def _corners(path: Path, segments: Segments, *, cut_short: bool) -> list[float]:
     """Return the change of direction after each run; the last run has one only if a whole turn follows."""
     runs, closing = segments.runs, segments.turns[-1]
     corners = [after.direction_rad - before.direction_rad for before, after in itertools.pairwise(runs)]
-    if closing is not None and abs(closing.angle_rad) >= MIN_CLOSING_TURN_RAD and not cut_short:
-        corners.append(float(path.travel_rad[closing.last]) - runs[-1].direction_rad)
-    return corners
+    if closing is None or cut_short:
+        return corners
+    corner = float(path.travel_rad[closing.last]) - runs[-1].direction_rad
+    spun_before = any(abs(each) >= FULL_TURN_RAD for each in corners)  # then it is how the script turns
+    if closing.length_m <= SPOT_SHARE * path.extent_m and not spun_before:
+        corner = _without_spins(corner)
+    return corners if abs(corner) < MIN_CLOSING_TURN_RAD else [*corners, corner]
+
+
+def _without_spins(angle_rad: float) -> float:
+    """Return a closing turn on the spot less whole turns: the figure is complete before a last pirouette."""
+    spins = math.floor((abs(angle_rad) + MIN_CLOSING_TURN_RAD) / FULL_TURN_RAD)
+    return angle_rad - math.copysign(spins * FULL_TURN_RAD, angle_rad)
 
 
 def _lap(corners: list[float]) -> int | None:

@@ -26,9 +26,8 @@ class Backward(Node):
         time.sleep(0.1)
 
     def run(self):
-        self.drive(1.0, 0.0, 1.0)
         self.drive(0.0, 1.0, math.pi)
-        self.drive(1.0, 0.0, 0.5)
+        self.drive(1.0, 0.0, 2.0)
 
 
 def main():

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Iterator, Mapping
 
+import numpy as np
+
 from grader.checks.drive import Drive
 from grader.checks.measure import UNMEASURED, Measure, Mistake
 from grader.checks.mistakes.commands import command_mistakes
@@ -15,6 +17,7 @@ MIN_MOTION_M = 0.05
 TURNING_DEG = 5.0
 WAY_BACK_M = 0.05
 SHORT_M = 0.5
+SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
 
 def motion_mistakes(
@@ -50,9 +53,20 @@ def _turning(drive: Drive, values: Mapping[str, float]) -> Iterator[Mistake]:
         return
     travelled_m = float(drive.path.along_m[-1])
     turned = number(values["turned_deg"], "deg")
+    spoilt = ("turned_deg", "lateral_pct", "way_back_m", "advance_m")
     if travelled_m < MIN_MOTION_M:
         yield Mistake("only_turned", say("mistake.only_turned", turned=turned))
+    elif _on_the_spot(drive):
+        yield Mistake("turned_too", say("mistake.turned_too", turned=turned), spoilt)
     else:
         radius_m = travelled_m / math.radians(values["turned_deg"])
         text = say("mistake.curved", turned=turned, radius=number(radius_m, "m"))
-        yield Mistake("curved", text, ("turned_deg", "lateral_pct", "way_back_m", "advance_m"))
+        yield Mistake("curved", text, spoilt)
+
+
+def _on_the_spot(drive: Drive) -> bool:
+    """Whether most of the turning was done on the spot rather than in an arc."""
+    turned_rad = np.abs(np.diff(drive.path.heading_rad))
+    driven_m = np.abs(np.diff(drive.path.along_m))
+    on_the_spot_rad = float(np.sum(turned_rad[driven_m < SPOT_RADIUS_M * turned_rad]))
+    return on_the_spot_rad > 0.5 * float(np.sum(turned_rad))

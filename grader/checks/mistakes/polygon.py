@@ -21,6 +21,7 @@ from grader.messages import say
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 SAME_DEG = 4.0  # corners this close to a telling value are taken to be it
+RADIAN_OFF_DEG = 2.0  # whoever turns by a radian does it exactly; 54° is a tick of a 10 Hz timer too far
 FAST_TURN_RADPS = 12.0  # nobody means to turn this fast: a number of degrees
 CORNER_OFF_DEG = 3.0
 CURVED_SHARE = 0.1
@@ -139,7 +140,7 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         yield _other_figure(seen, figure)
     elif uniform and (telling := _telling_angle(seen, mean)) is not None:
         yield Mistake(telling, say(f"mistake.{telling}", mean=_degree(mean), **values), spoilt)
-    elif bool(off.all()):
+    elif bool(off.all()) and abs(int(np.sum(np.sign(corners - ideal)))) == len(corners):
         code = "turns_too_far" if mean > ideal else "turns_too_short"
         yield Mistake(code, say(f"mistake.{code}", excess=_degree(abs(mean - ideal)), **values), spoilt)
     else:
@@ -150,11 +151,13 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
 
 def _telling_angle(seen: _Seen, mean: float) -> str | None:
     """Return the mistake whose angle `mean` is nearest to, if any is near."""
-    telling = {"one_radian": ONE_RADIAN_DEG}
+    telling = {"one_radian": (ONE_RADIAN_DEG, RADIAN_OFF_DEG)}
     if seen.sides != 4:  # a square's interior and exterior angles are the same
-        telling["interior_angle"] = 180.0 - seen.ideal_deg
-    nearest = min(telling, key=lambda code: abs(mean - telling[code]))
-    return nearest if abs(mean - telling[nearest]) <= SAME_DEG else None
+        telling["interior_angle"] = (180.0 - seen.ideal_deg, SAME_DEG)
+    near = {
+        code: abs(mean - angle) for code, (angle, within) in telling.items() if abs(mean - angle) <= within
+    }
+    return min(near, key=lambda code: near[code], default=None)
 
 
 def _is_other_figure(seen: _Seen, figure: PolygonFigure, mean: float) -> bool:

@@ -160,6 +160,8 @@ def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
     [
         ("square", polygon_legs(4, corners_deg=[57.3] * 4), "one_radian"),
         ("triangle", polygon_legs(3, corners_deg=[57.3] * 3), "one_radian"),
+        ("octagon", polygon_legs(8, 1.0, corners_deg=[57.3] * 8), "one_radian"),
+        ("octagon", polygon_legs(8, 1.0, corners_deg=[54] * 8), "turns_too_far"),  # ticks of a 10 Hz timer
         ("triangle", polygon_legs(3, corners_deg=[60] * 3), "interior_angle"),
         ("pentagon", polygon_legs(5, corners_deg=[108] * 5), "interior_angle"),
         ("square", polygon_legs(4, laps=0.75), "sides_missing"),

@@ -75,6 +75,21 @@ def test_turning_on_the_spot_is_not_driving() -> None:
     assert verdict.mistakes == ("only_turned",)
 
 
+@pytest.mark.parametrize(("name", "v"), [("straight", -1.0), ("backward", 1.0)])
+def test_whoever_turns_round_first_has_not_driven_the_way_that_was_asked(name: str, v: float) -> None:
+    verdict = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
+    assert item(verdict, "distance").status is ItemStatus.FAILED
+    assert score(verdict) == 10
+    assert verdict.mistakes == ("turned_too",)
+
+
+def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
+    verdict = graded("straight", drive([(2.0, 1.0, 0.0), (1.5, 0.0, 1.0)]))
+    assert score(verdict) == 85
+    assert verdict.mistakes == ("turned_too",)
+    assert "85.9°" in verdict.hint.zh
+
+
 def test_sketch() -> None:
     shown = sketch(assignment("backward"), run_of(drive([(2.0, -1.0, 0.0)], heading_deg=90)))
     assert shown.sides[0].length_m == pytest.approx(2.0)

@@ -88,3 +88,18 @@ def test_right_turns_have_negative_corners() -> None:
 
 def test_perimeter() -> None:
     assert figure_of(polygon_legs(5, 1.2)).perimeter_m == pytest.approx(6.0, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("closing_deg", "seen"),
+    [(90, [90]), (450, [90]), (810, [90]), (360, []), (-720, []), (400, [40]), (180, [180]), (270, [270])],
+)
+def test_a_pirouette_after_the_figure_is_no_corner(closing_deg: int, seen: list[int]) -> None:
+    turn = (math.radians(abs(closing_deg)), 0.0, math.copysign(1.0, closing_deg))
+    figure = figure_of([*polygon_legs(4, 1.0, last_turn=False), turn])
+    assert corners(figure) == [90, 90, 90, *seen]
+
+
+def test_a_circle_after_the_figure_is_not_overlooked() -> None:
+    figure = figure_of([*polygon_legs(4, 1.0, last_turn=False), (2.0 * math.pi, 0.5, 1.0)])
+    assert corners(figure) == [90, 90, 90, 360]
