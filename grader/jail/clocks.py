@@ -51,11 +51,16 @@ class Clocks:
         """Count no sleep up to now: the script was not the one to wait for."""
         self._last_look_ns = None
 
-    def verdict(self) -> tuple[Verdict, str] | None:
-        """Return the limit that has been passed, with a sentence, or None."""
+    def look(self) -> int:
+        """Return the CPU time used so far, and remember it if the script was busy since the last look."""
         cpu_ns = self._process.cpu_ns()
         if self._busy:
             self._busy, self._busy_cpu_ns, self._busy_idle_ns = False, cpu_ns, self._idle_ns
+        return cpu_ns
+
+    def verdict(self) -> tuple[Verdict, str] | None:
+        """Return the limit that has been passed, with a sentence, or None."""
+        cpu_ns = self.look()
         if cpu_ns > self._cpu_deadline_ns:
             return Verdict.CPU_LIMIT, self.cpu_text
         if time.monotonic_ns() > self._wall_deadline_ns:

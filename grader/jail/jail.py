@@ -1,9 +1,7 @@
 """One confined process as its episode sees it: frames in, frames out, limits kept, an account at the end."""
 
 import _socket
-import os
 import select
-import signal
 import struct
 import time
 from collections.abc import Callable
@@ -14,6 +12,7 @@ from grader.contracts.errors import ProtocolError
 from grader.contracts.limits import Limits
 from grader.jail import policy
 from grader.jail.clocks import TICK_NS, Clocks
+from grader.jail.ends import End, Judgement, judge
 from grader.jail.frames import FrameReader, pack
 from grader.jail.process import ProcessHandle
 from grader.jail.report import JailReport, Verdict
@@ -21,9 +20,7 @@ from grader.jail.streams import Capture
 
 _RECEIVE_BYTES: Final = 65_536
 _BACKLOG_MAX_BYTES: Final = 8 * policy.FRAME_MAX_BYTES
-_OUT_OF_MEMORY: Final = (signal.SIGABRT, signal.SIGSEGV, signal.SIGBUS)
-"""How C code ends that does not expect an allocation to fail."""
-_NEARLY_ALL: Final = 0.9
+_GLANCE_EVERY_NS: Final = 4 * TICK_NS
 _TICK_TIMEVAL: Final = struct.pack("@ll", 0, TICK_NS // 1000)
 
 
@@ -54,6 +51,7 @@ class Jail:
         self._detail = ""
         self._report: JailReport | None = None
         self._clocks = Clocks(process, limits)
+        self._next_glance_ns = 0
         channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_RCVTIMEO, _TICK_TIMEVAL)
         channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_SNDTIMEO, _TICK_TIMEVAL)
         self._poll = select.poll()
@@ -99,6 +97,7 @@ class Jail:
                 self._end(Verdict.PROTOCOL, str(error))
                 return None
             if frame is not None:
+                self._glance()
                 return frame
             if self._channel_ended or self._verdict is Verdict.PROTOCOL:
                 self._await_end()
@@ -130,6 +129,31 @@ class Jail:
         self._keep(data)
         self._check_clocks()
 
+    def _glance(self) -> None:
+        """Now and then, take what the script sent and printed while frames still wait.
+
+        The episode may simulate for long; yet when the script was last busy must be known (`Clocks.was_quiet`).
+        """
+        now_ns = time.monotonic_ns()
+        if self._verdict is not None or now_ns < self._next_glance_ns:
+            return
+        self._next_glance_ns = now_ns + _GLANCE_EVERY_NS
+        self._drain()
+        if not self._channel_ended and self._reader.pending_bytes < _RECEIVE_BYTES:
+            self._take_at_once()
+        self._clocks.look()
+
+    def _take_at_once(self) -> None:
+        """Receive what is there already."""
+        try:
+            data = self._channel.recv(_RECEIVE_BYTES, _socket.MSG_DONTWAIT)
+        except OSError:
+            return
+        self._channel_ended = not data
+        if data:
+            self._clocks.note_life()
+        self._keep(data)
+
     def _take_rest(self) -> None:
         """Receive once from a process that was killed: what it had sent before counts, then the channel ends."""
         try:
@@ -153,12 +177,7 @@ class Jail:
         if self._reader.pending_bytes > _BACKLOG_MAX_BYTES:
             self._end(Verdict.PROTOCOL, "the script sends without reading what it asked for")
             return
-        try:
-            data = self._channel.recv(_RECEIVE_BYTES, _socket.MSG_DONTWAIT)
-        except OSError:
-            return
-        self._channel_ended = not data
-        self._keep(data)
+        self._take_at_once()
 
     # ------------------------------------------------------------------------------------------- limits
 
@@ -236,7 +255,12 @@ class Jail:
         wall_ns = self._clocks.wall_ns
         self._drain_rest()
         verdict, exit_code, signal_name, detail = self._judge(
-            wait_status, ended_itself, cpu_before_ns, peak_bytes
+            End(
+                wait_status=wait_status,
+                by_itself=ended_itself,
+                cpu_ns=cpu_before_ns,
+                peak_bytes=peak_bytes,
+            )
         )
         return JailReport(
             verdict=verdict,
@@ -265,34 +289,8 @@ class Jail:
             return 0 in (self._stdout.total_bytes, self._stderr.total_bytes)
         return self._verdict is not Verdict.PROTOCOL
 
-    def _judge(
-        self, wait_status: int, ended_itself: bool, cpu_ns: int, peak_bytes: int
-    ) -> tuple[Verdict, int | None, str | None, str]:
+    def _judge(self, end: End) -> Judgement:
         if self._verdict is not None:
             return self._verdict, None, None, self._detail
-        if os.WIFEXITED(wait_status):
-            if self._channel_ended and self._reader.pending_bytes:
-                return Verdict.PROTOCOL, os.WEXITSTATUS(wait_status), None, "the last frame is incomplete"
-            return Verdict.FINISHED, os.WEXITSTATUS(wait_status), None, ""
-        number = os.WTERMSIG(wait_status)
-        name = signal.Signals(number).name
-        if number == signal.SIGXCPU:
-            return Verdict.CPU_LIMIT, None, None, self._clocks.cpu_text
-        if number == signal.SIGSYS:
-            return Verdict.FORBIDDEN, None, name, "a system call of another architecture was made"
-        if number != signal.SIGKILL:
-            if number in _OUT_OF_MEMORY and peak_bytes >= _NEARLY_ALL * self._limits.memory_bytes:
-                return Verdict.MEMORY_LIMIT, None, name, f"{name} with all memory in use"
-            return Verdict.CRASHED, None, name, f"the process was ended by {name}"
-        verdict, detail = self._judge_kill(ended_itself, cpu_ns, peak_bytes)
-        return verdict, None, name if verdict is Verdict.INFRASTRUCTURE else None, detail
-
-    def _judge_kill(self, ended_itself: bool, cpu_ns: int, peak_bytes: int) -> tuple[Verdict, str]:
-        """Say whose SIGKILL it was: the script cannot send one."""
-        if not ended_itself:
-            return Verdict.FINISHED, ""
-        if self._clocks.exhausted(cpu_ns):
-            return Verdict.CPU_LIMIT, self._clocks.cpu_text
-        if peak_bytes >= self._limits.memory_bytes:  # the host, short of memory, ends the hungriest first
-            return Verdict.MEMORY_LIMIT, "the host ran out of memory, and this script had its fill"
-        return Verdict.INFRASTRUCTURE, "the process was killed from outside the grader"
+        cut = self._channel_ended and self._reader.pending_bytes > 0
+        return judge(end, self._clocks, self._limits.memory_bytes, cut_frame=cut)
