@@ -17,12 +17,14 @@ from sqlmodel import Session, SQLModel, col
 from grader import policy as rules
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Role
+from grader.contracts.judgement import Judgement, standing
 from grader.contracts.policy import Attempt
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
 from grader.store.course_tables import MemberRow
 from grader.store.intake import costs_an_attempt
+from grader.store.judgement_rows import judgement
 from grader.store.policies import Rules
 from grader.store.tables import GradedItemRow, GradedMistakeRow, JudgementRow, SubmissionRow
 
@@ -110,6 +112,8 @@ def _read(
 ) -> dict[Place, Cell]:
     among = and_(in_class(course), _among(places))
     failed = _by_submission(session, _failed_items(among))
+    for submission, items in _judged_as_failed(session, among).items():
+        failed[submission].extend(items)
     mistakes = _by_submission(session, _mistakes(among))
     cells = {}
     for place, rows in groupby(session.execute(_submissions(among)), lambda row: (row[0], row[1])):
@@ -148,6 +152,29 @@ def _failed_items(among: ColumnElement[bool]) -> Select[str, str]:
         .join_from(SubmissionRow, GradedItemRow, _of_latest_grading(GradedItemRow))
         .where(failed, among)
     )
+
+
+def _judged_as_failed(session: Session, among: ColumnElement[bool]) -> dict[str, list[str]]:
+    """Return, by submission, the items of latest gradings to which a person gave no points."""
+    left = (
+        select(col(SubmissionRow.id), col(GradedItemRow.item), col(GradedItemRow.points))
+        .join_from(SubmissionRow, GradedItemRow, _of_latest_grading(GradedItemRow))
+        .where(col(GradedItemRow.status) == ItemStatus.NEEDS_MANUAL.value, among)
+    )
+    given = (
+        select(JudgementRow)
+        .join(SubmissionRow, col(JudgementRow.submission_id) == col(SubmissionRow.id))
+        .where(among)
+    )
+    judgements: dict[tuple[str, str], list[Judgement]] = defaultdict(list)
+    for row in session.execute(given).scalars():
+        judgements[row.submission_id, row.item].append(judgement(row))
+    failed: dict[str, list[str]] = defaultdict(list)
+    for submission, item, points in session.execute(left) if judgements else ():
+        found = standing(item, points, judgements[submission, item])
+        if found is not None and not found.points > 0.0:
+            failed[submission].append(item)
+    return failed
 
 
 def _mistakes(among: ColumnElement[bool]) -> Select[str, str]:

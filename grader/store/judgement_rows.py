@@ -20,7 +20,7 @@ def judgements_of(session: Session, submissions: Sequence[str]) -> tuple[Judgeme
         .where(col(row.submission_id).in_(submissions))
         .order_by(col(row.submission_id), col(row.item), col(row.revision))
     )
-    return tuple(_judgement(one) for one in session.execute(statement).scalars())
+    return tuple(judgement(one) for one in session.execute(statement).scalars())
 
 
 def report_of(session: Session, submission: SubmissionRow) -> GradeReport | None:
@@ -49,7 +49,8 @@ def settle(session: Session, submission: SubmissionRow) -> GradeReport | None:
     return whole
 
 
-def _judgement(row: JudgementRow) -> Judgement:
+def judgement(row: JudgementRow) -> Judgement:
+    """Return what a row says."""
     return Judgement(
         submission=row.submission_id,
         item=row.item,

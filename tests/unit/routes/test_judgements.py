@@ -88,6 +88,27 @@ def test_once_all_is_judged_the_score_is_complete_everywhere(
     assert cell["assignments"]["essay"]["counted_score"] == 77.5
 
 
+def test_an_item_without_points_from_a_person_is_failed(
+    client: httpx.Client, school: Any, answered: Callable[..., str], give: Callable[..., httpx.Response]
+) -> None:
+    def failed() -> list[tuple[str, int, int]]:
+        (essay,) = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["assignments"]
+        return [(one["id"], one["count"], one["still"]) for one in essay["most_failed_items"]]
+
+    first = answered()
+    assert failed() == []
+    seen = give(first, "timer", 0).json()["etag"]
+    assert failed() == [("timer", 1, 0)]  # no best submission yet: one item waits
+    give(first, "publisher", 45)
+    assert failed() == [("timer", 1, 1)]
+    again = answered(answer=ANSWER + b"More.")
+    for item in ("publisher", "timer"):
+        give(again, item, 45)
+    assert failed() == [("timer", 1, 0)]
+    assert give(first, "timer", 0.01, seen=seen).status_code == 200  # the latest judgement counts
+    assert failed() == []
+
+
 @pytest.mark.parametrize(
     ("points", "code", "field"),
     [
