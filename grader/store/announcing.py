@@ -17,16 +17,21 @@ from grader.store.tables import SubmissionRow
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Waiting:
-    """A row that is ``queued``. Smaller `priority` goes first; it is not due before `due_at`."""
+    """A row that is ``queued``. Smaller `priority` goes first; it is not due before `due_at`.
+
+    Attributes:
+        attempt: how often the row has been claimed, which tells each time it waits from the others.
+    """
 
     submission_id: str
+    attempt: int
     priority: int
     due_at: datetime
 
 
 def waiting_as(row: SubmissionRow) -> Waiting:
     """Return what is to be announced of a row that waits."""
-    return Waiting(submission_id=row.id, priority=row.priority, due_at=row.not_before)
+    return Waiting(submission_id=row.id, attempt=row.attempt, priority=row.priority, due_at=row.not_before)
 
 
 class Announcer(Protocol):

@@ -11,7 +11,12 @@ from grader.contracts.submission import Claim, SubmissionState
 from grader.store.announcing import Waiting
 from grader.store.tables import SubmissionRow
 
-WAITING = (col(SubmissionRow.id), col(SubmissionRow.priority), col(SubmissionRow.not_before))
+WAITING = (
+    col(SubmissionRow.id),
+    col(SubmissionRow.attempt),
+    col(SubmissionRow.priority),
+    col(SubmissionRow.not_before),
+)
 """The columns that `waiting` takes."""
 
 
@@ -62,7 +67,7 @@ def void(
 
 def waiting(rows: Iterable[Any]) -> list[Waiting]:
     """Return rows of `WAITING` as what is to be announced."""
-    return [Waiting(submission_id=row[0], priority=row[1], due_at=row[2]) for row in rows]
+    return [Waiting(submission_id=row[0], attempt=row[1], priority=row[2], due_at=row[3]) for row in rows]
 
 
 def _update(session: Session, condition: Sequence[ColumnElement[bool]], values: Mapping[str, Any]) -> int:

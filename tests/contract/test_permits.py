@@ -52,18 +52,30 @@ def test_a_row_in_backoff_is_not_announced_early(permits: PostgresEngine) -> Non
 def test_as_long_as_there_are_permits_enough_it_does_not_matter_whose(permits: PostgresEngine) -> None:
     first = permits.upload("a")
     second = permits.upload("b")
-    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{first}'")
+    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{first}-0'")
     with permits.database.writing() as session:
-        gone = Waiting(submission_id="gone", priority=0, due_at=permits.clock())
+        gone = Waiting(submission_id="gone", attempt=0, priority=0, due_at=permits.clock())
         defer(session, [gone], permits.clock())
     assert announced_late(permits) == 0
     assert permits.graded_in_order() == [first, second]
 
 
+def test_a_retry_has_a_permit_although_its_first_one_was_never_taken(permits: PostgresEngine) -> None:
+    first, newest = permits.upload("a"), permits.upload("a")
+    claim = permits.taken()  # with the permit of the first, which now waits for the one that is left
+    assert claim.submission_id == newest
+    permits.queue.fail(claim, "trouble")
+    assert permits.jobs("status = 'todo'") == 2
+    permits.clock.advance(2.1)
+    assert permits.graded_in_order() == [newest, first]
+
+
 def test_surplus_and_orphaned_permits_end_by_themselves(permits: PostgresEngine) -> None:
     id_ = permits.upload()
     with permits.database.writing() as session:
-        spare = [Waiting(submission_id=name, priority=0, due_at=permits.clock()) for name in ("x", "y")]
+        spare = [
+            Waiting(submission_id=name, attempt=0, priority=0, due_at=permits.clock()) for name in ("x", "y")
+        ]
         defer(session, spare, permits.clock())
     assert permits.graded_in_order() == [id_]
     assert (permits.jobs(), permits.graded_rows()) == (0, 1)
@@ -72,8 +84,8 @@ def test_surplus_and_orphaned_permits_end_by_themselves(permits: PostgresEngine)
 def test_a_permit_that_waits_already_does_not_undo_the_transaction(permits: PostgresEngine) -> None:
     id_ = permits.upload()
     other = permits.upload("b")
-    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{other}'")
-    both = [Waiting(submission_id=one, priority=0, due_at=permits.clock()) for one in (id_, other)]
+    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{other}-0'")
+    both = [Waiting(submission_id=one, attempt=0, priority=0, due_at=permits.clock()) for one in (id_, other)]
     with permits.database.writing() as session:
         session.execute(text("UPDATE submission SET trouble = 'kept'"))
         defer(session, both, permits.clock())
@@ -87,7 +99,7 @@ def test_a_permit_that_waits_already_does_not_undo_the_transaction(permits: Post
 def test_a_database_that_fails_while_a_permit_is_deferred_is_said_to_be_away(permits: PostgresEngine) -> None:
     """So the upload is answered like every other one that the database cannot take now."""
     now = permits.clock()
-    row = Waiting(submission_id="one", priority=0, due_at=now)
+    row = Waiting(submission_id="one", attempt=0, priority=0, due_at=now)
 
     def defer_behind_another() -> None:
         with permits.database.writing() as second:
@@ -131,6 +143,19 @@ def test_jobs_that_nobody_runs_do_not_stay(
     assert permits.jobs() == left
 
 
+def test_a_sweep_waits_for_no_job_that_somebody_else_puts_away(permits: PostgresEngine) -> None:
+    """Two that wait for each other's jobs would be a deadlock."""
+    permits.upload("a")
+    permits.upload("b")
+    permits.change("UPDATE procrastinate_jobs SET status = 'doing', worker_id = NULL")
+    with permits.database.writing() as other:
+        other.execute(text("SELECT FROM procrastinate_jobs ORDER BY id LIMIT 1 FOR UPDATE"))
+        permits.queue.reconcile()
+        assert permits.jobs() == 1
+    permits.queue.reconcile()
+    assert permits.jobs() == 0
+
+
 def test_one_worker_sweeps_at_a_time(permits: PostgresEngine) -> None:
     permits.upload()
     permits.change("DELETE FROM procrastinate_jobs")
@@ -167,7 +192,7 @@ def test_a_permit_that_could_not_be_used_is_given_back(permits: PostgresEngine) 
 def test_a_permit_given_back_serves_whatever_else_waits(permits: PostgresEngine) -> None:
     held = permits.upload("a")
     other = permits.upload("b")
-    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{held}'")
+    permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{held}-0'")
     permits.change(f"UPDATE submission SET state = 'graded' WHERE id = '{other}'")
     permits.work(lambda: False)  # say, another transaction held the row
     permits.clock.advance(0.2)

@@ -3,12 +3,13 @@
 from collections.abc import Sequence
 from datetime import datetime, timedelta
 
-from sqlalchemy import ColumnElement, column, exists, func, literal, select, table, text
+from sqlalchemy import ColumnElement, column, exists, func, select, table, text
 from sqlmodel import Session, col
 
 from grader.contracts.submission import SubmissionState
 from grader.store.announcing import Waiting
-from grader.store.permits.jobs import QUEUE, defer, lock_of
+from grader.store.claim_rows import WAITING, waiting
+from grader.store.permits.jobs import QUEUE, defer, lock_of_row
 from grader.store.tables import SubmissionRow
 
 _LATE_S = 5.0  # a row due for so long should have met a permit, if permits are not scarce
@@ -19,13 +20,15 @@ _AT_ONCE = 1_000
 _SWEEP_KEY = 0x67726164  # of the advisory lock: one sweep at a time
 
 _jobs = table("procrastinate_jobs", column("queueing_lock"), column("queue_name"), column("status"))
-_LEFT_OVER = text(
-    "DELETE FROM procrastinate_jobs AS job WHERE job.queue_name = :queue AND job.status <> 'todo' AND ("
+_LEFT_OVER = text(  # whose workers another process may be putting away at this moment: never waited for
+    "DELETE FROM procrastinate_jobs WHERE id IN (SELECT job.id FROM procrastinate_jobs AS job"
+    " WHERE job.queue_name = :queue AND job.status <> 'todo' AND ("
     " job.status <> 'doing' OR job.worker_id IS NULL"
     " OR EXISTS (SELECT FROM procrastinate_workers AS worker WHERE worker.id = job.worker_id"
     "  AND worker.last_heartbeat < now() - make_interval(secs => :silent_s))"
     " OR NOT EXISTS (SELECT FROM procrastinate_events AS event WHERE event.job_id = job.id"
     "  AND event.type = 'started' AND event.at > now() - make_interval(secs => :stuck_s)))"
+    " ORDER BY job.id FOR UPDATE SKIP LOCKED)"
 )
 _PERMITS = text(
     "SELECT count(*) FROM (SELECT FROM procrastinate_jobs WHERE queue_name = :queue AND status = 'todo'"
@@ -60,30 +63,34 @@ class PermitAnnouncer:
         if missing <= 0:
             return 0
         rows = session.execute(
-            select(col(SubmissionRow.id), col(SubmissionRow.priority), col(SubmissionRow.not_before))
+            select(*WAITING)
             .where(*late, ~_has_a_permit())
             .order_by(col(SubmissionRow.priority), col(SubmissionRow.turn_at), col(SubmissionRow.id))
             .limit(missing)
-        ).all()
-        defer(session, [Waiting(submission_id=row[0], priority=row[1], due_at=row[2]) for row in rows], now)
-        return len(rows)
+        )
+        announced = waiting(rows)
+        defer(session, announced, now)
+        return len(announced)
 
 
-def defer_again(session: Session, submission_id: str, now: datetime) -> None:
-    """Give a permit back that was not used, if anything waits that it could still be for.
+def defer_again(session: Session, submission_id: str, attempt: int, now: datetime) -> None:
+    """Give the permit of a row back that was not used, if anything waits that it could still be for.
 
     Its worker stops, its clock lags behind that of who queued the row, or another transaction held the row.
     """
     soon = now + timedelta(seconds=_AGAIN_S)
     row = session.get(SubmissionRow, submission_id)
     waits = col(SubmissionRow.state) == SubmissionState.QUEUED.value
-    if row is not None and row.state == SubmissionState.QUEUED.value:
-        own = Waiting(submission_id=row.id, priority=row.priority, due_at=max(row.not_before, soon))
-        defer(session, [own], now)
+    if row is not None and row.state == SubmissionState.QUEUED.value and row.attempt == attempt:
+        priority, due_at = row.priority, max(row.not_before, soon)
     elif session.execute(
         select(col(SubmissionRow.id)).where(waits, col(SubmissionRow.not_before) <= now)
     ).first():
-        defer(session, [Waiting(submission_id=submission_id, priority=0, due_at=soon)], now)
+        priority, due_at = 0, soon
+    else:
+        return
+    again = Waiting(submission_id=submission_id, attempt=attempt, priority=priority, due_at=due_at)
+    defer(session, [again], now)
 
 
 def _late(now: datetime) -> tuple[ColumnElement[bool], ...]:
@@ -94,5 +101,4 @@ def _late(now: datetime) -> tuple[ColumnElement[bool], ...]:
 
 
 def _has_a_permit() -> ColumnElement[bool]:
-    lock = literal(lock_of("")) + col(SubmissionRow.id)
-    return exists().where(_jobs.c.queueing_lock == lock, _jobs.c.status == text("'todo'"))
+    return exists().where(_jobs.c.queueing_lock == lock_of_row(), _jobs.c.status == text("'todo'"))

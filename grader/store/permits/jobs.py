@@ -7,27 +7,38 @@ from procrastinate import SyncPsycopgConnector
 from procrastinate.exceptions import AlreadyEnqueued, ConnectorException
 from procrastinate.jobs import Job
 from procrastinate.manager import JobManager
-from sqlmodel import Session
+from sqlalchemy import ColumnElement, func
+from sqlmodel import Session, col
 
 from grader.contracts.errors import InfrastructureError
 from grader.store.announcing import Waiting
+from grader.store.tables import SubmissionRow
 
 QUEUE = "grading"
 TASK = "grade"
-ARGUMENT = "submission"
+_LOCK = "sub"
 
 _jobs = JobManager(SyncPsycopgConnector())  # never opened: every call brings its connection
 
 
-def lock_of(submission_id: str) -> str:
-    """Return the queueing lock of a row's permit: at most one of it waits."""
-    return f"sub-{submission_id}"
+def lock_of(submission_id: str, attempt: int) -> str:
+    """Return the queueing lock of a permit: at most one of it waits.
+
+    A row that waits again gets another permit although its first one may wait still, because its slot came with
+    the permit of another row: there must be as many permits as rows that wait.
+    """
+    return f"{_LOCK}-{submission_id}-{attempt}"
+
+
+def lock_of_row() -> ColumnElement[str]:
+    """Return `lock_of` as an expression over the columns of `SubmissionRow`."""
+    return func.concat(_LOCK, "-", col(SubmissionRow.id), "-", col(SubmissionRow.attempt))
 
 
 def defer(session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
     """Defer a permit for each of `waiting` in the transaction of `session`.
 
-    A row whose permit waits already keeps it: the collision is undone to a savepoint, the transaction goes on.
+    A permit that waits already is not doubled: the collision is undone to a savepoint, the transaction goes on.
 
     Raises:
         InfrastructureError: the database does not answer, or has no queue.
@@ -61,9 +72,9 @@ def _job(waiting: Waiting, now: datetime) -> Job:
     return Job(
         queue=QUEUE,
         task_name=TASK,
-        task_kwargs={ARGUMENT: waiting.submission_id},
+        task_kwargs={"submission": waiting.submission_id, "attempt": waiting.attempt},
         priority=-waiting.priority,  # Procrastinate's larger numbers go first
         lock=None,
-        queueing_lock=lock_of(waiting.submission_id),
+        queueing_lock=lock_of(waiting.submission_id, waiting.attempt),
         scheduled_at=waiting.due_at if waiting.due_at > now else None,
     )

@@ -15,7 +15,7 @@ from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.permits.announcer import defer_again
 from grader.store.permits.exchange import Exchange
-from grader.store.permits.jobs import ARGUMENT, QUEUE, TASK
+from grader.store.permits.jobs import QUEUE, TASK
 from grader.store.work import attempted
 
 _log = logging.getLogger(__name__)
@@ -120,17 +120,17 @@ class PermitLoop:
             if not worker.cancelled() and (error := worker.exception()) is not None:
                 raise error
 
-    async def _use(self, **arguments: str) -> None:
+    async def _use(self, submission: str, attempt: int) -> None:
         """Grade something with a permit. Never raises: what goes wrong is on the row."""
         if not await asyncio.wrap_future(self._exchange.offer()):
             try:
-                await asyncio.to_thread(self._give_back, arguments[ARGUMENT])
+                await asyncio.to_thread(self._give_back, submission, attempt)
             except GraderError as error:
                 _log.warning("a permit is lost until the next sweep: %s", error)
 
-    def _give_back(self, submission_id: str) -> None:
+    def _give_back(self, submission_id: str, attempt: int) -> None:
         with self._database.writing() as session:
-            defer_again(session, submission_id, self._clock())
+            defer_again(session, submission_id, attempt, self._clock())
 
 
 def _says_something_new(record: logging.LogRecord) -> bool:
