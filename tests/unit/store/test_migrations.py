@@ -9,6 +9,7 @@ from grader.contracts.submission import SubmissionState
 from grader.store import schema
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
+from grader.store.judgements import Judgements, WaitingFor
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.schema import migrate
 from grader.store.submissions import Submissions
@@ -27,7 +28,19 @@ _FIRST_RELEASE = (
         NULL, '', 0, 0, '', NULL, NULL, NULL, NULL, NULL)""",
     """INSERT INTO grading VALUES
        ('one', 1, 'w', '2026-03-02 08:00:02.000000', '0.1.0', 1, 'graded', 5.0, 10.0, 'd', x'7b7d', '{}')""",
+    """INSERT INTO submission (id, student, assignment, file_name, source_sha256, size_bytes, state, priority,
+       received_at, queued_at, not_before, lease_until, worker, attempt, tries, trouble, graded_attempt, verdict,
+       score, max_score, report_sha256) VALUES
+       ('essay', 's3', 'theory', 'a.txt', 'abc', 3, 'graded', 0, '2026-03-02 08:00:00.000000',
+        '2026-03-02 08:00:00.000000', '2026-03-02 08:00:00.000000',
+        NULL, 'w', 2, 1, '', 2, 'needs_manual', NULL, 10.0, 'd')""",
+    """INSERT INTO grading VALUES
+       ('essay', 1, 'w', '2026-03-02 08:00:02.000000', '0.1.0', 1, 'needs_manual', NULL, 10.0, 'd', x'7b7d', '{}'),
+       ('essay', 2, 'w', '2026-03-02 08:00:03.000000', '0.1.0', 1, 'needs_manual', NULL, 10.0, 'd', x'7b7d', '{}')
+    """,
     "INSERT INTO graded_item VALUES ('one', 1, 'sides', 'failed', 5.0, 0.0)",
+    """INSERT INTO graded_item VALUES ('essay', 1, 'old', 'needs_manual', 5.0, 0.0),
+       ('essay', 2, 'why', 'needs_manual', 6.0, 0.0), ('essay', 2, 'length', 'passed', 4.0, 4.0)""",
     "INSERT INTO trajectory VALUES ('one', 1, 'default', 0, 'e', x'00')",
 )
 
@@ -57,14 +70,17 @@ def test_the_first_releases_rows_survive(blank_url: str) -> None:
     assert submissions.get("one").state is SubmissionState.GRADED
     assert submissions.get("one").course is None
     assert submissions.report("one").content == b"{}"
-    assert [one.student for one in Dashboard(database).state().progress] == ["s1", "s2"]
+    assert [one.student for one in Dashboard(database).state().progress] == ["s1", "s2", "s3"]
     claim = Queue(database, clock, RetryPolicy()).claim("w")
     assert (claim.submission_id, claim.source) == ("two", b"x=1")
     with database.reading() as session:
         turns = session.connection().exec_driver_sql(
             "SELECT count(*) FROM submission WHERE turn_at = queued_at"
         )
-        assert turns.scalar_one() == 2
+        assert turns.scalar_one() == 3
+    waiting = Judgements(database).waiting(None, WaitingFor(), 0, 10)
+    assert [(one.submission, one.item) for one in waiting] == [("essay", "why")]
+    assert (submissions.get("essay").to_judge, submissions.get("one").to_judge) == (1, None)
     if database.is_sqlite:
         check_file(database)
     database.close()

@@ -10,7 +10,7 @@ depends_on = None
 
 
 def upgrade() -> None:
-    """Create the table; what was graded before waits for nobody until it is graded again."""
+    """Create the table; what gradings before left to people waits for them from now on."""
     op.create_table(
         "judgement",
         sa.Column("submission_id", sa.String(length=36), nullable=False),
@@ -29,6 +29,11 @@ def upgrade() -> None:
         sa.PrimaryKeyConstraint("submission_id", "item", "revision"),
     )
     op.add_column("submission", sa.Column("to_judge", sa.Integer(), nullable=True))
+    left = (
+        "(SELECT count(*) FROM graded_item WHERE graded_item.submission_id = submission.id "
+        "AND graded_item.attempt = submission.graded_attempt AND graded_item.status = 'needs_manual')"
+    )
+    op.execute(f"UPDATE submission SET to_judge = {left} WHERE {left} > 0")  # noqa: S608  no input in it
 
 
 def downgrade() -> None:
