@@ -9,7 +9,7 @@ from sqlmodel import Session, col
 
 from grader.contracts.submission import Claim, SubmissionState
 from grader.store.announcing import Waiting
-from grader.store.tables import SubmissionRow
+from grader.store.tables import GradingRow, SubmissionRow
 
 WAITING = (
     col(SubmissionRow.id),
@@ -41,6 +41,15 @@ def change(session: Session, claim: Claim, values: Mapping[str, Any]) -> bool:
         col(SubmissionRow.state) == SubmissionState.RUNNING.value,
     )
     return _update(session, valid, values) == 1
+
+
+def stored_already(session: Session, grading: GradingRow) -> bool:
+    """Whether `grading` was stored under this very claim: the answer to an earlier commit got lost."""
+    there = session.get(GradingRow, (grading.submission_id, grading.attempt))
+    return there is not None and (there.worker, there.report_sha256) == (
+        grading.worker,
+        grading.report_sha256,
+    )
 
 
 def void(

@@ -19,7 +19,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
-from grader.store.claim_rows import WAITING, change, due, void, waiting
+from grader.store.claim_rows import WAITING, change, due, stored_already, void, waiting
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.locks import add_once
@@ -90,7 +90,7 @@ class Queue:
         """Store `result` as the grading of `claim`; False when the claim is no longer valid.
 
         `assignment` is kept as it was graded. The row and everything that belongs to the grading change in
-        one transaction.
+        one transaction. May be called again when the connection broke during the commit.
         """
         now, report = self._clock(), result.report
         graded = None if assignment is None else assignment_row(assignment)
@@ -109,7 +109,7 @@ class Queue:
         }
         with self._database.writing() as session:
             if not change(session, claim, values):
-                return False
+                return stored_already(session, grading)
             if graded is not None:
                 add_once(session, GradedAssignmentRow, sha256=graded.sha256, content=graded.content)
             session.add(grading)

@@ -4,6 +4,7 @@ import hashlib
 import logging
 import threading
 import time
+from itertools import repeat
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
@@ -14,7 +15,8 @@ from grader.telemetry.context import about
 from grader.worker.parts import Sandbox, WorkerParts
 
 _log = logging.getLogger(__name__)
-_STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, 4.0)  # a database server that restarts is back by then
+_STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
+"""Before each next try to store a result: often at first, then for ten minutes."""
 
 
 class GradingSlot:
@@ -101,7 +103,7 @@ class GradingSlot:
                 return self._parts.queue.finish(claim, result, assignment)
             except InfrastructureError as error:
                 _log.warning("%s: the report could not be stored yet: %s", claim.submission_id, error)
-                time.sleep(pause_s)
+            time.sleep(pause_s)
         return self._parts.queue.finish(claim, result, assignment)
 
     def _fail(self, claim: Claim, error: Exception) -> None:

@@ -126,7 +126,7 @@ def test_one_result_of_many_is_stored(database: Database, queue: Queue, submissi
     submissions.add(new())
     claim = queue.claim("w")
     stored = at_once(lambda _: queue.finish(claim, result_of(claim), assignment()))
-    assert sorted(stored) == [False] * (THREADS - 1) + [True]
+    assert stored == [True] * THREADS  # to the same claim with the same result, the answer is the same
     assert (count(database, "grading"), count(database, "graded_assignment")) == (1, 1)
 
 
@@ -144,7 +144,7 @@ def test_a_claim_ends_in_one_way_only(
         lambda: queue.hand_back(claim),
     )
     ended = at_once(lambda number: acts[number % len(acts)]())
-    assert Counter(ended) == {True: 1, False: THREADS - 1}
+    assert len({number % len(acts) for number, won in enumerate(ended) if won}) == 1
     state = submissions.get(added.id).state
     assert state is (SubmissionState.GRADED if count(database, "grading") else SubmissionState.QUEUED)
 

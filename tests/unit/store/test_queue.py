@@ -1,5 +1,6 @@
 import threading
 from collections import Counter
+from dataclasses import replace
 
 import pytest
 from sqlmodel import select
@@ -125,15 +126,6 @@ def test_a_result_is_stored_with_the_row(queue: Queue, submissions: Submissions,
         assert len(session.exec(select(TrajectoryRow)).all()) == 1
 
 
-def test_a_result_is_stored_once(queue: Queue, submissions: Submissions, database: Database) -> None:
-    submissions.add(upload())
-    claim = claimed(queue)
-    assert queue.finish(claim, result_of(claim))
-    assert not queue.finish(claim, result_of(claim))
-    with database.reading() as session:
-        assert len(session.exec(select(GradingRow)).all()) == 1
-
-
 def test_a_late_worker_is_fenced_off(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
     added = submissions.add(upload())
     late = claimed(queue, "late")
@@ -149,6 +141,22 @@ def test_a_late_worker_is_fenced_off(queue: Queue, submissions: Submissions, clo
     assert submissions.get(added.id).state is SubmissionState.RUNNING
     assert queue.finish(second, result_of(second))
     assert submissions.get(added.id).graded_attempt == 2
+
+
+def test_a_result_whose_commit_was_not_answered_is_known_when_it_comes_again(
+    queue: Queue, submissions: Submissions, database: Database, clock: FakeClock
+) -> None:
+    submissions.add(upload())
+    claim = claimed(queue)
+    assert queue.finish(claim, result_of(claim))
+    clock.advance(1)
+    assert queue.finish(claim, result_of(claim))
+    with database.reading() as session:
+        assert len(session.exec(select(GradingRow)).all()) == 1
+    another = replace(result_of(claim).report, grader_version="another")
+    assert not queue.finish(claim, replace(result_of(claim), report=another))
+    assert not queue.finish(replace(claim, worker="another"), result_of(claim))
+    assert not queue.finish(replace(claim, attempt=2), result_of(claim))
 
 
 def test_a_renewed_lease_lives_on(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
