@@ -1,6 +1,7 @@
 """`grader check FILE`: the local pre-check, with the same grading core as the service."""
 
 import argparse
+import errno
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,13 @@ if TYPE_CHECKING:
 
 EXIT_FULL_MARKS = 0
 EXIT_NOT_FULL = 1
+_TROUBLES_WITH_FILES = {
+    errno.ENOENT: "没有这个文件",
+    errno.EISDIR: "这是文件夹，不是文件",
+    errno.EACCES: "没有权限",
+    errno.EROFS: "这里不能写文件",
+    errno.ENOSPC: "磁盘满了",
+}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -67,14 +75,27 @@ def read_source(path: Path) -> bytes:
     Raises:
         SubmissionError: it cannot be read, or could not be uploaded either.
     """
-    from grader.contracts.upload import check_source
+    from grader.contracts.upload import MAX_SOURCE_BYTES, check_source
 
     try:
-        source = path.read_bytes()
+        with path.open("rb") as file:
+            source = file.read(MAX_SOURCE_BYTES + 1)  # no more: it may be a device that never ends
     except OSError as error:
-        raise SubmissionError("unreadable", f"{path}: {error.strerror}") from error
+        raise _file_error("unreadable", str(path), error) from error
+    if len(source) > MAX_SOURCE_BYTES:
+        raise SubmissionError(
+            "too_large",
+            f"{path}: the file has more than {MAX_SOURCE_BYTES} bytes",
+            f"{path}：文件超过 {MAX_SOURCE_BYTES} 字节",
+        )
     check_source(source)
     return source
+
+
+def _file_error(code: str, name: str, error: OSError) -> SubmissionError:
+    """Return what the operating system said about a file, in words."""
+    zh = _TROUBLES_WITH_FILES.get(error.errno or 0, error.strerror)
+    return SubmissionError(code, f"{name}: {error.strerror}", f"{name}：{zh}")
 
 
 def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Assignment, GradingResult]:
@@ -92,7 +113,8 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
         return assignment, result
     except SandboxUnavailableError as error:
         raise SandboxUnavailableError(
-            f"{error}\nRun `grader doctor` for details. For your own code, `--isolation dev` runs it unprotected."
+            f"{error}\nRun `grader doctor` for details. For your own code, `--isolation dev` runs it unprotected.",
+            f"{error.told('zh')}\n详情见 `grader doctor`。自己的代码可以用 `--isolation dev` 不加保护地运行。",
         ) from error
 
 
@@ -115,9 +137,14 @@ def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
             "wrong_file_type",
             f"{arguments.file.name}: {assignment.id} takes a {assignment.input} whose name ends in "
             f"{' or '.join(endings)}",
+            f"{arguments.file.name}：作业 {assignment.id} 要交的文件名以 {' 或 '.join(endings)} 结尾",
         )
     if arguments.plot is not None and assignment.input == "text":
-        raise SubmissionError("plot_text", f"{assignment.id} is answered by a text: there is nothing to plot")
+        raise SubmissionError(
+            "plot_text",
+            f"{assignment.id} is answered by a text: there is nothing to plot",
+            f"作业 {assignment.id} 交的是文字，没有轨迹可画",
+        )
 
 
 def _guess(catalog: "Catalog", file_name: str) -> str:
@@ -162,11 +189,17 @@ def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: 
 
 
 def _check_plot_path(path: Path) -> None:
-    if path.suffix not in (".png", ".svg"):
-        raise SubmissionError("plot_format", f"--plot {path}: the name must end in .png or .svg")
+    if path.suffix.lower() not in (".png", ".svg"):
+        raise SubmissionError(
+            "plot_format",
+            f"--plot {path}: the name must end in .png or .svg",
+            f"--plot {path}：文件名要以 .png 或 .svg 结尾",
+        )
     if not path.resolve().parent.is_dir():
         raise SubmissionError(
-            "plot_folder", f"--plot {path}: the folder {path.resolve().parent} does not exist"
+            "plot_folder",
+            f"--plot {path}: the folder {path.resolve().parent} does not exist",
+            f"--plot {path}：没有文件夹 {path.resolve().parent}",
         )
 
 
@@ -175,11 +208,15 @@ def _plot(arguments: argparse.Namespace, assignment: Assignment, result: Grading
     from grader.render.plot import Form
 
     out: Path = arguments.plot
-    form: Form = "png" if out.suffix == ".png" else "svg"
+    form: Form = "png" if out.suffix.lower() == ".png" else "svg"
     cases = [run.case for run in result.report.runs]
     for case in cases:
         file = out if len(cases) == 1 else out.with_stem(f"{out.stem}-{case}")
         trajectory = result.trajectories[case]
-        file.write_bytes(draw(assignment, result.report, trajectory, arguments.lang, form, case=case))
+        drawing = draw(assignment, result.report, trajectory, arguments.lang, form, case=case)
+        try:
+            file.write_bytes(drawing)
+        except OSError as error:
+            raise _file_error("plot_file", f"--plot {file}", error) from error
         if not arguments.json:
             sys.stdout.write(f"→ {file}\n")

@@ -73,7 +73,10 @@ def _show(arguments: argparse.Namespace, result: GradingResult) -> None:
 
 
 def _seconds(text: str) -> float:
-    value = float(text)
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds") from None
     if not 0.0 < value <= 600.0:
         raise argparse.ArgumentTypeError(f"{text}: must be more than 0 and at most 600 virtual seconds")
     return value

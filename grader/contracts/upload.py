@@ -36,7 +36,8 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
             "not_utf8",
             f"line {_line(source, error.start)} contains a byte that is not UTF-8 "
             f"(0x{source[error.start]:02x}): save the file as UTF-8",
-            f"第 {_line(source, error.start)} 行有一个字节不是 UTF-8 编码（0x{source[error.start]:02x}）。",
+            f"第 {_line(source, error.start)} 行有一个字节不是 UTF-8 编码（0x{source[error.start]:02x}）："
+            "请把文件另存为 UTF-8。",
         ) from None
 
 

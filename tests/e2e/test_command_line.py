@@ -58,12 +58,17 @@ def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["check", "missing_square.py"], "missing_square.py: No such file"),
+        (["check", "missing_square.py", "--lang", "en"], "missing_square.py: No such file"),
+        (["check", "missing_square.py"], "missing_square.py：没有这个文件"),
+        (["check", "."], "这是文件夹"),
+        (["check", "/dev/zero", "-a", "square", "--lang", "en"], "more than 262144 bytes"),
         (["check", "mystery.py"], "--assignment"),
+        (["check", "mystery.py", "-a", "calculation"], ".txt 或 .md"),
         (["check", "mystery.py", "-a", "circle"], "circle"),
-        (["check", "empty_square.py"], "empty"),
-        (["check", "gbk_square.py"], "line 2 contains a byte that is not UTF-8"),
-        (["check", "mystery.py", "-a", "square", "--plot", "out.gif"], ".png or .svg"),
+        (["check", "empty_square.py", "--lang", "en"], "empty"),
+        (["check", "gbk_square.py", "--lang", "en"], "line 2 contains a byte that is not UTF-8"),
+        (["check", "gbk_square.py"], "第 2 行有一个字节不是 UTF-8 编码（0xb7）：请把文件另存为 UTF-8。"),
+        (["check", "mystery.py", "-a", "square", "--plot", "out.gif"], ".png 或 .svg"),
         (["assignments", "show", "circle"], "circle"),
         (["check", "mystery.py", "-a", "square", "--assignments", "nowhere"], "nowhere"),
     ],
@@ -90,7 +95,7 @@ def test_bad_input_is_one_readable_message_and_2(
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["check", "missing_square.py"], "missing_square.py: No such file"),
+        (["check", "missing_square.py"], "missing_square.py：没有这个文件"),
         (["serve", "--host", "0.0.0.0", "--port", "0"], "GRADER_ALLOW_ANONYMOUS_NETWORK"),
     ],
 )
@@ -127,3 +132,11 @@ def test_a_text_answers_a_question(tmp_path: Path) -> None:
     refused = grader("check", answer, "-a", "square", cwd=tmp_path)
     assert refused.returncode == 2
     assert ".py" in refused.stderr
+
+
+def test_a_plot_that_cannot_be_written_is_no_lost_mark(tmp_path: Path) -> None:
+    (tmp_path / "out.PNG").mkdir()
+    done = grader("check", LESSON / "square_mover.py", "--plot", "out.PNG", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "得分 100 / 100" in done.stdout
+    assert done.stderr == "grader: --plot out.PNG：这是文件夹，不是文件\n"
