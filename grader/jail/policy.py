@@ -140,8 +140,8 @@ SHARED_LIBRARY_DIRECTORIES: Final = (
 WRITABLE_DEVICES: Final = ("/dev/null",)
 READABLE_DEVICES: Final = ("/dev/urandom",)
 
-ALLOWED_PACKAGES: Final = {"numpy": ("numpy", "numpy.libs")}
-"""Third-party packages a script may import, with the directories each needs."""
+ALLOWED_PACKAGES: Final = {"numpy": ("numpy", "numpy.libs"), "yaml": ("yaml",)}
+"""Third-party packages a script may import, with the directories each needs. Both come with ROS 2 itself."""
 
 # ------------------------------------------------------------------------------------------- environment
 

@@ -128,3 +128,13 @@ def test_a_loop_that_only_looks_at_a_clock_ends(run_bare: RunScript, name: str) 
     )
     assert 30_000 < int(run.stdout) < 40_000
     assert 16 * S <= run.exit["t_ns"] <= 16 * S + 2_000_000
+
+
+def test_clocks_stay_functions_as_attributes_of_a_class(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import logging, os, sys, time\n"
+        "class Car:\n    now, nap, cwd, load = time.time, time.sleep, os.getcwd, open\n"
+        "car = Car()\ncar.nap(1.5)\nprint(car.now(), car.cwd(), car.load('a', 'w').name)\n"
+        "logging.basicConfig(stream=sys.stdout, format='%(asctime)s %(message)s')\nlogging.warning('late')\n"
+    )
+    assert run.stdout == ("1700000001.500003 /home/student/ros2_ws a\n2023-11-14 22:13:21,500 late\n")

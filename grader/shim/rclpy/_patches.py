@@ -15,7 +15,7 @@ import time
 from importlib import import_module
 from importlib.machinery import ModuleSpec
 
-from rclpy import _patches_files, _patches_host, _patches_thread, _patches_time
+from rclpy import _patches_files, _patches_host, _patches_programs, _patches_thread, _patches_time
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -37,6 +37,7 @@ LAZY = {
     "select": ("_patches_select", "patch_select"),
     "selectors": ("_patches_select", "patch_selectors"),
     "signal": ("_patches_signal", "patch_signal"),
+    "subprocess": ("_patches_programs", "patch_subprocess"),
     "threading": ("_patches_threading", "patch_threading"),
     "uuid": ("_patches_host", "patch_uuid"),
 }
@@ -89,17 +90,27 @@ def find_copies() -> None:
             _copies.extend(_copies_in(module, replacements))
 
 
+def _like_builtins(table: dict[str, object]) -> dict[str, object]:
+    """Return `table` with functions that stay themselves as attributes of a class, as those written in C do.
+
+    `logging.Formatter.converter` is `time.localtime`; a method it must not become.
+    """
+    function = type(_like_builtins)
+    return {name: staticmethod(new) if isinstance(new, function) else new for name, new in table.items()}
+
+
+_FILES = _like_builtins(_patches_files.REPLACED)
+_OPEN = _like_builtins(_patches_files.REPLACED_OPEN)
 _REPLACED: tuple[tuple[ModuleType, dict[str, object]], ...] = (
-    (time, _patches_time.REPLACED),
-    (_thread, _patches_thread.REPLACED),
-    (os, _patches_host.REPLACED),
-    (os, _patches_files.REPLACED),
-    (io, _patches_files.REPLACED_OPEN),
-    (builtins, _patches_files.REPLACED_OPEN),
+    (time, _like_builtins(_patches_time.REPLACED)),
+    (_thread, _like_builtins(_patches_thread.REPLACED)),
+    (os, _like_builtins(_patches_host.REPLACED)),
+    (os, _like_builtins(_patches_programs.REPLACED)),
+    (os, _FILES),
+    (io, _OPEN),
+    (builtins, _OPEN),
 )
-_FILES = {
-    id(new) for table in (_patches_files.REPLACED, _patches_files.REPLACED_OPEN) for new in table.values()
-}
+_system_keeps = (*_FILES.values(), *_OPEN.values())
 _searched: dict[str, ModuleType] = {}
 _copies: list[tuple[dict[str, object], str, object]] = []
 """Where a copy was found: the module's names, its name there, what shall stand there instead."""
@@ -138,7 +149,7 @@ def _copies_in(
         (names, name, replacements[id(value)][1])
         for name, value in names.items()
         if id(value) in replacements
-        and not (module.__name__ in _SYSTEM and id(replacements[id(value)][1]) in _FILES)
+        and not (names.get("__name__") in _SYSTEM and replacements[id(value)][1] in _system_keeps)
     ]
 
 

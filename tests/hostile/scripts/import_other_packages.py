@@ -6,7 +6,7 @@ Expected: finished
 import importlib
 import sys
 
-for name in ("grader", "grader.sandbox", "pydantic", "pybullet", "yaml", "fastapi", "pytest", "jail", "jail.zygote", "driver"):
+for name in ("grader", "grader.sandbox", "pydantic", "pybullet", "matplotlib", "fastapi", "pytest", "jail", "jail.zygote", "driver"):
     try:
         importlib.import_module(name)
     except ImportError:

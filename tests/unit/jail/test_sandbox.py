@@ -187,10 +187,13 @@ def test_the_zygote_is_recycled(monkeypatch: pytest.MonkeyPatch) -> None:
     assert 2 <= len(processes) <= 4
 
 
-def test_numpy_is_importable_and_nothing_beside_it(sandbox: Sandbox) -> None:
+def test_numpy_and_yaml_are_importable_and_nothing_beside_them(sandbox: Sandbox) -> None:
     pytest.importorskip("numpy")
-    frames, report = run(sandbox, "import numpy; frame(str(numpy.arange(4).sum()).encode()); import pydantic")
-    assert frames[0] == b"6"
+    source = (
+        "import numpy, yaml; frame(yaml.dump({'a': int(numpy.arange(4).sum())}).encode()); import pydantic"
+    )
+    frames, report = run(sandbox, source)
+    assert frames[0] == b"a: 6\n"
     assert "ModuleNotFoundError: No module named 'pydantic'" in report.stderr.text
 
 

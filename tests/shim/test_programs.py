@@ -1,0 +1,39 @@
+"""Other programs: a screen is cleared by nothing, turtlesim is there already, the rest is refused."""
+
+from collections.abc import Callable
+from typing import Any
+
+RunScript = Callable[..., Any]
+
+
+def test_a_screen_is_cleared_without_a_program(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import os, subprocess\n"
+        "print(os.system('clear'), subprocess.call('clear', shell=True), repr(os.popen('tput cols').read()))\n"
+        "print(subprocess.run(['clear'], capture_output=True, text=True, check=True).stdout == '')\n"
+    )
+    assert (run.stdout, run.stderr, run.notes) == ("0 0 ''\nTrue\n", "", [])
+
+
+def test_a_shell_finds_no_program_and_the_script_goes_on(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import os\nprint(os.system('ros2 service call /reset std_srvs/srv/Empty'), os.system(''))\n"
+    )
+    assert (run.stdout, run.stderr) == ("32512 0\n", "sh: 1: ros2: not found\n")
+    assert run.notes == [("forbidden", "os.system: ros2 service call /reset std_srvs/srv/Empty")]
+
+
+def test_a_turtlesim_that_is_started_runs_until_it_is_ended(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import os, signal, subprocess, time\n"
+        "print(os.system('ros2 run turtlesim turtlesim_node &'))\n"
+        "sim = subprocess.Popen(['ros2', 'run', 'turtlesim', 'turtlesim_node'], stdout=subprocess.PIPE)\n"
+        "print(sim.poll(), sim.returncode)\n"
+        "try: sim.wait(timeout=2.5)\nexcept subprocess.TimeoutExpired: print(round(time.monotonic(), 3))\n"
+        "sim.terminate()\nprint(sim.wait(), sim.poll(), sim.communicate())\n"
+        "with subprocess.Popen('ros2 run turtlesim turtlesim_node', shell=True) as sim: sim.kill()\n"
+        "os.system('ros2 run turtlesim turtlesim_node')\n",
+        horizon_s=10.0,
+    )
+    assert run.stdout.splitlines() == ["0", "None None", "100002.5", "-15 -15 (b'', None)"]
+    assert (run.exit["after_interrupt"], run.exit["code"], run.notes) == (1, 130, [])
