@@ -42,6 +42,9 @@ def back_up(database: Database, file: Path) -> None:
 def restore_file(backup: Path, database: Path) -> Path | None:
     """Check a backup, bring a copy up to date, and only then let it take the place of the file `database`.
 
+    Whatever is killed when, `database` is whole: as it was, with what its log held, or as the backup. So either
+    file is complete without a log and on disk before the one takes the place of the other.
+
     Returns:
         Where what was there is kept now, or None when there was nothing.
 
@@ -49,17 +52,23 @@ def restore_file(backup: Path, database: Path) -> Path | None:
         SettingsError: the backup is none, or something cannot be written.
     """
     new = database.with_name(database.name + ".new")
-    copy_file(backup, new)
     try:
+        _forget_log(new)  # which a killed restore may have left
+        copy_file(backup, new)
         with _opened(new) as opened:
             migrate(opened)
+        _settle(new)
         old = None
         if database.is_file():
             old = database.with_name(database.name + ".before-restore")
             copy_file(database, old)  # with what its log holds
+            _settle(database)
             _pass_on_access(database, new)
-        _forget_log(database)
-        os.replace(new, database)
+        else:
+            _forget_log(database)  # of a database that is gone
+        _put(new, database)
+    except (sqlite3.Error, OSError) as error:
+        raise SettingsError(f"{backup} could not be put in place of {database}: {error}") from error
     finally:
         new.unlink(missing_ok=True)
         _forget_log(new)
@@ -93,8 +102,9 @@ def copy_file(source: Path, target: Path) -> None:
     if target.exists() and target.samefile(source):  # whose users would go on with a file that has no name
         raise SettingsError(f"{target} is the very file that is to be copied")
     half = target.with_name(target.name + ".part")
-    half.unlink(missing_ok=True)
     try:
+        half.unlink(missing_ok=True)
+        _forget_log(half)
         os.close(os.open(half, os.O_CREAT | os.O_WRONLY, _PRIVATE))
         with (
             # URI: opening must not create an empty database
@@ -104,11 +114,36 @@ def copy_file(source: Path, target: Path) -> None:
             origin.backup(copy, pages=_PAGES, sleep=_PAUSE_S)
             copy.execute("PRAGMA journal_mode=DELETE")  # one file, complete without a log beside it
             _check(copy, source)
-        os.replace(half, target)
+        _put(half, target)
     except (sqlite3.Error, OSError) as error:
         raise SettingsError(f"{source} could not be copied to {target}: {error}") from error
     finally:
         half.unlink(missing_ok=True)
+
+
+def _put(file: Path, target: Path) -> None:
+    """Let `file` take the place of `target` in the same folder, and return when that is on disk."""
+    _sync(file)
+    os.replace(file, target)
+    _sync(target.parent)
+
+
+def _sync(path: Path) -> None:
+    descriptor = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(descriptor)
+    finally:
+        os.close(descriptor)
+
+
+def _settle(database: Path) -> None:
+    """Take what the log of a database holds into its file, and the log away; SQLite survives a crash in that.
+
+    Raises:
+        sqlite3.Error: somebody else has it open.
+    """
+    with closing(sqlite3.connect(f"{database.resolve().as_uri()}?mode=rw", uri=True)) as connection:
+        connection.execute("PRAGMA journal_mode=DELETE")
 
 
 def _check(copy: sqlite3.Connection, source: Path) -> None:
@@ -129,7 +164,7 @@ def _pass_on_access(old: Path, new: Path) -> None:
 
 
 def _forget_log(database: Path) -> None:
-    for log in ("-wal", "-shm"):
+    for log in ("-wal", "-shm", "-journal"):
         Path(f"{database}{log}").unlink(missing_ok=True)
 
 

@@ -133,6 +133,7 @@ def test_a_service_that_leaves_grading_to_others_is_not_overlooked(
     add(database, "a")
     db("backup", tmp_path / "backup.db")
     settings = Settings(database_url=f"sqlite:///{tmp_path / 'grader.db'}", slots=0)
+    database.close()
     with service.running(settings, lambda _: None, FakePreflight()):
         assert "stop it first" in db("restore", tmp_path / "backup.db", status=2)
     db("restore", tmp_path / "backup.db")
