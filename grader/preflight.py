@@ -1,18 +1,21 @@
 """A look at a file before it is accepted: does Python take it? Compiled in a confined process, never run.
 
-Source text can attack a compiler (deep nesting, codecs, giant lines), so even this happens in the jail.
+Source text can attack a compiler (deep nesting, codecs, giant lines), so even this happens in the jail. A student
+waits for the answer: the process is forked and confined before the file comes, and put away once it was answered.
 """
 
 import queue
 import re
-from collections.abc import Iterator
-from contextlib import contextmanager
-from typing import Any, Final
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
+from types import TracebackType
+from typing import Final, Self
 
-from grader.contracts.errors import InfrastructureError, ProtocolError
+from grader.contracts.errors import GraderError, InfrastructureError, ProtocolError
 from grader.contracts.grading import SyntaxProblem
 from grader.contracts.limits import Limits
-from grader.sandbox import Sandbox, Verdict
+from grader.sandbox import Jail, Sandbox, Verdict
 from grader.sim.frames import SYNTAX_ERROR, Exit
 from grader.sim.wire import PROTOCOL, decode, encode_start
 
@@ -22,13 +25,14 @@ _TOO_MUCH: Final = "this file is too much for the Python compiler (nested too de
 
 
 class SandboxPreflight:
-    """Implements `grader.contracts.grading.Preflight`; thread-safe."""
+    """Implements `grader.contracts.grading.Preflight`; thread-safe. Use as a context manager, or call `close`."""
 
     def __init__(self, *sandboxes: Sandbox) -> None:
         """Take over sandboxes of `grader.bootstrap.build_syntax_sandbox`: as many checks go on at once."""
-        self._idle: queue.LifoQueue[Sandbox] = queue.LifoQueue()
+        self._idle: queue.SimpleQueue[Sandbox] = queue.SimpleQueue()
+        self._behind = ThreadPoolExecutor(1, thread_name_prefix="grader-preflight")
         for sandbox in sandboxes:
-            self._idle.put(sandbox)
+            self._behind.submit(self._make_ready, sandbox)
 
     def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
         """Compile `source` in a confined process; return what is wrong with it, or None.
@@ -36,13 +40,18 @@ class SandboxPreflight:
         Raises:
             InfrastructureError, SandboxError: the check itself could not be done.
         """
-        with self._borrowed() as sandbox, sandbox.open(_LIMITS) as jail:
+        sandbox = self._idle.get()
+        jail: Jail | None = None
+        try:
+            jail = sandbox.open(_LIMITS)
             jail.send(encode_start({"protocol": PROTOCOL, "file_name": file_name}, source))
-            ending = _last_frame(jail.receive)
-            report = jail.close()
+            ending = _ending(jail.receive)
+            report = jail.close() if ending is None else None
+        finally:
+            self._behind.submit(self._make_ready, sandbox, jail)
+        if report is not None and report.verdict is Verdict.INFRASTRUCTURE:
+            raise InfrastructureError(f"the syntax check failed: {report.detail}")
         if ending is None:
-            if report.verdict is Verdict.INFRASTRUCTURE:
-                raise InfrastructureError(f"the syntax check failed: {report.detail}")
             return SyntaxProblem(message=_TOO_MUCH, line=None)
         if ending.reason != SYNTAX_ERROR:
             return None
@@ -54,11 +63,25 @@ class SandboxPreflight:
             text=line,
         )
 
-    @contextmanager
-    def _borrowed(self) -> Iterator[Sandbox]:
-        sandbox = self._idle.get()
+    def close(self) -> None:
+        """Return when nothing is done behind checks any more; the sandboxes are then their owner's again."""
+        self._behind.shutdown()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def _make_ready(self, sandbox: Sandbox, used: Jail | None = None) -> None:
+        """Put the process of the check before away and have one ready for the next."""
         try:
-            yield sandbox
+            with suppress(GraderError):  # the next check finds it again, and has somebody to tell
+                if used is not None:
+                    used.close()
+                sandbox.prepare(_LIMITS)
         finally:
             self._idle.put(sandbox)
 
@@ -80,13 +103,13 @@ def _column(message: str, line: str) -> int | None:
     return column if 1 <= column <= len(line) + 1 else None
 
 
-def _last_frame(receive: Any) -> Exit | None:
-    ending = None
+def _ending(receive: Callable[[], bytes | None]) -> Exit | None:
+    """Return how the compiler said that it ended; nothing it might send after that counts."""
     try:
         while (body := receive()) is not None:
             frame = decode(body)
             if isinstance(frame, Exit):
-                ending = frame
+                return frame
     except ProtocolError:
         return None
-    return ending
+    return None

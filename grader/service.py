@@ -29,6 +29,7 @@ from grader.routes.plots import PlotCache, Wish
 from grader.routes.services import Services
 from grader.settings import Settings, is_loopback
 from grader.slot import Slot, SlotConfig
+from grader.store.checkpoints import checkpoints
 from grader.store.columns import Clock, utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
@@ -45,7 +46,7 @@ from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
 _FRESH_S = 2.0
-_SYNTAX_CHECKS = 2  # at once: a file that keeps the compiler busy does not stop everybody else's upload
+_SYNTAX_CHECKS = 3  # at once: a file that keeps the compiler busy does not stop everybody else's upload
 _ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
 
 
@@ -162,7 +163,8 @@ def _store(settings: Settings) -> Iterator[Database]:
     try:
         with in_use(database):
             migrate(database)
-            yield database
+            with checkpoints(database):
+                yield database
     finally:
         database.close()
 
@@ -212,7 +214,7 @@ def _preflight() -> Iterator[Preflight]:
     with ExitStack() as stack:
         try:
             sandboxes = [stack.enter_context(build_syntax_sandbox(_ISOLATION)) for _ in range(_SYNTAX_CHECKS)]
-            checker: Preflight = SandboxPreflight(*sandboxes)
+            checker: Preflight = stack.enter_context(SandboxPreflight(*sandboxes))
         except SandboxError as error:
             _log.error("uploads are accepted without a look at their syntax: %s", error)
             checker = LatePreflight()

@@ -3,6 +3,8 @@
 SQLite: WAL, so that readers never wait for the writer; ``synchronous=FULL``, so that an acknowledged upload
 survives a power cut; writers begin with ``BEGIN IMMEDIATE``, because a transaction that starts by reading and
 then wants to write can fail without waiting when another wrote in between. So writers are one after the other.
+Those of one process wait for each other here: SQLite itself lets a writer look again after ever longer pauses, up
+to a tenth of a second, while others go first who came at the right moment.
 
 PostgreSQL: a reader has one snapshot (``REPEATABLE READ READ ONLY``), a writer sees with each statement what is
 committed (``READ COMMITTED``). That alone would let two writers read the same and both act on it. What reads
@@ -12,8 +14,9 @@ to be run again as a whole, most often on deadline evenings.
 """
 
 import os
+import threading
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager, nullcontext, suppress
 from typing import Any
 
 from sqlalchemy import URL, Connection, Dialect, Engine, event, make_url
@@ -25,6 +28,7 @@ from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store.announcing import Announcer, Unannounced
 
 _LOCK_TIMEOUT_MS = 30_000
+_LONGEST_LOG_PAGES = 10_000  # before a commit empties it, where `grader.store.checkpoints` did not
 _BEGIN_OPTION = "grader_begin"
 _CONNECTIONS = 10  # of one process to PostgreSQL; threads beyond that wait for one
 _CONNECT_TIMEOUT_S = 10
@@ -51,6 +55,7 @@ class Database:
             else {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
         )
         self.announcer = _announcer(self._engine)
+        self._writer = threading.Lock()
         self._closed = False
         event.listen(self._engine, "checkin", self._close_late)
 
@@ -78,7 +83,7 @@ class Database:
             InfrastructureError: the database cannot be reached or stays locked. When the connection breaks
                 during the commit, it is unknown whether the transaction took place.
         """
-        with self._transaction(self._engine) as session:
+        with self._turn() if self.is_sqlite else nullcontext(), self._transaction(self._engine) as session:
             yield session
 
     @contextmanager
@@ -95,6 +100,15 @@ class Database:
     def _close_late(self, connection: Any, _record: Any) -> None:
         if self._closed and connection is not None:
             connection.close()
+
+    @contextmanager
+    def _turn(self) -> Iterator[None]:
+        if not self._writer.acquire(timeout=_LOCK_TIMEOUT_MS / 1_000):
+            raise InfrastructureError("the database does not answer: another writer is at it")
+        try:
+            yield
+        finally:
+            self._writer.release()
 
     @contextmanager
     def _transaction(self, engine: Engine) -> Iterator[Session]:
@@ -159,6 +173,7 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
         "journal_mode=WAL",
         "synchronous=FULL",
         "foreign_keys=ON",
+        f"wal_autocheckpoint={_LONGEST_LOG_PAGES}",
         f"busy_timeout={_LOCK_TIMEOUT_MS}",
     ):
         connection.execute(f"PRAGMA {pragma}")

@@ -67,7 +67,7 @@ def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[Sub
 
 def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -> Refusal | None:
     """Return why the rules do not accept an upload, or None."""
-    known = rules_of(session, upload.course)
+    known = rules_of(session, upload.course, about=(upload.assignment, upload.student))
     earlier = attempts_of(session, upload.student, upload.assignment, upload.course)
     extension = known.extension(upload.assignment, upload.student)
     return rules.refusal(known.policy(upload.assignment), extension, earlier, received_at, known.zone)
@@ -130,8 +130,10 @@ def _same_as_latest(session: Session, upload: NewSubmission, digest: str) -> Sub
     if latest.state == SubmissionState.INFRASTRUCTURE_ERROR.value:
         return None
     if latest.graded_attempt is not None:
-        grading = session.get(GradingRow, (latest.id, latest.graded_attempt))
-        if grading is None or grading.assignment_version != upload.assignment_version:
+        version = select(col(GradingRow.assignment_version)).where(
+            col(GradingRow.submission_id) == latest.id, col(GradingRow.attempt) == latest.graded_attempt
+        )
+        if session.execute(version).scalar_one_or_none() != upload.assignment_version:
             return None
     return latest
 

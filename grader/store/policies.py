@@ -152,13 +152,23 @@ def tag(rules: AssignmentPolicy | Extension) -> str:
     return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
 
 
-def rules_of(session: Session, course: str | None) -> Rules:
-    """Return all rules of a course in the transaction of `session`."""
+def rules_of(session: Session, course: str | None, *, about: tuple[str, str] | None = None) -> Rules:
+    """Return all rules of a course in the transaction of `session`, or those about an assignment and a person.
+
+    To read everybody's extensions takes a third of the time of storing an upload.
+    """
     if course is None:
         return Rules(zone=ZoneInfo(_UTC), policies={}, extensions={})
     row = session.get(CourseRow, course)
-    policies = session.execute(select(PolicyRow).where(col(PolicyRow.course) == course)).scalars()
-    extensions = session.execute(select(ExtensionRow).where(col(ExtensionRow.course) == course)).scalars()
+    ruled = select(PolicyRow).where(col(PolicyRow.course) == course)
+    extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)
+    if about is not None:
+        assignment, person = about
+        ruled = ruled.where(col(PolicyRow.assignment) == assignment)
+        extended = extended.where(
+            col(ExtensionRow.assignment) == assignment, col(ExtensionRow.person) == person
+        )
+    policies, extensions = session.execute(ruled).scalars(), session.execute(extended).scalars()
     return Rules(
         zone=ZoneInfo(_UTC if row is None else row.time_zone),
         policies={one.assignment: _read(one.document) for one in policies},

@@ -15,8 +15,12 @@ from grader.slot import SlotConfig
 
 @pytest.fixture(scope="module")
 def preflight() -> Iterator[SandboxPreflight]:
-    with build_syntax_sandbox(SlotConfig()) as one, build_syntax_sandbox(SlotConfig()) as other:
-        yield SandboxPreflight(one, other)
+    with (
+        build_syntax_sandbox(SlotConfig()) as one,
+        build_syntax_sandbox(SlotConfig()) as other,
+        SandboxPreflight(one, other) as preflight,
+    ):
+        yield preflight
 
 
 def test_python_is_taken_and_not_run(preflight: SandboxPreflight) -> None:
@@ -64,8 +68,7 @@ def test_many_at_once_get_their_own_answers(preflight: SandboxPreflight) -> None
 
 
 def test_after_a_fault_the_next_check_works() -> None:
-    with build_syntax_sandbox(SlotConfig()) as sandbox:
-        preflight = SandboxPreflight(sandbox)
+    with build_syntax_sandbox(SlotConfig()) as sandbox, SandboxPreflight(sandbox) as preflight:
         sandbox._zygote._process.kill()
         with suppress(SandboxError):
             preflight.check(b"x = 1\n", "a.py")

@@ -9,12 +9,14 @@ from traceback import format_exception
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
-from sqlalchemy import inspect
+from sqlalchemy import event, func, inspect, select
 from sqlmodel import Session, SQLModel
 
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
+from grader.store.checkpoints import checkpoint, checkpoints
+from grader.store.course_tables import CourseRow
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.intake import new_id
@@ -24,6 +26,7 @@ from grader.store.submissions import Submissions
 from grader.store.workers import Workers, presence
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.postgres import PostgresServer
+from tests.fakes.waiting import wait_until
 
 
 def pragma(database: Database, name: str) -> object:
@@ -36,6 +39,35 @@ def test_sqlite_is_set_up_to_lose_nothing(sqlite_database: Database) -> None:
     assert pragma(sqlite_database, "synchronous") == 2
     assert pragma(sqlite_database, "foreign_keys") == 1
     assert pragma(sqlite_database, "busy_timeout") == 30_000
+
+
+def test_writers_of_one_process_take_turns(sqlite_database: Database) -> None:
+    """They do not come to the point where SQLite lets one look again after a pause: here it would let none."""
+    impatient = "PRAGMA busy_timeout=0"
+    event.listen(sqlite_database.engine, "begin", lambda one: one.exec_driver_sql(impatient), insert=True)
+
+    def add(number: int) -> None:
+        with sqlite_database.writing() as session:
+            session.add(CourseRow(id=f"c{number}", title="", time_zone="UTC", created_at=START))
+
+    with ThreadPoolExecutor(8) as pool:
+        list(pool.map(add, range(40)))
+    with sqlite_database.reading() as session:
+        assert session.execute(select(func.count()).select_from(CourseRow)).scalar_one() == 40
+
+
+def test_a_checkpoint_empties_the_log_into_the_file(sqlite_database: Database, tmp_path: Path) -> None:
+    Courses(sqlite_database, FakeClock()).create("ros2", "ROS 2", "UTC", "wang")
+    checkpoint(sqlite_database)
+    alone = tmp_path / "alone.db"
+    alone.write_bytes(Path(sqlite_database.name).read_bytes())  # without the log
+    assert [one.id for one in Courses(Database(f"sqlite:///{alone}"), FakeClock()).all()] == ["ros2"]
+
+
+def test_checkpoints_are_made_while_the_database_is_open(sqlite_database: Database, tmp_path: Path) -> None:
+    with checkpoints(sqlite_database, every_s=0.001):
+        Courses(sqlite_database, FakeClock()).create("ros2", "ROS 2", "UTC", "wang")
+        wait_until(lambda: b"course.create" in Path(sqlite_database.name).read_bytes())
 
 
 def shown(session: Session, name: str) -> object:
