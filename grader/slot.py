@@ -21,7 +21,7 @@ from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.report import GradeReport, Measurements
-from grader.launch import Child, give_way, launch
+from grader.launch import Child, launch
 
 _SPARE_S: Final = 30.0  # importing the physics on a loaded machine, checks, encoding
 _LAST_WORDS_S: Final = 1.0
@@ -131,9 +131,7 @@ class Slot:
             return
         self.close()
         try:
-            child = launch()
-            if self._config.niceness:
-                give_way(child.pid, self._config.niceness)
+            child = launch(self._config.niceness)
         except OSError as error:
             raise InfrastructureError(f"the grading process could not be started: {error}") from error
         self._process = _Process(child)

@@ -48,7 +48,8 @@ def confine(layers: Layers, budget: Budget, channel: int, stdout: int, stderr: i
         OSError: a step was refused.
         ValueError: the shipped filter does not belong to this policy.
     """
-    os.setsid()
+    # No session: where the kernel groups processes by session, it would not give way as the zygote does.
+    os.setpgid(0, 0)
     os.umask(0o077)
     _place_descriptors(channel, stdout, stderr)
     _limit_resources(budget)

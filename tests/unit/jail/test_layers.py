@@ -30,9 +30,9 @@ def test_a_confined_process_has_no_rights_of_its_own(namespaces: bool) -> None:
     with make(namespaces=namespaces) as sandbox, sandbox.open(Limits()) as jail:
         pid = jail._process.pid
         status = dict(line.split(":\t", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines())
-        session = os.getsid(pid)
+        session, group = os.getsid(pid), os.getpgid(pid)
         owner = os.stat(f"/proc/{pid}/environ").st_uid
-        zygote_session = os.getsid(sandbox._zygote._process.pid)
+        zygote = sandbox._zygote._process.pid
         expected = sandbox._config.box_uid if os.geteuid() == 0 else os.geteuid()
         keep_read = sandbox._config.keep_read and "namespaces" in sandbox.missing_layers
         unprivileged = "own_uid" not in sandbox.missing_layers
@@ -44,7 +44,10 @@ def test_a_confined_process_has_no_rights_of_its_own(namespaces: bool) -> None:
     assert int(status["CapEff"], 16) == int(status["CapPrm"], 16) == (dac_read_search if keep_read else 0)
     assert (int(status["CapInh"], 16), int(status["CapAmb"], 16)) == (0, 0)
     assert (status["NoNewPrivs"], status["Seccomp"], status["Umask"]) == ("1", "2", "0077")
-    assert session not in (zygote_session, os.getsid(0))
+    assert (session, group) == (
+        zygote,
+        pid,
+    )  # no terminal of ours, no signal for others; priority as the zygote's
     assert owner == 0  # not dumpable: its like cannot look into it
 
 
