@@ -75,7 +75,7 @@ def caller_of(
 CallerDep = Annotated[Caller, Depends(caller_of)]
 
 
-def require_staff(caller: CallerDep) -> Caller:
+async def require_staff(caller: CallerDep) -> Caller:
     """Dependency of what assistants and instructors see.
 
     Raises:
@@ -89,7 +89,7 @@ def require_staff(caller: CallerDep) -> Caller:
 StaffDep = Annotated[Caller, Depends(require_staff)]
 
 
-def require_instructor(caller: StaffDep) -> Caller:
+async def require_instructor(caller: StaffDep) -> Caller:
     """Dependency of what changes settings or grades.
 
     Raises:

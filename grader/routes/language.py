@@ -9,7 +9,7 @@ from grader.contracts.text import LANGUAGES, Language
 _LONGEST_HEADER = 1_000
 
 
-def requested_language(
+async def requested_language(  # on the event loop: what is no coroutine waits for a thread
     request: Request,
     lang: Annotated[
         Language | None, Query(description="Language of texts; goes before Accept-Language.")

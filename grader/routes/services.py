@@ -120,7 +120,9 @@ def _metrics(measures: Measures, watching: Watching) -> Metrics:
     return metrics
 
 
-def _services(request: Request) -> Services:
+async def _services(
+    request: Request,
+) -> Services:  # on the event loop: what is no coroutine waits for a thread
     services: Services = request.app.state.services
     return services
 

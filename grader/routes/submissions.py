@@ -4,7 +4,7 @@ from dataclasses import replace
 from datetime import datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Depends, File, Form, Header, Path, Response, UploadFile
+from fastapi import APIRouter, Depends, File, Form, Header, Path, Response, UploadFile, status
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import SubmissionError, UnknownAssignmentError, UploadRefusedError
@@ -72,7 +72,8 @@ router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], dependenc
 
 @uploads.post(
     "",
-    status_code=202,
+    status_code=status.HTTP_202_ACCEPTED,
+    response_model=Receipt,
     summary="Upload a script",
     response_description="Stored and queued; Location says where to ask for the result.",
     responses={
@@ -104,17 +105,40 @@ router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], dependenc
 def upload(  # noqa: PLR0913
     services: ServicesDep,
     caller: CallerDep,
-    response: Response,
     arrived_at: Annotated[datetime, Depends(arrival)],
     *,
     file: UploadedFile,
     assignment: AssignmentField,
     student: StudentField = "",
     idempotency_key: IdempotencyKey = None,
-) -> Receipt:
+) -> Response:
     """Check a file's form, store it and queue it for grading.
 
     Nothing of it is executed by the service itself; its syntax is checked in a confined process.
+    """
+    added = hand_in(services, caller, arrived_at, file, assignment, student, idempotency_key)
+    # checked when it was made: to be checked again, it would wait for a thread twice
+    return Response(
+        added.model_dump_json(),
+        status_code=status.HTTP_202_ACCEPTED,
+        headers={"Location": added.status_url},
+        media_type="application/json",
+    )
+
+
+def hand_in(  # noqa: PLR0913, PLR0917
+    services: Services,
+    caller: Caller,
+    arrived_at: datetime,
+    file: UploadFile,
+    assignment: str,
+    student: str,
+    key: str | None = None,
+) -> Receipt:
+    """Take in what a form brought: check it, store it, queue it.
+
+    Raises:
+        ProblemError: it is refused; nothing was stored.
     """
     student = submitter(services, caller, student)
     services.upload_limit.take(f"{caller.course}/{student}")
@@ -125,17 +149,15 @@ def upload(  # noqa: PLR0913
         file_name=file.filename or "",
         source=b"",
         received_at=arrived_at,
-        key=idempotency_key,
+        key=key,
         ruled=caller.role is Role.STUDENT,
         by=None if student == caller.person or caller.course is None else caller.signature,
     )
     submission, repeated = _store(services, new, file)
     code = "repeated" if repeated else "accepted"
     note(submission=submission.id, assignment=submission.assignment, code=code)
-    added = receipt(submission, repeated=repeated)
     services.doorbell.ring()
-    response.headers["Location"] = added.status_url
-    return added
+    return receipt(submission, repeated=repeated)
 
 
 def _store(services: Services, new: NewSubmission, file: UploadFile) -> tuple[Submission, bool]:

@@ -16,7 +16,7 @@ from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.problems import ProblemError
 from grader.routes.rule_views import StandingView
 from grader.routes.services import Services, ServicesDep
-from grader.routes.uploads import UploadRoute, arrival
+from grader.routes.uploads import UploadRoute, arrival_of
 from grader.telemetry.context import note
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
@@ -65,14 +65,8 @@ def hand_in(  # noqa: PLR0913, PLR0917
         access.require_known(visitor)
     given = visitor.student or student.strip()
     try:
-        receipt = submissions.upload(
-            services=services,
-            caller=visitor.caller,
-            response=Response(),
-            arrived_at=arrival(request),
-            file=file,
-            assignment=assignment.id,
-            student=given,
+        receipt = submissions.hand_in(
+            services, visitor.caller, arrival_of(request), file, assignment.id, given
         )
     except ProblemError as problem:
         note(code=problem.code)
