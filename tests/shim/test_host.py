@@ -38,3 +38,29 @@ def test_urandom_refuses_a_negative_size(run_bare: RunScript) -> None:
     assert run_bare("import os\nprint(os.urandom(0))\nos.urandom(-1)\n").exit["message"] == (
         "negative argument not allowed"
     )
+
+
+def test_the_host_is_the_same_ubuntu_everywhere(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import getpass, os, platform, shelve, shutil, socket\n"
+        "print(getpass.getuser(), os.getlogin(), os.getuid(), os.getgroups(), os.environ['HOME'])\n"
+        "print(socket.gethostname(), platform.system(), platform.node(), platform.machine())\n"
+        "print(os.get_terminal_size().columns, shutil.get_terminal_size().lines)\n"
+        "with shelve.open('kept') as shelf: shelf['laps'] = 3\n"
+        "with shelve.open('kept') as shelf: print(dict(shelf))\n"
+    )
+    assert run.stdout.splitlines() == [
+        "student student 1000 [1000] /home/student",
+        "ubuntu Linux ubuntu x86_64",
+        "80 24",
+        "{'laps': 3}",
+    ]
+
+
+def test_a_window_finds_no_screen(run_bare: RunScript) -> None:
+    pytest.importorskip("_tkinter")
+    run = run_bare("import tkinter\ntkinter.Tk()\n")
+    assert (run.exit["type"], run.exit["message"]) == (
+        "TclError",
+        "no display name and no $DISPLAY environment variable",
+    )

@@ -36,4 +36,4 @@ def test_a_turtlesim_that_is_started_runs_until_it_is_ended(run_bare: RunScript)
         horizon_s=10.0,
     )
     assert run.stdout.splitlines() == ["0", "None None", "100002.5", "-15 -15 (b'', None)"]
-    assert (run.exit["after_interrupt"], run.exit["code"], run.notes) == (1, 130, [])
+    assert (run.exit["after_interrupt"], run.exit["code"], run.notes) == (1, 130, [("interrupted", "")])

@@ -78,6 +78,7 @@ def _exception(error: StudentError) -> tuple[str, dict[str, str]]:
         "NotInitializedException": "not_initialized",
         "EOFError": "no_input",
         "FileNotFoundError": "missing_file",
+        "TclError": "no_display",
         "NameError": "unknown_name",
         "ModuleNotFoundError": "missing_module",
     }

@@ -24,8 +24,10 @@ if TYPE_CHECKING:
     from typing import Any
 
 LAZY = {
+    "_tkinter": ("_patches_host", "patch_tkinter"),
     "concurrent.futures.thread": ("_patches_threading", "patch_futures_thread"),
     "linecache": ("_report", "prime_linecache"),
+    "dbm": ("_patches_host", "patch_dbm"),
     "datetime": ("_patches_datetime", "patch_datetime"),
     "logging": ("_patches_threading", "patch_logging"),
     "numpy.lib._datasource": ("_patches_numpy", "patch_datasource"),
@@ -37,6 +39,7 @@ LAZY = {
     "select": ("_patches_select", "patch_select"),
     "selectors": ("_patches_select", "patch_selectors"),
     "signal": ("_patches_signal", "patch_signal"),
+    "socket": ("_patches_host", "patch_socket"),
     "subprocess": ("_patches_programs", "patch_subprocess"),
     "threading": ("_patches_threading", "patch_threading"),
     "uuid": ("_patches_host", "patch_uuid"),

@@ -64,7 +64,7 @@ def mkdir(parts: Parts, path: Any, mode: int = 0o777) -> None:
     folder = storage.folder_of(parts, path)
     if parts[-1] in folder.entries:
         fail(errno.EEXIST, path)
-    storage.make_directory(folder, parts[-1], mode & 0o755, path)
+    storage.make_directory(folder, parts[-1], mode, path)
 
 
 def rmdir(parts: Parts, path: Any) -> None:
@@ -159,6 +159,11 @@ def chdir(path: Any) -> None:
         storage.cwd = _real["getcwd"]()
 
 
+def umask(mask: int, /) -> int:
+    old, storage.umask = storage.umask, mask & 0o777
+    return old
+
+
 def getcwd() -> str:
     return storage.cwd
 
@@ -186,6 +191,8 @@ def rename(src: Any, dst: Any, *, src_dir_fd: int | None = None, dst_dir_fd: int
         fail(error.errno or errno.ENOENT, src, dst)
     if new_parts[: len(parts)] == parts and new_parts != parts:
         fail(errno.EINVAL, src, dst)
+    if parts[: len(new_parts)] == new_parts and parts != new_parts:
+        fail(errno.ENOTEMPTY, src, dst)
     _make_way(entry, target.entries.get(new_parts[-1]), src, dst)
     storage.move(source, parts[-1], target, new_parts[-1])
 
@@ -249,6 +256,7 @@ REPLACED: dict[str, object] = {
     "getcwdb": getcwdb,
     "rename": rename,
     "replace": replace,
+    "umask": umask,
 }
 """Names of `os` and what stands in for them."""
 

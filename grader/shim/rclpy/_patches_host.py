@@ -15,12 +15,16 @@ if TYPE_CHECKING:
 
 PID = 4242
 CPUS = 4
+HOST = "ubuntu"
+TERMINAL = (80, 24)
+NO_DISPLAY = "no display name and no $DISPLAY environment variable"
 ENVIRONMENT = {"HOME": HOME, "LOGNAME": USER, "PWD": WORK, "USER": USER}
-UNAME = os.uname_result(("Linux", "ubuntu", "5.15.0-91-generic", "#101-Ubuntu SMP", "x86_64"))
+UNAME = os.uname_result(("Linux", HOST, "5.15.0-91-generic", "#101-Ubuntu SMP", "x86_64"))
 """Ubuntu 22.04, on which Humble runs."""
 
 _entropy = _random.Random(0)
 _kill = os.kill
+_get_terminal_size = os.get_terminal_size
 
 
 def seed_entropy(seed: int) -> None:
@@ -63,6 +67,11 @@ def uname() -> os.uname_result:
     return UNAME
 
 
+def get_terminal_size(fd: int = 1, /) -> os.terminal_size:
+    """The script's own streams count as a terminal of the usual size, though they are none."""
+    return os.terminal_size(TERMINAL) if fd in (0, 1, 2) else _get_terminal_size(fd)
+
+
 def cpu_count() -> int:
     return CPUS
 
@@ -94,6 +103,7 @@ REPLACED: dict[str, object] = {
     **dict.fromkeys(("getuid", "geteuid", "getgid", "getegid"), getuid),
     "getgroups": getgroups,
     "getlogin": getlogin,
+    "get_terminal_size": get_terminal_size,
     "uname": uname,
     "cpu_count": cpu_count,
     "process_cpu_count": cpu_count,
@@ -126,3 +136,25 @@ def patch_uuid(uuid: ModuleType) -> None:
     module: Any = uuid
     module._generate_time_safe = module._UuidCreate = None
     module._node = 0x0242AC110002
+
+
+def patch_socket(socket: ModuleType) -> None:
+    """Let the host have the name that `os.uname` tells."""
+    module: Any = socket
+    module.gethostname = lambda: HOST
+
+
+def patch_tkinter(tkinter: ModuleType) -> None:
+    """Let a window fail as it does without a screen, whatever of Tcl can be read on this host."""
+    module: Any = tkinter
+
+    def create(*args: Any, **options: Any) -> None:
+        raise module.TclError(NO_DISPLAY)
+
+    module.create = create
+
+
+def patch_dbm(dbm: ModuleType) -> None:
+    """Leave `shelve` the one database that is written in Python, through `open`."""
+    module: Any = dbm
+    module._names = ["dbm.dumb"]

@@ -40,10 +40,12 @@ class Storage:
 
     Attributes:
         cwd: the working directory, here or elsewhere.
+        umask: permissions that new entries do not get.
     """
 
     def __init__(self) -> None:
         self.cwd = WORK
+        self.umask = 0o022
         self._root = Directory(2, 0o755)
         self._inodes = 0
         self._count = 0
@@ -162,7 +164,7 @@ class Storage:
         Raises:
             OSError: there are too many entries.
         """
-        file = File(self._new_inode(path), mode)
+        file = File(self._new_inode(path), mode & ~self.umask)
         folder.entries[name] = file
         touch(folder)
         return file
@@ -173,7 +175,7 @@ class Storage:
         Raises:
             OSError: there are too many entries.
         """
-        directory = Directory(self._new_inode(path), mode)
+        directory = Directory(self._new_inode(path), mode & ~self.umask)
         folder.entries[name] = directory
         touch(folder)
         return directory

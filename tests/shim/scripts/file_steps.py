@@ -113,6 +113,7 @@ ACTIONS = [
     lambda: scanned(name()),
     lambda: status(name()),
     lambda: os.chmod(name(), 0o640),
+    lambda: oct(os.umask(rng.choice([0o022, 0o027, 0o002]))),
     lambda: os.utime(rng.choice(["a", "b", "d/a", "a/b"]), (5, 7)),
     lambda: os.utime("student.py", (5, 7)) or os.path.getmtime("student.py"),
     lambda: os.truncate(name(), rng.randrange(30)),

@@ -60,6 +60,7 @@ def error(kind: str, message: str) -> StudentError:
         (error("OSError", "[Errno 28] No space left on device"), "disk_full", ("16 MiB",)),
         (error("OSError", "[Errno 22] Invalid argument"), "crashed", ("OSError",)),
         (error("error", "(25, 'Inappropriate ioctl for device')"), "no_terminal", ("7",)),
+        (error("TclError", "no display name and no $DISPLAY environment variable"), "no_display", ("17",)),
         (error("ZeroDivisionError", "division by zero"), "crashed", ("ZeroDivisionError", "17")),
         (None, "killed", ("SIGSEGV",)),
     ],
