@@ -1,14 +1,18 @@
 """Settings of all tests, and the databases that tests of the store run on."""
 
+import compileall
 import os
 import shutil
+import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
 
+from grader.store import database as store_database
 from grader.store.database import Database
 from grader.store.schema import migrate
 from tests.fakes import postgres
@@ -23,11 +27,39 @@ _ALIVE = pytest.StashKey[int]()
 def pytest_configure(config: pytest.Config) -> None:
     if not hasattr(config, "workerinput"):
         config.stash[_ALIVE] = postgres.begin_run()
+        _compile()
+
+
+def _compile() -> None:
+    """Compile the grader once: the tests start hundreds of interpreters, which would each do it anew."""
+    os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+    sys.dont_write_bytecode = False
+    compileall.compile_dir(Path(__file__).parents[1] / "grader", quiet=2)
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
     if _ALIVE in config.stash:
         postgres.end_run(config.stash[_ALIVE])
+
+
+@pytest.fixture(scope="session", autouse=True)
+def durably() -> Iterator[Callable[..., None]]:
+    """SQLite does not wait for the disk in this process: the files are thrown away. How it would is the value."""
+    real = store_database._configure_sqlite
+
+    def configure(connection: Any, record: Any) -> None:
+        real(connection, record)
+        connection.execute("PRAGMA synchronous=OFF")
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(store_database, "_configure_sqlite", configure)
+        yield real
+
+
+@pytest.fixture
+def durable(durably: Callable[..., None], monkeypatch: pytest.MonkeyPatch) -> None:
+    """SQLite as the service has it, for databases that are opened after this."""
+    monkeypatch.setattr(store_database, "_configure_sqlite", durably)
 
 
 @pytest.fixture
@@ -50,14 +82,16 @@ def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def postgres_server() -> postgres.PostgresServer:
+def postgres_server() -> Iterator[postgres.PostgresServer]:
     """The PostgreSQL server of this run. Started by the first test that wants it."""
     try:
-        return postgres.PostgresServer()
+        server = postgres.PostgresServer()
     except Exception as error:
         if os.environ.get("GRADER_REQUIRE_POSTGRES"):
             raise
         pytest.skip(f"no PostgreSQL server can be started here: {error}")
+    yield server
+    server.close()
 
 
 @pytest.fixture

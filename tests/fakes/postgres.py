@@ -17,6 +17,7 @@ from typing import Any
 
 from grader.store.database import Database
 from grader.store.schema import migrate
+from tests.fakes.waiting import wait_until
 
 _RUN = "GRADER_TEST_RUN"
 _PREPARED = "prepared"
@@ -38,6 +39,10 @@ _SHAPE = (
     "SELECT md5(string_agg(concat_ws(' ', relname, attname, atttypid, attnotnull), ',' ORDER BY relname, attnum))"
     " || (SELECT coalesce(max(version_num), '') FROM alembic_version)"
     f" FROM pg_attribute JOIN pg_class c ON c.oid = attrelid WHERE attnum > 0 AND {_OUR_TABLES}"
+)
+_TERMINATE = (
+    "SELECT pg_terminate_backend(pid) FROM pg_stat_activity"
+    " WHERE datname = current_database() AND pid <> pg_backend_pid()"
 )
 _WASH = """
 SET session_replication_role = replica;
@@ -75,6 +80,7 @@ class PostgresServer:
                 (self._folder / "ready").touch()
         self._own = f"own_{os.getpid()}"
         self._shape: str | None = None
+        self._washing: Any = None
 
     def url(self, database: str) -> str:
         """Return the address of a database of this server."""
@@ -96,24 +102,50 @@ class PostgresServer:
 
         Emptying it takes a tenth of the time that copying the prepared one does.
         """
-        self.disconnect()
         if self._shape is None:
-            self.create(self._own)
-        with self._connected(self._own) as connection:
-            shape = connection.execute(_SHAPE).fetchone()[0]
-            connection.execute(_WASH)
-        if self._shape is None:
-            self._shape = shape
-        elif shape != self._shape:  # a test changed the tables
-            self.create(self._own)
+            self._shape = self._wash_anew()
+        else:
+            self.disconnect()
+            shape = self._wash()
+            if shape != self._shape:  # a test changed the tables
+                self._wash_anew()
         return self.url(self._own)
 
     def disconnect(self) -> None:
         """End every connection to this process's database, as a restart of the server does."""
-        with self._connected("postgres") as connection:
-            connection.execute(
-                "SELECT pg_terminate_backend(pid, 5000) FROM pg_stat_activity WHERE datname = %s", [self._own]
-            )
+        # not the function's own patience: it looks every 100 ms only
+        wait_until(lambda: not self._washer().execute(_TERMINATE).fetchall(), pause_s=0.001)
+
+    def close(self) -> None:
+        """Close what this process holds of it; the server goes on until the run ends."""
+        if self._washing is not None:
+            self._washing.close()
+            self._washing = None
+
+    def _wash_anew(self) -> str:
+        self.close()
+        self.create(self._own)
+        return self._wash()
+
+    def _wash(self) -> str:
+        """Delete all rows; return what tells the tables' shape."""
+        washer = self._washer()
+        shape: str = washer.execute(_SHAPE).fetchone()[0]
+        washer.execute(_WASH)
+        return shape
+
+    def _washer(self) -> Any:
+        """A connection that is kept from test to test: opening one takes longer than what it is for."""
+        from psycopg import OperationalError
+
+        if self._washing is not None:
+            try:
+                self._washing.execute("SELECT 1")
+            except OperationalError:  # a test ended all connections
+                self.close()
+        if self._washing is None:
+            self._washing = self._connected(self._own)
+        return self._washing
 
     def _administer(self, statement: str) -> None:
         with self._connected("postgres") as connection:

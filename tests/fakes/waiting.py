@@ -7,11 +7,13 @@ PATIENCE_S = 30.0  # only ever waited for in full when a test fails
 _PAUSE_S = 0.01
 
 
-def wait_until(condition: Callable[[], object], patience_s: float = PATIENCE_S) -> None:
+def wait_until(
+    condition: Callable[[], object], patience_s: float = PATIENCE_S, pause_s: float = _PAUSE_S
+) -> None:
     """Return once `condition` holds; fail when it does not within about `patience_s`."""
     pause = threading.Event()
-    for _ in range(int(patience_s / _PAUSE_S)):
+    for _ in range(int(patience_s / pause_s)):
         if condition():
             return
-        pause.wait(_PAUSE_S)
+        pause.wait(pause_s)
     raise AssertionError("it never happened")

@@ -34,7 +34,7 @@ def pragma(database: Database, name: str) -> object:
         return session.connection().exec_driver_sql(f"PRAGMA {name}").scalar_one()
 
 
-def test_sqlite_is_set_up_to_lose_nothing(sqlite_database: Database) -> None:
+def test_sqlite_is_set_up_to_lose_nothing(durable: None, sqlite_database: Database) -> None:
     assert pragma(sqlite_database, "journal_mode") == "wal"
     assert pragma(sqlite_database, "synchronous") == 2
     assert pragma(sqlite_database, "foreign_keys") == 1
