@@ -45,6 +45,9 @@ def run(argv: Sequence[str]) -> int:
         "command", choices=list(COMMANDS), metavar="command", help="one of the commands below"
     )
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
+    if not argv:
+        parser.print_help(sys.stderr)
+        return EXIT_COULD_NOT
     chosen = parser.parse_args(argv)
     module = importlib.import_module(f"grader.commands.{chosen.command}")
     command_parser = argparse.ArgumentParser(

@@ -63,6 +63,15 @@ class Catalog:
         """
         return self._assignment(self.folder(assignment_id))
 
+    def place(self, assignment_id: str, field: str) -> str:
+        """Return where a field of an assignment (``items.2.measure``) stands: file, line and field.
+
+        Raises:
+            UnknownAssignmentError: there is none of that name.
+            AssignmentError: its file cannot be read.
+        """
+        return self._named(assignment_id).place(field)
+
     def wrong_attempts(self, assignment_id: str) -> tuple[WrongAttempt, ...]:
         """Return the wrong scripts that come with an assignment and the verdicts they must get.
 

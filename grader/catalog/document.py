@@ -120,8 +120,12 @@ class Document:
             )
         return model
 
+    def place(self, field: str) -> str:
+        """Return where `field` (``items.2.measure``) stands: file, line and field."""
+        steps = tuple(int(step) if step.isdecimal() else step for step in field.split("."))
+        return f"{self.path}:{self.line_of(steps)}: {field}"
+
     def _problem(self, error: Any) -> str:
-        location = tuple(error["loc"])
-        field = ".".join(map(str, location)) or "assignment"
+        field = ".".join(map(str, error["loc"])) or "assignment"
         fix = _FIXES.get(error["type"], error["msg"].removeprefix("Value error, "))
-        return f"{self.path}:{self.line_of(location)}: {field}: {fix}"
+        return f"{self.place(field)}: {fix}"

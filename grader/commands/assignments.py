@@ -1,6 +1,7 @@
 """`grader assignments`: what there is, what earns points, and whether the assignments keep their word."""
 
 import argparse
+import shlex
 from pathlib import Path
 
 from grader.catalog import Catalog
@@ -68,14 +69,18 @@ def _new(catalog: Catalog, arguments: argparse.Namespace) -> int:
     from grader.catalog.authoring import create
 
     folder = create(catalog, arguments.name)
-    console().print(f"→ {folder}\n  grader assignments validate {arguments.name}")
+    command = f"grader assignments validate {arguments.name}"
+    if arguments.assignments is not None:
+        command += f" --assignments {shlex.quote(str(arguments.assignments))}"
+    console().print(f"→ {folder}\n  {command}", soft_wrap=True)
     return 0
 
 
 def _show(catalog: Catalog, arguments: argparse.Namespace) -> int:
     from grader.checks import published_rubric
+    from grader.commands.validation import fitting
     from grader.render.rubric import render_rubric
 
-    assignment = catalog.get(arguments.id)
+    assignment = fitting(catalog, arguments.id)
     console().print(render_rubric(assignment, published_rubric(assignment), language=arguments.lang))
     return 0

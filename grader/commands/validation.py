@@ -7,9 +7,11 @@ from rich.table import Table
 from rich.text import Text
 
 from grader.catalog import Catalog
+from grader.checks import problems as check_problems
 from grader.commands.sensitivity import Sensitivity, lax, replayable, sensitivities
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment, ItemSpec, WrongAttempt
+from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport, GradeStatus
@@ -86,6 +88,22 @@ def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool =
     return 1 if any(finding.problem for finding in findings) else 0
 
 
+def fitting(catalog: Catalog, assignment_id: str) -> Assignment:
+    """Return an assignment that fits its check.
+
+    Raises:
+        UnknownAssignmentError: there is none of that name.
+        AssignmentError: it does not fit, or its file is wrong; the message names file, line, field and fix.
+    """
+    assignment = catalog.get(assignment_id)
+    found = [
+        f"{catalog.place(assignment_id, place)}: {problem}" for place, problem in check_problems(assignment)
+    ]
+    if found:
+        raise AssignmentError("\n".join(found))
+    return assignment
+
+
 def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: bool = False) -> Examination:
     """Grade the solution, the starter and every wrong file of one assignment.
 
@@ -98,7 +116,7 @@ def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: 
     Raises:
         GraderError: the assignment cannot be read, or the grader failed.
     """
-    assignment = catalog.get(assignment_id)
+    assignment = fitting(catalog, assignment_id)
     path = catalog.own_file(assignment, "solution")
     job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
     solution = grader.grade(job)

@@ -140,3 +140,10 @@ def test_a_plot_that_cannot_be_written_is_no_lost_mark(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert "得分 100 / 100" in done.stdout
     assert done.stderr == "grader: --plot out.PNG：这是文件夹，不是文件\n"
+
+
+def test_without_a_command_the_commands_are_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.run([]) == 2
+    said = capsys.readouterr()
+    assert not said.out
+    assert all(f"  {name} " in said.err for name in cli.COMMANDS)

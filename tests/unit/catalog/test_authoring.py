@@ -7,6 +7,7 @@ import pytest
 from grader.catalog import Catalog
 from grader.catalog.authoring import create
 from grader.checks import problems
+from grader.commands.validation import fitting
 from grader.contracts.errors import AssignmentError
 
 
@@ -56,3 +57,29 @@ def test_a_broken_spec_is_named_with_its_line(tmp_path: Path, old: str, new: str
     with pytest.raises(AssignmentError, match=field) as caught:
         catalog.get("heptagon")
     assert str(path) in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place"),
+    [
+        (
+            "measure: corner_deg",
+            "measure: corner_degrees",
+            ":27: items.1.measure: 'corner_degrees' is no measure",
+        ),
+        ("{sides: 4, side_m: 2.0}", "{sides: 4}", ":11: options.side_m: missing"),
+        ("{sides: 4, side_m: 2.0}", "{sides: 2, side_m: 2.0}", ":11: options.sides: must be a whole number"),
+        ("check: polygon", "check: polygone", ":10: check: unknown check 'polygone'"),
+    ],
+)
+def test_what_does_not_fit_the_check_is_named_with_its_line(
+    tmp_path: Path, old: str, new: str, place: str
+) -> None:
+    catalog = Catalog(tmp_path)
+    path = create(catalog, "heptagon") / "assignment.yaml"
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises(AssignmentError) as caught:
+        fitting(catalog, "heptagon")
+    assert f"{path}{place}" in str(caught.value)
