@@ -116,7 +116,7 @@ def running(
         InfrastructureError: the database cannot be opened.
     """
     with ExitStack() as stack:
-        database = stack.enter_context(_store(settings))
+        database = stack.enter_context(_store(settings, "grader serve"))
         clock = stack.enter_context(clock_of(database))
         courses = Courses(database, clock)
         check_exposure(settings, courses)
@@ -147,7 +147,7 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
         SettingsError, AssignmentError, InfrastructureError: as `running` does.
     """
     with ExitStack() as stack:
-        database = stack.enter_context(_store(settings))
+        database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
         parts = _parts(database, settings, RememberedAssignments(Catalog()), clock)
         metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
@@ -157,11 +157,11 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
 
 
 @contextmanager
-def _store(settings: Settings) -> Iterator[Database]:
+def _store(settings: Settings, who: str) -> Iterator[Database]:
     """Open the database and bring it up to date; nobody replaces it meanwhile."""
     database = Database(settings.database_url)
     try:
-        with in_use(database):
+        with in_use(database, who):
             migrate(database)
             with checkpoints(database):
                 yield database
@@ -241,7 +241,7 @@ def require_safe_exposure(settings: Settings) -> None:
     """
     if is_loopback(settings.host):
         return
-    with _store(settings) as database:
+    with _store(settings, "grader serve") as database:
         check_exposure(settings, Courses(database, utc_now))
 
 

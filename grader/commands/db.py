@@ -66,7 +66,6 @@ def _restore(database: Database, arguments: argparse.Namespace) -> None:
         if old is not None:
             _say(f"what was there: {old}")
     else:
-        migrate(database)
         with alone(database):
             restore_rows(arguments.file, database, replace=arguments.replace)
     _say(f"{arguments.file} → {database.name}")

@@ -1,43 +1,69 @@
-"""Who works with a database: services hold a lock on its file, and what replaces or moves it wants to be alone."""
+"""Who works with a database: services keep what replaces or moves it away, and that wants to be alone.
+
+SQLite: a lock on a file beside it. PostgreSQL: an advisory lock that each connection of a service shares, so that
+it is taken anew with each new connection; what wants to be alone takes it exclusively.
+"""
 
 import fcntl
+import logging
 import os
+import socket
+import time
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from typing import Any
 
-from grader.contracts.errors import SettingsError
+from sqlalchemy import event, func, select, text
+from sqlmodel import Session
+
+from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store.database import Database
-from grader.store.server_clock import ServerClock
-from grader.store.workers import Workers
 
-_LIVES_S = 30.0  # a worker says every few seconds that it lives
+_log = logging.getLogger(__name__)
+_LOCK = (0x67726164, 1)  # a pair of numbers, unlike the locks of `grader.store.locks`
+_LOOK_S = 0.5
+_NAME_LENGTH = 63  # longer ones PostgreSQL cuts
+_NAMED = 5
+_THERE = text(
+    "SELECT DISTINCT application_name FROM pg_locks JOIN pg_stat_activity USING (pid)"
+    " WHERE locktype = 'advisory' AND classid = :space AND objid = :number AND objsubid = 2 AND granted"
+    " AND database = (SELECT oid FROM pg_database WHERE datname = current_database())"
+    " AND pid <> pg_backend_pid() ORDER BY application_name"
+)
 
 
 @contextmanager
-def in_use(database: Database) -> Iterator[None]:
-    """Keep others from replacing or moving the database for as long as the context lasts; wait while one does."""
-    if not database.is_sqlite:
-        yield
+def in_use(database: Database, who: str = "a command of the grader") -> Iterator[None]:
+    """Keep others from replacing or moving the database for as long as the context lasts; wait while one does.
+
+    Entered before anything else is done with `database`. On PostgreSQL those who want to be alone are told `who`.
+
+    Raises:
+        InfrastructureError: the database does not answer. Within the context it is also what a new connection
+            meets when, in an outage that cut every other one, somebody began to replace the database.
+    """
+    if database.is_sqlite:
+        with _lock_file(f"{database.name}.open") as descriptor:
+            fcntl.flock(descriptor, fcntl.LOCK_SH)
+            yield
         return
-    with _lock_file(f"{database.name}.open") as descriptor:
-        fcntl.flock(descriptor, fcntl.LOCK_SH)
+    with _sharing(database, who):
+        _wait_until_free(database)
         yield
 
 
 @contextmanager
 def alone(database: Database) -> Iterator[None]:
-    """Keep services from a SQLite database for as long as the context lasts.
-
-    On PostgreSQL, where nothing keeps them away, only workers show, by what they say about themselves.
+    """Keep services from a database for as long as the context lasts.
 
     Raises:
-        SettingsError: a service or a worker works with the database.
+        SettingsError: a service, a worker or a command works with the database; on PostgreSQL it says which.
+        InfrastructureError: the database does not answer.
     """
-    busy = SettingsError(f"a service works with {database.name}: stop it first")
     if not database.is_sqlite:
-        if Workers(database, ServerClock(database)).alive(_LIVES_S):
-            raise busy
-        yield
+        with database.writing() as session:
+            _take(session, database.name)
+            yield
         return
     with ExitStack() as stack:
         for kind in ("open", "lock"):  # the second is `grader.store.workers.presence`
@@ -45,8 +71,68 @@ def alone(database: Database) -> Iterator[None]:
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                raise busy from None
+                raise SettingsError(f"a service works with {database.name}: stop it first") from None
         yield
+
+
+class _ReplacedError(InfrastructureError):
+    """The database is being replaced or moved."""
+
+
+@contextmanager
+def _sharing(database: Database, who: str) -> Iterator[None]:
+    """Let every new connection share the lock; close those that do at the end."""
+    sharing = True
+
+    def share(connection: Any, _record: Any) -> None:
+        if not sharing:
+            return
+        connection.autocommit = True
+        connection.execute("SELECT set_config('application_name', %s, false)", (_name(who),))
+        ((granted,),) = connection.execute("SELECT pg_try_advisory_lock_shared(%s, %s)", _LOCK).fetchall()
+        connection.autocommit = False
+        if not granted:
+            connection.close()
+            raise _ReplacedError(f"{database.name} is being replaced or moved")
+
+    event.listen(database.engine, "connect", share)
+    try:
+        yield
+    finally:
+        sharing = False
+        database.engine.dispose()
+
+
+def _wait_until_free(database: Database) -> None:
+    said = False
+    while True:
+        try:
+            with database.reading() as session:
+                session.connection()
+                return
+        except _ReplacedError as error:
+            if not said:
+                _log.warning("%s: waiting until that has ended", error)
+                said = True
+            time.sleep(_LOOK_S)
+
+
+def _take(session: Session, name: str) -> None:
+    """Take the lock for as long as the transaction lasts, however long that is."""
+    session.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))
+    session.execute(select(func.set_config("application_name", _name("grader db"), True)))
+    if session.execute(select(func.pg_try_advisory_xact_lock(*_LOCK))).scalar_one():
+        return
+    space, number = _LOCK
+    there = session.execute(_THERE, {"space": space, "number": number}).scalars().all()
+    more = [f"{len(there) - _NAMED} more"] if len(there) > _NAMED else []
+    names = "; ".join([*there[:_NAMED], *more]) or "somebody who is leaving"
+    raise SettingsError(f"{name} is in use by {names}: stop it first")
+
+
+def _name(who: str) -> str:
+    name = f"{who}, process {os.getpid()} on {socket.gethostname()}"
+    return name.encode("ascii", "replace").decode()[:_NAME_LENGTH]
 
 
 @contextmanager

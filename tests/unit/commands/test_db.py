@@ -3,20 +3,19 @@
 import re
 import sqlite3
 import threading
-from datetime import datetime, timedelta
 from pathlib import Path
 
 import pytest
 
 from grader import cli, service
-from grader.contracts.submission import NewSubmission, WorkerState
+from grader.contracts.submission import NewSubmission
 from grader.settings import Settings
 from grader.store.columns import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import in_use
 from grader.store.schema import migrate
 from grader.store.submissions import Submissions
-from grader.store.workers import Workers, presence
+from grader.store.workers import presence
 from tests.fakes.grading import FakePreflight
 
 
@@ -177,16 +176,11 @@ def test_postgresql_is_backed_up_and_restored(
     second = add(database, "b")
     assert cli.run(["db", "restore", backup]) == 2
     assert "not empty" in capsys.readouterr().err
-    report_life(database, utc_now())
-    assert cli.run(["db", "restore", "--replace", backup]) == 2
-    assert "stop it first" in capsys.readouterr().err
-    report_life(database, utc_now() - timedelta(minutes=5))
+    settings = Settings(database_url=postgres_url, slots=0)
+    with service.running(settings, lambda _: None, FakePreflight()):
+        assert cli.run(["db", "restore", "--replace", backup]) == 2
+    assert "in use by grader serve" in capsys.readouterr().err
     assert cli.run(["db", "restore", "--replace", backup]) == 0
     assert Submissions(database, utc_now).source(first) == b"a"
     assert Submissions(database, utc_now).get(second) is None
     database.close()
-
-
-def report_life(database: Database, at: datetime) -> None:
-    state = {"id": "h:1", "slots": 1, "busy": 0, "sandbox_ready": True, "isolation": "strict", "detail": ""}
-    Workers(database, utc_now).report(WorkerState(**state, started_at=at, seen_at=at))
