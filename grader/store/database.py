@@ -14,6 +14,7 @@ to be run again as a whole, most often on deadline evenings.
 """
 
 import os
+import sqlite3
 import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
@@ -30,6 +31,7 @@ from grader.store.announcing import Announcer, Unannounced
 _LOCK_TIMEOUT_MS = 30_000
 _LONGEST_LOG_PAGES = 10_000  # before a commit empties it, where `grader.store.checkpoints` did not
 _BEGIN_OPTION = "grader_begin"
+_CHANCES = 20
 _CONNECTIONS = 10  # of one process to PostgreSQL; threads beyond that wait for one
 _CONNECT_TIMEOUT_S = 10
 _IDLE_TIMEOUT_MS = 15_000  # a frozen process must not keep its locks for longer than its lease
@@ -169,14 +171,26 @@ def _create_private(_dialect: Dialect, _record: Any, arguments: Sequence[Any], _
 
 def _configure_sqlite(connection: Any, _record: Any) -> None:
     connection.isolation_level = None  # the driver must not begin transactions of its own
+    connection.execute(f"PRAGMA busy_timeout={_LOCK_TIMEOUT_MS}")
+    _write_ahead(connection)
     for pragma in (
-        "journal_mode=WAL",
         "synchronous=FULL",
         "foreign_keys=ON",
         f"wal_autocheckpoint={_LONGEST_LOG_PAGES}",
-        f"busy_timeout={_LOCK_TIMEOUT_MS}",
     ):
         connection.execute(f"PRAGMA {pragma}")
+
+
+def _write_ahead(connection: Any) -> None:
+    """Use a log beside the file. Who asks for that while another does is refused at once."""
+    for _ in range(_CHANCES):
+        try:
+            connection.execute("PRAGMA journal_mode=WAL")
+            return
+        except sqlite3.OperationalError:
+            connection.execute("BEGIN IMMEDIATE")  # this waits for the other, or says what is wrong
+            connection.execute("ROLLBACK")
+    connection.execute("PRAGMA journal_mode=WAL")
 
 
 def _begin_sqlite(connection: Connection) -> None:
