@@ -22,6 +22,7 @@ from grader.contracts.report import GradeReport
 from grader.contracts.text import LANGUAGES, Text
 from grader.render.escape import visible, visible_line
 from grader.render.labels import SUBMISSION_STATE
+from grader.render.quantity import score
 from grader.render.terminal import console, render_report
 from grader.settings import is_loopback
 
@@ -31,6 +32,12 @@ _PAUSE_S = 0.25
 _LONGEST_PAUSE_S = 2.0
 _REOPEN_S = 1.0
 _TIMEOUT_S = 30.0
+_TOKEN_FIX = Text(
+    zh="把教师发给你的令牌存进一个文件，用 --token-file 指明（或放进环境变量 GRADER_TOKEN）；"
+    "过期或遗失时要一个新的。",
+    en="Put the token your instructor gave you into a file and name it with --token-file (or set GRADER_TOKEN); "
+    "ask for a new one when it expired or got lost.",
+)
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -69,6 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.json:
         name, heading = arguments.file.name, Text(zh=title, en=title)
         console().print(render_report(report, language=arguments.lang, file_name=name, title=heading))
+    _tell_lateness(document, arguments)
     return EXIT_FULL_MARKS if report.score == report.max_score else EXIT_NOT_FULL
 
 
@@ -81,7 +89,28 @@ def _upload(client: httpx.Client, arguments: argparse.Namespace, source: bytes, 
         files={"file": (arguments.file.name, source)},
         headers={"Idempotency-Key": uuid.uuid4().hex},  # a lost answer must not cost an attempt
     )
-    return str(response.json()["status_url"])
+    receipt = response.json()
+    if receipt["repeated"]:
+        _tell(
+            arguments,
+            zh="这个文件之前已经提交过，不再占用次数；下面是那一次的结果。",
+            en="This file was handed in before and costs no attempt; this is what became of it then.",
+        )
+    return str(receipt["status_url"])
+
+
+def _tell_lateness(document: dict[str, Any], arguments: argparse.Namespace) -> None:
+    kept = document["kept_score"]
+    if kept is not None and kept != document["score"]:
+        _tell(
+            arguments,
+            zh=f"截止后提交，按规则计 {score(kept)} 分。",
+            en=f"Handed in after it was due: {score(kept)} points are kept.",
+        )
+
+
+def _tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
+    sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
 
 
 def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dict[str, Any]:
@@ -137,7 +166,9 @@ def _asked(client: httpx.Client, method: str, url: str, **content: Any) -> httpx
             response = client.request(method, url, **content)
         except httpx.TransportError as error:
             if attempt == _TRIES - 1:
-                raise InfrastructureError(f"{client.base_url} does not answer: {error}") from error
+                raise InfrastructureError(
+                    f"{client.base_url} does not answer: {error}", f"{client.base_url} 没有回应：{error}"
+                ) from error
         except (httpx.InvalidURL, httpx.UnsupportedProtocol) as error:
             raise SubmissionError("server", f"--server {client.base_url}: {error}") from error
         else:
@@ -155,11 +186,13 @@ def _accepted(response: httpx.Response) -> httpx.Response:
         return response
     try:
         problem = response.json()
-        lines = [f"{problem['title']}: {problem['detail']}", problem.get("text") or "", problem["fix"]]
-        code = str(problem["code"])
+        code, title, detail = (str(problem[name]) for name in ("code", "title", "detail"))
+        fix = _TOKEN_FIX if code == "unauthorized" else Text(zh=problem["fix"], en=problem["fix"])
+        lines = [title, detail if detail != title else "", problem.get("text") or ""]
     except (ValueError, KeyError, TypeError):
         raise InfrastructureError(f"{response.url} answered {response.status_code}") from None
-    raise SubmissionError(code, "\n".join(visible(str(line)) for line in lines if line))
+    zh, en = ("\n".join(visible(str(one)) for one in (*lines, fix.get(lang)) if one) for lang in LANGUAGES)
+    raise SubmissionError(code, en, zh)
 
 
 def _authorization(arguments: argparse.Namespace) -> dict[str, str]:

@@ -12,10 +12,12 @@ import pytest
 from grader import cli
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.policy import AssignmentPolicy, LateRule
 from grader.routes.services import Services
 from grader.settings import Settings
+from grader.store.audit import Signature
 from tests.fakes import server
-from tests.fakes.clock import FakeClock
+from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import grade
 
 
@@ -111,6 +113,23 @@ def test_less_than_that_shows_the_next_step(submit, services: Services) -> None:
     assert services.dashboard.state().progress[0].attempts == 1
 
 
+def test_the_same_file_again_is_told(submit, services: Services) -> None:
+    assert "已经提交过" not in submit("good good", "--student", "s1")[2]
+    status, _, told = submit("good good", "--student", "s1")
+    assert (status, "已经提交过" in told) == (0, True)
+    assert services.dashboard.state().progress[0].attempts == 1
+
+
+def test_what_lateness_leaves_is_told(submit, services: Services, monkeypatch: pytest.MonkeyPatch) -> None:
+    services.courses.create("ros", "ROS", "UTC", "test")
+    services.courses.import_roster("ros", [RosterEntry(id="li", name="李", role=Role.STUDENT)], "test")
+    _, token = services.tokens.issue("ros", "li", timedelta(days=1), "test")
+    monkeypatch.setenv("GRADER_TOKEN", token)
+    late = AssignmentPolicy(due=START - timedelta(hours=1), late=LateRule(kind="linear", per_day=0.25))
+    services.policies.set("square", late, Signature(START, "ros", "test"))
+    assert "计 7.5 分" in submit("good good")[2]
+
+
 def test_as_json_it_is_the_stored_report(submit, services: Services) -> None:
     _, output, _ = submit("good", "--student", "s1", "--json")
     submission = services.dashboard.state().progress[0].latest_submission
@@ -132,7 +151,9 @@ def test_in_a_course_the_token_says_who(
     services.courses.create("ros", "ROS", "UTC", "test")
     services.courses.import_roster("ros", [RosterEntry(id="li", name="李", role=Role.STUDENT)], "test")
     _, token = services.tokens.issue("ros", "li", timedelta(days=1), "test")
-    assert submit("good", "--lang", "en")[0] == 2
+    status, _, errors = submit("good")
+    assert (status, errors.count("需要有效的令牌")) == (2, 1)
+    assert "--token-file" in errors
     monkeypatch.setenv("GRADER_TOKEN", token)
     assert submit("good")[0] == 1
     assert services.dashboard.state("ros").progress[0].student == "li"
@@ -153,7 +174,7 @@ def test_a_server_that_is_not_there(submit, monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr("grader.commands.submit._PAUSE_S", 0.0)
     status, _, errors = submit("good", "--server", "http://127.0.0.1:9", "--student", "s1")
     assert status == 2
-    assert "does not answer" in errors
+    assert "没有回应" in errors
 
 
 def test_a_name_that_tells_nothing(submit) -> None:
