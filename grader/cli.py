@@ -7,6 +7,7 @@ done, 1 less than that, 2 could not be done.
 
 import argparse
 import importlib
+import os
 import sys
 from collections.abc import Sequence
 
@@ -30,6 +31,7 @@ COMMANDS: dict[str, str] = {
 
 EXIT_COULD_NOT = 2
 EXIT_INTERRUPTED = 130
+EXIT_UNREAD = 141
 
 
 def run(argv: Sequence[str]) -> int:
@@ -56,7 +58,9 @@ def run(argv: Sequence[str]) -> int:
     module.configure(command_parser)
     arguments = command_parser.parse_args(chosen.arguments)
     try:
-        return int(module.run(arguments))
+        code = int(module.run(arguments))
+        sys.stdout.flush()
+        return code
     except GraderError as error:
         from grader.render.escape import visible
 
@@ -64,3 +68,6 @@ def run(argv: Sequence[str]) -> int:
         return EXIT_COULD_NOT
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
+    except BrokenPipeError:  # whoever read what was printed has seen enough, as `head` does
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_UNREAD

@@ -1,6 +1,7 @@
 """`grader` as a person at a terminal meets it."""
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -27,6 +28,15 @@ def test_full_marks_end_with_0_and_a_table_in_chinese(tmp_path: Path) -> None:
     assert "得分 100 / 100" in done.stdout
     assert "回到起点" in done.stdout
     assert not done.stderr
+
+
+def test_who_reads_no_further_gets_no_traceback(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "grader", "assignments", "show", "square"]
+    reads, writes = os.pipe()
+    os.close(reads)
+    done = subprocess.run(command, cwd=tmp_path, stdout=writes, stderr=subprocess.PIPE, check=False)
+    os.close(writes)
+    assert (done.returncode, done.stderr) == (cli.EXIT_UNREAD, b"")
 
 
 def test_less_than_full_marks_ends_with_1_and_the_next_step(tmp_path: Path) -> None:
