@@ -89,7 +89,7 @@ def chosen_course(storage: Storage, course: str | None) -> str:
         return storage.courses.get(course).id
     courses = storage.courses.all()
     if not courses:
-        raise no_course()
+        raise no_course(storage.database.name)
     if len(courses) > 1:
         known = ", ".join(one.id for one in courses)
         raise CourseError(f"say which course with --course: {known}", f"请用 --course 指明课程：{known}")

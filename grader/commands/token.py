@@ -110,7 +110,10 @@ def _list(storage: Storage, course: str, arguments: argparse.Namespace) -> None:
 
 
 def _days(text: str) -> int:
-    days = whole(text)
+    try:
+        days = whole(text)
+    except ValueError:
+        days = 0
     if not 1 <= days <= _MOST_DAYS:
         raise argparse.ArgumentTypeError(f"{text}: must be from 1 to {_MOST_DAYS} days")
     return days

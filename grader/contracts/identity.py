@@ -169,11 +169,11 @@ def checked_name(text: str) -> str:
     return name
 
 
-def no_course() -> CourseError:
-    """Return what is wrong while there is no course at all."""
+def no_course(where: str = "") -> CourseError:
+    """Return what is wrong while there is no course at all; `where` names the database that was looked at."""
     return CourseError(
-        "there is no course yet: create one with `grader course create`",
-        "还没有课程：先用 `grader course create` 创建",
+        f"there is no course yet{where and f' in {where}'}: create one with `grader course create`",
+        f"还没有课程{where and f'（{where}）'}：先用 `grader course create` 创建",
     )
 
 

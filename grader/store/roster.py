@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from typing import Any
 
 from grader.contracts.errors import CourseError
@@ -10,13 +11,17 @@ from grader.contracts.text import Text
 
 _REQUIRED = ("id", "name")
 _KNOWN = (*_REQUIRED, "role")
+_COLUMNS = {"学号": "id", "姓名": "name", "角色": "role"}
+_ROLES = {"学生": Role.STUDENT.value, "助教": Role.ASSISTANT.value, "教师": Role.INSTRUCTOR.value}
+_SHORTENED = re.compile(r"[0-9][.,]?[0-9]*e[+][0-9]+", re.IGNORECASE)
 MAX_ROSTER_BYTES = 4 * 1024 * 1024
 
 
 def read_roster(content: bytes) -> tuple[RosterEntry, ...]:
     """Return the entries of a roster in order.
 
-    Spreadsheet programs' byte order mark is fine; columns of other names are ignored.
+    Spreadsheet programs' byte order mark is fine; columns of other names are ignored. Columns and roles may have
+    their Chinese names, as on the pages.
 
     Raises:
         CourseError: the file is not right; the message has a line for each line of the file that is wrong.
@@ -34,8 +39,9 @@ def read_roster(content: bytes) -> tuple[RosterEntry, ...]:
             f"第 {line} 行：不是 UTF-8 编码：请把名单另存为“CSV UTF-8”",
         ) from None
     reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
-    _check_header([name.strip().lower() for name in reader.fieldnames or ()])
-    reader.fieldnames = [name.strip().lower() for name in reader.fieldnames or ()]
+    columns = [name.strip().lower() for name in reader.fieldnames or ()]
+    reader.fieldnames = [_COLUMNS.get(name, name) for name in columns]
+    _check_header(reader.fieldnames)
     return _entries(reader)
 
 
@@ -86,6 +92,15 @@ def _at(line: int, zh: str, en: str) -> Text:
     return Text(zh=f"第 {line} 行：{zh}", en=f"line {line}: {en}")
 
 
+def _checked_student(text: str) -> str:
+    if _SHORTENED.fullmatch(text):
+        raise CourseError(
+            f"{text} is a number that a spreadsheet shortened: format the column as text, fill it in again",
+            f"{text} 是被表格软件改成科学计数法的学号：把这一列设为“文本”，重新填写学号",
+        )
+    return checked_id(text, "id")
+
+
 def _entry(row: dict[str | Any, str | Any]) -> RosterEntry:
     if any(cell.strip() for cell in row.get(None, ())):  # where the reader puts what no column is for
         raise CourseError(
@@ -93,9 +108,10 @@ def _entry(row: dict[str | Any, str | Any]) -> RosterEntry:
             "单元格比列多：名字里有逗号时要加引号",
         )
     role = (row.get("role") or "").strip().lower() or Role.STUDENT.value
+    role = _ROLES.get(role, role)
     if role not in list(Role):
         known = ", ".join(Role)
         raise CourseError(f"{role!r} is no role: use {known}", f"没有角色 {role!r}：只能用 {known}")
     return RosterEntry(
-        id=checked_id((row["id"] or "").strip(), "id"), name=checked_name(row["name"] or ""), role=Role(role)
+        id=_checked_student((row["id"] or "").strip()), name=checked_name(row["name"] or ""), role=Role(role)
     )

@@ -29,6 +29,22 @@ def entry(person: str, name: str = "x", role: Role = Role.STUDENT) -> RosterEntr
     return RosterEntry(id=person, name=name, role=role)
 
 
+def test_a_roster_may_have_its_chinese_names() -> None:
+    content = "学号,姓名,角色\n1,李雷,学生\n2,助教一,助教\n3,王,\n".encode()
+    assert [(one.id, one.role) for one in read_roster(content)] == [
+        ("1", Role.STUDENT),
+        ("2", Role.ASSISTANT),
+        ("3", Role.STUDENT),
+    ]
+    with pytest.raises(CourseError, match="two columns 'id'"):
+        read_roster("学号,id,姓名\n1,2,a\n".encode())
+
+
+def test_what_a_spreadsheet_did_to_an_id_is_told() -> None:
+    with pytest.raises(CourseError, match="spreadsheet shortened"):
+        read_roster(b"id,name\n2.02601E+07,a\n")
+
+
 def test_a_database_begins_without_courses(database: Database, clock: FakeClock) -> None:
     courses = Courses(database, clock)
     assert not courses.exist()
