@@ -222,7 +222,7 @@ def view(
         score=submission.score,
         to_judge=submission.to_judge,
         max_score=submission.max_score,
-        **_lateness(submission, known),
+        **lateness(submission, known),
         summary=_said(report.get("summary"), language),
         hint=_said(report.get("hint"), language),
         mistakes=report.get("mistakes", []),
@@ -244,7 +244,8 @@ def _whole(stored: StoredReport) -> Mapping[str, Any]:
     return judged(stored).to_dict() if stored.judgements else dict(json.loads(stored.content))
 
 
-def _lateness(submission: Submission, known: Rules) -> dict[str, Any]:
+def lateness(submission: Submission, known: Rules) -> dict[str, Any]:
+    """Return the fields that tell how late a submission is and what lateness leaves of its score."""
     policy = known.policy(submission.assignment)
     extension = known.extension(submission.assignment, submission.student)
     share = rules.kept_share(policy, extension, submission.received_at)

@@ -78,7 +78,7 @@ class Teller:
                 self.value(name, new.get(name)),
             )
             for name in dict.fromkeys([*old, *new])
-            if old.get(name) != new.get(name)
+            if old.get(name) != new.get(name) and not (_empty(old.get(name)) and _empty(new.get(name)))
         ]
 
     def value(self, name: str, value: Any) -> str:
@@ -142,8 +142,12 @@ _VALUES: Mapping[str, Callable[[Teller, Any], str]] = {
 }
 
 
+def _empty(value: Any) -> bool:
+    return value is None or value in ([], "")
+
+
 def _text(value: Any) -> str:
-    if value is None or value == []:
+    if _empty(value):
         return "—"
     if isinstance(value, float):
         return written(value)

@@ -46,7 +46,7 @@ def enter(request: Request, entry: Annotated[Entry, Form()]) -> Response:
         response = RedirectResponse("/", status_code=303)
         caller = access.enter_by_token(request, response, entry.token.strip())
         if caller is not None:
-            home = "/class" if caller.is_staff else "/submissions"
+            home = "/class" if caller.is_staff else "/"
             response.headers["Location"] = own_address(entry.next) or home
             return response
         return _ask(request, entry, 403, Refusal(field="token", text=say("enter.wrong_token", language)))

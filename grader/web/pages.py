@@ -4,9 +4,11 @@ No template can show raw text: the environment passes every string that is not a
 `grader.render.escape.visible_html`, so that control characters, bidi marks and tags are only ever seen.
 """
 
+from datetime import datetime
 from functools import partial
 from pathlib import Path
 from typing import Any
+from zoneinfo import ZoneInfo
 
 from fastapi import Request
 from fastapi.responses import HTMLResponse
@@ -87,6 +89,11 @@ def _shown(value: object) -> object:
     return value
 
 
+def _local(instant: datetime, zone: str) -> str:
+    """Return an instant on the clock of a time zone: what is due says so everywhere alike."""
+    return instant.astimezone(ZoneInfo(zone)).strftime("%Y-%m-%d %H:%M")
+
+
 def _environment() -> Environment:
     environment = Environment(
         loader=FileSystemLoader(FOLDER / "templates"),
@@ -98,6 +105,7 @@ def _environment() -> Environment:
     )
     environment.filters["points"] = quantity.score
     environment.filters["number"] = quantity.plain
+    environment.filters["local"] = _local
     environment.globals.update(GRADE_STATUS=GRADE_STATUS, SUBMISSION_STATE=SUBMISSION_STATE)
     return environment
 

@@ -15,6 +15,7 @@ from grader.routes import recordings
 from grader.routes.concealment import shown_list
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
+from grader.routes.submission_views import lateness
 from grader.routes.submissions import SubmissionId
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
@@ -48,6 +49,7 @@ def read(
         open=submission.state in _OPEN,
         position=_position(services, submission),
         attempts=_attempts(services, visitor, submission),
+        late=lateness(submission, services.policies.rules(submission.course)),
         **_result(request, services, assignment, stored, case),
     )
 

@@ -1,7 +1,9 @@
 """The rules of assignments as pages: what a form says, what is wrong at which field, who got more."""
 
 import re
-from datetime import UTC, datetime
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
 from zoneinfo import ZoneInfo
 
 import pytest
@@ -148,6 +150,23 @@ def test_rules_are_set_on_the_clock_of_the_course(wang: Browser, services: Servi
     assert "Accepted after due for: " in log
     assert "</span> 2 d</li>" in log
     assert 'href="/class/rules/square"' in log
+
+
+def test_a_student_sees_when_it_is_due_and_what_lateness_leaves(
+    browser: Browser, tokens: dict[str, str], services: Services, put: Callable[..., str]
+) -> None:
+    signed = Signature(services.clock(), "ros", "wang")
+    policy = AssignmentPolicy(due=DUE, late=LateRule(kind="linear", per_day=0.1))
+    services.policies.set("square", policy, signed)
+    browser.get("/?lang=en")
+    assert browser.enter(token=tokens["li"]).headers["Location"] == "/"
+    due = browser.get("/assignments/square").text
+    assert "<time>2026-03-20 23:59</time> <small>Asia/Shanghai</small>" in due  # not the clock of the browser
+    result = put(student="li", course="ros")
+    assert "Handed in after" not in browser.get(result).text
+    earlier = replace(policy, due=services.clock() - timedelta(hours=25))
+    services.policies.set("square", earlier, signed)
+    assert "80 % is kept, 4 points" in browser.get(result).text
 
 
 def test_wrong_rules_change_nothing_and_lose_nothing(wang: Browser, services: Services) -> None:
