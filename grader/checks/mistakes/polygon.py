@@ -87,11 +87,11 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
     """A number of degrees where radians belong: a furious turn rate, or a turn that goes on and on."""
     fastest = max((abs(command.w_radps) for command in seen.run.trajectory.commands), default=0.0)
     widest = max((abs(turn.angle_rad) for turn in seen.segments.turns if turn is not None), default=0.0)
-    in_place = seen.figure is None or len(seen.figure.corners_rad) < seen.sides
+    unfinished = seen.figure is None or len(seen.figure.sides_m) < seen.sides
     if fastest >= FAST_TURN_RADPS:
         text = say("mistake.degrees_as_radians", rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
         yield Mistake("degrees_as_radians", text, _SHAPE)
-    elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and in_place and not _circling(seen):
+    elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
         text = say(
             "mistake.endless_turn", turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg)
         )

@@ -197,6 +197,13 @@ def test_too_slow_and_never_ending() -> None:
     assert score(verdict) == 95
 
 
+def test_spinning_for_ever_after_the_figure_is_only_a_missing_stop() -> None:
+    spinning = drive([*polygon_legs(4, last_turn=False), (60.0, 0.0, 1.0)], horizon_s=60.0)
+    verdict = graded("square", spinning, RunStatus.INTERRUPTED)
+    assert verdict.mistakes == ("never_stops",)
+    assert score(verdict) == 95
+
+
 def test_a_script_that_ends_without_a_stop() -> None:
     trajectory = drive(polygon_legs(4))
     values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
