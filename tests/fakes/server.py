@@ -16,7 +16,6 @@ from grader.routes.services import Services
 from grader.settings import Settings
 from grader.store.database import Database
 from grader.store.queue import RetryPolicy
-from grader.store.schema import migrate
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, FakePreflight
 
@@ -37,8 +36,8 @@ class FakePlotter:
 
 
 def services(settings: Settings, clock: FakeClock, plotter: Plotter | None = None) -> Services:
+    """Return everything behind the application, over a database that has its tables already."""
     database = Database(settings.database_url)
-    migrate(database)
     return Services.over(
         database,
         settings,

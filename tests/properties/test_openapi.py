@@ -1,15 +1,17 @@
 """The service keeps to its OpenAPI document, whoever asks and whatever is sent.
 
-Requests are drawn from the document by schemathesis, valid and invalid ones, a few for each operation and always
-the same. ``GRADER_OPENAPI_EXAMPLES`` asks for more of them.
+Requests are drawn from the document by schemathesis, valid and invalid ones, a few for each operation, in turn on
+SQLite and on PostgreSQL, and always the same. ``GRADER_OPENAPI_EXAMPLES`` asks for more of them.
 """
 
 import os
+import shutil
 from collections.abc import Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from itertools import count
+from pathlib import Path
 
 import pytest
 import schemathesis
@@ -29,6 +31,7 @@ from grader.settings import Settings
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import grade
+from tests.fakes.postgres import PostgresServer
 
 EXAMPLES = int(os.environ.get("GRADER_OPENAPI_EXAMPLES", "2"))
 ROLES = ("anybody", "operator", "student", "instructor")
@@ -53,38 +56,57 @@ drawn = settings(
 
 
 @dataclass(frozen=True)
-class Asked:
-    """A service in which there is something to find, and how somebody asks it."""
+class Kept:
+    """Services over one kind of database in which there is something to find, and who asks there."""
 
-    schema: schemathesis.BaseSchema
+    services: Services
     headers: dict[str, str]
     known: dict[str, list[str]]
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The application, over each kind of database in turn."""
+
+    schema: schemathesis.BaseSchema
+    app: FastAPI
+    kept: tuple[Kept, ...]
     numbers: Iterator[int]
 
     def call(self, case: Case) -> None:
         """Send a request, two of three about something that exists, and compare the answer with the document."""
         number = next(self.numbers)
+        kept = self.kept[number % len(self.kept)]
+        self.app.state.services = kept.services
         if number % 3:
             for name in case.path_parameters or {}:
-                case.path_parameters[name] = self.known[name][number % len(self.known[name])]
+                case.path_parameters[name] = kept.known[name][number % len(kept.known[name])]
             if isinstance(case.body, dict) and "assignment" in case.body:
                 case.body["assignment"] = "square"
-        case.call_and_validate(headers=self.headers, checks=CHECKS)
+        case.call_and_validate(headers=kept.headers, checks=CHECKS)
 
 
 @pytest.fixture(scope="module", params=ROLES)
-def asked(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Asked]:
-    services = _services(str(tmp_path_factory.mktemp(request.param) / "grader.db"))
-    app = server.application(services)
-    app.state.services, app.state.default_language = services, "zh"
-    headers = _headers(services, request.param)
-    course = None if request.param in ("anybody", "operator") else "ros"
+def asked(
+    request: pytest.FixtureRequest,
+    tmp_path_factory: pytest.TempPathFactory,
+    migrated_file: Path,
+    postgres_server: PostgresServer,
+) -> Iterator[Asked]:
+    file = tmp_path_factory.mktemp(request.param) / "grader.db"
+    shutil.copy(migrated_file, file)
+    name = f"openapi_{os.getpid()}"
+    both = [_services(url) for url in (f"sqlite:///{file}", postgres_server.create(name))]
+    app = server.application(both[0])
+    app.state.default_language = "zh"
     schema = schemathesis.openapi.from_dict(DOCUMENT)
     schema.app = app
-    yield Asked(schema, headers, _known(app, services, course, headers), count())
-    services.watching.close()
-    services.plots.close()
-    services.submissions._database.close()
+    yield Asked(schema, app, tuple(_kept(app, services, request.param) for services in both), count())
+    for services in both:
+        services.watching.close()
+        services.plots.close()
+        services.submissions._database.close()
+    postgres_server.drop(name)
 
 
 @pytest.mark.parametrize(("path", "method"), OPERATIONS)
@@ -110,9 +132,9 @@ def _takes_anything(path: str, method: str) -> bool:
     )
 
 
-def _services(path: str) -> Services:
+def _services(url: str) -> Services:
     often = {"requests_per_minute": MOST, "uploads_per_minute": MOST, "max_open_submissions": MOST}
-    services = server.services(Settings(database_url=f"sqlite:///{path}", **often), FakeClock())
+    services = server.services(Settings(database_url=url, **often), FakeClock())
     services.watching.limits = replace(services.watching.limits, life_s=0.01, most_each=MOST)
     now = services.clock()
     services.workers.report(
@@ -128,6 +150,13 @@ def _services(path: str) -> Services:
         )
     )
     return services
+
+
+def _kept(app: FastAPI, services: Services, role: str) -> Kept:
+    app.state.services = services
+    headers = _headers(services, role)
+    course = None if role in ("anybody", "operator") else "ros"
+    return Kept(services, headers, _known(app, services, course, headers))
 
 
 def _headers(services: Services, role: str) -> dict[str, str]:

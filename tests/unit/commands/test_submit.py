@@ -32,8 +32,8 @@ def work(services: Services, stop: threading.Event) -> None:
 
 
 @pytest.fixture
-def services(tmp_path: Path) -> Iterator[Services]:
-    made = server.services(Settings(database_url=f"sqlite:///{tmp_path / 'grader.db'}"), FakeClock())
+def services(database_url: str) -> Iterator[Services]:
+    made = server.services(Settings(database_url=database_url), FakeClock())
     yield made
     made.plots.close()
     made.submissions._database.close()

@@ -1,6 +1,7 @@
 from collections.abc import Callable, Iterator
 from datetime import timedelta
 from itertools import count
+from pathlib import Path
 
 import httpx
 import pytest
@@ -40,12 +41,9 @@ def services(database_url: str, clock: FakeClock, plotter: FakePlotter) -> Itera
 
 
 @pytest.fixture(scope="session")
-def running(
-    tmp_path_factory: pytest.TempPathFactory,
-) -> Iterator[tuple[FastAPI, httpx.Client]]:
+def running(migrated_file: Path) -> Iterator[tuple[FastAPI, httpx.Client]]:
     """One server for all tests; each test puts its own services in."""
-    url = f"sqlite:///{tmp_path_factory.mktemp('server') / 'grader.db'}"
-    made = _services(url, FakeClock(), FakePlotter())
+    made = _services(f"sqlite:///{migrated_file}", FakeClock(), FakePlotter())
     app = server.application(made)
     with server.serving(app) as client:
         client.get("/healthz")

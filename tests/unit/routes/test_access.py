@@ -13,13 +13,6 @@ from grader.routes.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.server import TOKEN
 
-
-@pytest.fixture
-def database_url(sqlite_url: str) -> str:
-    """Who may do what is decided above the store: one kind of database is enough."""
-    return sqlite_url
-
-
 OPERATIONS = sorted(
     f"{method} {path}"
     for path, methods in create_app(nullcontext).openapi()["paths"].items()

@@ -11,12 +11,6 @@ from tests.fakes.refusals import nothing_stored, problem
 Upload = Callable[..., httpx.Response]
 
 
-@pytest.fixture
-def database_url(sqlite_url: str) -> str:
-    """What is refused before the store is asked need not be tried on each database."""
-    return sqlite_url
-
-
 def test_a_file_one_byte_too_large(upload: Upload, services: Services) -> None:
     assert upload(b"#" * 2048).status_code == 202
     document = problem(upload(b"#" * 2049), 413, "too_large")

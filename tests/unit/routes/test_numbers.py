@@ -20,12 +20,6 @@ NUMBERED = (
 )
 
 
-@pytest.fixture
-def database_url(sqlite_url: str) -> str:
-    """What is refused before the store is asked need not be tried on each database."""
-    return sqlite_url
-
-
 @pytest.mark.parametrize(("path", "name"), NUMBERED)
 def test_only_digits_are_a_number(client: httpx.Client, school: Any, path: str, name: str) -> None:
     headers = {**school.as_("wang"), "Accept-Language": "en"}

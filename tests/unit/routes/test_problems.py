@@ -14,13 +14,6 @@ from grader.routes.services import Services
 from tests.fakes.refusals import nothing_stored, problem
 from tests.fakes.server import TOKEN
 
-
-@pytest.fixture
-def database_url(sqlite_url: str) -> str:
-    """What is refused before the store is asked need not be tried on each database."""
-    return sqlite_url
-
-
 Upload = Callable[..., httpx.Response]
 
 

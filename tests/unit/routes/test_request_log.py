@@ -12,12 +12,6 @@ from grader.telemetry import logs
 from tests.fakes.server import TOKEN
 
 
-@pytest.fixture
-def database_url(sqlite_url: str) -> str:
-    """What is logged is decided above the store: one kind of database is enough."""
-    return sqlite_url
-
-
 class Log:
     """What the service writes, in JSON."""
 

@@ -13,12 +13,6 @@ from tests.fakes.server import PNG, FakePlotter
 Upload = Callable[..., httpx.Response]
 
 
-@pytest.fixture
-def database_url(sqlite_url: str) -> str:
-    """What is stored comes back the same from each kind of database: tests of the store see to that."""
-    return sqlite_url
-
-
 def test_an_upload_is_accepted_with_an_address(upload: Upload, client: httpx.Client) -> None:
     response = upload(b"good\n")
     assert response.status_code == 202

@@ -1,5 +1,4 @@
 import re
-import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
@@ -68,9 +67,8 @@ def shipped() -> AssignmentSource:
     return Shipped()
 
 
-def _services(folder: Path, migrated_file: Path, shipped: AssignmentSource) -> Services:
-    shutil.copy(migrated_file, folder / "grader.db")
-    settings = Settings(database_url=f"sqlite:///{folder / 'grader.db'}", max_upload_bytes=4096)
+def _services(url: str, shipped: AssignmentSource) -> Services:
+    settings = Settings(database_url=url, max_upload_bytes=4096)
     return replace(server.services(settings, FakeClock()), assignments=shipped)
 
 
@@ -80,18 +78,16 @@ def _close(services: Services) -> None:
 
 
 @pytest.fixture
-def services(tmp_path: Path, migrated_file: Path, shipped: AssignmentSource) -> Iterator[Services]:
-    made = _services(tmp_path, migrated_file, shipped)
+def services(database_url: str, shipped: AssignmentSource) -> Iterator[Services]:
+    made = _services(database_url, shipped)
     yield made
     _close(made)
 
 
 @pytest.fixture(scope="session")
-def running(
-    tmp_path_factory: pytest.TempPathFactory, migrated_file: Path, shipped: AssignmentSource
-) -> Iterator[tuple[FastAPI, str]]:
+def running(migrated_file: Path, shipped: AssignmentSource) -> Iterator[tuple[FastAPI, str]]:
     """One server for all tests; each test puts its own services in."""
-    made = _services(tmp_path_factory.mktemp("server"), migrated_file, shipped)
+    made = _services(f"sqlite:///{migrated_file}", shipped)
     app = server.application(made)
     with server.serving(app) as client:
         client.get("/healthz")

@@ -16,6 +16,8 @@ from tests.unit.web.conftest import Browser
 EVIL = "</pre></script><script>alert(1)</script><img src=x onerror=alert(1)>\"' onload='alert(2)' {{7*7}}"
 HIDDEN = "\x1b[31mred\x1b[0m \u202egnp.exe\u2066 \x00 \u200b\ufeff \x07 \u2028end"
 HOSTILE = EVIL + HIDDEN
+NAME = HOSTILE.replace("\x00", "")  # PostgreSQL keeps no NUL in a text: uploads with one are refused
+STUDENT = "<img src=x onerror=alert(1)><script>alert(1)</script>\u202e\x1b[31m\u2028"  # at most 64 characters
 CSP = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self'; "
     "form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
@@ -85,16 +87,16 @@ def hostile_grade(job: GradingJob) -> GradingResult:
 @pytest.fixture
 def pages(instructor: Browser, put: Callable[..., str]) -> list[str]:
     """Every page that shows something of a student whose everything is hostile."""
-    source = f"good # {HOSTILE}".encode().replace(b"\x00", b"")
-    first = put(source, student=HOSTILE, name=f"{HOSTILE}.py", grading=hostile_grade)
-    second = put(source + b"\ngood", student=HOSTILE, name=f"{HOSTILE}.py", grading=hostile_grade)
-    waiting = put(student=HOSTILE, name=f"{HOSTILE}.py", grading=None)
+    source = f"good # {NAME}".encode()
+    first = put(source, student=STUDENT, name=f"{NAME}.py", grading=hostile_grade)
+    second = put(source + b"\ngood", student=STUDENT, name=f"{NAME}.py", grading=hostile_grade)
+    waiting = put(student=STUDENT, name=f"{NAME}.py", grading=None)
     from urllib.parse import quote
 
     ids = [one.rpartition("/")[2] for one in (first, second)]
     addresses = [
         first, waiting, "/class", f"/class?search={quote(HOSTILE)}&sort={quote(EVIL[:60])}", "/class/service",
-        f"/class/students/{quote(HOSTILE, safe='')}", f"/class/compare?first={ids[0]}&second={ids[1]}",
+        f"/class/students/{quote(STUDENT, safe='')}", f"/class/compare?first={ids[0]}&second={ids[1]}",
         f"/class/submissions/{ids[0]}/gradings", f"/class/gradebook?search={quote(HOSTILE)}",
         f"/class/people?search={quote(HOSTILE)}", "/class/regrades", "/class/judgements", "/class/rules",
         f"/class/regrades?students={quote(HOSTILE)}", "/class/rules/square?student=%3Cb%3E",
@@ -134,7 +136,7 @@ def test_hostile_ids_are_harmless_when_refused(browser: Browser) -> None:
 
 
 def test_data_for_scripts_is_json_and_nothing_else(instructor: Browser, put: Callable[..., str]) -> None:
-    address = put(student=HOSTILE, grading=hostile_grade)
+    address = put(student=STUDENT, grading=hostile_grade)
     for name in ("state", "trajectory", "sketch"):
         answer = instructor.get(f"{address}/{name}.json")
         assert answer.headers["content-type"] == "application/json"
