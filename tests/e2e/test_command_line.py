@@ -31,7 +31,7 @@ def test_full_marks_end_with_0_and_a_table_in_chinese(tmp_path: Path) -> None:
 
 
 def test_who_reads_no_further_gets_no_traceback(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "grader", "assignments", "show", "square"]
+    command = [sys.executable, "-m", "grader", "check", str(LESSON / "square_mover.py"), "--json"]
     reads, writes = os.pipe()
     os.close(reads)
     done = subprocess.run(command, cwd=tmp_path, stdout=writes, stderr=subprocess.PIPE, check=False)
