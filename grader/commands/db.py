@@ -7,12 +7,13 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from grader.commands.storage import add_data_option, database_url
+from grader.contracts.errors import SettingsError
 from grader.settings import load
 from grader.store.backups import back_up, restore_file, restore_rows
 from grader.store.database import Database
 from grader.store.occupancy import alone
 from grader.store.schema import migrate
-from grader.store.transfer import TableContent, transfer
+from grader.store.transfer import TableContent, check_source, transfer
 
 _SHOWN_DIGITS = 16
 
@@ -72,11 +73,20 @@ def _restore(database: Database, arguments: argparse.Namespace) -> None:
 
 
 def _move(database: Database, arguments: argparse.Namespace) -> None:
-    with _opened(load(database_url=arguments.to).database_url) as target, alone(database):
-        migrate(target)
-        with alone(target):
+    with _opened(load(database_url=arguments.to).database_url) as target:
+        if _same(database, target):
+            raise SettingsError(f"{target.name} is the very database that is to be moved")
+        check_source(database)
+        with alone(database), alone(target):
+            migrate(target)
             _show(transfer(database, target))
         _say(f"{database.name} → {target.name}: everything is the same; the old one was not changed")
+
+
+def _same(one: Database, other: Database) -> bool:
+    if one.is_sqlite and other.is_sqlite:
+        return Path(one.name).resolve() == Path(other.name).resolve()
+    return one.engine.url == other.engine.url
 
 
 def _show(copied: Sequence[TableContent]) -> None:

@@ -21,7 +21,7 @@ from contextlib import contextmanager, nullcontext, suppress
 from typing import Any
 
 from sqlalchemy import URL, Connection, Dialect, Engine, event, make_url
-from sqlalchemy.exc import DBAPIError, InterfaceError, OperationalError
+from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, NotSupportedError, ProgrammingError
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlmodel import Session, create_engine
 
@@ -30,6 +30,12 @@ from grader.store.announcing import Announcer, Unannounced
 
 _LOCK_TIMEOUT_MS = 30_000
 _LONGEST_LOG_PAGES = 10_000  # before a commit empties it, where `grader.store.checkpoints` did not
+_OF_STATEMENTS = (
+    IntegrityError,
+    DataError,
+    ProgrammingError,
+    NotSupportedError,
+)  # other errors: of the database
 _BEGIN_OPTION = "grader_begin"
 _CHANCES = 20
 _CONNECTIONS = 10  # of one process to PostgreSQL; threads beyond that wait for one
@@ -118,7 +124,7 @@ class Database:
             with Session(engine, expire_on_commit=False) as session, session.begin():
                 yield session
         except DBAPIError as error:
-            if not (error.connection_invalidated or isinstance(error, OperationalError | InterfaceError)):
+            if isinstance(error, _OF_STATEMENTS) and not error.connection_invalidated:
                 raise
             reason = " ".join(str(error.orig).split())
             raise InfrastructureError(f"the database does not answer: {reason}") from error

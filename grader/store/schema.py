@@ -8,6 +8,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 from alembic.util.exc import CommandError
 from sqlalchemy import Connection, text
+from sqlalchemy.exc import DBAPIError
 from sqlmodel import SQLModel
 
 from grader.contracts.errors import SettingsError
@@ -27,9 +28,18 @@ def migrate(database: Database) -> tuple[str | None, str]:
         The version of the schema before (None: there was none) and after.
 
     Raises:
-        SettingsError: the database was written by a newer grader, or cannot hold Chinese.
+        SettingsError: the database was written by a newer grader, is of something else, cannot hold Chinese, or
+            must not be changed by who asks.
         InfrastructureError: the database cannot be reached.
     """
+    try:
+        return _migrated(database)
+    except DBAPIError as error:
+        reason = str(error.orig).partition("\n")[0]
+        raise SettingsError(f"{database.name} cannot be the grader's database: {reason}") from error
+
+
+def _migrated(database: Database) -> tuple[str | None, str]:
     config = _config()
     with database.writing() as session:
         connection = session.connection()

@@ -7,6 +7,7 @@ import hashlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from datetime import datetime
+from pathlib import Path
 from typing import Any
 
 from sqlalchemy import Row, Table, delete, func, insert, select, text
@@ -58,6 +59,19 @@ def transfer(source: Database, target: Database, *, replace: bool = False) -> tu
     return sent
 
 
+def check_source(database: Database) -> None:
+    """Find out whether there is anything to copy.
+
+    Raises:
+        SettingsError: the database is none of the grader, or has another schema than this version's.
+        InfrastructureError: it does not answer.
+    """
+    if database.is_sqlite and not Path(database.name).is_file():  # opening it would create one
+        raise SettingsError(f"{database.name}: there is no such file")
+    with database.reading() as session:
+        _check_schema(database, session)
+
+
 def contents(session: Session) -> tuple[TableContent, ...]:
     """Return what every table holds, as the transaction of `session` sees it."""
     return tuple(_summed(table, _rows(table, session)) for table in _tables())
@@ -70,10 +84,11 @@ def _tables() -> Sequence[Table]:
 
 def _check_schema(database: Database, session: Session) -> None:
     found = version(session.connection())
+    if found is None:
+        raise SettingsError(f"{database.name} holds no tables of the grader: is it the right one?")
     if found != expected_version():
         raise SettingsError(
-            f"{database.name} is at schema {found or 'none'}, not {expected_version()}: "
-            "run `grader db migrate` on it first"
+            f"{database.name} is at schema {found}, not {expected_version()}: run `grader db migrate` on it first"
         )
 
 

@@ -1,5 +1,6 @@
 """`grader db`: backups of a database in use, and putting them back."""
 
+import os
 import re
 import sqlite3
 import threading
@@ -17,6 +18,7 @@ from grader.store.schema import migrate
 from grader.store.submissions import Submissions
 from grader.store.workers import presence
 from tests.fakes.grading import FakePreflight
+from tests.fakes.postgres import PostgresServer
 
 
 @pytest.fixture
@@ -163,6 +165,34 @@ def test_an_installation_moves_to_postgresql(
     moved.close()
     assert cli.run(move) == 2
     assert "not empty" in capsys.readouterr().err
+
+
+def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
+    database: Database, postgres_server: PostgresServer, tmp_path: Path, capsys, monkeypatch
+) -> None:
+    blank, strange = (
+        postgres_server.create(f"{name}_{os.getpid()}", empty=True) for name in ("blank", "strange")
+    )
+    other = Database(strange)
+    with other.writing() as session:
+        session.connection().exec_driver_sql("CREATE TABLE submission (number int)")
+    other.close()
+    (tmp_path / "nothing").mkdir()
+    file = f"sqlite:///{tmp_path / 'grader.db'}"
+    for source, target, why in (
+        (blank, f"sqlite:///{tmp_path / 'new.db'}", "holds no tables of the grader"),
+        (f"sqlite:///{tmp_path / 'nothing/grader.db'}", blank, "there is no such file"),
+        (file, file, "the very database"),
+        (file, strange, "cannot be the grader's database"),
+        (file, blank.replace("/blank_", "/none_"), "does not exist"),
+    ):
+        monkeypatch.setenv("GRADER_DATABASE_URL", source)
+        assert cli.run(["db", "move", "--to", target]) == 2
+        said = capsys.readouterr().err
+        assert why in said
+        assert said.count("\n") == 1
+    assert not list((tmp_path / "nothing").iterdir())
+    assert not (tmp_path / "new.db").exists()
 
 
 def test_postgresql_is_backed_up_and_restored(

@@ -169,6 +169,13 @@ def test_a_connection_that_breaks_amid_a_transaction_is_an_infrastructure_fault(
     assert Submissions(postgres_database, FakeClock()).get("none") is None
 
 
+def test_a_server_that_takes_no_writes_is_an_infrastructure_fault(postgres_database: Database) -> None:
+    """Such as the old one after another has taken its place."""
+    with pytest.raises(InfrastructureError, match="read-only"), postgres_database.writing() as session:  # noqa: PT012
+        session.connection().exec_driver_sql("SET TRANSACTION READ ONLY")
+        session.connection().exec_driver_sql("DELETE FROM submission")
+
+
 def test_without_its_driver_postgresql_is_refused_readably(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "psycopg", None)
     with pytest.raises(SettingsError, match=r"pip install 'grader\[postgres\]'"):
