@@ -1,11 +1,9 @@
 """The physical car: the only module that knows PyBullet."""
 
-import os
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import atan2, cos, isfinite, sin
-from typing import Any, Final, Protocol
+from typing import Final, Protocol
 
 from grader.contracts.assignment import Profile
 from grader.contracts.errors import InfrastructureError
@@ -18,27 +16,11 @@ from grader.sim.car import (
     make_servo,
     twist_to_wheels,
 )
+from grader.sim.silence import silenced
 from grader.sim.timeline import NS_PER_S, SAMPLE_STEPS, STEP_S, step_time_ns
 
-
-def _import_quietly() -> Any:
-    """Import PyBullet without its build-time banner, which it prints from C."""
-    sys.stdout.flush()
-    saved = [(stream, os.dup(stream)) for stream in (1, 2)]
-    null = os.open(os.devnull, os.O_WRONLY)
-    try:
-        for stream, _ in saved:
-            os.dup2(null, stream)
-        import pybullet
-    finally:
-        for stream, copy in saved:
-            os.dup2(copy, stream)
-            os.close(copy)
-        os.close(null)
-    return pybullet
-
-
-_bullet: Final = _import_quietly()
+with silenced():  # it says when it was built
+    import pybullet as _bullet
 
 # What is called at every step or sample, with the client as last positional argument: keywords cost a tenth.
 _get_pose: Final = _bullet.getBasePositionAndOrientation
@@ -56,6 +38,7 @@ _WHEEL_JOINTS: Final = (0, 1)
 _MOTORS_NM: Final = (0.1, 0.1)
 _MAX_JOINT_RADPS: Final = 4_000.0  # PyBullet's own bound of 100 would hold the wheels back at 5 m/s
 _HALF_S: Final = STEP_S / 2.0
+_CLEARANCE_M: Final = 1e-3  # more than rounding and contacts ever move the car besides its velocity
 _TOUCH_M: Final = 1e-6  # a wall pushed by less per step is not being pushed: the car slides along it
 
 
@@ -196,7 +179,7 @@ class BulletCar:
         first = step = self.step
         turning, ch, sh, angular = 0.0, 1.0, 0.0, (0.0, 0.0, 0.0)
         next_sample = step - step % SAMPLE_STEPS + SAMPLE_STEPS
-        v, w, moving = servo.v_mps, servo.w_radps, True
+        v, w, moving, alike = servo.v_mps, servo.w_radps, True, False
         while step < end and moving:
             if not servo.steady:
                 v, w = servo.step()
@@ -209,10 +192,14 @@ class BulletCar:
             if walls and not (0.0 <= x + vx * STEP_S <= AREA_M and 0.0 <= y + vy * STEP_S <= AREA_M):
                 vx = self._held(step + 1, x, vx, "left", "right")
                 vy = self._held(step + 1, y, vy, "bottom", "top")
-            _set_velocity(body, (vx, vy, 0.0), angular, client)
-            _step_once(client)
-            step += 1
+            linear, heading = (vx, vy, 0.0), (qz, qw)
+            for _ in range(min(next_sample, end) - step if alike else 1):
+                _set_velocity(body, linear, angular, client)
+                _step_once(client)
+                step += 1
             (x, y, _), (_, _, qz, qw) = _get_pose(body, client)
+            # On the spot no heading is needed; one that a straight step left as it was, the next leaves, too.
+            alike = servo.steady and (not v or (not w and heading == (qz, qw))) and self._is_free(x, y, v)
             if step in (next_sample, end) or not moving:
                 self.step, self._x, self._y, self._qz, self._qw = step, x, y, qz, qw
                 self._vx, self._vy = vx, vy
@@ -220,6 +207,11 @@ class BulletCar:
                     next_sample += SAMPLE_STEPS
                     self.observe()
         self.steps_run += step - first
+
+    def _is_free(self, x: float, y: float, v: float) -> bool:
+        """Return whether no wall can be reached between two samples."""
+        reach = _CLEARANCE_M + abs(v) * SAMPLE_STEPS * STEP_S
+        return not self._walls or (reach <= x <= AREA_M - reach and reach <= y <= AREA_M - reach)
 
     def _held(self, step: int, position: float, velocity: float, low: str, high: str) -> float:
         """Return one velocity component that ends within the window; note the wall it leans on."""

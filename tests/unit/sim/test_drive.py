@@ -241,6 +241,19 @@ def test_samples_are_a_sixtieth_apart_and_increase(car: BulletCar) -> None:
         assert path.heading_rad[index] == path.heading_rad[index + 1]
 
 
+@pytest.mark.parametrize("heading_deg", [0.0, 37.0, 210.0])
+def test_a_pose_that_is_read_less_often_is_the_same_to_the_last_bit(
+    car: BulletCar, monkeypatch: pytest.MonkeyPatch, heading_deg: float
+) -> None:
+    segments = [(2.0, 1.0, 0.0), (1.0, 0.0, 1.5), (1.5, -2.0, 0.0), (1.0, 0.7, 2.0), (4.0, 3.0, 0.0)]
+    seldom = drive(car, segments, heading_deg=heading_deg, walls=True)
+    monkeypatch.setattr(BulletCar, "_is_free", lambda *_: False)  # a wall may be near: read it at each step
+    always = drive(car, segments, heading_deg=heading_deg, walls=True)
+    assert seldom.contacts == always.contacts
+    for name in ("t_ns", "x_m", "y_m", "heading_rad", "v_mps", "w_radps"):
+        assert np.array_equal(getattr(seldom, name), getattr(always, name))
+
+
 def test_importing_the_engine_prints_nothing() -> None:
     code = "import grader.sim.bullet; print('mine')"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
