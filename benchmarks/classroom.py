@@ -75,7 +75,7 @@ def graded_scripts() -> list[Script]:
 def results() -> list[tuple[Script, GradingResult]]:
     """Grade every script once."""
     with Slot(SlotConfig()) as slot:
-        return [(one, slot.grade(job(one))) for one in _scripts()]
+        return [(one, slot.grade(job(one))) for one in scripts()]
 
 
 def bare_rate(uploads: Sequence[Upload], count: int, processes: int) -> float:
@@ -120,7 +120,8 @@ def _with_extras(upload: Upload, chance: random.Random) -> Iterator[Upload]:
         yield Upload(upload.student, upload.attempt, upload.script, "repeated")
 
 
-def _scripts() -> Iterator[Script]:
+def scripts() -> Iterator[Script]:
+    """Yield every script, not graded yet."""
     catalog = Catalog()
     for assignment in ASSIGNMENTS:
         folder = catalog.folder(assignment)

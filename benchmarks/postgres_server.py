@@ -42,6 +42,12 @@ class PostgresServer:
         """The address of an empty database."""
         return f"postgresql+psycopg://postgres@127.0.0.1:{self._port}/{_DATABASE}"
 
+    @property
+    def pid(self) -> int:
+        """The process above all others of the server."""
+        assert self._server is not None
+        return self._server.pid
+
     def __enter__(self) -> Self:
         if os.geteuid() == 0:
             owner = pwd.getpwnam("postgres")
@@ -72,7 +78,7 @@ class PostgresServer:
                 stderr=log,
                 **self._identity(),
             )
-        ask = [self._programs / "pg_isready", "-q", "-h", "127.0.0.1", "-p", str(self._port)]
+        ask = [str(self._programs / "pg_isready"), "-q", "-h", "127.0.0.1", "-p", str(self._port)]
         deadline = time.monotonic() + _PATIENCE_S
         while subprocess.run(ask, check=False).returncode:
             if time.monotonic() > deadline:

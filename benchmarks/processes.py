@@ -11,6 +11,7 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Self
@@ -29,7 +30,15 @@ class Service:
     The class's own limits per student are lifted, because a load generator is quicker than students.
     """
 
-    def __init__(self, folder: Path, *, apis: int = 1, workers: int = 0, database: str | None = None) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        *,
+        apis: int = 1,
+        workers: int = 0,
+        database: str | None = None,
+        settings: Mapping[str, str] | None = None,
+    ) -> None:
         """Say what is to run; nothing is started yet.
 
         Args:
@@ -37,10 +46,12 @@ class Service:
             apis: processes of ``grader serve``. They grade themselves when there are no `workers`.
             workers: processes of ``grader worker``, one grading at once each.
             database: URL; default: a SQLite file in `folder`.
+            settings: by their names without ``GRADER_``, beside those that lift limits.
         """
         self.folder = folder
         self._apis = apis
         self._workers = workers
+        self._settings = settings or {}
         self.database = database or f"sqlite:///{folder / 'grader.db'}"
         self.urls = [f"http://127.0.0.1:{free_port()}" for _ in range(apis)]
         self.running: dict[str, subprocess.Popen[bytes]] = {}
@@ -83,6 +94,7 @@ class Service:
         """The environment of every process."""
         settings = {"DATABASE_URL": self.database, "UPLOADS_PER_MINUTE": "100000"}
         settings |= {"REQUESTS_PER_MINUTE": "1000000", "MAX_OPEN_SUBMISSIONS": "10000"}
+        settings |= self._settings
         return os.environ | {f"GRADER_{name}": value for name, value in settings.items()}
 
     def command(self, *arguments: str) -> str:
@@ -144,22 +156,72 @@ class Memory(threading.Thread):
 def tree(pid: int) -> Iterator[int]:
     """Yield a process and everything below it."""
     yield pid
+    for child in children(pid):
+        yield from tree(child)
+
+
+def children(pid: int) -> Iterator[int]:
+    """Yield what a process and its threads have started and not yet reaped."""
     for task in _entries(Path(f"/proc/{pid}/task")):
         try:
-            children = (task / "children").read_text(encoding="ascii").split()
+            found = (task / "children").read_text(encoding="ascii").split()
         except OSError:
             continue
-        for child in children:
-            yield from tree(int(child))
+        yield from map(int, found)
 
 
 def cpu_s(pid: int) -> float:
     """Return the CPU seconds of one process, children not counted; 0.0 when it is gone."""
+    return _ticks_s(pid, 11)
+
+
+def reaped_cpu_s(pid: int) -> float:
+    """Return the CPU seconds of those children that a process has reaped; 0.0 when it is gone itself."""
+    return _ticks_s(pid, 13)
+
+
+@dataclass(frozen=True, slots=True)
+class Spent:
+    """Processor seconds by kind of process."""
+
+    parent: float
+    grading: float
+    scripts: float
+    database: float = 0.0
+
+    def since(self, before: Spent) -> Spent:
+        """Return what was spent after `before`."""
+        return Spent(
+            self.parent - before.parent,
+            self.grading - before.grading,
+            self.scripts - before.scripts,
+            self.database - before.database,
+        )
+
+    def plus(self, other: Spent) -> Spent:
+        """Return the sum."""
+        return other.since(Spent(-self.parent, -self.grading, -self.scripts, -self.database))
+
+
+def spent(parents: Sequence[int], server: int | None = None) -> Spent:
+    """Return what was spent up to now by `parents`, their grading processes, and the database server `server`."""
+    grading = [child for parent in parents for child in children(parent)]
+    below = [one for process in grading for child in children(process) for one in tree(child)]
+    return Spent(
+        parent=sum(map(cpu_s, parents)),
+        grading=sum(map(cpu_s, grading)),
+        scripts=sum(cpu_s(one) + reaped_cpu_s(one) for one in below),
+        database=0.0 if server is None else reaped_cpu_s(server) + sum(map(cpu_s, tree(server))),
+    )
+
+
+def _ticks_s(pid: int, field: int) -> float:
+    """Return the sum of two neighbouring fields of a process's times (proc(5); 0 is its state)."""
     try:
         fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
     except OSError:
         return 0.0
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return (int(fields[field]) + int(fields[field + 1])) / os.sysconf("SC_CLK_TCK")
 
 
 def _proportional_mib(pid: int) -> float:

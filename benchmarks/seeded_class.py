@@ -25,9 +25,9 @@ from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.intake import new_id
-from grader.store.results import assignment_row, detail_rows, grading_row
+from grader.store.results import assignment_values, grading_values, insert_grading
 from grader.store.schema import migrate
-from grader.store.tables import SourceRow, SubmissionRow
+from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow
 
 COURSE = "ros2-load"
 _ATTEMPTS = 3
@@ -63,10 +63,10 @@ def seed(
 
 
 def _write_assignments(database: Database) -> dict[str, str]:
-    rows = {one.id: assignment_row(one) for one in Catalog().all()}
+    rows = {one.id: assignment_values(one) for one in Catalog().all()}
     with database.writing() as session:
-        session.add_all(rows.values())
-        return {name: row.sha256 for name, row in rows.items()}
+        session.add_all(GradedAssignmentRow(**row) for row in rows.values())
+        return {name: row["sha256"] for name, row in rows.items()}
 
 
 def _write(session: Session, upload: Upload, result: GradingResult, digests: Mapping[str, str]) -> None:
@@ -104,11 +104,12 @@ def _write(session: Session, upload: Upload, result: GradingResult, digests: Map
         file_name=row.file_name,
         source=content,
     )
-    grading = grading_row(claim, result, now, digests[row.assignment])
-    row.report_sha256 = grading.report_sha256
-    for rows in ([SourceRow(sha256=digest, content=content)], [row], [grading], detail_rows(claim, result)):
-        session.add_all(rows)
+    grading = grading_values(claim, result, now, digests[row.assignment])
+    row.report_sha256 = grading["report_sha256"]
+    for one in (SourceRow(sha256=digest, content=content), row):
+        session.add(one)
         session.flush()
+    insert_grading(session.connection(), grading, result)
 
 
 def main() -> None:

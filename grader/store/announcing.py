@@ -41,6 +41,10 @@ class Announcer(Protocol):
         """Announce rows that this transaction makes ``queued``; those announced already stay so."""
         ...
 
+    def claimed(self, session: Session, now: datetime) -> None:
+        """Take one announcement away: this transaction claimed a row that nobody was told of."""
+        ...
+
     def mend(self, session: Session, now: datetime) -> int:
         """Make up for announcements that were lost, and clear away what is left of dead workers' work.
 
@@ -54,6 +58,9 @@ class Unannounced:
     """Announces nothing: the workers are local and look by themselves."""
 
     def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
+        """Do nothing."""
+
+    def claimed(self, session: Session, now: datetime) -> None:
         """Do nothing."""
 
     def mend(self, session: Session, now: datetime) -> int:

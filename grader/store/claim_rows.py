@@ -1,15 +1,20 @@
-"""Statements about the rows of the queue, of which `grader.store.queue` makes its transactions."""
+"""Statements about the rows of the queue, of which `grader.store.queue` makes its transactions.
+
+Those that every grading needs are of tables, not of objects, and put together once: see `grader.store.results`.
+"""
 
 from collections.abc import Iterable, Mapping, Sequence
-from datetime import datetime
+from datetime import datetime, timedelta
 from typing import Any
 
-from sqlalchemy import ColumnElement, CursorResult, Select, select, update
+from sqlalchemy import ColumnElement, Connection, Select, bindparam, select, update
 from sqlmodel import Session, col
 
 from grader.contracts.submission import Claim, SubmissionState
 from grader.store.announcing import Waiting
-from grader.store.tables import GradingRow, SubmissionRow
+from grader.store.columns import UtcDateTime
+from grader.store.results import Values
+from grader.store.tables import GradingRow, SourceRow, SubmissionRow, table_of
 
 WAITING = (
     col(SubmissionRow.id),
@@ -19,37 +24,83 @@ WAITING = (
 )
 """The columns that `waiting` takes."""
 
+_submission = table_of(SubmissionRow)
+_row = _submission.c
+_source = table_of(SourceRow)
+_grading = table_of(GradingRow).c
 
-def due(now: datetime) -> Select[str]:
-    """The submission to grade next: by priority, then by turn."""
-    return (
-        select(col(SubmissionRow.id))
-        .where(
-            col(SubmissionRow.state) == SubmissionState.QUEUED.value,
-            col(SubmissionRow.not_before) <= now,
-        )
-        .order_by(col(SubmissionRow.priority), col(SubmissionRow.turn_at), col(SubmissionRow.id))
-        .limit(1)
+DUE: Select[str] = (
+    select(_row.id)
+    .where(
+        _row.state == SubmissionState.QUEUED.value,
+        _row.not_before <= bindparam("now", type_=UtcDateTime()),
+    )
+    .order_by(_row.priority, _row.turn_at, _row.id)
+    .limit(1)
+)
+"""The submission to grade next: by priority, then by turn. Takes the instant `now`."""
+
+_TAKE = (
+    update(_submission)
+    .where(_row.id == DUE.with_for_update(skip_locked=True).scalar_subquery())
+    .values(
+        state=SubmissionState.RUNNING.value,
+        attempt=_row.attempt + 1,
+        tries=_row.tries + 1,
+        worker=bindparam("by"),
+        started_at=bindparam("now", type_=UtcDateTime()),
+        lease_until=bindparam("until", type_=UtcDateTime()),
+    )
+    .returning(
+        _row.id,
+        _row.attempt,
+        _row.tries,
+        _row.assignment,
+        _row.file_name,
+        _row.queued_at,
+        select(_source.c.content).where(_source.c.sha256 == _row.source_sha256).scalar_subquery(),
+    )
+)
+_CHANGE = update(_submission).where(
+    _row.id == bindparam("claimed"),
+    _row.attempt == bindparam("under"),
+    _row.state == SubmissionState.RUNNING.value,
+)
+
+_STORED = select(_grading.worker, _grading.report_sha256).where(
+    _grading.submission_id == bindparam("id"), _grading.attempt == bindparam("under")
+)
+
+
+def take(connection: Connection, worker: str, now: datetime, lease_s: float) -> Claim | None:
+    """Claim the submission that is due first; None when nothing is due, or another worker was quicker."""
+    until = now + timedelta(seconds=lease_s)
+    row = connection.execute(_TAKE, {"now": now, "by": worker, "until": until}).first()
+    if row is None:
+        return None
+    id_, attempt, tries, assignment, file_name, queued_at, source = row
+    return Claim(
+        submission_id=id_,
+        attempt=attempt,
+        tries=tries,
+        worker=worker,
+        assignment=assignment,
+        file_name=file_name,
+        source=source,
+        queued_at=queued_at,
     )
 
 
-def change(session: Session, claim: Claim, values: Mapping[str, Any]) -> bool:
+def change(connection: Connection, claim: Claim, values: Mapping[str, Any]) -> bool:
     """Write `values` to the claimed row if the claim is still the latest: the fence."""
-    valid = (
-        col(SubmissionRow.id) == claim.submission_id,
-        col(SubmissionRow.attempt) == claim.attempt,
-        col(SubmissionRow.state) == SubmissionState.RUNNING.value,
-    )
-    return _update(session, valid, values) == 1
+    fence = {"claimed": claim.submission_id, "under": claim.attempt}
+    return connection.execute(_CHANGE, {**fence, **values}).rowcount == 1
 
 
-def stored_already(session: Session, grading: GradingRow) -> bool:
+def stored_already(connection: Connection, grading: Values) -> bool:
     """Whether `grading` was stored under this very claim: the answer to an earlier commit got lost."""
-    there = session.get(GradingRow, (grading.submission_id, grading.attempt))
-    return there is not None and (there.worker, there.report_sha256) == (
-        grading.worker,
-        grading.report_sha256,
-    )
+    there = connection.execute(_STORED, {"id": grading["submission_id"], "under": grading["attempt"]}).first()
+    return there is not None and tuple(there) == (grading["worker"], grading["report_sha256"])
 
 
 def void(
@@ -77,10 +128,3 @@ def void(
 def waiting(rows: Iterable[Any]) -> list[Waiting]:
     """Return rows of `WAITING` as what is to be announced."""
     return [Waiting(submission_id=row[0], attempt=row[1], priority=row[2], due_at=row[3]) for row in rows]
-
-
-def _update(session: Session, condition: Sequence[ColumnElement[bool]], values: Mapping[str, Any]) -> int:
-    statement = update(SubmissionRow).where(*condition).values(**values)
-    result = session.execute(statement, execution_options={"synchronize_session": False})
-    assert isinstance(result, CursorResult)
-    return result.rowcount

@@ -12,19 +12,19 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from statistics import fmean
 
-from sqlalchemy import case, func, select, update
+from sqlalchemy import case, func, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
-from grader.store.claim_rows import WAITING, change, due, stored_already, void, waiting
+from grader.store.claim_rows import DUE, WAITING, change, stored_already, take, void, waiting
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.locks import add_once
-from grader.store.results import assignment_row, detail_rows, grading_row
-from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow
+from grader.store.results import assignment_values, grading_values, insert_grading
+from grader.store.tables import GradedAssignmentRow, SubmissionRow
 
 _TROUBLE_CHARACTERS = 2_000
 _LATEST = 100  # gradings whose durations tell the pace
@@ -71,10 +71,10 @@ class Queue:
         """Take the submission that is due first, or None when nothing is due."""
         if self._database.is_sqlite:  # an idle poll must not take the only write lock
             with self._database.reading() as session:
-                if session.execute(due(self._clock())).first() is None:
+                if session.connection().execute(DUE, {"now": self._clock()}).first() is None:
                     return None
         with self._database.writing() as session:
-            return self._claim(session, worker, self._clock())
+            return take(session.connection(), worker, self._clock(), self._policy.lease_s)
 
     def renew(self, claims: Collection[Claim]) -> set[Claim]:
         """Extend the leases of `claims`; return those that are still valid. One that is not never is again."""
@@ -82,7 +82,7 @@ class Queue:
         with self._database.writing() as session:
             for claim in sorted(claims, key=lambda one: one.submission_id):  # rows are locked in one order
                 values = {"lease_until": now + timedelta(seconds=self._policy.lease_s)}
-                if change(session, claim, values):
+                if change(session.connection(), claim, values):
                     held.add(claim)
         return held
 
@@ -92,30 +92,24 @@ class Queue:
         `assignment` is kept as it was graded. The row and everything that belongs to the grading change in
         one transaction. May be called again when the connection broke during the commit.
         """
-        now, report = self._clock(), result.report
-        graded = None if assignment is None else assignment_row(assignment)
-        grading = grading_row(claim, result, now, None if graded is None else graded.sha256)
-        values = {
-            "state": SubmissionState.GRADED.value,
-            "finished_at": now,
-            "lease_until": None,
-            "trouble": "",
-            "graded_attempt": claim.attempt,
-            "verdict": report.status.value,
-            "score": report.score,
-            "max_score": report.max_score,
-            "report_sha256": grading.report_sha256,
-            "to_judge": to_judge(report.items) or None,
-        }
         with self._database.writing() as session:
-            if not change(session, claim, values):
-                return stored_already(session, grading)
-            if graded is not None:
-                add_once(session, GradedAssignmentRow, sha256=graded.sha256, content=graded.content)
-            session.add(grading)
-            session.flush()  # the rows below refer to it
-            session.add_all(detail_rows(claim, result))
-        return True
+            return self._finish(session, claim, result, assignment)
+
+    def finish_and_claim(
+        self, claim: Claim, result: GradingResult, assignment: Assignment, worker: str
+    ) -> tuple[bool, Claim | None]:
+        """Do what `finish` does and, in the same transaction, what `claim` does.
+
+        So a slot that has just graded takes the next submission that is due without having been told of one. The
+        announcement that somebody would have been told by is taken away.
+        """
+        with self._database.writing() as session:
+            stored = self._finish(session, claim, result, assignment)
+            now = self._clock()
+            following = take(session.connection(), worker, now, self._policy.lease_s)
+            if following is not None:
+                self._database.announcer.claimed(session, now)
+            return stored, following
 
     def fail(self, claim: Claim, trouble: str) -> SubmissionState | None:
         """End a try that failed on the grader's side: queued again after a pause, or given up.
@@ -135,7 +129,7 @@ class Queue:
             "trouble": trouble[:_TROUBLE_CHARACTERS],
         }
         with self._database.writing() as session:
-            if not change(session, claim, values):
+            if not change(session.connection(), claim, values):
                 return None
             if not given_up:
                 self._announce(session, claim, now)
@@ -151,7 +145,7 @@ class Queue:
             "lease_until": None,
         }
         with self._database.writing() as session:
-            if not change(session, claim, values):
+            if not change(session.connection(), claim, values):
                 return False
             self._announce(session, claim, now)
             return True
@@ -241,32 +235,28 @@ class Queue:
         row = select(*WAITING).where(col(SubmissionRow.id) == claim.submission_id)
         self._database.announcer.queued(session, waiting(session.execute(row)), now)
 
-    def _claim(self, session: Session, worker: str, now: datetime) -> Claim | None:
-        statement = (
-            update(SubmissionRow)
-            .where(col(SubmissionRow.id) == due(now).with_for_update(skip_locked=True).scalar_subquery())
-            .values(
-                state=SubmissionState.RUNNING.value,
-                attempt=col(SubmissionRow.attempt) + 1,
-                tries=col(SubmissionRow.tries) + 1,
-                worker=worker,
-                started_at=now,
-                lease_until=now + timedelta(seconds=self._policy.lease_s),
-            )
-            .returning(SubmissionRow)
-            .execution_options(synchronize_session=False)
-        )
-        row = session.execute(statement).scalars().first()
-        if row is None:  # another worker was quicker
-            return None
-        source = select(col(SourceRow.content)).where(col(SourceRow.sha256) == row.source_sha256)
-        return Claim(
-            submission_id=row.id,
-            attempt=row.attempt,
-            tries=row.tries,
-            worker=worker,
-            assignment=row.assignment,
-            file_name=row.file_name,
-            source=session.execute(source).scalar_one(),
-            queued_at=row.queued_at,
-        )
+    def _finish(
+        self, session: Session, claim: Claim, result: GradingResult, assignment: Assignment | None
+    ) -> bool:
+        now, report = self._clock(), result.report
+        graded = None if assignment is None else assignment_values(assignment)
+        grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
+        values = {
+            "state": SubmissionState.GRADED.value,
+            "finished_at": now,
+            "lease_until": None,
+            "trouble": "",
+            "graded_attempt": claim.attempt,
+            "verdict": report.status.value,
+            "score": report.score,
+            "max_score": report.max_score,
+            "report_sha256": grading["report_sha256"],
+            "to_judge": to_judge(report.items) or None,
+        }
+        connection = session.connection()
+        if not change(connection, claim, values):
+            return stored_already(connection, grading)
+        if graded is not None:
+            add_once(session, GradedAssignmentRow, **graded)
+        insert_grading(connection, grading, result)
+        return True

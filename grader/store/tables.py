@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import ClassVar
 
-from sqlalchemy import CheckConstraint, ForeignKeyConstraint, Index
+from sqlalchemy import CheckConstraint, ForeignKeyConstraint, Index, Table
 from sqlmodel import Field, SQLModel
 
 from grader.contracts.submission import SubmissionState
@@ -212,3 +212,9 @@ class WorkerRow(SQLModel, table=True):
     detail: str = Field(sa_column=text_column())
     started_at: datetime = Field(sa_column=instant_column())
     seen_at: datetime = Field(sa_column=instant_column())
+
+
+def table_of(row: type[SQLModel]) -> Table:
+    """Return the table of a kind of rows, for statements that need no objects of rows."""
+    table: Table = row.__table__  # type: ignore[attr-defined]
+    return table

@@ -17,10 +17,11 @@ from grader.worker.parts import Sandbox, WorkerParts
 _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
 """Before each next try to store a result: often at first, then for ten minutes."""
+_STEP_S = 60.0
 
 
 class GradingSlot:
-    """One grading at a time. Only `claim`, `abort` and `abandon` may be used from other threads.
+    """One grading at a time. Only `claim`, `stop`, `abort` and `abandon` may be used from other threads.
 
     Attributes:
         claim: what is graded now; None between two gradings.
@@ -33,6 +34,7 @@ class GradingSlot:
         self._grader = parts.make_grader()
         self.claim: Claim | None = None
         self._abandoned: Claim | None = None
+        self._stopping = threading.Event()
         self._lock = threading.Lock()  # so that whoever abandons a claim does not hit the next one
 
     def warm_up(self) -> None:
@@ -43,20 +45,30 @@ class GradingSlot:
             _log.warning("%s: the grading process did not start: %s", self._name, error)
 
     def step(self) -> bool:
-        """Grade the submission that is due; False when there was nothing to do."""
+        """Grade the submission that is due, then those due after it; False when there was nothing to do.
+
+        Ends after a minute even if more is due, and at once when the worker stops or a try fails.
+        """
         if not self._sandbox.state.ready:
             return False
         claim = self._parts.queue.claim(self._name)
         if claim is None:
             return False
-        self.claim = claim
-        try:
-            with about(claim):
-                self._grade(claim)
-        finally:
-            with self._lock:
-                self.claim = None
+        until_s = time.monotonic() + _STEP_S
+        while claim is not None:
+            self.claim = claim
+            try:
+                with about(claim):
+                    claim = self._grade(claim, until_s)
+            finally:
+                with self._lock:
+                    self.claim = None
+            self._parts.doorbell.ring()  # for those who watch
         return True
+
+    def stop(self) -> None:
+        """Take nothing more once the grading under way has ended; from any thread."""
+        self._stopping.set()
 
     def abort(self) -> None:
         """Kill the grading under way."""
@@ -73,14 +85,15 @@ class GradingSlot:
         """End the grading process."""
         self._grader.close()
 
-    def _grade(self, claim: Claim) -> None:
+    def _grade(self, claim: Claim, until_s: float) -> Claim | None:
+        """Grade what is claimed and store the report; return what was claimed next."""
         begun_s = time.monotonic()
         try:
             assignment = self._parts.assignments.get(claim.assignment)
             job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
             self._grader.start()
             result = _checked(self._grader.grade(job), claim)
-            stored = self._store(claim, result, assignment)
+            stored, following = self._store(claim, result, assignment, until_s)
         except SandboxUnavailableError as error:
             self._sandbox.failed(error)
             self._parts.queue.hand_back(claim)
@@ -91,20 +104,32 @@ class GradingSlot:
             _log.info("%s %s", claim.submission_id, result.report.status if stored else "dropped: fenced off")
             if stored:
                 self._tell(claim, result, time.monotonic() - begun_s)
+            return following
+        return None
 
     def _tell(self, claim: Claim, result: GradingResult, grading_s: float) -> None:
         now, since = self._parts.clock(), claim.queued_at
         waited_s = None if since is None else max((now - since).total_seconds(), 0.0)
         self._parts.observer.graded(result.report.status, grading_s, waited_s)
 
-    def _store(self, claim: Claim, result: GradingResult, assignment: Assignment) -> bool:
+    def _store(
+        self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float
+    ) -> tuple[bool, Claim | None]:
+        """Store `result`; return whether it was taken, and what was claimed next unless the slot should pause."""
         for pause_s in _STORE_PAUSES_S:
             try:
-                return self._parts.queue.finish(claim, result, assignment)
+                return self._stored(claim, result, assignment, until_s)
             except InfrastructureError as error:
                 _log.warning("%s: the report could not be stored yet: %s", claim.submission_id, error)
             time.sleep(pause_s)
-        return self._parts.queue.finish(claim, result, assignment)
+        return self._stored(claim, result, assignment, until_s)
+
+    def _stored(
+        self, claim: Claim, result: GradingResult, assignment: Assignment, until_s: float
+    ) -> tuple[bool, Claim | None]:
+        if self._stopping.is_set() or not self._sandbox.state.ready or time.monotonic() >= until_s:
+            return self._parts.queue.finish(claim, result, assignment), None
+        return self._parts.queue.finish_and_claim(claim, result, assignment, self._name)
 
     def _fail(self, claim: Claim, error: Exception) -> None:
         self._grader.close()

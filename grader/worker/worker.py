@@ -45,6 +45,8 @@ class Worker:
 
     def stop(self) -> None:
         """Take no more work, let running gradings finish, and return to the queue what takes too long."""
+        for slot in self._slots:
+            slot.stop()
         self._work.drain()
         self._join(self._config.drain_s)
         self._heart.stop(_ABORT_S)
@@ -65,14 +67,8 @@ class Worker:
                 slot.abort()
 
     def _work_on(self, slot: GradingSlot) -> None:
-        def step() -> bool:
-            busy = slot.step()
-            if busy:
-                self._parts.doorbell.ring()  # for those who watch
-            return busy
-
         slot.warm_up()
-        self._work.serve(step)
+        self._work.serve(slot.step)
         slot.close()
 
     def _join(self, timeout_s: float) -> None:

@@ -23,6 +23,38 @@ def test_of_one_students_uploads_the_newest_is_graded_first(engine: Engine) -> N
     assert engine.graded_in_order() == [newest, other, first]
 
 
+def test_a_slot_that_goes_on_keeps_the_order_and_leaves_no_work_to_others(engine: Engine) -> None:
+    first, other, newest = (engine.upload(student) for student in ("a", "b", "a"))
+    order: list[str] = []
+
+    def step() -> bool:
+        claim = engine.queue.claim("slot")
+        going = claim is not None
+        while claim is not None:
+            order.append(claim.submission_id)
+            stored, claim = engine.finish_and_claim(claim)
+            assert stored
+        return going
+
+    engine.work(step)
+    assert order == [newest, other, first]
+    assert engine.graded_in_order() == []
+    assert engine.graded_rows() == 3
+
+
+def test_a_slot_whose_claim_was_lost_stores_nothing_and_goes_on(engine: Engine) -> None:
+    lost, following = engine.upload("a"), engine.upload("b")
+    late = engine.taken()
+    engine.clock.advance(15.1)
+    assert engine.queue.reconcile().requeued == 1
+    second = engine.taken("another")
+    stored, claim = engine.finish_and_claim(late)
+    assert not stored
+    assert claim is not None
+    assert (second.submission_id, claim.submission_id) == (lost, following)
+    assert engine.graded_rows() == 0
+
+
 def test_regrades_wait_behind_fresh_uploads_that_came_later(engine: Engine) -> None:
     original = engine.upload("a")
     assert engine.graded_in_order() == [original]

@@ -9,7 +9,7 @@ from procrastinate.exceptions import ConnectorException
 from sqlalchemy import text
 
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.submission import SubmissionState
+from grader.contracts.submission import Claim, SubmissionState
 from grader.store.announcing import Waiting
 from grader.store.permits.jobs import defer
 from grader.store.permits.loop import PermitLoop
@@ -28,6 +28,31 @@ def test_each_waiting_row_has_one_permit_and_a_graded_one_none(permits: Postgres
     assert permits.jobs("status = 'todo'") == 3
     assert announced_late(permits) == 0
     permits.graded_in_order()
+    assert permits.jobs() == 0
+
+
+def test_who_goes_on_without_a_permit_uses_one_up(permits: PostgresEngine) -> None:
+    for number in range(3):
+        permits.upload(f"s{number}")
+    claim: Claim | None = permits.taken()
+    permits.clock.advance(0.2)  # the slot gave back the permits that came after
+    for left in (1, 0, 0):
+        assert claim is not None
+        _, claim = permits.finish_and_claim(claim)
+        assert permits.jobs("status = 'todo'") == left
+    assert claim is None
+
+
+def test_going_on_waits_for_nobody_who_takes_a_permit_at_this_moment(permits: PostgresEngine) -> None:
+    permits.upload("a")
+    claim = permits.taken()
+    permits.upload("b")
+    with permits.database.writing() as session:
+        session.execute(text("SELECT FROM procrastinate_jobs WHERE status = 'todo' FOR UPDATE"))
+        _, following = permits.finish_and_claim(claim)
+    assert following is not None
+    assert permits.jobs("status = 'todo'") == 1
+    permits.work(lambda: permits.queue.claim("another") is not None)
     assert permits.jobs() == 0
 
 

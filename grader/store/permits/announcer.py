@@ -35,6 +35,12 @@ _PERMITS = text(
     " AND (scheduled_at IS NULL OR scheduled_at <= :now) LIMIT :most) AS permit"
 )
 
+_USE_UP = text(
+    "DELETE FROM procrastinate_jobs WHERE id = (SELECT id FROM procrastinate_jobs WHERE queue_name = :queue"
+    " AND status = 'todo' AND (scheduled_at IS NULL OR scheduled_at <= :now)"
+    " ORDER BY priority DESC, id LIMIT 1 FOR UPDATE SKIP LOCKED)"
+)
+
 
 class PermitAnnouncer:
     """Announces a row by a job of Procrastinate."""
@@ -43,6 +49,10 @@ class PermitAnnouncer:
         """Defer a permit for each row."""
         session.flush()
         defer(session, waiting, now)
+
+    def claimed(self, session: Session, now: datetime) -> None:
+        """Use up the permit that would be taken next, if there is one that nobody is taking at this moment."""
+        session.execute(_USE_UP, {"queue": QUEUE, "now": now})
 
     def mend(self, session: Session, now: datetime) -> int:
         """Sweep, unless another worker does so at this moment.

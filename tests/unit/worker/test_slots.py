@@ -34,6 +34,21 @@ def test_a_step_grades_one_submission(bench: Bench) -> None:
     assert bench.submissions.report(id_).cases.keys() == {"default"}
 
 
+def test_a_step_goes_on_with_what_is_due_next(bench: Bench) -> None:
+    ids = [bench.upload() for _ in range(3)]
+    assert bench.slot().step()
+    assert [bench.row(one).state for one in ids] == [SubmissionState.GRADED] * 3
+
+
+def test_a_slot_that_is_told_to_stop_takes_nothing_more(bench: Bench) -> None:
+    older, newer = bench.upload(), bench.upload()
+    slot = bench.slot()
+    slot.stop()
+    assert slot.step()
+    assert bench.row(newer).state is SubmissionState.GRADED
+    assert bench.row(older).state is SubmissionState.QUEUED
+
+
 def test_the_same_bytes_graded_twice_give_the_same_report(bench: Bench) -> None:
     first, second = bench.upload(), bench.upload()
     slot = bench.slot()
@@ -170,10 +185,10 @@ def test_a_report_is_stored_although_the_database_was_away_for_minutes(
     begun, pauses = bench.clock(), []
 
     class Reluctant(Queue):
-        def finish(self, claim, result, assignment):
+        def finish_and_claim(self, claim, result, assignment, worker):
             if (bench.clock() - begun).total_seconds() < 300:
                 raise InfrastructureError("database is locked")
-            return super().finish(claim, result, assignment)
+            return super().finish_and_claim(claim, result, assignment, worker)
 
     def sleep(seconds: float) -> None:
         pauses.append(seconds)
@@ -193,8 +208,8 @@ def test_a_report_whose_storing_was_not_answered_is_counted_once(bench: Bench) -
     class Unanswered(Queue):
         answers = 0
 
-        def finish(self, claim, result, assignment):
-            stored = super().finish(claim, result, assignment)
+        def finish_and_claim(self, claim, result, assignment, worker):
+            stored = super().finish_and_claim(claim, result, assignment, worker)
             self.answers += 1
             if self.answers == 1:
                 raise InfrastructureError("the connection broke during the commit")
