@@ -32,7 +32,7 @@ class Storage:
 
 def add_data_option(parser: argparse.ArgumentParser) -> None:
     """Declare where the database is, as `grader serve` does."""
-    parser.add_argument("--data", type=Path, metavar="DIR", help="folder of the database (default: here)")
+    parser.add_argument("--data", type=Path, metavar="DIR", help="folder of the database (default: GRADER_DATABASE_URL, else here)")
 
 
 def add_language_option(parser: argparse.ArgumentParser) -> None:

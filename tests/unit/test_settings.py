@@ -1,6 +1,9 @@
 from pathlib import Path
+from typing import Literal, get_args, get_origin
 
 import pytest
+from annotated_types import Ge, Gt, Le
+from pydantic.fields import FieldInfo
 
 from grader.contracts.errors import SettingsError
 from grader.settings import Settings, is_loopback, load
@@ -103,8 +106,26 @@ def test_the_environment_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     assert load(port=1).port == 1
 
 
+def accepted(field: FieldInfo) -> str:
+    """Return which values a setting takes, as the service page writes it; empty: its description says so."""
+    if field.annotation is bool:
+        return "`true`, `false`"
+    if get_origin(field.annotation) is Literal:
+        return ", ".join(f"`{value}`" for value in get_args(field.annotation))
+    least = [f"{one.ge:g}" for one in field.metadata if isinstance(one, Ge)]
+    above = [f"more than {one.gt:g}" for one in field.metadata if isinstance(one, Gt)]
+    most = [f"{one.le:.10g}" for one in field.metadata if isinstance(one, Le)]
+    return " to ".join(least + most) if most else "".join([*above, *(f"{one} or more" for one in least)])
+
+
 def test_the_service_page_lists_every_setting_as_it_is() -> None:
     page = (Path(__file__).resolve().parents[2] / "docs" / "service.md").read_text()
+    lines = [line for line in page.splitlines() if line.startswith("| `GRADER_")]
+    rows = [[cell.strip() for cell in line.strip()[1:-1].split("|")] for line in lines]
+    listed = {name: (default, values, meaning) for name, default, values, meaning in rows}
     for name, field in Settings.model_fields.items():
-        assert f"| `GRADER_{name.upper()}` |" in page
-        assert f"| {field.description} |" in page
+        default, values, meaning = listed.pop(f"`GRADER_{name.upper()}`")
+        assert (values, meaning) == (accepted(field), field.description)
+        if field.default is not None and field.default_factory is None:
+            assert default == f"`{'false' if field.default is False else field.default}`"
+    assert listed == {}
