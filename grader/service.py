@@ -149,7 +149,7 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
-        parts = _parts(database, settings, RememberedAssignments(Catalog()), clock)
+        parts = _parts(database, settings, RememberedAssignments(Catalog(cache=AssignmentMemory())), clock)
         metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
@@ -159,7 +159,7 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
 @contextmanager
 def _store(settings: Settings, who: str) -> Iterator[Database]:
     """Open the database and bring it up to date; nobody replaces it meanwhile."""
-    database = Database(settings.database_url)
+    database = Database(settings.database_url, settings.database_connections)
     try:
         with in_use(database, who):
             migrate(database)

@@ -47,6 +47,13 @@ class Settings(BaseSettings):
         description="Where submissions are kept: a SQLite file, or a PostgreSQL database "
         "(`postgresql+psycopg://user@host/name`). `DATABASE_URL` is read, too, when this is not set.",
     )
+    database_connections: int = Field(
+        default=10,
+        ge=3,
+        le=200,
+        description="Most connections of this process to PostgreSQL, besides those that wait for work; requests "
+        "beyond that wait for one.",
+    )
     instructor_token: SecretStr | None = Field(
         default=None,
         description="Token that opens the class while there is no course, at least 16 characters; without it, "

@@ -38,7 +38,7 @@ _OF_STATEMENTS = (
 )  # other errors: of the database
 _BEGIN_OPTION = "grader_begin"
 _CHANCES = 20
-_CONNECTIONS = 10  # of one process to PostgreSQL; threads beyond that wait for one
+_CONNECTIONS = 10
 _CONNECT_TIMEOUT_S = 10
 _IDLE_TIMEOUT_MS = 15_000  # a frozen process must not keep its locks for longer than its lease
 
@@ -50,13 +50,17 @@ class Database:
         announcer: is told of every row that a transaction makes ``queued``.
     """
 
-    def __init__(self, url: str) -> None:
+    def __init__(self, url: str, connections: int = _CONNECTIONS) -> None:
         """Prepare; nothing is opened yet.
+
+        Args:
+            url: address of the database.
+            connections: most of this process to a PostgreSQL server; threads beyond that wait for one.
 
         Raises:
             SettingsError: the driver that `url` needs is not installed.
         """
-        self._engine = _engine(make_url(url))
+        self._engine = _engine(make_url(url), connections)
         self._reading = self._engine.execution_options(
             **{_BEGIN_OPTION: "BEGIN DEFERRED"}
             if self.is_sqlite
@@ -132,7 +136,7 @@ class Database:
             raise InfrastructureError("the database does not answer: every connection is busy") from error
 
 
-def _engine(url: URL) -> Engine:
+def _engine(url: URL, connections: int) -> Engine:
     if url.get_backend_name() == "sqlite":
         engine = create_engine(url)
         event.listen(engine, "do_connect", _create_private)
@@ -146,7 +150,7 @@ def _engine(url: URL) -> Engine:
         engine = create_engine(
             url,
             isolation_level="READ COMMITTED",
-            pool_size=_CONNECTIONS,
+            pool_size=connections,
             max_overflow=0,
             pool_pre_ping=True,  # after a restart of the server, no request fails on a connection of before
             connect_args=timeout,

@@ -91,7 +91,8 @@ def test_a_heartbeat_slower_than_the_lease_allows_is_refused() -> None:
 
 
 @pytest.mark.parametrize(
-    ("field", "value"), [("max_tries", 0), ("lease_s", float("nan")), ("slots", -1), ("max_upload_bytes", 0)]
+    ("field", "value"),
+    [("max_tries", 0), ("lease_s", float("nan")), ("slots", -1), ("database_connections", 2)],
 )
 def test_values_out_of_range_are_refused_by_name(field: str, value: float) -> None:
     with pytest.raises(SettingsError, match=field):

@@ -169,6 +169,15 @@ def test_a_connection_that_breaks_amid_a_transaction_is_an_infrastructure_fault(
     assert Submissions(postgres_database, FakeClock()).get("none") is None
 
 
+def test_a_process_has_as_many_connections_as_it_may(postgres_url: str) -> None:
+    database = Database(postgres_url, connections=3)
+    held = [database.engine.connect() for _ in range(3)]
+    assert (database.engine.pool.size(), database.engine.pool.overflow()) == (3, 0)
+    for connection in held:
+        connection.close()
+    database.close()
+
+
 def test_a_server_that_takes_no_writes_is_an_infrastructure_fault(postgres_database: Database) -> None:
     """Such as the old one after another has taken its place."""
     with pytest.raises(InfrastructureError, match="read-only"), postgres_database.writing() as session:  # noqa: PT012
