@@ -106,6 +106,9 @@ NOTES: Mapping[str, Text] = {
     "thread_exception": _t("线程出错：{text}", "a thread failed: {text}"),
     "service_answer": _t("对服务调用的回应：{text}", "answer to a service call: {text}"),
     "forbidden": _t("不允许的操作：{text}", "not allowed: {text}"),
+    "no_pictures": _t(
+        "评分环境没有屏幕，{text} 的图不会画出来", "there is no screen here: {text} draws nothing"
+    ),
 }
 """Notes of a run by their code (see `grader.contracts.outcome.Note`)."""
 

@@ -90,6 +90,17 @@ EXPECTED = {
         stdout="done\n",
         says=("ERROR:AttributeError: 'Publisher' object has no attribute 'publsh'",),
     ),
+    "log_file_asctime": Expectation(
+        plan=drive(0.0, *[(1.0, 1.0, 0.0), (1.0, 0.0, 1.5708)] * 4), stdout="8 INFO v=1.0 w=0.00\n"
+    ),
+    "clear_screen_menu": Expectation(
+        plan=(Leg(0.0, 2.5, 0.8),),
+        stdout="\x1b[32m海龟直行\x1b[0m\n" + "".join(f"\r进度 {n}/10" for n in range(1, 11)) + "\n",
+    ),
+    # The window stays open until Ctrl+C.
+    "plot_the_path": Expectation(
+        plan=(Leg(2.0, 3.0, 1.0, 1.0),), status=INTERRUPTED, stdout="True\n", notes=("no_pictures",)
+    ),
     "copy_and_repr": Expectation(
         plan=drive(0.0, (1.0, 1.0, 0.0), (1.0, 1.0, 1.0)),
         stdout="False geometry_msgs.msg.Vector3(x=1.0, y=0.0, z=0.0)\n",

@@ -33,6 +33,9 @@ EXPECTED = {
         plan=(Leg(0.02, pi / 2 / 0.5, 0.0, 0.5),), says=("90 degrees",), exit_code=0
     ),
     "pose_go_to_goal": Expectation(plan=_approach(8.5), stdout="reached True\n"),
+    "pose_log_csv": Expectation(
+        plan=(Leg(0.1, 2.0, 1.0),), stdout="logs/pose_20231114_221320.csv True True\n", exit_code=0
+    ),
     "odom_distance": Expectation(plan=(Leg(0.02, 3.0, 0.5),), says=("distance 1.50 m",)),
     # After two seconds of sleep the first pose is an old one, out of the queue.
     "global_pose_callback": Expectation(plan=(Leg(2.0, 1.5, 2.0),), stdout="moved\n"),

@@ -46,6 +46,9 @@ LAZY = {
 }
 """Module -> (our module, function called with it once it is there)."""
 
+PICTURES = ("matplotlib", "mpl_toolkits")
+"""Packages that draw, which `_pictures` stands in for."""
+
 _OURS = (
     *(
         "rclpy._kernel",
@@ -165,6 +168,10 @@ class PostImport:
     def find_spec(
         self, name: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
+        if name.partition(".")[0] in PICTURES:
+            from rclpy import _pictures
+
+            return _pictures.spec_of(name)
         if name not in LAZY or name in self._busy:
             return None
         self._busy.add(name)
