@@ -39,20 +39,24 @@ class Dashboard:
         again is a matter of looking at the marks.
         """
         with self._database.reading() as session:
-            known = self._latest.get(course)
-            if known is not None and known.state.mark == _mark(session, course):
-                return known.state
-        with self._counting:  # who comes second finds it counted
-            return self._count(course)
-
-    def _count(self, course: str | None) -> ClassState:
-        known = self._latest.get(course)
-        with self._database.reading() as session:
             mark = _mark(session, course)
+            known = self._latest.get(course)
             if known is not None and known.state.mark == mark:
                 return known.state
-            before = {} if known is None else known.cells
-            cells = counted(session, course, rules_of(session, course), before)
+            if self._counting.acquire(blocking=False):
+                try:
+                    return self._count(session, course, mark)
+                finally:
+                    self._counting.release()
+        with self._counting, self._database.reading() as session:  # who comes second finds it counted
+            return self._count(session, course, _mark(session, course))
+
+    def _count(self, session: Session, course: str | None, mark: str) -> ClassState:
+        known = self._latest.get(course)
+        if known is not None and known.state.mark == mark:
+            return known.state
+        before = {} if known is None else known.cells
+        cells = counted(session, course, rules_of(session, course), before)
         state = ClassState(
             progress=tuple(cell.progress for cell in cells.values()),
             failures=_failures(cells.values()),
