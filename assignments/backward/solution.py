@@ -1,4 +1,4 @@
-"""后退 2 米后停下:线速度取负值。"""
+"""后退 2 米后停下：线速度取负值。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

@@ -13,7 +13,7 @@ class Backward(Node):
 
     def tick(self):
         msg = Twist()
-        # TODO: 设置后退的线速度 msg.linear.x(想一想正负号)
+        # TODO: 设置后退的线速度 msg.linear.x（想一想正负号）
         self.publisher.publish(msg)
 
 

@@ -1,4 +1,4 @@
-"""第一个节点:打一声招呼,然后一直运行到 Ctrl+C。"""
+"""第一个节点：打一声招呼，然后一直运行到 Ctrl+C。"""
 
 import rclpy
 from rclpy.node import Node
@@ -7,7 +7,7 @@ from rclpy.node import Node
 class Greeter(Node):
     def __init__(self):
         super().__init__('greeter')
-        self.get_logger().info('大家好,我启动了!')
+        self.get_logger().info('大家好，我启动了！')
 
 
 def main():

@@ -13,7 +13,7 @@ class Greeter(Node):
 def main():
     rclpy.init()
     node = Greeter()
-    # TODO 2: 让节点一直运行,直到按下 Ctrl+C
+    # TODO 2: 让节点一直运行，直到按下 Ctrl+C
     node.destroy_node()
     rclpy.shutdown()
 

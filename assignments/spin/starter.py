@@ -13,7 +13,7 @@ class Spinner(Node):
 
     def tick(self):
         msg = Twist()
-        # TODO: 设置角速度 msg.angular.z(浮点数,单位 rad/s),转满一圈
+        # TODO: 设置角速度 msg.angular.z（浮点数，单位 rad/s），转满一圈
         self.publisher.publish(msg)
 
 

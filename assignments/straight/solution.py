@@ -1,4 +1,4 @@
-"""前进 2 米后停下:0.1 秒发一次命令,20 次正好 2 秒。"""
+"""前进 2 米后停下：0.1 秒发一次命令，20 次正好 2 秒。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

@@ -13,7 +13,7 @@ class Forward(Node):
 
     def tick(self):
         msg = Twist()
-        # TODO: 设置前进的线速度 msg.linear.x(浮点数,单位 m/s)
+        # TODO: 设置前进的线速度 msg.linear.x（浮点数，单位 m/s）
         self.publisher.publish(msg)
 
 

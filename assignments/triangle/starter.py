@@ -16,7 +16,7 @@ class Triangle(Node):
         self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
 
     def drive(self, v, w, seconds):
-        """以线速度 v、角速度 w 行驶 seconds 秒,然后停一下。"""
+        """以线速度 v、角速度 w 行驶 seconds 秒，然后停一下。"""
         msg = Twist()
         msg.linear.x = v
         msg.angular.z = w
@@ -29,7 +29,7 @@ class Triangle(Node):
 
     def run(self):
         self.drive(SPEED, 0.0, SIDE / SPEED)
-        # TODO: 转一个外角,然后重复,直到走完 3 条边
+        # TODO: 转一个外角，然后重复，直到走完 3 条边
 
 
 def main():

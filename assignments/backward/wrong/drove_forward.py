@@ -1,4 +1,4 @@
-"""忘了负号,一直向前开。"""
+"""忘了负号，一直向前开。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

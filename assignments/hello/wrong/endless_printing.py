@@ -6,4 +6,4 @@ from rclpy.node import Node
 rclpy.init()
 node = Node('greeter')
 while True:
-    print('大家好,我启动了!' * 20)
+    print('大家好，我启动了！' * 20)

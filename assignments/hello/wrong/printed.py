@@ -7,7 +7,7 @@ from rclpy.node import Node
 class Greeter(Node):
     def __init__(self):
         super().__init__('greeter')
-        print('大家好,我启动了!')
+        print('大家好，我启动了！')
 
 
 def main():

@@ -1,4 +1,4 @@
-"""节点启动了,但什么日志也没有输出。"""
+"""节点启动了，但什么日志也没有输出。"""
 
 import rclpy
 from rclpy.node import Node

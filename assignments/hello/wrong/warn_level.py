@@ -7,7 +7,7 @@ from rclpy.node import Node
 class Greeter(Node):
     def __init__(self):
         super().__init__('greeter')
-        self.get_logger().warn('大家好,我启动了!')
+        self.get_logger().warn('大家好，我启动了！')
 
 
 def main():

@@ -1,4 +1,4 @@
-"""边走边转,画了一个大圆。"""
+"""边走边转，画了一个大圆。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

@@ -1,4 +1,4 @@
-"""忘了 self.,回调函数一运行就出错。"""
+"""忘了 self.，回调函数一运行就出错。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

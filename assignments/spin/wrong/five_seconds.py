@@ -1,4 +1,4 @@
-"""转得不够久:5 秒只有 286°。"""
+"""转得不够久：5 秒只有 286°。"""
 
 import time
 
@@ -13,7 +13,7 @@ class Spinner(Node):
         self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
 
     def drive(self, v, w, seconds):
-        """以线速度 v、角速度 w 行驶 seconds 秒,然后停一下。"""
+        """以线速度 v、角速度 w 行驶 seconds 秒，然后停一下。"""
         msg = Twist()
         msg.linear.x = v
         msg.angular.z = w

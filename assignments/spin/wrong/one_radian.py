@@ -1,4 +1,4 @@
-"""只发布一次,小车 1 秒后就停了:只转了 1 弧度。"""
+"""只发布一次，小车 1 秒后就停了：只转了 1 弧度。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

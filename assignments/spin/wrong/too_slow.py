@@ -1,4 +1,4 @@
-"""转得太慢,时间内转不完一圈。"""
+"""转得太慢，时间内转不完一圈。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

@@ -1,4 +1,4 @@
-"""用 create_rate 控制节奏,但没有线程在 spin:rate.sleep() 永远等不到。"""
+"""用 create_rate 控制节奏，但没有线程在 spin：rate.sleep() 永远等不到。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

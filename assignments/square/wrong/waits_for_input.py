@@ -18,7 +18,7 @@ class Square(Node):
         self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
 
     def drive(self, v, w, seconds):
-        """以线速度 v、角速度 w 行驶 seconds 秒,然后停一下。"""
+        """以线速度 v、角速度 w 行驶 seconds 秒，然后停一下。"""
         msg = Twist()
         msg.linear.x = v
         msg.angular.z = w
@@ -30,7 +30,7 @@ class Square(Node):
         time.sleep(0.1)
 
     def run(self):
-        side = float(input('边长(米):'))
+        side = float(input('边长（米）：'))
         for _ in range(4):
             self.drive(SPEED, 0.0, side / SPEED)
             self.drive(0.0, TURN_SPEED, ANGLE / TURN_SPEED)

@@ -1,4 +1,4 @@
-"""发布者用了“尽力而为”的 QoS,小乌龟收不到。"""
+"""发布者用了“尽力而为”的 QoS，小乌龟收不到。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

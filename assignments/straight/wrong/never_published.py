@@ -1,4 +1,4 @@
-"""回调函数里只打日志,忘了 publish。"""
+"""回调函数里只打日志，忘了 publish。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

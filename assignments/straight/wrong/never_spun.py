@@ -1,4 +1,4 @@
-"""创建了定时器,却没有 spin。"""
+"""创建了定时器，却没有 spin。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

@@ -1,4 +1,4 @@
-"""节点在运行,但没有创建发布者。"""
+"""节点在运行，但没有创建发布者。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

@@ -1,4 +1,4 @@
-"""只发布一次,小车 1 秒后就停了。"""
+"""只发布一次，小车 1 秒后就停了。"""
 
 import rclpy
 from geometry_msgs.msg import Twist

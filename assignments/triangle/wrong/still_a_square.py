@@ -1,4 +1,4 @@
-"""从正方形改来,忘了改边数和角度。"""
+"""从正方形改来，忘了改边数和角度。"""
 
 import math
 import time
@@ -19,7 +19,7 @@ class Triangle(Node):
         self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
 
     def drive(self, v, w, seconds):
-        """以线速度 v、角速度 w 行驶 seconds 秒,然后停一下。"""
+        """以线速度 v、角速度 w 行驶 seconds 秒，然后停一下。"""
         msg = Twist()
         msg.linear.x = v
         msg.angular.z = w
