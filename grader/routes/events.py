@@ -7,6 +7,7 @@ things stand, never how they were graded: what is hidden from a student cannot b
 import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import dataclass
 from datetime import datetime
 from typing import Annotated, Any
 
@@ -62,6 +63,14 @@ class ClassProgressView(BaseModel):
     infrastructure_error: int = Field(description="Given up by the service's own fault.", examples=[0])
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Owner:
+    """Whose streams are counted together; `is_known` when a token says so."""
+
+    name: str
+    is_known: bool
+
+
 class NothingNewError(Exception):
     """Whoever asks has seen the last event already: 204 tells a browser not to ask again."""
 
@@ -77,14 +86,15 @@ def install(app: FastAPI) -> None:
 
 @asynccontextmanager
 async def watched(
-    services: Services, subject: Subject, owner: str, last_event_id: str | None
+    request: Request, services: Services, subject: Subject, owner: Owner, last_event_id: str | None
 ) -> AsyncIterator[Watch]:
     """Yield a watch that knows where `subject` stands; its place is free again when the answer is over.
 
     Raises:
         ProblemError: too many watch. NothingNewError: `last_event_id` is that of the last event there will be.
     """
-    with services.watching.watch(subject, owner) as watch:
+    address = None if owner.is_known or request.client is None else request.client.host
+    with services.watching.watch(subject, owner.name, address) as watch:
         standing = await run_in_threadpool(services.watching.look, subject)
         if standing is not None:
             if standing.is_final and standing.mark == last_event_id:
@@ -123,25 +133,30 @@ def progress_event(standing: Standing, language: Language) -> ServerSentEvent:
     return ServerSentEvent(data=view, event="progress", id=standing.mark)
 
 
-def owner_of(caller: Caller, otherwise: str) -> str:
-    """Return whose streams a caller's are counted as; `otherwise` for somebody who has not said a name."""
+def owner_of(caller: Caller, otherwise: str) -> Owner:
+    """Return whose streams a caller's are counted as; `otherwise` for somebody without a token."""
     if caller.person is not None:
-        return f"{caller.course}/{caller.person}"
-    return "operator" if caller.is_staff else otherwise
+        return Owner(name=f"{caller.course}/{caller.person}", is_known=True)
+    return Owner(name="operator" if caller.is_staff else otherwise, is_known=caller.is_staff)
 
 
 async def _watched_submission(
-    services: ServicesDep, caller: CallerDep, submission_id: SubmissionId, last_event_id: LastEventId = None
+    request: Request,
+    services: ServicesDep,
+    caller: CallerDep,
+    submission_id: SubmissionId,
+    last_event_id: LastEventId = None,
 ) -> AsyncIterator[Watch]:
     owner = owner_of(caller, f"submission {submission_id}")
-    async with watched(services, ("submission", submission_id), owner, last_event_id) as watch:
+    async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
         yield watch
 
 
 async def _watched_class(
-    services: ServicesDep, caller: StaffDep, last_event_id: LastEventId = None
+    request: Request, services: ServicesDep, caller: StaffDep, last_event_id: LastEventId = None
 ) -> AsyncIterator[Watch]:
-    async with watched(services, ("class", caller.course), owner_of(caller, ""), last_event_id) as watch:
+    owner = owner_of(caller, "")
+    async with watched(request, services, ("class", caller.course), owner, last_event_id) as watch:
         yield watch
 
 

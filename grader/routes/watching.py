@@ -8,7 +8,7 @@ import asyncio
 import logging
 import threading
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 
@@ -33,7 +33,8 @@ class WatchLimits:
     """How many may watch, and for how long.
 
     Attributes:
-        most: streams of this process. most_each: of one person.
+        most: streams of this process; half of them for those of one address who have not said who they are.
+        most_each: of one person.
         life_s: after this a stream ends, and whoever still watches opens another: so nobody keeps what a token
             opened for long after it was revoked.
         poll_s: how often rows are looked at that nobody announced.
@@ -100,8 +101,8 @@ class Watching:
         self.estimates = estimates
         self.doorbell = doorbell
         self._lock = threading.Lock()
-        self._watches: dict[Watch, str] = {}
-        self._owners: Counter[str] = Counter()
+        self._watches: dict[Watch, tuple[str, ...]] = {}
+        self._taken: Counter[str] = Counter()  # by owner and by address
         self._thread: threading.Thread | None = None
         self._closing = threading.Event()
 
@@ -112,14 +113,21 @@ class Watching:
             return len(self._watches)
 
     @contextmanager
-    def watch(self, subject: Subject, owner: str) -> Iterator[Watch]:
+    def watch(self, subject: Subject, owner: str, address: str | None = None) -> Iterator[Watch]:
         """Watch `subject` in the running event loop, counted as one of `owner`'s streams.
+
+        Args:
+            subject: what is watched.
+            owner: whose stream it is.
+            address: where it comes from if `owner` is only what somebody says.
 
         Raises:
             ProblemError: too many watch, or the service stops.
         """
-        watch = Watch(subject)
-        self._add(watch, owner)
+        watch, shares = Watch(subject), {owner: self.limits.most_each}
+        if address is not None:
+            shares[f"from {address}"] = max(self.limits.most // 2, 1)
+        self._add(watch, shares)
         try:
             yield watch
         finally:
@@ -145,26 +153,26 @@ class Watching:
         if thread is not None:
             thread.join()
 
-    def _add(self, watch: Watch, owner: str) -> None:
+    def _add(self, watch: Watch, shares: Mapping[str, int]) -> None:
         with self._lock:
             if self._closing.is_set():
                 raise ProblemError("unavailable")
-            if self._owners[owner] >= self.limits.most_each:
+            if any(self._taken[name] >= most for name, most in shares.items()):
                 raise ProblemError("too_many_streams", headers=_LATER)
             if len(self._watches) >= self.limits.most:
                 raise ProblemError("streams_full", headers=_LATER)
-            self._watches[watch] = owner
-            self._owners[owner] += 1
+            self._watches[watch] = tuple(shares)
+            self._taken.update(shares.keys())
             if self._thread is None:
                 self._thread = threading.Thread(target=self._run, name="grader-watching", daemon=True)
                 self._thread.start()
 
     def _remove(self, watch: Watch) -> None:
         with self._lock:
-            owner = self._watches.pop(watch)
-            self._owners[owner] -= 1
-            if not self._owners[owner]:
-                del self._owners[owner]
+            for name in self._watches.pop(watch):
+                self._taken[name] -= 1
+                if not self._taken[name]:
+                    del self._taken[name]
 
     def _run(self) -> None:
         looks = 0

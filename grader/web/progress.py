@@ -19,11 +19,15 @@ router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=Fals
 
 
 async def _watched(
-    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, last_event_id: LastEventId = None
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    last_event_id: LastEventId = None,
 ) -> AsyncIterator[Watch]:
     await run_in_threadpool(access.seen, services, visitor, submission_id)
     owner = owner_of(visitor.caller, f"visitor {visitor.student}")
-    async with watched(services, ("submission", submission_id), owner, last_event_id) as watch:
+    async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
         yield watch
 
 

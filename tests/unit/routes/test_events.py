@@ -14,6 +14,7 @@ from grader.contracts.errors import InfrastructureError
 from grader.contracts.grading import GradingJob
 from grader.contracts.submission import Claim
 from grader.routes.services import Services
+from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import grade
 
@@ -165,6 +166,20 @@ def test_a_person_has_so_many_streams_and_the_service_too(
     wait_until_nobody_watches(services)
     with opened(client, own["li"], li) as stream:
         assert next(stream.events())["data"]["status"] == "queued"
+
+
+def test_one_address_has_half_of_the_streams_where_nobody_is_asked_who_they_are(
+    client: httpx.Client, upload: Callable[..., httpx.Response], limited: Callable[..., None]
+) -> None:
+    limited(most_each=10, most=4)
+    mine = [upload(student=name).headers["Location"] for name in ("a", "b", "c")]
+    with ExitStack() as stack:
+        for location in mine[:2]:
+            stack.enter_context(opened(client, location))
+        refused = client.get(mine[2] + "/events")
+        assert (refused.status_code, refused.json()["code"]) == (429, "too_many_streams")
+        staff = {"Authorization": f"Bearer {server.TOKEN}"}
+        stack.enter_context(opened(client, mine[2], staff))
 
 
 def wait_until_nobody_watches(services: Services) -> None:
