@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 import math
 import random
 import time
@@ -10,14 +11,16 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import cycle
-from typing import Any
 
 import httpx
+from prometheus_client.parser import text_string_to_metric_families
 
 from benchmarks.classroom import Upload
+from benchmarks.posting import Answer, Connections, Post, prepared
 
 ADDRESS = "/api/v1/submissions"
 _ACCEPTED = 202
+_SERVER_ERROR = 500
 _AGAIN_S = 0.2
 _TRIES = 300
 _STEEPNESS = 5.0
@@ -59,55 +62,66 @@ class HandingIn:
     async def run(self, uploads: Sequence[Upload], at_s: Sequence[float]) -> None:
         """Send `uploads`, each at its second after the start or as soon after as can be."""
         one_at_a_time: dict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
-        limits = httpx.Limits(max_connections=64, max_keepalive_connections=64)
-        begun = time.monotonic()
-        async with httpx.AsyncClient(timeout=60.0, limits=limits, trust_env=False) as client:
-            tasks = []
-            for upload, url, due_s in zip(uploads, cycle(self.urls), at_s, strict=False):
+        posts = [self._post(upload, url) for upload, url in zip(uploads, cycle(self.urls), strict=False)]
+        begun, tasks = time.monotonic(), []
+        async with Connections() as connections:
+            for upload, post, due_s in zip(uploads, posts, at_s, strict=True):
                 await asyncio.sleep(max(0.0, begun + due_s - time.monotonic()))
-                tasks.append(
-                    asyncio.create_task(self._one(client, url, upload, one_at_a_time[upload.student]))
-                )
+                sending = self._send(connections, post, upload, one_at_a_time[upload.student])
+                tasks.append(asyncio.create_task(sending))
             await asyncio.gather(*tasks)
 
-    async def _one(self, client: httpx.AsyncClient, url: str, upload: Upload, lock: asyncio.Lock) -> None:
+    async def _send(self, connections: Connections, post: Post, upload: Upload, lock: asyncio.Lock) -> None:
         async with lock:
             started = time.perf_counter()
-            answer = await self._post(client, url, upload)
+            answer = await self._answer(connections, post)
             took_s = time.perf_counter() - started
-        document = answer.json()
-        accepted = answer.status_code == _ACCEPTED
+        document = json.loads(answer.body)
+        accepted = answer.status == _ACCEPTED
         self.sent.append(
             Sent(
                 upload,
                 str(_ACCEPTED) if accepted else document["code"],
                 took_s,
                 len(self.sent),
-                url + document["status_url"] if accepted else "",
+                post.url + document["status_url"] if accepted else "",
                 accepted and document["repeated"],
             )
         )
 
-    async def _post(self, client: httpx.AsyncClient, url: str, upload: Upload) -> httpx.Response:
-        headers = {"Authorization": f"Bearer {self.tokens[upload.student]}"}
-        if self.insist:
-            headers["Idempotency-Key"] = f"{upload.script.assignment} {upload.attempt} {upload.kind}"
-        request: dict[str, Any] = {
-            "headers": headers,
-            "data": {"assignment": upload.script.assignment},
-            "files": {"file": (upload.script.name, upload.content)},
-        }
+    async def _answer(self, connections: Connections, post: Post) -> Answer:
         for left in reversed(range(_TRIES)):
             try:
-                answer = await client.post(url + ADDRESS, **request)
-            except httpx.TransportError:
+                answer = await connections.send(post)
+            except OSError:
                 if not self.insist or not left:
                     raise
             else:
-                if not (self.insist and left and answer.is_server_error):
+                if not (self.insist and left and answer.status >= _SERVER_ERROR):
                     return answer
             await asyncio.sleep(_AGAIN_S)
         raise AssertionError("unreachable")
+
+    def _post(self, upload: Upload, url: str) -> Post:
+        headers = {"Authorization": f"Bearer {self.tokens[upload.student]}"}
+        if self.insist:
+            headers["Idempotency-Key"] = f"{upload.script.assignment} {upload.attempt} {upload.kind}"
+        form = {"assignment": upload.script.assignment}
+        return prepared(url, ADDRESS, headers, form, (upload.script.name, upload.content))
+
+
+def answered_within(client: httpx.Client, limit_s: float) -> float:
+    """Return the share of accepted uploads that took the API process behind `client` no longer than `limit_s`."""
+    wanted = {"method": "POST", "route": ADDRESS, "status": "202"}
+    counts: dict[str, float] = {}
+    for family in text_string_to_metric_families(client.get("/metrics").raise_for_status().text):
+        for sample in family.samples:
+            if (
+                sample.name == "grader_http_request_seconds_bucket"
+                and wanted.items() <= sample.labels.items()
+            ):
+                counts[sample.labels["le"]] = sample.value
+    return counts[str(limit_s)] / counts["+Inf"]
 
 
 def steady(count: int, per_s: float, seed: int) -> list[float]:

@@ -31,7 +31,7 @@ from rich.table import Table
 
 from benchmarks import gradebook
 from benchmarks.classroom import Upload, bare_rate, graded_scripts, plan, roster
-from benchmarks.handing_in import HandingIn, Sent, evening, steady
+from benchmarks.handing_in import HandingIn, Sent, answered_within, evening, steady
 from benchmarks.postgres_server import PostgresServer
 from benchmarks.processes import INSTRUCTOR, Memory, Service
 
@@ -40,6 +40,7 @@ _DASHBOARD = "/api/v1/dashboard"
 _PERCENTILES = (50, 95, 99)
 _BARE_GRADINGS = 200
 _TEACHER_LOOKS_S = 5.0
+_UPLOAD_S = 0.1
 
 
 @dataclass(slots=True)
@@ -132,6 +133,8 @@ class Run:
         accepted = [one for one in self._handing_in.sent if one.accepted and not one.repeated]
         gradings = asyncio.run(read_all(accepted, self._headers))
         report_uploads(self._console, self._handing_in.sent, self._sending_s)
+        within = answered_within(self._client, _UPLOAD_S)
+        self._console.print(f"of them answered within {_UPLOAD_S} s, as the service measures: {within:.2%}")
         report_gradings(self._console, gradings, bare)
         report_looks(self._console, self._teacher.looks.cold, quiet)
         self._console.print(f"peak memory of all processes: {self._memory.peak_mib:.0f} MiB (proportional)")

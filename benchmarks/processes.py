@@ -81,7 +81,11 @@ class Service:
             arguments = ["worker", "--slots", "1"]
         with (self.folder / f"{name}.log").open("ab") as log:
             self.running[name] = subprocess.Popen(
-                [sys.executable, "-m", "grader", *arguments], env=self.environment, stderr=log, stdout=log
+                [sys.executable, "-m", "grader", *arguments],
+                env=self.environment,
+                stderr=log,
+                stdout=log,
+                start_new_session=True,  # as a service manager starts it: it shares no priority with who hands in
             )
 
     def kill(self, name: str) -> None:
