@@ -12,10 +12,9 @@ from grader.contracts.assignment import BY_PERSON, ItemSpec
 from grader.contracts.record import positional_record
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
-from grader.messages import join, say
+from grader.messages import enumerated, say
 
 _BLOCKING = (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
-_LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
 @positional_record
@@ -56,7 +55,7 @@ def judge(
         blank = _blank(check, spec, portion.of(spec.points), portion.prefix)
         blockers = [judged[need].title for need in spec.needs if judged[need].status in _BLOCKING]
         if blockers:
-            message = say("item.not_checked", items=join(blockers, _LIST_SEPARATOR))
+            message = say("item.not_checked", items=enumerated(blockers))
             judged[spec.id] = replace(blank, message=message)
         elif spec.measure == BY_PERSON:
             judged[spec.id] = replace(blank, status=ItemStatus.NEEDS_MANUAL, message=say("item.by_person"))

@@ -11,7 +11,7 @@ from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes.motion import motion_mistakes
 from grader.checks.quantity import number
-from grader.contracts.assignment import Assignment, ItemSpec
+from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.contracts.verdict import Run
@@ -78,7 +78,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     measures = _motion(drive, backward=backward)
     trajectory, last = run.trajectory, len(drive.path) - 1
     start, end = ((float(trajectory.x_m[i]), float(trajectory.y_m[i])) for i in (0, last))
-    band = _band(assignment, "advance_m")
+    band = assignment.item_on("advance_m")
     length_m = max(abs(measures["advance_m"].value), (band and band.low) or 0.0)
     sign = -1.0 if backward else 1.0
     heading = float(trajectory.heading_rad[0])
@@ -117,14 +117,10 @@ def _departures(
 
 def _fits(assignment: Assignment, measures: Mapping[str, Measure], measure: str) -> bool | None:
     """Whether a measure earns full credit; None when the rubric does not judge it or it is unknown."""
-    band = _band(assignment, measure)
+    band = assignment.item_on(measure)
     if band is None or not math.isfinite(measures[measure].value):
         return None
     return share(band, measures[measure].value) >= 1.0
-
-
-def _band(assignment: Assignment, measure: str) -> ItemSpec | None:
-    return next((item for item in assignment.items if item.measure == measure), None)
 
 
 def _problem_with_direction(value: Option) -> str | None:

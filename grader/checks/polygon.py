@@ -129,7 +129,7 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, str], ...]:
         options = {**assignment.options, **case.options}
         if "other_side_m" in options and (options.get("sides") != 4 or "side_m" not in options):
             found.append(("options.other_side_m", "only for 4 sides, beside side_m; remove it"))
-        if "side_m" not in options and any(item.measure == "side_error_pct" for item in assignment.items):
+        if "side_m" not in options and assignment.item_on("side_error_pct") is not None:
             found.append(("options.side_m", "missing; the measure 'side_error_pct' compares with it"))
     return tuple(found)
 

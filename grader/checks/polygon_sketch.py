@@ -22,15 +22,11 @@ def polygon_sketch(assignment: Assignment, trajectory: Trajectory, figure: Polyg
     return FigureSketch(
         view="path",
         sides=_sides(points, figure, wanted, assignment),
-        corners=_corners(points, figure, _band(assignment, "corner_deg")),
+        corners=_corners(points, figure, assignment.item_on("corner_deg")),
         ideal_m=ideal_polygon(points, figure, wanted),
-        gap=_gap(trajectory, figure, _band(assignment, "gap_pct")),
+        gap=_gap(trajectory, figure, assignment.item_on("gap_pct")),
         end_ns=int(trajectory.t_ns[figure.end]),
     )
-
-
-def _band(assignment: Assignment, measure: str) -> ItemSpec | None:
-    return next((item for item in assignment.items if item.measure == measure), None)
 
 
 def _sides(
@@ -38,7 +34,7 @@ def _sides(
 ) -> tuple[SketchSide, ...]:
     """Judge each side by its distance from its wanted length, or from the median side as the spread is."""
     lengths = [math.dist(start, end) for start, end in itertools.pairwise(points)]
-    band = _band(assignment, "side_error_pct") or _band(assignment, "side_spread_pct")
+    band = assignment.item_on("side_error_pct") or assignment.item_on("side_spread_pct")
     judged = band is not None and band.high is not None and len(lengths) == len(figure.sides_m)
     targets = wanted.aligned(figure.sides_m) or (float(np.median(figure.sides_m)),) * len(figure.sides_m)
     sides = []

@@ -39,8 +39,8 @@ def _rotation(drive: Drive) -> dict[str, Measure]:
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """Return the view of heading over time with the wanted turn."""
-    wanted = next((item.low for item in assignment.items if item.measure == "turned_deg"), None)
-    return FigureSketch(view="heading", wanted_turn_deg=wanted)
+    item = assignment.item_on("turned_deg")
+    return FigureSketch(view="heading", wanted_turn_deg=None if item is None else item.low)
 
 
 CHECK = Check(kind="rotation", measures=MEASURES, examine=examine, sketch=sketch)

@@ -5,9 +5,8 @@ from grader.checks.quantity import SUFFIX, plain
 from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
 from grader.contracts.rubric import PublishedItem, PublishedRubric
 from grader.contracts.text import EMPTY, Text
-from grader.messages import join, say
+from grader.messages import enumerated, join, say
 
-_LIST_SEPARATOR = Text(zh="、", en=", ")
 _MOST_DIGITS = 4
 
 
@@ -71,7 +70,7 @@ def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:
 def _needs(spec: ItemSpec, titles: dict[str, Text]) -> Text:
     if not spec.needs:
         return EMPTY
-    return say("rubric.needs", items=join([titles[need] for need in spec.needs], _LIST_SEPARATOR))
+    return say("rubric.needs", items=enumerated([titles[need] for need in spec.needs]))
 
 
 def _number(value: float | None, unit: str) -> str:

@@ -67,8 +67,7 @@ def _problem_with_list_field(value: Option) -> str | None:
 def _consult(assignment: Assignment) -> tuple[tuple[str, str], ...]:
     if not assignment.calls:
         return (("calls", "missing; say which services are called"),)
-    counts = any(item.measure == "entries" for item in assignment.items)
-    if counts and "list_field" not in assignment.options:
+    if assignment.item_on("entries") is not None and "list_field" not in assignment.options:
         return (("options.list_field", "missing; the measure 'entries' counts the entries of this field"),)
     return ()
 

@@ -8,10 +8,9 @@ from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.verdict import Verdict
-from grader.messages import join, say
+from grader.messages import enumerated, say
 
 _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
-_LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
 def summarise(
@@ -60,7 +59,7 @@ def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:
     if earned <= 0.0:
         return say("summary.nothing", points=plain(points, 2))
     judged = (item.title for item in wrong if item.status is not ItemStatus.NOT_CHECKED)
-    titles = join(list(dict.fromkeys(judged)), _LIST_SEPARATOR)  # an item may fail in several cases
+    titles = enumerated(list(dict.fromkeys(judged)))  # an item may fail in several cases
     return say(
         "summary.partial",
         earned=plain(earned, 2),

@@ -137,6 +137,10 @@ class Assignment:
         """Sum of the items' points over all cases."""
         return sum(item.points for item in self.items)
 
+    def item_on(self, measure: str) -> ItemSpec | None:
+        """Return the first item that judges `measure`, or None."""
+        return next((item for item in self.items if item.measure == measure), None)
+
 
 @record
 class WrongAttempt:

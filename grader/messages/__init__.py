@@ -14,6 +14,7 @@ from grader.contracts.text import LANGUAGES, Language, Text
 
 DOMAIN = "grader"
 FOLDER = Path(__file__).parent
+_LIST_SEPARATOR = Text(zh="、", en=", ")
 
 
 class MissingMessageError(LookupError):
@@ -58,6 +59,11 @@ def join(parts: list[Text], separator: Text) -> Text:
     return Text(
         zh=separator.zh.join(part.zh for part in parts), en=separator.en.join(part.en for part in parts)
     )
+
+
+def enumerated(parts: list[Text]) -> Text:
+    """Return a list of phrases as it stands in a sentence."""
+    return join(parts, _LIST_SEPARATOR)
 
 
 def _in(language: Language, value: object) -> object:
