@@ -3,8 +3,10 @@
 PYTHON ?= python3
 RUN = $(PYTHON) tools/bootstrap.py
 
-.PHONY: demo test image-test check bench load capacity setup messages interfaces clean
+.PHONY: help demo test image-test check bench load capacity setup messages interfaces clean
 
+help:     ## this list
+	@sed -n 's/^\([a-z-]*\): *## /\1\t/p' $(firstword $(MAKEFILE_LIST)) | expand -t 12
 demo:     ## grade a small class over HTTP and show the dashboard
 	@$(RUN) demo
 test:     ## the whole test suite
@@ -25,5 +27,5 @@ messages: ## compile the Chinese and English message catalogs
 	@$(RUN) messages
 interfaces: ## regenerate the shim's interface data from interfaces/
 	@$(RUN) interfaces
-clean:
+clean:    ## remove .venv and everything that tools leave behind
 	rm -rf .venv demo-output .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache dist build

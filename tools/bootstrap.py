@@ -35,7 +35,7 @@ COMMANDS: dict[str, list[list[str]]] = {
     "bench": [["-m", "benchmarks.bench"], ["-m", "benchmarks.startup"]],
     "load": [["-m", "benchmarks.load"]],
     "capacity": [["-m", "benchmarks.capacity"]],
-    "messages": [["tools/compile_messages.py"]],
+    "messages": [["-m", "grader.messages.compile"]],
     "interfaces": [["tools/generate_interfaces.py"]],
 }
 
