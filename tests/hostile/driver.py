@@ -102,7 +102,7 @@ def main() -> None:
         for script in options["scripts"]:
             source = Path(script).read_bytes()
             started = time.monotonic()
-            frames, report = run(sandbox, source, SHORT if b"Expected: cpu_limit\n" in source else LIMITS)
+            frames, report = run(sandbox, source, SHORT if b"Expected: cpu_limit" in source else LIMITS)
             wall_s = time.monotonic() - started
             after = traces(sandbox)
             good_frames, good = run(sandbox, GOOD)
