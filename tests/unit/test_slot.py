@@ -264,38 +264,6 @@ def test_a_child_holds_no_pipe_of_another(children: list[str], tmp_path: Path) -
     assert not of_the_first & set(json.loads(note.read_text()))
 
 
-def test_a_process_started_ahead_is_the_first_to_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(launch, "_BOOTSTRAP", f"import sys; del sys.argv[1:3]\n{CHILD}\nserve()")
-    launch.launch_ahead()
-    ahead = launch._ahead[0]
-    with Slot(SlotConfig()) as one:
-        assert one.grade(JOB).report.score == 1.0
-        assert one._process is not None
-        assert one._process._pid == ahead.pid
-    assert not launch._ahead
-
-
-def test_a_shadowing_module_in_the_working_folder_is_not_imported(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "random.py").write_text("raise SystemExit(9)")
-    (tmp_path / "numpy.py").write_text("raise SystemExit(9)")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.delenv("PYTHONPATH", raising=False)
-    job = GradingJob(file_name="a.py", source=b"", assignment=_hurried())
-    with Slot(SlotConfig(mode="dev")) as one:
-        assert one.grade(job).report.assignment == "demo"
-
-
-def test_the_first_entry_of_the_path_is_not_handed_on(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """`python -m grader` puts the working folder there, where a student's random.py may lie."""
-    before = launch._path()
-    monkeypatch.setattr(sys, "path", [str(tmp_path), *before.split(os.pathsep)])
-    assert launch._path() == before
-
-
 def _hurried() -> Assignment:
     return Assignment(
         id="demo",

@@ -2,6 +2,7 @@ from collections.abc import Callable, Iterator
 from datetime import timedelta
 from itertools import count
 from pathlib import Path
+from typing import Any
 
 import httpx
 import pytest
@@ -13,6 +14,7 @@ from grader.routes.services import Services
 from grader.settings import Settings
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
+from tests.fakes.essays import ANSWER, grade_essay, question
 from tests.fakes.grading import grade
 from tests.fakes.server import FakePlotter
 
@@ -125,3 +127,44 @@ class School:
 @pytest.fixture
 def school(services: Services, client: httpx.Client) -> School:
     return School(services)
+
+
+def work(services: Services) -> int:
+    """Let the machine read all answers that wait; return how many."""
+    done = 0
+    while (claim := services.queue.claim("w")) is not None:
+        assignment = services.assignments.get(claim.assignment)
+        job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+        assert services.queue.finish(claim, grade_essay(job), assignment)
+        done += 1
+    return done
+
+
+@pytest.fixture
+def answered(
+    upload: Callable[..., httpx.Response], services: Services, school: Any, clock: FakeClock
+) -> Callable[..., str]:
+    """Hand in an answer and let the machine read it; return the submission's address."""
+    services.assignments.assignments = (question(),)
+
+    def run(student: str = "li", answer: bytes = ANSWER) -> str:
+        clock.advance(10)
+        response = upload(answer, "essay", "", "a.txt", headers=school.as_(student))
+        work(services)
+        return str(response.headers["Location"])
+
+    return run
+
+
+@pytest.fixture
+def give(client: httpx.Client, school: Any) -> Callable[..., httpx.Response]:
+    """Give points for an item of a submission."""
+
+    def send(
+        url: str, item: str, points: object, by: str = "ta", seen: str | None = None, comment: str = ""
+    ) -> httpx.Response:
+        headers = school.as_(by) | ({} if seen is None else {"If-Match": seen})
+        body = {"points": points, "comment": comment}
+        return client.put(f"{url}/judgements/{item}", json=body, headers=headers)
+
+    return send

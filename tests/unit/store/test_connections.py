@@ -1,0 +1,71 @@
+"""Connections that cannot be made, break, are too many, or may only read."""
+
+import sys
+from traceback import format_exception
+
+import pytest
+
+from grader.contracts.errors import InfrastructureError, SettingsError
+from grader.store.database import Database
+from grader.store.submissions import Submissions
+from tests.fakes.clock import FakeClock
+from tests.fakes.postgres import PostgresServer
+
+
+@pytest.mark.parametrize(
+    "url",
+    [
+        "sqlite:////no/such/folder/grader.db",
+        "postgresql+psycopg://grader:3q9fKx72@/grader?host=/no/such/folder",
+        "postgresql+psycopg://grader:3q9fKx72@127.0.0.1:1/grader",
+    ],
+)
+def test_an_unreachable_database_is_an_infrastructure_fault(url: str) -> None:
+    unreachable = Database(url)
+    with pytest.raises(InfrastructureError, match="database") as caught, unreachable.reading() as session:
+        session.connection().exec_driver_sql("SELECT 1")
+    assert "3q9fKx72" not in f"{caught.value!r} {unreachable.name} {''.join(format_exception(caught.value))}"
+    unreachable.close()
+
+
+def test_a_server_that_restarted_fails_no_request(
+    postgres_database: Database, postgres_server: PostgresServer
+) -> None:
+    submissions = Submissions(postgres_database, FakeClock())
+    with postgres_database.reading(), postgres_database.reading():
+        pass  # two connections wait in the pool
+    postgres_server.disconnect()
+    assert submissions.get("none") is None
+    assert submissions.get("none") is None
+
+
+def test_a_connection_that_breaks_amid_a_transaction_is_an_infrastructure_fault(
+    postgres_database: Database, postgres_server: PostgresServer
+) -> None:
+    with pytest.raises(InfrastructureError), postgres_database.writing() as session:  # noqa: PT012
+        session.connection().exec_driver_sql("SELECT 1")
+        postgres_server.disconnect()
+        session.connection().exec_driver_sql("SELECT 1")
+    assert Submissions(postgres_database, FakeClock()).get("none") is None
+
+
+def test_a_process_has_as_many_connections_as_it_may(postgres_url: str) -> None:
+    database = Database(postgres_url, connections=3)
+    held = [database.engine.connect() for _ in range(3)]
+    assert (database.engine.pool.size(), database.engine.pool.overflow()) == (3, 0)
+    for connection in held:
+        connection.close()
+    database.close()
+
+
+def test_a_server_that_takes_no_writes_is_an_infrastructure_fault(postgres_database: Database) -> None:
+    """Such as the old one after another has taken its place."""
+    with pytest.raises(InfrastructureError, match="read-only"), postgres_database.writing() as session:  # noqa: PT012
+        session.connection().exec_driver_sql("SET TRANSACTION READ ONLY")
+        session.connection().exec_driver_sql("DELETE FROM submission")
+
+
+def test_without_its_driver_postgresql_is_refused_readably(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "psycopg", None)
+    with pytest.raises(SettingsError, match=r"pip install 'grader\[postgres\]'"):
+        Database("postgresql+psycopg://localhost/grader")
