@@ -64,3 +64,9 @@ def test_a_window_finds_no_screen(run_bare: RunScript) -> None:
         "TclError",
         "no display name and no $DISPLAY environment variable",
     )
+
+
+def test_a_full_screen_program_finds_no_terminal(run_bare: RunScript) -> None:
+    pytest.importorskip("_curses")
+    run = run_bare("import curses\ncurses.wrapper(print)\n")
+    assert (run.exit["type"], run.exit["message"]) == ("error", "setupterm: could not find terminal")

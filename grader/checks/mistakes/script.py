@@ -11,6 +11,11 @@ _FLOAT_FIELD = re.compile(r"The '(\w+)' field must be of type 'float'")
 _MISSPELT = re.compile(r"'(\w+)' object has no attribute '(\w+)'")
 _DISK_FULL = "[Errno 28]"
 _NO_TERMINAL = ("(25, ", "setupterm:")  # of termios and curses, whose exceptions are both called `error`
+_MODULE = re.compile(r"No module named '(\w+)")
+_MISSING = {
+    **dict.fromkeys(("rospy", "roslib", "rosbag", "roslaunch"), "ros_1"),
+    **dict.fromkeys(("getch", "keyboard", "msvcrt", "pygame", "pynput", "readchar"), "no_terminal"),
+}
 _MESSAGE_CLASSES = {"Twist", "Vector3"}
 
 _ENDINGS = {
@@ -68,12 +73,14 @@ def _exception(error: StudentError) -> tuple[str, dict[str, str]]:
         if misspelt[1] in _MESSAGE_CLASSES:
             return "unknown_field", {"owner": misspelt[1], "field": misspelt[2]}
         return "crashed", {}
-    if error.type == "TypeError" and "qos_profile" in error.message:
+    if error.type == "TypeError" and ("qos_profile" in error.message or "queue_size" in error.message):
         return "missing_qos", {}
     if error.type == "OSError" and error.message.startswith(_DISK_FULL):
         return "disk_full", {}
     if error.type == "error" and error.message.startswith(_NO_TERMINAL):
         return "no_terminal", {}
+    if error.type == "ModuleNotFoundError" and (missing := _MODULE.search(error.message)):
+        return _MISSING.get(missing[1], "missing_module"), {}
     plain = {
         "NotInitializedException": "not_initialized",
         "EOFError": "no_input",

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from typing import Any
 
 LAZY = {
+    "_curses": ("_patches_host", "patch_curses"),
     "_tkinter": ("_patches_host", "patch_tkinter"),
     "concurrent.futures.thread": ("_patches_threading", "patch_futures_thread"),
     "linecache": ("_report", "prime_linecache"),

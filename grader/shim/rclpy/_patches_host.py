@@ -158,3 +158,13 @@ def patch_dbm(dbm: ModuleType) -> None:
     """Leave `shelve` the one database that is written in Python, through `open`."""
     module: Any = dbm
     module._names = ["dbm.dumb"]
+
+
+def patch_curses(curses: ModuleType) -> None:
+    """Let a full-screen program fail alike whatever this host knows of terminals."""
+    module: Any = curses
+
+    def setupterm(*args: Any, **options: Any) -> None:
+        raise module.error("setupterm: could not find terminal")
+
+    module.setupterm = setupterm

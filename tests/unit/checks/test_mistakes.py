@@ -10,7 +10,7 @@ from grader.checks import evaluate, mistakes
 from grader.contracts.outcome import Endpoint, Note, RunOutcome, RunStatus, StudentError
 from grader.contracts.trajectory import Command, Trajectory
 from grader.contracts.verdict import Run, Verdict
-from tests.unit.checks.ideal_turtle import drive, outcome_of, polygon_legs, run_of
+from tests.unit.checks.ideal_turtle import Leg, drive, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, score
 from tests.unit.messages.catalogs import catalog_texts
 
@@ -51,7 +51,10 @@ def error(kind: str, message: str) -> StudentError:
         (error("NotInitializedException", "('rclpy.init() ...')"), "not_initialized", ("rclpy.init()",)),
         (error("EOFError", "EOF when reading a line"), "no_input", ("input()",)),
         (error("NameError", "name 'Twst' is not defined"), "unknown_name", ("Twst",)),
-        (error("ModuleNotFoundError", "No module named 'rospy'"), "missing_module", ("rospy",)),
+        (error("ModuleNotFoundError", "No module named 'rospy'"), "ros_1", ("rospy", "ROS 2")),
+        (error("ModuleNotFoundError", "No module named 'cv2'"), "missing_module", ("cv2",)),
+        (error("ModuleNotFoundError", "No module named 'pynput'"), "no_terminal", ("17",)),
+        (error("TypeError", "got an unexpected keyword argument 'queue_size'"), "missing_qos", ("17", "10")),
         (
             error("FileNotFoundError", "[Errno 2] No such file or directory: 'a.csv'"),
             "missing_file",
@@ -184,6 +187,18 @@ def test_shapes(name: str, legs: list[tuple[float, float, float]], code: str) ->
     verdict = graded(name, drive(legs))
     assert verdict.mistakes[0] == code
     assert score(verdict) < 100
+
+
+@pytest.mark.parametrize(
+    ("name", "legs", "code"),
+    [
+        ("square", polygon_legs(4, laps=0.75), "sides_missing"),
+        ("octagon", polygon_legs(8, 1.0, corners_deg=[54] * 8), "turns_too_far"),
+    ],
+)
+def test_who_publishes_stop_until_the_horizon_had_time_enough(name: str, legs: list[Leg], code: str) -> None:
+    verdict = graded(name, drive([*legs, (20.0, 0.0, 0.0)]), RunStatus.INTERRUPTED)
+    assert verdict.mistakes == (code,)
 
 
 def test_too_slow_and_never_ending() -> None:
