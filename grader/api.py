@@ -32,6 +32,7 @@ from grader.routes.bodies import BoundedBodies
 from grader.routes.headers import SafeHeaders
 from grader.routes.observing import Observed
 from grader.routes.services import Services
+from grader.routes.stopping import told_to_stop
 from grader.web import routing as pages
 
 ServicesOpener = Callable[[], AbstractContextManager[Services]]
@@ -72,7 +73,8 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
         async with contextmanager_in_threadpool(opener()) as services:
             app.state.services = services
             app.state.default_language = services.settings.default_language
-            yield
+            with told_to_stop(services.watching.end):
+                yield
 
     # FastAPI's documentation pages load scripts from other hosts; /openapi.json is for tools
     app = FastAPI(

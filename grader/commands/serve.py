@@ -13,6 +13,7 @@ from typing import Any
 import uvicorn
 from fastapi import FastAPI
 
+from grader.commands.connections import HEADER_BYTES, BoundedConnection, most_connections
 from grader.contracts.errors import SettingsError
 
 _log = logging.getLogger(__name__)
@@ -49,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             sys.stderr.write(f"grader: {_url(listener)}/\n")
             sys.stderr.flush()
-        server = _Server(app)
+        server = _Server(app, most_connections(settings.max_streams))
         # uvicorn raises the signal once more when it has stopped; to be told is no failure
         signal.signal(signal.SIGTERM, server.stop)
         server.run(sockets=[listener])
@@ -57,11 +58,20 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 class _Server(uvicorn.Server):
-    """uvicorn, whose log lines are the service's, and which ends streams of events before it waits for answers."""
+    """uvicorn, whose log lines are the service's, and whose connections are bounded."""
 
-    def __init__(self, app: FastAPI) -> None:
-        super().__init__(uvicorn.Config(app, log_config=None, access_log=False, server_header=False))
-        self._app = app
+    def __init__(self, app: FastAPI, most_connections: int) -> None:
+        config = uvicorn.Config(
+            app,
+            log_config=None,
+            access_log=False,
+            server_header=False,
+            http=BoundedConnection,
+            ws="none",
+            limit_concurrency=most_connections,
+            h11_max_incomplete_event_size=HEADER_BYTES,
+        )
+        super().__init__(config)
 
     def stop(self, number: int, frame: FrameType | None) -> None:
         """Stop as soon as possible; a signal handler."""
@@ -76,13 +86,6 @@ class _Server(uvicorn.Server):
         await super().startup(sockets)
         gc.collect()
         gc.freeze()
-
-    async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
-        """Answer what was asked, then let the application put everything away."""
-        services = getattr(self._app.state, "services", None)
-        if services is not None:
-            services.watching.end()
-        await super().shutdown(sockets)
 
 
 def _listening(host: str, port: int) -> socket.socket:

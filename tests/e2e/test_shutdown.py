@@ -96,3 +96,35 @@ def _all_wait(folder: Path, ids: list[str]) -> None:
     finally:
         database.close()
     assert [(one.state, one.tries) for one in found] == [(SubmissionState.QUEUED, 0)] * len(ids)
+
+
+def test_another_server_of_the_application_ends_streams_first_as_well(tmp_path: Path) -> None:
+    settings = {
+        "GRADER_DATABASE_URL": f"sqlite:///{tmp_path / 'grader.db'}",
+        "GRADER_INSTRUCTOR_TOKEN": TOKEN,
+        "GRADER_SLOTS": "0",
+    }
+    command = [sys.executable, "-m", "uvicorn", "grader.api:app", "--port", "0"]
+    with subprocess.Popen(
+        command, cwd=ROOT, env={**os.environ, **settings}, stderr=subprocess.PIPE, text=True
+    ) as started:
+        try:
+            assert started.stderr is not None
+            while " running on " not in (line := started.stderr.readline()):
+                assert line
+            address = line.split(" running on ")[1].split()[0]
+            with (
+                httpx.Client(base_url=address, timeout=PATIENCE_S, trust_env=False) as client,
+                client.stream(
+                    "GET", "/api/v1/dashboard/events", headers={"Authorization": f"Bearer {TOKEN}"}
+                ) as stream,
+            ):
+                lines = stream.iter_lines()
+                next(lines)
+                started.send_signal(signal.SIGTERM)
+                rest = list(lines)  # it ends as answers do: a broken one would raise
+                assert not [line for line in rest if line.startswith(":")]  # one that lives on says so
+            assert "Waiting for application shutdown" in started.stderr.read()
+            started.wait(PATIENCE_S)
+        finally:
+            started.kill()

@@ -1,0 +1,122 @@
+"""A client that never ends its request: what `grader serve` makes of it, with deadlines of an instant."""
+
+import resource
+import socket
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+import uvicorn
+
+from grader.commands.connections import BoundedConnection, most_connections
+from tests.fakes.waiting import PATIENCE_S, wait_until
+
+
+async def application(scope, receive, send) -> None:
+    """Read the body and say how long it was."""
+    if scope["type"] != "http":
+        return
+    length, more = 0, True
+    while more:
+        message = await receive()
+        if message["type"] == "http.disconnect":
+            return
+        length, more = length + len(message["body"]), message.get("more_body", False)
+    body = b"%d" % length
+    headers = [(b"content-length", b"%d" % len(body))]
+    await send({"type": "http.response.start", "status": 200, "headers": headers})
+    await send({"type": "http.response.body", "body": body})
+
+
+@contextmanager
+def serving(limit: int | None = None, **deadlines: float) -> Iterator[tuple[str, int]]:
+    """Serve in a thread; give the address."""
+    with server_of(limit, deadlines) as server:
+        yield address_of(server)
+
+
+def address_of(server: uvicorn.Server) -> tuple[str, int]:
+    address: tuple[str, int] = server.servers[0].sockets[0].getsockname()
+    return address
+
+
+@contextmanager
+def server_of(limit: int | None, deadlines: dict[str, float]) -> Iterator[uvicorn.Server]:
+    config = uvicorn.Config(
+        application,
+        port=0,
+        log_config=None,
+        lifespan="off",
+        http=type("Quick", (BoundedConnection,), deadlines),
+        limit_concurrency=limit,
+        timeout_keep_alive=PATIENCE_S,
+    )
+    server = uvicorn.Server(config)
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    try:
+        wait_until(lambda: server.started)
+        yield server
+    finally:
+        server.should_exit = True
+        thread.join()
+
+
+def is_closed(connection: socket.socket) -> bool:
+    """Wait for the server to close the connection without a word."""
+    connection.settimeout(PATIENCE_S)
+    try:
+        return connection.recv(1) == b""
+    except ConnectionResetError:
+        return True
+
+
+@pytest.mark.parametrize(
+    "sent", [b"", b"GET / HTTP/1.1\r\nHost: x\r\nX-a: "], ids=["nothing", "half of the headers"]
+)
+def test_headers_that_never_end_end_the_connection(sent: bytes) -> None:
+    with serving(headers_s=0.05) as address, socket.create_connection(address) as client:
+        client.sendall(sent)
+        assert is_closed(client)
+
+
+def test_a_body_that_never_ends_ends_the_connection() -> None:
+    with serving(body_s=0.05) as address, socket.create_connection(address) as client:
+        client.sendall(b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\n12")
+        assert is_closed(client)
+
+
+def test_the_next_request_of_a_connection_has_a_deadline_and_the_time_before_it_none_here() -> None:
+    with server_of(None, {}) as server, socket.create_connection(address_of(server)) as client:
+        client.settimeout(PATIENCE_S)
+        client.sendall(b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 2\r\n\r\n12")
+        answer = b""
+        while not answer.endswith(b"\r\n\r\n2"):
+            answer += client.recv(1_000)
+        (connection,) = server.server_state.connections
+        assert connection._deadline is None
+        connection.headers_s = 0.05
+        client.sendall(b"GET / HT")
+        assert is_closed(client)
+
+
+def test_there_are_only_so_many_connections() -> None:
+    with (
+        serving(limit=2) as address,
+        socket.create_connection(address),
+        socket.create_connection(address),
+        socket.create_connection(address) as third,
+    ):
+        assert is_closed(third)
+
+
+def test_connections_leave_files_for_the_rest() -> None:
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    resource.setrlimit(resource.RLIMIT_NOFILE, (700, limits[1]))
+    try:
+        most = most_connections(streams=10)
+        assert most < resource.getrlimit(resource.RLIMIT_NOFILE)[0]
+        assert most == 1_510 or resource.getrlimit(resource.RLIMIT_NOFILE)[0] == limits[1]
+    finally:
+        resource.setrlimit(resource.RLIMIT_NOFILE, limits)
