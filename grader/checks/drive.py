@@ -81,5 +81,15 @@ def _pausing(run: Run) -> bool:
         run.outcome.status is RunStatus.INTERRUPTED
         and last_ns is not None
         and run.trajectory.end_ns - last_ns <= MAX_PAUSE_NS
-        and run.trajectory.end_ns - int(run.trajectory.t_ns[-1]) <= MAX_PAUSE_NS
+        and run.trajectory.end_ns - _last_driven_ns(run.trajectory) <= MAX_PAUSE_NS
     )
+
+
+def _last_driven_ns(trajectory: Trajectory) -> int:
+    """Return when the car last moved, or was last told to: at a wall it stands and is told all the same.
+
+    Who publishes stop after stop until the horizon rests all that while.
+    """
+    moving = (np.abs(trajectory.v_mps) > MOVING_MPS) | (np.abs(trajectory.w_radps) > MOVING_RADPS)
+    told = (command.t_ns for command in reversed(trajectory.commands) if is_motion(command))
+    return max(int(t_ns) for t_ns in (*trajectory.t_ns[moving][-1:], next(told, 0)))
