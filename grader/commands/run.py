@@ -9,6 +9,7 @@ from grader.commands.check import add_grading_options, read_source
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment, Case, World
 from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.numerals import decimal
 from grader.contracts.outcome import Blame
 from grader.contracts.text import EMPTY, LANGUAGES
 from grader.slot import Slot, SlotConfig
@@ -74,7 +75,7 @@ def _show(arguments: argparse.Namespace, result: GradingResult) -> None:
 
 def _seconds(text: str) -> float:
     try:
-        value = float(text)
+        value = decimal(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds") from None
     if not 0.0 < value <= 600.0:

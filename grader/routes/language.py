@@ -4,6 +4,7 @@ from typing import Annotated
 
 from fastapi import Header, Query, Request
 
+from grader.contracts.numerals import decimal
 from grader.contracts.text import LANGUAGES, Language
 
 _LONGEST_HEADER = 1_000
@@ -49,6 +50,6 @@ def _weight(parameters: str) -> float:
     if name.strip() != "q":
         return 1.0
     try:
-        return float(value)
+        return decimal(value.strip())
     except ValueError:
         return 0.0
