@@ -61,6 +61,7 @@ def enter(shown: Iterable[str], masked: Sequence[str]) -> bool:
 
 def _change_root(sources: list[tuple[str, int]], masked: Sequence[str]) -> None:
     """Build the new root out of `sources` (path, descriptor of it) and make it the only file system."""
+    os.umask(0o022)  # scripts of another user must pass its folders, whatever the operator's own is
     libc.mount("none", "/", "", _MS_REC | _MS_PRIVATE)
     libc.mount("tmpfs", _STAGE, "tmpfs", _MS_NOSUID, "size=1m,nr_inodes=4096,mode=755")
     for path, descriptor in sources:

@@ -57,14 +57,14 @@ ENDINGS = {
         ("输出太多", "printed too much"),
     ),
     "runs a program": (
-        "os.system('ls /')\n",
+        "os.execv('/bin/ls', ['ls'])\n",
         RunStatus.FORBIDDEN,
-        ("os.system: ls /", "os.system: ls /"),
+        ("os.exec: /bin/ls", "os.exec: /bin/ls"),
     ),
     "writes a file": (
-        "open('result.txt', 'w')\n",
+        "open('/etc/result.txt', 'w')\n",
         RunStatus.FORBIDDEN,
-        ("写文件 result.txt", "writing the file result.txt"),
+        ("写文件 /etc/result.txt", "writing the file /etc/result.txt"),
     ),
     "asks the network": (
         "import urllib.request\nurllib.request.urlopen('http://127.0.0.1:9')\n",
@@ -163,10 +163,10 @@ def test_what_a_script_was_printing_when_it_was_ended_stands_beside_the_report(
 
 
 def test_a_script_that_survives_a_refusal_goes_on(slot: Slot, part: float) -> None:
-    result = grade(slot, "try:\n    open('a.txt', 'w')\nexcept OSError as error:\n    print(error)\n")
+    result = grade(slot, "try:\n    open('/etc/a.txt', 'w')\nexcept OSError as error:\n    print(error)\n")
     (run,) = result.report.runs
     assert run.outcome.status is RunStatus.FINISHED
-    assert run.outcome.stdout.text.endswith("[Errno 13] Permission denied: 'a.txt'\n")
+    assert run.outcome.stdout.text.endswith("[Errno 13] Permission denied: '/etc/a.txt'\n")
     assert result.report.score == part
 
 

@@ -71,7 +71,8 @@ def _to_rosbags(field: Field, value: Any, store: Any) -> Any:
             return [to_rosbags(element, store) for element in value]
         return to_rosbags(value, store)
     if field.base == "octet":
-        return np.frombuffer(b"".join(value), np.uint8) if field.is_nested else value[0]
+        # it packs a lone octet as a signed number: the same bits
+        return np.frombuffer(b"".join(value), np.uint8) if field.is_nested else int.from_bytes(value, signed=True)
     if field.base == "boolean" and field.is_nested:
         return np.array(value, bool)
     return np.array(value, numpy_type(field)) if isinstance(value, array) else value

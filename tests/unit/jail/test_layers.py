@@ -11,7 +11,7 @@ import pytest
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
 from grader.contracts.limits import Limits
 from grader.jail import landlock, policy
-from grader.sandbox import Layer, Mode, Sandbox
+from grader.sandbox import Layer, Mode, Sandbox, Verdict
 from tests.unit.jail.running import RUNNER, make, run
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
@@ -132,3 +132,13 @@ def test_dev_mode_runs_and_says_what_is_missing() -> None:
         assert sandbox.isolation == "dev: process+rlimits"
         assert {"landlock", "seccomp"} <= set(sandbox.missing_layers)
         assert run(sandbox, "frame(b'x')")[0] == [b"x", b"end"]
+
+
+def test_an_operators_strict_umask_takes_nothing_from_scripts() -> None:
+    before = os.umask(0o077)
+    try:
+        with make() as sandbox:
+            _, report = run(sandbox, "import mmap, random\nprint(len(open(random.__file__).read()) > 0)")
+    finally:
+        os.umask(before)
+    assert (report.verdict, report.stdout.text) == (Verdict.FINISHED, "True\n"), report.stderr.text
