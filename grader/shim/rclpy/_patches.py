@@ -69,7 +69,7 @@ _SYSTEM = ("posix", "_io")
 def install() -> None:
     """Replace what is there already; to be called once, in the student's process, before `begin`."""
     _replace()
-    os.environ.update(_patches_host.ENVIRONMENT)
+    _patches_host.set_environment()
     sys.meta_path.insert(0, PostImport())
 
 

@@ -18,13 +18,22 @@ CPUS = 4
 HOST = "ubuntu"
 TERMINAL = (80, 24)
 NO_DISPLAY = "no display name and no $DISPLAY environment variable"
-ENVIRONMENT = {"HOME": HOME, "LOGNAME": USER, "PWD": WORK, "USER": USER}
+_ENVIRONMENT = {
+    name.encode(): value.encode()
+    for name, value in (("HOME", HOME), ("LOGNAME", USER), ("PWD", WORK), ("USER", USER))
+}
 UNAME = os.uname_result(("Linux", HOST, "5.15.0-91-generic", "#101-Ubuntu SMP", "x86_64"))
 """Ubuntu 22.04, on which Humble runs."""
 
 _entropy = _random.Random(0)
 _kill = os.kill
 _get_terminal_size = os.get_terminal_size
+
+
+def set_environment() -> None:
+    """Let the script see what a login sets; the C library's copy, which only a new process would get, stays."""
+    names: Any = os.environ
+    names._data.update(_ENVIRONMENT)
 
 
 def seed_entropy(seed: int) -> None:
