@@ -24,7 +24,7 @@ class PolygonFigure:
         vertices: sample indices: start of the first side, each corner, end of the last side.
         sides_m: length of each side, from vertex to vertex.
         corners_rad: signed change of direction at the end of each side; the last one only if it was driven
-            to its end.
+            to its end, and less whole turns on the spot.
         gap_m: distance from the end of the figure to its start.
         end: sample index where the figure ends, its closing turn included.
         curved_share: share of the distance travelled within corners instead of on straight sides.
