@@ -11,6 +11,9 @@ _KEPT_ENVIRONMENT = ("PATH", "HOME", "LANG", "TMPDIR", "PYTHONPATH", "VIRTUAL_EN
 _SINGLE_THREADED = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 """Trajectories are short: threads of a BLAS would only cost their start, and its sums would depend on them."""
 
+_LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
+"""Bullet asks for 25 MiB when it is connected to: a few huge pages come in half the time of 7,000 small ones."""
+
 _ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 _PYTHON = (sys.executable, "-S", "-P", "-c")  # what `site` would find out once more stands in our own path
 # The zygote first: it gets ready on another core while this process imports contracts and physics. Yet before it,
@@ -97,7 +100,7 @@ def _start(niceness: int = 0) -> Child:
         pid = os.posix_spawn(
             sys.executable,
             [*_PYTHON, _BOOTSTRAP, _path(), str(niceness), str(theirs_requests), str(theirs_answers)],
-            environment | _SINGLE_THREADED,
+            environment | _SINGLE_THREADED | _LARGE_PAGES,
             file_actions=[
                 (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),
                 # Onto itself: the one way to hand on a descriptor without other threads' children getting it.
