@@ -53,6 +53,7 @@ _LOOK_S = 0.05
 _POLL_S = "0.02"  # on SQLite, what another process queued is found by looking
 _QUEUED_AHEAD = 60
 _UPLOADS_PER_SECOND = 20.0
+_ISOLATION = SlotConfig(niceness=10)  # as the service has it, so that what else runs slows both the same
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,7 +196,7 @@ def main() -> None:
         idle = drain.accept(list(islice(uploads, options.accept)), 1 / _UPLOADS_PER_SECOND)
         stack.enter_context(service)
         drain.await_empty()
-        slots = [stack.enter_context(Slot(SlotConfig())) for _ in range(_SLOTS)]
+        slots = [stack.enter_context(Slot(_ISOLATION)) for _ in range(_SLOTS)]
         rounds = _rounds(options.gradings, options.rounds, uploads, BareLoops(slots), drain)
         report(console, rounds)
         drain.queue(list(islice(uploads, _QUEUED_AHEAD)))

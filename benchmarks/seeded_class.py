@@ -25,7 +25,7 @@ from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.intake import new_id
-from grader.store.results import assignment_values, grading_values, insert_grading
+from grader.store.results import assignment_values, detail_values, grading_values, insert_grading
 from grader.store.schema import migrate
 from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow
 
@@ -109,7 +109,7 @@ def _write(session: Session, upload: Upload, result: GradingResult, digests: Map
     for one in (SourceRow(sha256=digest, content=content), row):
         session.add(one)
         session.flush()
-    insert_grading(session.connection(), grading, result)
+    insert_grading(session.connection(), grading, detail_values(grading, result))
 
 
 def main() -> None:

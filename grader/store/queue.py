@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from datetime import datetime, timedelta
 from statistics import fmean
 
-from sqlalchemy import case, func, select
+from sqlalchemy import Connection, case, func, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
@@ -23,8 +23,9 @@ from grader.store.claim_rows import DUE, WAITING, change, stored_already, take, 
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.locks import add_once
-from grader.store.results import assignment_values, grading_values, insert_grading
+from grader.store.results import RememberedRows, Values, detail_values, grading_values, insert_grading
 from grader.store.tables import GradedAssignmentRow, SubmissionRow
+from grader.store.together import together
 
 _TROUBLE_CHARACTERS = 2_000
 _LATEST = 100  # gradings whose durations tell the pace
@@ -61,6 +62,7 @@ class Queue:
         self._database = database
         self._clock = clock
         self._policy = policy
+        self._remembered = RememberedRows()
 
     @property
     def lease_s(self) -> float:
@@ -74,7 +76,7 @@ class Queue:
                 if session.connection().execute(DUE, {"now": self._clock()}).first() is None:
                     return None
         with self._database.writing() as session:
-            return take(session.connection(), worker, self._clock(), self._policy.lease_s)
+            return self._take(session.connection(), worker)
 
     def renew(self, claims: Collection[Claim]) -> set[Claim]:
         """Extend the leases of `claims`; return those that are still valid. One that is not never is again."""
@@ -92,8 +94,7 @@ class Queue:
         `assignment` is kept as it was graded. The row and everything that belongs to the grading change in
         one transaction. May be called again when the connection broke during the commit.
         """
-        with self._database.writing() as session:
-            return self._finish(session, claim, result, assignment)
+        return self._finish(claim, result, assignment, None)[0]
 
     def finish_and_claim(
         self, claim: Claim, result: GradingResult, assignment: Assignment, worker: str
@@ -103,13 +104,7 @@ class Queue:
         So a slot that has just graded takes the next submission that is due without having been told of one. The
         announcement that somebody would have been told by is taken away.
         """
-        with self._database.writing() as session:
-            stored = self._finish(session, claim, result, assignment)
-            now = self._clock()
-            following = take(session.connection(), worker, now, self._policy.lease_s)
-            if following is not None:
-                self._database.announcer.claimed(session, now)
-            return stored, following
+        return self._finish(claim, result, assignment, worker)
 
     def fail(self, claim: Claim, trouble: str) -> SubmissionState | None:
         """End a try that failed on the grader's side: queued again after a pause, or given up.
@@ -236,27 +231,42 @@ class Queue:
         self._database.announcer.queued(session, waiting(session.execute(row)), now)
 
     def _finish(
-        self, session: Session, claim: Claim, result: GradingResult, assignment: Assignment | None
-    ) -> bool:
-        now, report = self._clock(), result.report
-        graded = None if assignment is None else assignment_values(assignment)
+        self, claim: Claim, result: GradingResult, assignment: Assignment | None, worker: str | None
+    ) -> tuple[bool, Claim | None]:
+        now = self._clock()
+        graded = None if assignment is None else self._remembered.values(assignment)
         grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
-        values = {
-            "state": SubmissionState.GRADED.value,
-            "finished_at": now,
-            "lease_until": None,
-            "trouble": "",
-            "graded_attempt": claim.attempt,
-            "verdict": report.status.value,
-            "score": report.score,
-            "max_score": report.max_score,
-            "report_sha256": grading["report_sha256"],
-            "to_judge": to_judge(report.items) or None,
-        }
-        connection = session.connection()
-        if not change(connection, claim, values):
-            return stored_already(connection, grading)
-        if graded is not None:
-            add_once(session, GradedAssignmentRow, **graded)
-        insert_grading(connection, grading, result)
-        return True
+        details = detail_values(grading, result)
+        with self._database.writing() as session:
+            connection = session.connection()
+            current = change(connection, claim, _outcome(claim, result, grading))
+            stored = current or stored_already(connection, grading)
+            following = None if worker is None else self._take(connection, worker)
+            with together(connection):
+                if current and graded is not None:
+                    add_once(session, GradedAssignmentRow, **graded)
+                if current:
+                    insert_grading(connection, grading, details)
+                if following is not None:
+                    self._database.announcer.claimed(session, now)
+        return stored, following
+
+    def _take(self, connection: Connection, worker: str) -> Claim | None:
+        return take(connection, worker, self._clock(), self._policy.lease_s)
+
+
+def _outcome(claim: Claim, result: GradingResult, grading: Values) -> Values:
+    """Return what changes of a submission's row when it is graded."""
+    report = result.report
+    return {
+        "state": SubmissionState.GRADED.value,
+        "finished_at": grading["finished_at"],
+        "lease_until": None,
+        "trouble": "",
+        "graded_attempt": claim.attempt,
+        "verdict": report.status.value,
+        "score": report.score,
+        "max_score": report.max_score,
+        "report_sha256": grading["report_sha256"],
+        "to_judge": to_judge(report.items) or None,
+    }

@@ -7,11 +7,12 @@ it would cost more than the database takes to store it.
 import gzip
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, insert
+from sqlalchemy import Connection, Insert, insert
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.codec import to_plain
@@ -65,18 +66,43 @@ def assignment_values(assignment: Assignment) -> Values:
     return {"sha256": hashlib.sha256(content).hexdigest(), "content": content}
 
 
-def insert_grading(connection: Connection, grading: Values, result: GradingResult) -> None:
-    """Insert the row `grading` and what belongs to it: rubric items, mistakes and trajectories."""
-    connection.execute(_GRADINGS, grading)
+class RememberedRows:
+    """Rows of assignments, of each the latest: the same object is turned into a row once."""
+
+    def __init__(self) -> None:
+        self._latest: dict[str, tuple[Assignment, Values]] = {}
+
+    def values(self, assignment: Assignment) -> Values:
+        """Do what `assignment_values` does."""
+        known = self._latest.get(assignment.id)
+        if known is None or known[0] is not assignment:
+            known = self._latest[assignment.id] = (assignment, assignment_values(assignment))
+        return known[1]
+
+
+Details = Sequence[tuple[Insert, list[Values]]]
+"""Rows that belong to a grading, with the statement that inserts them."""
+
+
+def detail_values(grading: Values, result: GradingResult) -> Details:
+    """Return what belongs to the row `grading`: rubric items, mistakes and trajectories."""
     key = {"submission_id": grading["submission_id"], "attempt": grading["attempt"]}
-    details = (
-        (_ITEMS, _items(result)),
-        (_MISTAKES, _mistakes(result)),
-        (_TRAJECTORIES, _trajectories(result)),
-    )
+    return [
+        (statement, [key | row for row in rows])
+        for statement, rows in (
+            (_ITEMS, _items(result)),
+            (_MISTAKES, _mistakes(result)),
+            (_TRAJECTORIES, _trajectories(result)),
+        )
+        if rows
+    ]
+
+
+def insert_grading(connection: Connection, grading: Values, details: Details) -> None:
+    """Insert the row of a grading and what belongs to it."""
+    connection.execute(_GRADINGS, grading)
     for statement, rows in details:
-        if rows:
-            connection.execute(statement, [key | row for row in rows])
+        connection.execute(statement, rows)
 
 
 def _items(result: GradingResult) -> list[Values]:
