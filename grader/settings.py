@@ -102,7 +102,9 @@ class Settings(BaseSettings):
         default=5, ge=1, description="Tries before a submission ends as infrastructure_error."
     )
     retry_backoff_s: float = Field(
-        default=1.0, ge=0.0, description="Pause after a failed try; doubled after each further one."
+        default=1.0,
+        ge=0.0,
+        description="Pause after a failed try; doubled after each further one, up to an hour.",
     )
     drain_s: float = Field(
         default=30.0, ge=0.0, description="Time that running gradings get to finish when the service stops."

@@ -28,6 +28,8 @@ from grader.store.tables import GradedAssignmentRow, SubmissionRow
 from grader.store.together import together
 
 _TROUBLE_CHARACTERS = 2_000
+_LONGEST_PAUSE_S = 3_600.0
+_MOST_DOUBLINGS = 60  # as many make an hour of any pause
 _LATEST = 100  # gradings whose durations tell the pace
 
 
@@ -38,7 +40,7 @@ class RetryPolicy:
     Attributes:
         lease_s: a claim not renewed for so long is void.
         max_tries: claims before a submission ends as ``infrastructure_error``.
-        backoff_s: wait after the first failed try; doubled for each further one.
+        backoff_s: wait after the first failed try; doubled for each further one, up to an hour.
     """
 
     lease_s: float = 15.0
@@ -115,7 +117,8 @@ class Queue:
         now = self._clock()
         given_up = claim.tries >= self._policy.max_tries
         state = SubmissionState.INFRASTRUCTURE_ERROR if given_up else SubmissionState.QUEUED
-        pause_s = self._policy.backoff_s * 2.0 ** (claim.tries - 1)
+        doublings = min(claim.tries - 1, _MOST_DOUBLINGS)
+        pause_s = min(self._policy.backoff_s * 2.0**doublings, _LONGEST_PAUSE_S)
         values = {
             "state": state.value,
             "not_before": now + timedelta(seconds=pause_s),

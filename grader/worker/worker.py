@@ -6,8 +6,11 @@ import secrets
 import socket
 import threading
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from grader.contracts.errors import InfrastructureError
+from grader.contracts.submission import Claim
 from grader.store.work import PolledWork
 from grader.telemetry.context import about
 from grader.worker.heart import Heart
@@ -50,21 +53,19 @@ class Worker:
         self._work.drain()
         self._join(self._config.drain_s)
         self._heart.stop(_ABORT_S)
-        try:
-            self._return_unfinished()
+        for slot in self._slots:
+            if (claim := slot.claim) is not None:
+                self._return(claim)  # first, so that the abort counts for nothing
+                slot.abort()
+        with _perhaps_away():
             self._parts.workers.leave(self.id)
-        except InfrastructureError as error:
-            _log.warning("stopped without the database, leases will end what was under way: %s", error)
         self._join(_ABORT_S)
         self._work.close()
 
-    def _return_unfinished(self) -> None:
-        for slot in self._slots:
-            if (claim := slot.claim) is not None:
-                with about(claim):
-                    _log.warning("%s goes back to the queue: the worker stops", claim.submission_id)
-                self._parts.queue.hand_back(claim)  # first, so that the abort below counts for nothing
-                slot.abort()
+    def _return(self, claim: Claim) -> None:
+        with about(claim), _perhaps_away():
+            _log.warning("%s goes back to the queue: the worker stops", claim.submission_id)
+            self._parts.queue.hand_back(claim)
 
     def _work_on(self, slot: GradingSlot) -> None:
         slot.warm_up()
@@ -75,3 +76,12 @@ class Worker:
         deadline_s = time.monotonic() + timeout_s
         for thread in self._threads:
             thread.join(max(0.0, deadline_s - time.monotonic()))
+
+
+@contextmanager
+def _perhaps_away() -> Iterator[None]:
+    """Stop in good order although the database is away."""
+    try:
+        yield
+    except InfrastructureError as error:
+        _log.warning("stopped without the database, leases end what was under way: %s", error)

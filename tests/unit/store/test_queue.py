@@ -8,7 +8,7 @@ from sqlmodel import select
 from grader.contracts.grading import GradingJob
 from grader.contracts.submission import Claim, NewSubmission, SubmissionState
 from grader.store.database import Database
-from grader.store.queue import Queue
+from grader.store.queue import Queue, RetryPolicy
 from grader.store.submissions import Submissions
 from grader.store.tables import GradedItemRow, GradingRow, TrajectoryRow
 from tests.fakes.clock import FakeClock
@@ -124,6 +124,19 @@ def test_a_result_is_stored_with_the_row(queue: Queue, submissions: Submissions,
     with database.reading() as session:
         assert {item.item for item in session.exec(select(GradedItemRow))} == {"sides", "closed"}
         assert len(session.exec(select(TrajectoryRow)).all()) == 1
+
+
+def test_pauses_grow_to_an_hour_and_not_for_ever(
+    database: Database, submissions: Submissions, clock: FakeClock
+) -> None:
+    patient = Queue(database, clock, RetryPolicy(max_tries=100_000))
+    submissions.add(upload())
+    claim = replace(claimed(patient), tries=2_000)
+    assert patient.fail(claim, "trouble") is SubmissionState.QUEUED
+    clock.advance(3_599)
+    assert patient.claim("w") is None
+    clock.advance(1)
+    assert patient.claim("w") is not None
 
 
 def test_a_late_worker_is_fenced_off(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:

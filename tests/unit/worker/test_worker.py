@@ -2,12 +2,16 @@
 
 import threading
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import NoReturn
 
 import pytest
 
+from grader.contracts.errors import InfrastructureError
 from grader.contracts.submission import SubmissionState
 from grader.store.doorbell import Doorbell
 from grader.worker import Worker, WorkerConfig
+from tests.fakes.grading import FakeGrader
 from tests.fakes.waiting import PATIENCE_S, wait_until
 from tests.fakes.worker_bench import Bench
 
@@ -59,6 +63,29 @@ def test_stopping_returns_a_grading_that_takes_too_long(bench: Bench) -> None:
     made.stop()
     row = bench.row(id_)
     assert (row.state, row.tries) == (SubmissionState.QUEUED, 0)
+
+
+def test_stopping_without_the_database_ends_every_grading(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    for _ in range(2):
+        bench.upload()
+    graders = [FakeGrader(), FakeGrader()]
+    for grader in graders:
+        grader.hold()
+    left = iter(graders)
+    bench.parts = replace(bench.parts, make_grader=lambda: next(left))
+    made = Worker(bench.parts, WorkerConfig(slots=2, poll_s=PATIENCE_S, heartbeat_s=PATIENCE_S, drain_s=0.0))
+    made.start()
+    assert all(grader.busy.wait(PATIENCE_S) for grader in graders)
+
+    def refuse(*_: object) -> NoReturn:
+        raise InfrastructureError("the database does not answer")
+
+    for name in ("hand_back", "fail"):
+        monkeypatch.setattr(bench.queue, name, refuse)
+    made.stop()
+    assert [grader.aborts for grader in graders] == [1, 1]
 
 
 def test_a_bell_rung_between_looking_and_waiting_is_heard() -> None:
