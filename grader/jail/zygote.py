@@ -112,9 +112,6 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
     """Preload what scripts need and build what confinement needs."""
     program = seccomp.read_filter(str(config["filters"])) if config["seccomp"] else None
     _offer_to_oom_killer()
-    separate = bool(config["namespaces"]) and namespaces.enter(config["shown"], config["masked"])
-    if sys.platform == "linux":
-        libc.prctl(libc.PR_SET_DUMPABLE, 0)
     _drop_launcher()
     sys.path.insert(0, str(config["shim"]))
     _allow_packages(config["packages"])
@@ -123,6 +120,10 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
         importlib.import_module(name)
     entry: Entry = getattr(importlib.import_module(module), function)
     sys.dont_write_bytecode = True  # from here on nothing of what is imported is the grader's own
+    # Only now: in the new root, where nothing can be written, the shim's byte code could never be kept.
+    separate = bool(config["namespaces"]) and namespaces.enter(config["shown"], config["masked"])
+    if sys.platform == "linux":
+        libc.prctl(libc.PR_SET_DUMPABLE, 0)
     _prime_import_caches()
     _thread.stack_size(policy.THREAD_STACK_BYTES)
     ruleset = None

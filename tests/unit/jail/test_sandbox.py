@@ -197,4 +197,11 @@ def test_numpy_and_yaml_are_importable_and_nothing_beside_them(sandbox: Sandbox)
     assert "ModuleNotFoundError: No module named 'pydantic'" in report.stderr.text
 
 
+def test_byte_code_of_the_shim_is_kept_for_the_next_zygote(tmp_path: Path) -> None:
+    (tmp_path / "bare_runner.py").write_bytes((RUNNER / "bare_runner.py").read_bytes())
+    with Sandbox(shim_path=tmp_path, entry="bare_runner:run") as sandbox:
+        assert run(sandbox, "pass")[1].verdict is Verdict.FINISHED
+    assert list(tmp_path.glob("__pycache__/bare_runner.*.pyc"))
+
+
 # ------------------------------------------------------------------------------ nothing runs unconfined
