@@ -1,8 +1,8 @@
 """The grading process: holds the physics, the sandbox's zygote and the checks; grades what its parent sends.
 
 Started by `grader.launch` and told by `grader.slot.Slot`, over one pipe, first its configuration and then what
-to grade. Importing PyBullet takes most of a cold start, so the zygote is started first and warms up on the
-other core meanwhile.
+to grade. Importing PyBullet takes most of a cold start, so the zygote is started before that and warms up on
+the other core meanwhile.
 """
 
 import gc

@@ -16,13 +16,11 @@ _LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
 
 _ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 _PYTHON = (sys.executable, "-S", "-P", "-c")  # what `site` would find out once more stands in our own path
-# The zygote first: it gets ready on another core while this process imports contracts and physics. Yet before it,
-# because it takes after its parent, what makes this process give way.
+# What makes this process give way comes before the zygote, which takes after its parent.
 _BOOTSTRAP = (
     "import gc, os, sys; gc.disable(); sys.path[:] = sys.argv.pop(1).split(os.pathsep); "
     "niceness = int(sys.argv.pop(1)); niceness and __import__('grader.launch').launch.give_way(niceness); "
     "[os.set_inheritable(int(descriptor), False) for descriptor in sys.argv[1:]]; "
-    "from grader.jail.spawn import spawn_ahead; spawn_ahead(); "
     "from grader.grading import main; sys.exit(main(sys.argv[1:]))"
 )
 

@@ -1,7 +1,7 @@
-"""Start the zygote's interpreter: the first thing a grading process does, so this module is kept light.
+"""Start the zygote's interpreter.
 
-It takes as long to get ready as the physics takes to be imported, and does so on another core. What it is to
-do it is told afterwards (`supervisor.Zygote`).
+It gets ready on another core while the physics is imported, for about as long. What it is to do it is told
+afterwards (`supervisor.Zygote`).
 """
 
 import _socket
@@ -58,30 +58,13 @@ class Interpreter:
             self._ended = True
 
 
-_ahead: list[Interpreter] = []
-
-
-def spawn_ahead() -> None:
-    """Start an interpreter for the first `spawn` to come; when it cannot be started, that one will tell."""
-    try:
-        _ahead.append(_start())
-    except OSError:
-        return
-
-
 def spawn() -> Interpreter:
-    """Return an interpreter started ahead, or start one.
-
-    Raises:
-        OSError: it could not be started.
-    """
-    return _ahead.pop() if _ahead else _start()
-
-
-def _start() -> Interpreter:
     """Start the interpreter with almost no environment.
 
     ``-P -s -S`` with the fixed environment isolate as ``-I -S`` does; ``-I`` would ignore PYTHONHASHSEED.
+
+    Raises:
+        OSError: it could not be started.
     """
     executable = os.path.realpath(sys.executable)
     ours, theirs = _socket.socketpair(_socket.AF_UNIX, _socket.SOCK_STREAM)
