@@ -25,6 +25,7 @@ RADIAN_OFF_DEG = 2.0  # whoever turns by a radian does it exactly; 54° is a tic
 FAST_TURN_RADPS = 12.0  # nobody means to turn this fast: a number of degrees
 CORNER_OFF_DEG = 3.0
 CURVED_SHARE = 0.1
+MOSTLY_ROUND_SHARE = 0.25  # from here on the angles and lengths of the corners follow from the arcs
 UNEQUAL_SHARE = 0.04
 LENGTH_OFF_PCT = 4.0
 _LENGTHS = ("side_spread_pct", "side_error_pct")
@@ -109,12 +110,18 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         if float(seen.drive.path.along_m[-1]) > 0.1 and _circling(seen):
             yield Mistake("arcs", say("mistake.arcs", share="100 %"), _SHAPE)
         return
+    if figure.curved_share > MOSTLY_ROUND_SHARE:
+        yield _arcs(figure)
     yield from _angles(seen, figure)
     yield from _count(seen, figure)
-    if figure.curved_share > CURVED_SHARE:
-        share = number(100.0 * figure.curved_share, "%")
-        yield Mistake("arcs", say("mistake.arcs", share=share), ("curved_pct", *_LENGTHS, "gap_pct"))
+    if CURVED_SHARE < figure.curved_share <= MOSTLY_ROUND_SHARE:
+        yield _arcs(figure)
     yield from _sides(figure) if seen.wanted.lengths_m is None else _lengths(seen.wanted, figure)
+
+
+def _arcs(figure: PolygonFigure) -> Mistake:
+    share = number(100.0 * figure.curved_share, "%")
+    return Mistake("arcs", say("mistake.arcs", share=share), ("curved_pct", *_LENGTHS, "gap_pct"))
 
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:

@@ -139,6 +139,17 @@ def test_zero_and_infinite_commands() -> None:
     assert graded("square", AT_REST, nonfinite_commands=3).mistakes == ("nonfinite_commands",)
 
 
+def test_much_curve_is_told_before_the_one_corner_it_spoils() -> None:
+    rounded: list[Leg] = [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)]
+    early: list[Leg] = [(2.0, 1.0, 0.0), (1.2, 1.0, 1.0)]
+    verdict = graded("square", drive([*rounded, *rounded, *early, *rounded]))
+    assert verdict.mistakes[:2] == ("arcs", "one_corner_off")
+    assert "linear.x = 0.0" in verdict.hint.en
+    little: list[Leg] = [(2.0, 1.0, 0.0), (math.pi / 2, 0.3, 1.0)]
+    early = [(2.0, 1.0, 0.0), (1.2, 0.3, 1.0)]
+    assert graded("square", drive([*little, *little, *early, *little])).mistakes[0] == "one_corner_off"
+
+
 def once_each(legs: list[tuple[float, float, float]]) -> Trajectory:
     """Each velocity published once; the car stops a second later."""
     seen: list[tuple[float, float, float]] = []
