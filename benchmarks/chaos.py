@@ -37,7 +37,7 @@ from benchmarks.processes import INSTRUCTOR, Service
 from grader.store.database import Database
 
 _LOOK_S = 1.0
-_SUBMISSIONS_EACH = 4  # of a student, about
+_SUBMISSIONS_EACH = 4  # of a student, about, when nobody says how many students there are
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +55,7 @@ def main() -> int:
     options = _options()
     console = Console()
     kinds = [] if options.faults == "none" else options.faults.split(",")
-    students = roster(max(1, options.submissions // _SUBMISSIONS_EACH))
+    students = roster(options.students or max(1, options.submissions // _SUBMISSIONS_EACH))
     every = plan(graded_scripts(), students, 3, options.seed)
     uploads = [one for one in every if one.kind == "fresh"]
     random_order = uploads[:: max(1, len(uploads) // options.submissions)][: options.submissions]
@@ -207,6 +207,9 @@ def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.chaos", description=__doc__)
     parser.add_argument("--database", choices=("embedded", "postgres"), default="postgres")
     parser.add_argument("--submissions", type=int, default=100)
+    parser.add_argument(
+        "--students", type=int, help="how many hand in; 300 and 6,300 submissions: `load class`"
+    )
     parser.add_argument("--per-second", type=float, default=3.0, help="uploads in a second")
     parser.add_argument("--faults", default=",".join(KINDS), help=f"some of {','.join(KINDS)}, or none")
     parser.add_argument("--every-s", type=float, default=4.0, help="seconds between faults, on average")
