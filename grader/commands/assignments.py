@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 
 from grader.catalog import Catalog
+from grader.contracts.errors import AssignmentError
 from grader.contracts.numerals import written
 from grader.contracts.text import LANGUAGES
 from grader.render.terminal import console
@@ -29,18 +30,20 @@ def configure(parser: argparse.ArgumentParser) -> None:
     new.add_argument("name", help="its id, e.g. heptagon")
     for action in actions.choices.values():
         action.add_argument("--lang", choices=LANGUAGES, default="zh")
-        action.add_argument("--assignments", type=Path, metavar="DIR", help="folder (default: built in)")
+        action.add_argument(
+            "--assignments", type=Path, metavar="DIR", help="folder (default: built in; new needs one)"
+        )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the chosen action; validate: 0 when every script gets the verdict it must, else 1."""
+    if arguments.action == "new":
+        return _new(arguments)
     catalog = Catalog(arguments.assignments)
     if arguments.action == "list":
         return _list(catalog, arguments)
     if arguments.action == "show":
         return _show(catalog, arguments)
-    if arguments.action == "new":
-        return _new(catalog, arguments)
     from grader.commands.validation import validate
 
     ids = arguments.ids or [each.id for each in catalog.all()]
@@ -65,13 +68,18 @@ def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _new(catalog: Catalog, arguments: argparse.Namespace) -> int:
+def _new(arguments: argparse.Namespace) -> int:
+    """Start an assignment in the folder named; the built-in ones belong to the installation."""
     from grader.catalog.authoring import create
 
-    folder = create(catalog, arguments.name)
+    if arguments.assignments is None:
+        raise AssignmentError(
+            "say in which folder of assignments to start it: --assignments DIR (make an empty one at first)",
+            "请用 --assignments DIR 指明作业放在哪个文件夹（第一次先新建一个空文件夹）",
+        )
+    folder = create(Catalog(arguments.assignments), arguments.name)
     command = f"grader assignments validate {arguments.name}"
-    if arguments.assignments is not None:
-        command += f" --assignments {shlex.quote(str(arguments.assignments))}"
+    command += f" --assignments {shlex.quote(str(arguments.assignments))}"
     console().print(f"→ {folder}\n  {command}", soft_wrap=True)
     return 0
 

@@ -80,6 +80,8 @@ def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path) -> None:
         (["check", "gbk_square.py"], "第 2 行有一个字节不是 UTF-8 编码（0xb7）：请把文件另存为 UTF-8。"),
         (["check", "mystery.py", "-a", "square", "--plot", "out.gif"], ".png 或 .svg"),
         (["assignments", "show", "circle"], "circle"),
+        (["assignments", "new", "heptagon"], "请用 --assignments DIR 指明"),
+        (["assignments", "new", "heptagon", "--lang", "en"], "say in which folder of assignments"),
         (["check", "mystery.py", "-a", "square", "--assignments", "nowhere"], "nowhere"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
