@@ -17,6 +17,7 @@ from pydantic import (
 from grader.contracts.assignment import (
     BY_PERSON,
     SUFFIXES,
+    TOPIC_PATTERN,
     Answer,
     Assignment,
     Case,
@@ -32,7 +33,7 @@ from grader.contracts.services import ServiceCall
 from grader.contracts.text import Text
 
 Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
-Topic = Annotated[str, Field(pattern=r"^(/[A-Za-z_][A-Za-z0-9_]*)+$")]
+Topic = Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")]
 Interface = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$")]
 Options = dict[str, StrictBool | StrictInt | StrictFloat | StrictStr]
 MAX_HORIZON_S = 600.0

@@ -2,17 +2,20 @@
 
 import argparse
 import math
+import re
 import sys
 from pathlib import Path
 
 from grader.commands.check import add_grading_options, read_source
 from grader.contracts import trajectory_json
-from grader.contracts.assignment import Assignment, Case, World
+from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, World
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.numerals import decimal
 from grader.contracts.outcome import Blame
 from grader.contracts.text import EMPTY, LANGUAGES
 from grader.slot import Slot, SlotConfig
+
+_LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -22,7 +25,9 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--for", dest="horizon_s", type=_seconds, default=60.0, metavar="SECONDS",
                         help="virtual seconds until Ctrl+C (default: 60)")  # fmt: skip
     parser.add_argument("--input", default="", metavar="TEXT", help="what input() reads; \\n ends a line")
-    parser.add_argument("--topic", default="/turtle1/cmd_vel", help="topic that moves the turtle")
+    parser.add_argument(
+        "--topic", type=_topic, default="/turtle1/cmd_vel", help="topic that moves the turtle"
+    )
     parser.add_argument("--no-walls", action="store_true", help="an open world instead of turtlesim's window")
     parser.add_argument("--lang", choices=LANGUAGES, default="zh")
     add_grading_options(parser)
@@ -71,6 +76,14 @@ def _show(arguments: argparse.Namespace, result: GradingResult) -> None:
     output.print(
         f"x = {x_m:.3f} m   y = {y_m:.3f} m   θ = {heading_deg:.1f}°   t = {outcome.duration_ns / 1e9:.3f} s"
     )
+
+
+def _topic(text: str) -> str:
+    if not re.fullmatch(TOPIC_PATTERN, text) or len(text) > _LONGEST_TOPIC:
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is no name of a topic: / and letters, digits, _, such as /turtle1/cmd_vel"
+        )
+    return text
 
 
 def _seconds(text: str) -> float:

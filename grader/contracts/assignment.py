@@ -1,7 +1,7 @@
 """An assignment as data: what is handed in, in which world it runs, and how it earns points."""
 
 from dataclasses import field
-from typing import Literal
+from typing import Final, Literal
 
 from grader.contracts.limits import Limits
 from grader.contracts.record import record
@@ -24,6 +24,10 @@ class StartPose:
     x_m: float = 5.544445
     y_m: float = 5.544445
     heading_deg: float = 0.0
+
+
+TOPIC_PATTERN: Final = r"(/[A-Za-z_][A-Za-z0-9_]*)+"
+"""A fully qualified name of a topic or service, by the rules of ROS 2."""
 
 
 @record

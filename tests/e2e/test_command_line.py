@@ -118,6 +118,16 @@ def test_bad_input_ends_the_process_with_2(tmp_path: Path, arguments: list[str],
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.parametrize(
+    "topic", ["bad topic", "cmd_vel", "/1/cmd_vel", "/a//b", "/a/", "/a\n", "/" + "a" * 247]
+)
+def test_no_name_of_a_topic_is_refused(capsys: pytest.CaptureFixture[str], topic: str) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.run(["run", "mystery.py", "--topic", topic])
+    assert ended.value.code == 2
+    assert "is no name of a topic" in capsys.readouterr().err
+
+
 def test_run_shows_logs_timeline_and_end_pose_without_grading(tmp_path: Path) -> None:
     done = grader("run", LESSON / "square_mover.py", "--lang", "en", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
