@@ -49,7 +49,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Do it; what is wrong with a roster is raised as CourseError before anything is changed."""
     action = {"create": _create, "roster": _import, "list": _list}[arguments.action]
-    with opened(arguments) as storage:
+    with opened(arguments, create=arguments.action == "create") as storage:
         action(storage, arguments)
     return 0
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from grader.commands.storage import add_data_option, database_url
+from grader.commands.storage import add_data_option, database_url, refuse_missing
 from grader.contracts.errors import SettingsError
 from grader.settings import load
 from grader.store.backups import back_up, restore_file, restore_rows
@@ -44,7 +44,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Do it; 2, as a SettingsError, when a file or a database is not what it should be."""
     action = {"migrate": _migrate, "backup": _backup, "restore": _restore, "move": _move}[arguments.action]
-    with _opened(database_url(arguments.data) or load().database_url) as database:
+    makes = arguments.action in ("migrate", "restore")
+    with _opened(database_url(arguments.data, create=makes) or load().database_url) as database:
+        if not makes:
+            refuse_missing(database)
         action(database, arguments)
     return 0
 

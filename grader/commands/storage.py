@@ -32,7 +32,12 @@ class Storage:
 
 def add_data_option(parser: argparse.ArgumentParser) -> None:
     """Declare where the database is, as `grader serve` does."""
-    parser.add_argument("--data", type=Path, metavar="DIR", help="folder of the database (default: GRADER_DATABASE_URL, else here)")
+    parser.add_argument(
+        "--data",
+        type=Path,
+        metavar="DIR",
+        help="folder of the database (default: GRADER_DATABASE_URL, else here)",
+    )
 
 
 def add_language_option(parser: argparse.ArgumentParser) -> None:
@@ -45,8 +50,8 @@ def add_course_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--course", metavar="ID", help="which course, when there are several")
 
 
-def database_url(folder: Path | None) -> str | None:
-    """Return the address of the database in `folder`, creating the folder; None when none is named.
+def database_url(folder: Path | None, *, create: bool = True) -> str | None:
+    """Return the address of the database in `folder`, made unless `create` is False; None when none is named.
 
     Raises:
         SettingsError: the folder cannot be made.
@@ -54,22 +59,42 @@ def database_url(folder: Path | None) -> str | None:
     if folder is None:
         return None
     try:
-        folder.mkdir(parents=True, exist_ok=True)
+        if create:
+            folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise SettingsError(f"--data {folder}: {error.strerror}") from error
     return f"sqlite:///{(folder / DATABASE_FILE).resolve()}"
 
 
-@contextmanager
-def opened(arguments: argparse.Namespace) -> Iterator[Storage]:
-    """Open the database, also while a service works with it.
+def refuse_missing(database: Database) -> None:
+    """Look whether the file of a SQLite database is there, which opening it would make.
 
     Raises:
-        SettingsError: it does not fit this version. InfrastructureError: it cannot be opened.
+        SettingsError: it is not.
     """
-    url = database_url(arguments.data)
+    if database.is_sqlite and not Path(database.name).is_file():
+        raise SettingsError(
+            f"{database.name}: there is no database; check --data (or GRADER_DATABASE_URL)",
+            f"{database.name}：没有这个数据库，请检查 --data（或 GRADER_DATABASE_URL）",
+        )
+
+
+@contextmanager
+def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[Storage]:
+    """Open the database, also while a service works with it.
+
+    Args:
+        arguments: `data` says where it is.
+        create: make it when it is not there.
+
+    Raises:
+        SettingsError: it is not there, or does not fit this version. InfrastructureError: it cannot be opened.
+    """
+    url = database_url(arguments.data, create=create)
     database = Database(load().database_url if url is None else url)
     try:
+        if not create:
+            refuse_missing(database)
         with in_use(database):
             migrate(database)
             yield Storage(

@@ -87,7 +87,8 @@ def test_tokens_are_issued_and_revoked(grader, recognised, tmp_path: Path) -> No
     assert "no such token" in grader("token", "revoke", "--token", "abc", status=2)[1]
 
 
-def test_of_several_courses_one_must_be_named(grader) -> None:
+def test_of_several_courses_one_must_be_named(grader, tmp_path: Path) -> None:
+    assert cli.run(["db", "migrate", "--data", str(tmp_path / "data")]) == 0
     assert "no course yet" in grader("token", "list", status=2)[1]
     grader("course", "create", "a", "--instructor", "w")
     grader("course", "create", "b", "--instructor", "w")
@@ -105,3 +106,22 @@ def test_mistakes_are_told_in_the_readers_language(grader, tmp_path: Path) -> No
     assert [line.partition(":")[0] for line in english[1:]] == ["line 3", "line 4", "line 5", "line 6"]
     assert "没有导入任何人" in chinese[0]
     assert "还没有课程" in grader("token", "list", status=2, lang="zh")[1]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["course", "list"],
+        ["course", "roster", "import", "class.csv"],
+        ["token", "list"],
+        ["token", "issue", "--missing"],
+        ["policy", "show"],
+    ],
+    ids=" ".join,
+)
+def test_a_mistyped_folder_is_refused_and_not_made(grader, tmp_path: Path, command: list[str]) -> None:
+    _, errors = grader(*command, status=2)
+    assert "there is no database; check --data" in errors
+    _, errors = grader(*command, status=2, lang="zh")
+    assert "没有这个数据库" in errors
+    assert list(tmp_path.iterdir()) == []

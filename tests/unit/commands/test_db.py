@@ -181,7 +181,7 @@ def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
     file = f"sqlite:///{tmp_path / 'grader.db'}"
     for source, target, why in (
         (blank, f"sqlite:///{tmp_path / 'new.db'}", "holds no tables of the grader"),
-        (f"sqlite:///{tmp_path / 'nothing/grader.db'}", blank, "there is no such file"),
+        (f"sqlite:///{tmp_path / 'nothing/grader.db'}", blank, "没有这个数据库"),
         (file, file, "the very database"),
         (file, strange, "cannot be the grader's database"),
         (file, blank.replace("/blank_", "/none_"), "does not exist"),
@@ -214,3 +214,18 @@ def test_postgresql_is_backed_up_and_restored(
     assert Submissions(database, utc_now).source(first) == b"a"
     assert Submissions(database, utc_now).get(second) is None
     database.close()
+
+
+@pytest.mark.parametrize("action", [["backup", "b.db"], ["move", "--to", "sqlite:///other.db"]])
+def test_what_only_reads_makes_no_database(
+    action: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.run(["db", *action, "--data", "dta"]) == 2
+    assert "没有这个数据库" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_migrate_makes_the_database(tmp_path: Path) -> None:
+    assert cli.run(["db", "migrate", "--data", str(tmp_path / "new")]) == 0
+    assert (tmp_path / "new" / "grader.db").is_file()
