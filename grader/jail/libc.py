@@ -20,12 +20,10 @@ NR_LANDLOCK_RESTRICT_SELF: Final = 446
 NR_SECCOMP: Final = {"x86_64": 317, "aarch64": 277}
 NR_PIVOT_ROOT: Final = {"x86_64": 155, "aarch64": 41}
 NR_CAPSET: Final = {"x86_64": 126, "aarch64": 91}
-NR_CLOSE_RANGE: Final = 436
 
 PR_SET_PDEATHSIG: Final = 1
 PR_SET_DUMPABLE: Final = 4
 PR_SET_KEEPCAPS: Final = 8
-PR_SET_NAME: Final = 15
 PR_SET_NO_NEW_PRIVS: Final = 38
 
 CLONE_NEWNS: Final = 0x00020000
