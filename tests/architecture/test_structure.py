@@ -1,9 +1,13 @@
 """House rules that no linter knows: sizes and names of modules and functions."""
 
 import ast
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
+
+from grader.checks import KINDS
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = sorted((ROOT / "grader").rglob("*.py"))
@@ -35,3 +39,16 @@ def test_functions_can_be_seen_whole(path: Path) -> None:
 
 def test_no_module_is_a_drawer() -> None:
     assert not [_name(path) for path in MODULES if BANNED_WORDS & set(path.stem.split("_"))]
+
+
+def test_every_registered_check_is_under_the_contract_that_keeps_checks_apart() -> None:
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (apart,) = (one["modules"] for one in contracts if one["name"] == "checks do not know each other")
+    registered = {
+        name
+        for name, module in sys.modules.items()
+        if name.startswith("grader.checks.")
+        and any(getattr(module, "CHECK", None) is check for check in KINDS.values())
+    }
+    assert len(registered) == len(KINDS)
+    assert set(apart) == registered
