@@ -23,8 +23,13 @@ _UNITS: dict[str, tuple[str, float, tuple[str, ...]]] = {
 UNITS = tuple(_UNITS)
 _BY_SPELLING = {spelling: name for name, (_, _, spellings) in _UNITS.items() for spelling in spellings}
 _SPELLINGS = "|".join(re.escape(spelling) for spelling in sorted(_BY_SPELLING, key=len, reverse=True))
+_ALONE = r"(?<!\d,)"  # not in the middle of a list: 1,2,3
+_WHOLE = r"(?![.,]?\d)"
 _QUANTITY = re.compile(
-    r"(?<![\w.])(?P<number>[-+]?\d{1,15}(?:\.\d{0,15})?(?:e[-+]?\d{1,2})?)"
+    r"(?<![\w.])(?P<number>[-+]?(?:"
+    rf"(?P<grouped>{_ALONE}[1-9]\d{{0,2}}(?:,\d{{3}}){{1,4}}(?:\.\d{{0,15}})?{_WHOLE})"
+    rf"|(?P<comma>{_ALONE}\d{{1,15}},\d{{1,15}}{_WHOLE})"
+    r"|\d{1,15}(?:\.\d{0,15})?)(?:e[-+]?\d{1,2})?)"
     rf"(?:\s*[(\[]?\s*(?P<unit>{_SPELLINGS})(?![A-Za-z/]))?",
     re.IGNORECASE,
 )
@@ -47,7 +52,12 @@ class SpokenQuantity:
 
 
 def quantities(text: str) -> Iterator[SpokenQuantity]:
-    """Yield the numbers of `text` in order; full-width characters count as the ordinary ones."""
-    for match in _QUANTITY.finditer(unicodedata.normalize("NFKC", text)):
+    """Yield the numbers of `text` in order; full-width characters count as the ordinary ones.
+
+    A comma between digits is a decimal one (``12,0``), before each three of them a thousands separator
+    (``1,200``); a full-width comma is punctuation.
+    """
+    for match in _QUANTITY.finditer(unicodedata.normalize("NFKC", text.replace("，", "， "))):
         unit = match["unit"]
-        yield SpokenQuantity(float(match["number"]), _BY_SPELLING[unit.lower()] if unit else "")
+        number = match["number"].replace(",", "" if match["grouped"] else ".")
+        yield SpokenQuantity(float(number), _BY_SPELLING[unit.lower()] if unit else "")

@@ -34,6 +34,10 @@ TASK = assignment("calculation")
         "18.28秒",
         "16.7 s",
         "12 s，加上转弯共 18.3 s",
+        "12,0 s",
+        "18,28秒",
+        "每条边 3，12 秒",
+        "4 条边,12 s, 不含转弯",
     ],
 )
 def test_right_answers(text: str) -> None:
@@ -68,6 +72,25 @@ def test_wrong_answers(text: str, points: float, mistakes: tuple[str, ...]) -> N
 def test_the_known_answer_is_explained() -> None:
     assert "12 s" in item(evaluate_text(TASK, "18.3 s"), "answer").message.zh
     assert "4 条边" in evaluate_text(TASK, "3 s").hint.zh
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("12,0", [12.0]),
+        ("-0,283 m", [-0.283]),
+        ("1,2e1 s", [12.0]),
+        ("1,200 s", [1200.0]),
+        ("1,234,567.5 m", [1_234_567.5]),
+        ("1,2,3 s", [1.0, 2.0, 3.0]),
+        ("1, 2", [1.0, 2.0]),
+        ("3，12 s", [3.0, 12.0]),
+        ("12,18.28 s", [12.0, 18.28]),
+        ("12,", [12.0]),
+    ],
+)
+def test_commas_in_and_between_numbers(text: str, values: list[float]) -> None:
+    assert [each.value for each in quantities(text)] == values
 
 
 def test_a_quantity_in_a_fitting_unit_is_preferred_to_a_later_number() -> None:
