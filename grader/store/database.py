@@ -27,6 +27,7 @@ from sqlmodel import Session, create_engine
 
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store.announcing import Announcer, Unannounced
+from grader.store.liveness import check_before_use
 
 _LOCK_TIMEOUT_MS = 30_000
 _LONGEST_LOG_PAGES = 10_000  # before a commit empties it, where `grader.store.checkpoints` did not
@@ -152,7 +153,6 @@ def _engine(url: URL, connections: int) -> Engine:
             isolation_level="READ COMMITTED",
             pool_size=connections,
             max_overflow=0,
-            pool_pre_ping=True,  # after a restart of the server, no request fails on a connection of before
             connect_args=timeout,
         )
     except ImportError:
@@ -160,6 +160,7 @@ def _engine(url: URL, connections: int) -> Engine:
             "PostgreSQL needs a driver that is not installed: pip install 'grader[postgres]'"
         ) from None
     event.listen(engine, "connect", _configure_postgresql)
+    check_before_use(engine)
     return engine
 
 

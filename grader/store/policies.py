@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any
 from zoneinfo import ZoneInfo
 
-from sqlalchemy import select
+from sqlalchemy import and_, bindparam, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import ChangedMeanwhileError
@@ -27,11 +27,31 @@ from grader.store.audit import Signature, record
 from grader.store.course_tables import CourseRow, ExtensionRow, MemberRow, PolicyRow
 from grader.store.database import Database
 from grader.store.locks import one_at_a_time
+from grader.store.tables import table_of
 
 _INSTANTS = ("opens", "due", "hidden_until")
 _UTC = "UTC"
 _TAG_LENGTH = 16
 ANY_STATE = Seen(None)
+
+_course_of, _policy_of, _extension_of = (table_of(row).c for row in (CourseRow, PolicyRow, ExtensionRow))
+_ABOUT = (
+    select(_course_of.time_zone, _policy_of.document, _extension_of.due, _extension_of.extra_attempts)
+    .outerjoin_from(
+        table_of(CourseRow),
+        table_of(PolicyRow),
+        and_(_policy_of.course == _course_of.id, _policy_of.assignment == bindparam("assignment")),
+    )
+    .outerjoin(
+        table_of(ExtensionRow),
+        and_(
+            _extension_of.course == _course_of.id,
+            _extension_of.assignment == bindparam("assignment"),
+            _extension_of.person == bindparam("person"),
+        ),
+    )
+    .where(_course_of.id == bindparam("course"))
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,20 +179,30 @@ def rules_of(session: Session, course: str | None, *, about: tuple[str, str] | N
     """
     if course is None:
         return Rules(zone=ZoneInfo(_UTC), policies={}, extensions={})
+    if about is not None:
+        return _rules_about(session, course, *about)
     row = session.get(CourseRow, course)
     ruled = select(PolicyRow).where(col(PolicyRow.course) == course)
     extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)
-    if about is not None:
-        assignment, person = about
-        ruled = ruled.where(col(PolicyRow.assignment) == assignment)
-        extended = extended.where(
-            col(ExtensionRow.assignment) == assignment, col(ExtensionRow.person) == person
-        )
     policies, extensions = session.execute(ruled).scalars(), session.execute(extended).scalars()
     return Rules(
         zone=ZoneInfo(_UTC if row is None else row.time_zone),
         policies={one.assignment: _read(one.document) for one in policies},
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
+    )
+
+
+def _rules_about(session: Session, course: str, assignment: str, person: str) -> Rules:
+    """Ask one question for what every upload needs."""
+    found = session.execute(_ABOUT, {"course": course, "assignment": assignment, "person": person}).first()
+    if found is None:
+        return Rules(zone=ZoneInfo(_UTC), policies={}, extensions={})
+    zone, document, due, extra_attempts = found
+    extended = Extension(due=due, extra_attempts=extra_attempts) if extra_attempts is not None else None
+    return Rules(
+        zone=ZoneInfo(zone),
+        policies={} if document is None else {assignment: _read(document)},
+        extensions={} if extended is None else {(assignment, person): extended},
     )
 
 

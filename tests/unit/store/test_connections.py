@@ -3,9 +3,11 @@
 import sys
 from traceback import format_exception
 
+import psycopg
 import pytest
 
 from grader.contracts.errors import InfrastructureError, SettingsError
+from grader.store import liveness
 from grader.store.database import Database
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
@@ -37,6 +39,42 @@ def test_a_server_that_restarted_fails_no_request(
     postgres_server.disconnect()
     assert submissions.get("none") is None
     assert submissions.get("none") is None
+
+
+@pytest.mark.parametrize(("long_idle_s", "asked"), [(3_600.0, False), (0.0, True)])
+def test_only_a_connection_that_rested_for_long_is_tried_before_use(
+    postgres_database: Database, monkeypatch: pytest.MonkeyPatch, long_idle_s: float, asked: bool
+) -> None:
+    tried: list[object] = []
+
+    def answer(connection: object) -> bool:
+        tried.append(connection)
+        return True
+
+    monkeypatch.setattr(liveness, "_LONG_IDLE_S", long_idle_s)
+    monkeypatch.setattr(postgres_database.engine.dialect, "do_ping", answer)
+    for _ in range(2):
+        assert Submissions(postgres_database, FakeClock()).get("none") is None
+    assert bool(tried) is asked
+
+
+def test_a_connection_that_answers_no_more_is_replaced(
+    postgres_database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    dialect = postgres_database.engine.dialect
+    tried: list[object] = []
+
+    def fail(connection: object) -> bool:
+        tried.append(connection)
+        raise psycopg.OperationalError("the network forgot it")
+
+    with postgres_database.reading() as session:
+        session.connection().exec_driver_sql("SELECT 1")
+    monkeypatch.setattr(liveness, "_LONG_IDLE_S", 0.0)
+    monkeypatch.setattr(dialect, "do_ping", fail)
+    with postgres_database.reading() as session:
+        assert session.connection().connection.driver_connection not in tried
+    assert len(tried) == 1
 
 
 def test_a_connection_that_breaks_amid_a_transaction_is_an_infrastructure_fault(
