@@ -25,6 +25,7 @@ def together(connection: Connection) -> Iterator[None]:
     try:
         with driver.pipeline():
             yield
-    except (errors.OperationalError, errors.InterfaceError) as error:
+    except (errors.OperationalError, errors.InterfaceError, errors.InternalError) as error:
+        # the last: such as a transaction that the server ended because it was idle for too long
         reason = " ".join(str(error).split())
         raise InfrastructureError(f"the database does not answer: {reason}") from error

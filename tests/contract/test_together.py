@@ -35,8 +35,9 @@ def test_what_was_sent_together_is_there(engine: Engine) -> None:
     [
         ("SELECT pg_terminate_backend(pg_backend_pid())",),
         ("SET LOCAL statement_timeout = 1", "SELECT pg_sleep(9)"),
+        ("DO 'BEGIN RAISE SQLSTATE ''25P03''; END'",),
     ],
-    ids=["connection ended", "too slow"],
+    ids=["connection ended", "too slow", "idle for too long"],
 )
 def test_a_server_that_fails_meanwhile_is_said_not_to_answer(
     permits: PostgresEngine, mishap: tuple[str, ...]
