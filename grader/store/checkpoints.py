@@ -10,7 +10,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from sqlalchemy.exc import DBAPIError
+from sqlalchemy.exc import SQLAlchemyError
 
 from grader.store.database import Database
 
@@ -33,7 +33,7 @@ def checkpoints(database: Database, every_s: float = _EVERY_S) -> Iterator[None]
         while not ended.wait(every_s):
             try:
                 checkpoint(database)
-            except (DBAPIError, sqlite3.Error) as error:
+            except (SQLAlchemyError, sqlite3.Error) as error:  # also when every connection is busy
                 _log.warning("the write-ahead log was not emptied: %s", error)
 
     thread = threading.Thread(target=go_on, name="grader-checkpoints", daemon=True)

@@ -1,6 +1,7 @@
 import sqlite3
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, suppress
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
@@ -8,6 +9,7 @@ import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
 from sqlalchemy import event, func, inspect, select
+from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlmodel import Session, SQLModel
 
 from grader.contracts.errors import SettingsError
@@ -63,6 +65,20 @@ def test_a_checkpoint_empties_the_log_into_the_file(sqlite_database: Database, t
 
 def test_checkpoints_are_made_while_the_database_is_open(sqlite_database: Database, tmp_path: Path) -> None:
     with checkpoints(sqlite_database, every_s=0.001):
+        Courses(sqlite_database, FakeClock()).create("ros2", "ROS 2", "UTC", "wang")
+        wait_until(lambda: b"course.create" in Path(sqlite_database.name).read_bytes())
+
+
+def test_checkpoints_go_on_after_every_connection_was_busy(
+    sqlite_database: Database, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(sqlite_database.engine.pool, "_timeout", 0.001)
+    with ExitStack() as busy, checkpoints(sqlite_database, every_s=0.001):
+        with suppress(PoolTimeoutError):
+            while True:
+                busy.callback(sqlite_database.engine.raw_connection().close)
+        wait_until(lambda: "was not emptied" in caplog.text)
+        busy.close()
         Courses(sqlite_database, FakeClock()).create("ros2", "ROS 2", "UTC", "wang")
         wait_until(lambda: b"course.create" in Path(sqlite_database.name).read_bytes())
 
