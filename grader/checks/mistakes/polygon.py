@@ -13,6 +13,7 @@ from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import listed, number
 from grader.checks.wanted_polygon import FULL_TURN_DEG, WantedPolygon
+from grader.contracts.outcome import RunStatus
 from grader.contracts.trajectory import Floats
 from grader.contracts.verdict import Run
 from grader.geometry.figure import PolygonFigure
@@ -66,8 +67,13 @@ def polygon_mistakes(
     found += _wall(seen)
     found += _degrees(seen)
     found += command_mistakes(run, topic)
+    cut = _cut_at_the_end(seen)
+    if cut:
+        text = say("mistake.time_was_up", time=number(run.outcome.duration_ns / 1e9, "s"))
+        found.append(Mistake("time_was_up", text, ("settled", "gap_pct", *_LENGTHS)))
     found += _shape(seen)
-    found += _ending(seen)
+    if not cut:
+        found += _ending(seen)
     return tuple(found)
 
 
@@ -222,6 +228,18 @@ def _lengths(wanted: WantedPolygon, figure: PolygonFigure) -> Iterator[Mistake]:
         wanted=listed(wanted.aligned(figure.sides_m), "m"),
     )
     yield Mistake("wrong_lengths", text, ("side_error_pct", "gap_pct"))
+
+
+def _cut_at_the_end(seen: _Seen) -> bool:
+    """Whether the horizon came during the last side or turn, so that the script may have meant to stop."""
+    figure = seen.figure
+    if figure is None or seen.run.outcome.status is not RunStatus.INTERRUPTED or not seen.drive.moving_at_end:
+        return False
+    if len(figure.sides_m) != seen.sides or figure.repeated or figure.overrun:
+        return False
+    if (closing := seen.segments.turns[-1]) is not None:
+        return abs(math.degrees(closing.angle_rad)) <= seen.ideal_deg + CORNER_OFF_DEG
+    return figure.sides_m[-1] <= max(figure.sides_m[:-1])
 
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:

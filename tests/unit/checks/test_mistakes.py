@@ -230,6 +230,17 @@ def test_spinning_for_ever_after_the_figure_is_only_a_missing_stop() -> None:
     assert score(verdict) == 95
 
 
+@pytest.mark.parametrize("left_s", [0.2, 1.2, 1.9])
+@pytest.mark.parametrize("name", ["square", "triangle"])
+def test_who_is_cut_in_the_last_turn_or_side_is_not_told_to_stop(name: str, left_s: float) -> None:
+    legs = polygon_legs({"square": 4, "triangle": 3}[name], pause_s=0.0)
+    cut = drive(legs, horizon_s=sum(leg[0] for leg in legs) - left_s)
+    verdict = graded(name, cut, RunStatus.INTERRUPTED)
+    assert verdict.mistakes[0] == "time_was_up"
+    assert "never_stops" not in verdict.mistakes
+    assert graded(name, cut).mistakes[-1] == "never_stops"  # a script that ended by itself had its time
+
+
 def test_a_script_that_ends_without_a_stop() -> None:
     trajectory = drive(polygon_legs(4))
     values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
