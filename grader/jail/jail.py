@@ -8,7 +8,7 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Final, Self
 
-from grader.contracts.errors import ProtocolError
+from grader.contracts.errors import ProtocolError, SandboxError
 from grader.contracts.limits import Limits
 from grader.jail import policy
 from grader.jail.clocks import TICK_NS, Clocks
@@ -50,6 +50,7 @@ class Jail:
         self._verdict: Verdict | None = None
         self._detail = ""
         self._report: JailReport | None = None
+        self._is_closed = False
         self._clocks = Clocks(process, limits)
         self._next_glance_ns = 0
         channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_RCVTIMEO, _TICK_TIMEVAL)
@@ -231,12 +232,15 @@ class Jail:
     # ---------------------------------------------------------------------------------------------- end
 
     def close(self) -> JailReport:
-        """End the process if it still runs, reap it, and return the account. Further calls return it again.
+        """End the process if it still runs, reap it, and return the account. Further calls end the same way.
 
         Raises:
             SandboxError: the zygote could not account for the process.
         """
         if self._report is None:
+            if self._is_closed:  # the descriptors and the number may be somebody else's by now
+                raise SandboxError("the sandbox's process could not account for the run")
+            self._is_closed = True
             try:
                 self._report = self._account()
             finally:

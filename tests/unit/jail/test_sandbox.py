@@ -138,6 +138,13 @@ def test_a_dying_zygote_takes_its_runs_along_and_blames_nobody() -> None:
         assert jail.receive() is None
         with pytest.raises(SandboxError):
             jail.close()
+        others = [os.dup(0) for _ in range(8)]  # with the numbers that became free
+        with pytest.raises(SandboxError):
+            jail.close()
+        for other in others:
+            os.close(other)
+        sandbox.prepare(Limits())
+        assert sandbox._spare is not None, "a run counts as open, or as ended twice"
 
 
 ABANDONED = """
