@@ -1,25 +1,31 @@
 """Mistakes told by the publishers a script created and the commands it sent."""
 
+import math
 from collections.abc import Iterable
+
+import numpy as np
 
 from grader.checks.drive import COMMAND_TIMEOUT_NS, is_motion
 from grader.checks.measure import Mistake
 from grader.checks.mistakes.script import noted
 from grader.checks.quantity import number
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
-from grader.contracts.trajectory import Trajectory
+from grader.contracts.trajectory import Floats, Trajectory
 from grader.contracts.verdict import Run
 from grader.messages import say
 from grader.messages.details import explained
 
 TWIST = "geometry_msgs/msg/Twist"
 _OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
+_SAME_M, _SAME_RAD = 0.01, 0.01
 _TIMEOUT_SLACK_NS = 50_000_000
 
 
 def command_mistakes(run: Run, topic: str) -> tuple[Mistake, ...]:
     """Return why the car got no commands on `topic`, or stopped obeying them."""
     outcome = run.outcome
+    if _teleports(run.trajectory):
+        return (_mistake("teleported", topic=topic),)
     if outcome.command_count == 0:
         return _silence(outcome, topic)
     if outcome.nonfinite_commands:
@@ -30,6 +36,29 @@ def command_mistakes(run: Run, topic: str) -> tuple[Mistake, ...]:
     if commands and not any(is_motion(command) for command in commands):
         return (_mistake("zero_commands"),)
     return _timeouts(run.trajectory, outcome)
+
+
+def _teleports(trajectory: Trajectory) -> bool:
+    """Whether teleports took the place of driving: any without a command, several after the first one.
+
+    A single one may choose where to start or turn; one to the start pose is a reset.
+    """
+    begins_ns = trajectory.commands[0].t_ns if trajectory.commands else 0
+    poses = np.column_stack((trajectory.x_m, trajectory.y_m, trajectory.heading_rad))
+    jumps = [
+        i
+        for i in trajectory.jumps
+        if int(trajectory.t_ns[i]) >= begins_ns
+        and _apart(poses[i - 1], poses[i])
+        and _apart(poses[0], poses[i])
+    ]
+    return len(jumps) > (1 if trajectory.commands else 0)
+
+
+def _apart(one: Floats, other: Floats) -> bool:
+    """Whether two poses (x, y in m, heading in rad) are not the same."""
+    turned = math.remainder(float(other[2] - one[2]), math.tau)
+    return math.hypot(*(other[:2] - one[:2])) > _SAME_M or abs(turned) > _SAME_RAD
 
 
 def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:

@@ -2,8 +2,10 @@
 
 import ast
 import math
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from grader.checks import evaluate, mistakes
@@ -111,6 +113,45 @@ def test_silence(status: RunStatus, changes: dict[str, object], code: str, word:
     assert verdict.mistakes == (code,)
     assert word in verdict.hint.zh
     assert word in verdict.hint.en
+
+
+def teleporting(trajectory: Trajectory, *turns_rad: float, final_reset: bool = False) -> Trajectory:
+    """The motion, and in its last second these jumps, each on from the last: 2 m ahead, then a turn."""
+    values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
+    arrays = {name: list(values[name]) for name in ("t_ns", "x_m", "y_m", "heading_rad", "v_mps", "w_radps")}
+    first = len(arrays["t_ns"])
+    for turn in turns_rad:
+        arrays["t_ns"].append(arrays["t_ns"][-1] + 1_000)
+        arrays["x_m"].append(arrays["x_m"][-1] + 2.0 * math.cos(arrays["heading_rad"][-1]))
+        arrays["y_m"].append(arrays["y_m"][-1] + 2.0 * math.sin(arrays["heading_rad"][-1]))
+        arrays["heading_rad"].append(arrays["heading_rad"][-1] + turn)
+    if final_reset:
+        arrays["t_ns"].append(arrays["t_ns"][-1] + 1_000)
+        for name in ("x_m", "y_m", "heading_rad"):
+            arrays[name].append(arrays[name][0])
+    count = len(arrays["t_ns"])
+    for name in ("v_mps", "w_radps"):
+        arrays[name] += [0.0] * (count - first)
+    values |= {name: np.array(column) for name, column in arrays.items()}
+    values |= {"jumps": tuple(range(first, count)), "end_ns": int(arrays["t_ns"][-1])}
+    return Trajectory(**values)
+
+
+@pytest.mark.parametrize("endpoints", [(), (publisher(),)])
+def test_teleporting_is_not_driving(endpoints: tuple[Endpoint, ...]) -> None:
+    still = teleporting(drive([], horizon_s=2.0), *[math.pi / 2] * 4)
+    outcome = outcome_of(still, endpoints=endpoints)
+    verdict = evaluate(assignment("square"), [Run(trajectory=replace(still, commands=()), outcome=outcome)])
+    assert (verdict.mistakes, score(verdict)) == (("teleported",), 0)
+    assert "瞬移" in verdict.hint.zh
+    assert "teleporting is not driving" in verdict.hint.en
+
+
+def test_one_teleport_or_a_reset_among_commands_is_no_mistake() -> None:
+    one_side = drive(polygon_legs(4, laps=0.25))
+    assert "teleported" in graded("square", teleporting(one_side, 1.5, 1.5)).mistakes
+    assert "teleported" not in graded("square", teleporting(one_side, 1.5, final_reset=True)).mistakes
+    assert "teleported" not in graded("square", teleporting(one_side, final_reset=True)).mistakes
 
 
 @pytest.mark.parametrize(
