@@ -37,3 +37,17 @@ def test_a_turtlesim_that_is_started_runs_until_it_is_ended(run_bare: RunScript)
     )
     assert run.stdout.splitlines() == ["0", "None None", "100002.5", "-15 -15 (b'', None)"]
     assert (run.exit["after_interrupt"], run.exit["code"], run.notes) == (1, 130, [("interrupted", "")])
+
+
+def test_a_file_or_stream_given_to_a_program_stays_open(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import subprocess, sys\n"
+        "with open('sim.log', 'w') as log:\n"
+        "    sim = subprocess.Popen(['ros2', 'run', 'turtlesim', 'turtlesim_node'], stdout=log, stderr=log)\n"
+        "    log.write('started')\n"
+        "sim.kill()\n"
+        "subprocess.run(['clear'], stdout=sys.stdout, stderr=sys.stderr)\n"
+        "subprocess.run(['clear'], stdout=subprocess.DEVNULL, stderr=subprocess.STDOUT, stdin=subprocess.PIPE)\n"
+        "print(open('sim.log').read(), sim.wait())\n"
+    )
+    assert (run.stdout, run.stderr, run.notes) == ("started -9\n", "", [])

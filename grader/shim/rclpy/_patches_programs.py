@@ -82,9 +82,7 @@ def patch_subprocess(subprocess: ModuleType) -> None:
             if not self._runs and not is_for_the_screen(words):
                 super()._execute_child(args, *rest)
                 return
-            p2cread, _, _, c2pwrite, _, errwrite = rest[9:15]
-            for descriptor in {p2cread, c2pwrite, errwrite} - {-1}:
-                os.close(descriptor)
+            self._close_pipe_fds(*rest[9:15])  # the program's ends; files that the script gave stay open
             self._child_created = True
             started.append(len(started))
             self.pid = FIRST_PID + len(started)
