@@ -62,7 +62,9 @@ class GradingSlot:
                     claim = self._grade(claim, until_s)
             finally:
                 with self._lock:
-                    self.claim = None
+                    ended, self.claim = self.claim, None
+                if self._abandoned is ended:  # perhaps too late: what was killed must not grade the next
+                    self._grader.close()
             self._parts.doorbell.ring()  # for those who watch
         return True
 

@@ -192,6 +192,7 @@ class FakeGrader:
 
     def close(self) -> None:
         self.closed += 1
+        self._aborted = False  # the next one is new
 
 
 class FakePreflight:

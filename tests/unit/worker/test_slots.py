@@ -3,13 +3,14 @@
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.report import GradeStatus
-from grader.contracts.submission import SubmissionState
+from grader.contracts.submission import Claim, SubmissionState
 from grader.store.queue import Queue, RetryPolicy
 from grader.worker import Sandbox
 from tests.fakes.grading import FakeGrader, grade
@@ -38,6 +39,22 @@ def test_a_step_goes_on_with_what_is_due_next(bench: Bench) -> None:
     ids = [bench.upload() for _ in range(3)]
     assert bench.slot().step()
     assert [bench.row(one).state for one in ids] == [SubmissionState.GRADED] * 3
+
+
+def test_a_claim_abandoned_while_its_result_is_stored_costs_the_next_no_try(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ids = [bench.upload() for _ in range(2)]
+    slot, finish = bench.slot(), bench.queue.finish_and_claim
+
+    def slow_finish(claim: Claim, *others: Any) -> tuple[bool, Claim | None]:
+        if not bench.grader.aborts:
+            slot.abandon(claim)
+        return finish(claim, *others)
+
+    monkeypatch.setattr(bench.queue, "finish_and_claim", slow_finish)
+    assert slot.step()
+    assert [(bench.row(one).state, bench.row(one).tries) for one in ids] == [(SubmissionState.GRADED, 1)] * 2
 
 
 def test_a_slot_that_is_told_to_stop_takes_nothing_more(bench: Bench) -> None:
