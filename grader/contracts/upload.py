@@ -1,8 +1,11 @@
 """What a file must be to be accepted at all, the same on the command line and over HTTP."""
 
+import re
+
 from grader.contracts.errors import SubmissionError
 
 MAX_SOURCE_BYTES = 256 * 1024
+_CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]{1,40})")  # of PEP 263
 
 
 def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
@@ -32,13 +35,32 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
     try:
         source.decode("utf-8")
     except UnicodeDecodeError as error:
+        line, byte = _line(source, error.start), f"0x{source[error.start]:02x}"
+        en, zh = "", ""
+        if (declared := _declared(source)) is not None:
+            where, coding = declared
+            en = f", and delete line {where}, which declares {coding}: only UTF-8 is accepted"
+            zh = f"，并删去第 {where} 行的编码声明（{coding}）：这里只接受 UTF-8"
         raise SubmissionError(
             "not_utf8",
-            f"line {_line(source, error.start)} contains a byte that is not UTF-8 "
-            f"(0x{source[error.start]:02x}): save the file as UTF-8",
-            f"第 {_line(source, error.start)} 行有一个字节不是 UTF-8 编码（0x{source[error.start]:02x}）："
-            "请把文件另存为 UTF-8。",
+            f"line {line} contains a byte that is not UTF-8 ({byte}): save the file as UTF-8{en}",
+            f"第 {line} 行有一个字节不是 UTF-8 编码（{byte}）：请把文件另存为 UTF-8{zh}。",
         ) from None
+
+
+def _declared(source: bytes) -> tuple[int, str] | None:
+    """Return line and name of a coding declared by PEP 263 that is not UTF-8, if there is one.
+
+    Python would read such a file. Everything behind the upload (pages, exports, marks of lines) is told in
+    UTF-8 alone, and the declaration would garble the file once it is saved so: hence the advice to delete it.
+    """
+    for number, line in enumerate(source.splitlines()[:2], start=1):
+        if (found := _CODING.match(line)) is not None:
+            coding = found[1].decode("ascii")
+            return None if re.fullmatch("utf[-_]?8.*", coding, re.IGNORECASE) else (number, coding)
+        if line.strip() and not line.lstrip().startswith(b"#"):
+            return None
+    return None
 
 
 def _line(source: bytes, place: int) -> int:

@@ -78,6 +78,8 @@ def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path) -> None:
         (["check", "empty_square.py", "--lang", "en"], "empty"),
         (["check", "gbk_square.py", "--lang", "en"], "line 2 contains a byte that is not UTF-8"),
         (["check", "gbk_square.py"], "第 2 行有一个字节不是 UTF-8 编码（0xb7）：请把文件另存为 UTF-8。"),
+        (["check", "coded_square.py"], "请把文件另存为 UTF-8，并删去第 2 行的编码声明（gbk）"),
+        (["check", "coded_square.py", "--lang", "en"], "delete line 2, which declares gbk"),
         (["check", "mystery.py", "-a", "square", "--plot", "out.gif"], ".png 或 .svg"),
         (["assignments", "show", "circle"], "circle"),
         (["assignments", "new", "heptagon"], "请用 --assignments DIR 指明"),
@@ -97,6 +99,8 @@ def test_bad_input_is_one_readable_message_and_2(
     (tmp_path / "mystery.py").write_text("print(1)\n")
     (tmp_path / "empty_square.py").write_text("")
     (tmp_path / "gbk_square.py").write_bytes("x = 1\ns = '方'\n".encode("gbk"))
+    coded = "#!/usr/bin/env python3\n# -*- coding: gbk -*-\ns = '方'\n"
+    (tmp_path / "coded_square.py").write_bytes(coded.encode("gbk"))
     assert cli.run(arguments) == 2
     said = capsys.readouterr()
     assert words in said.err
