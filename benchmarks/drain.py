@@ -35,7 +35,6 @@ from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.slot import Slot, SlotConfig
-from grader.store.announcing import waiting_as
 from grader.store.columns import Clock
 from grader.store.courses import Courses
 from grader.store.database import Database
@@ -123,9 +122,8 @@ class Drain:
         """Store and queue `uploads` in one transaction; return their ids."""
         now = self._clock()
         with self._database.writing() as session:
-            rows = [take_in(session, self.new(one), now)[0] for one in uploads]
-            self._database.announcer.queued(session, [waiting_as(row) for row in rows], now)
-            return [row.id for row in rows]
+            announcer = self._database.announcer
+            return [take_in(session, self.new(one), now, announcer)[0].id for one in uploads]
 
     def await_empty(self) -> None:
         """Wait until nothing waits and nothing is graded."""

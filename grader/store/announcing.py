@@ -41,6 +41,10 @@ class Announcer(Protocol):
         """Announce rows that this transaction makes ``queued``; those announced already stay so."""
         ...
 
+    def added(self, session: Session, waiting: Waiting, now: datetime) -> None:
+        """Announce a row that this transaction inserts, which nobody can have announced. May be sent together."""
+        ...
+
     def claimed(self, session: Session, now: datetime) -> None:
         """Take one announcement away: this transaction claimed a row that nobody was told of."""
         ...
@@ -58,6 +62,9 @@ class Unannounced:
     """Announces nothing: the workers are local and look by themselves."""
 
     def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
+        """Do nothing."""
+
+    def added(self, session: Session, waiting: Waiting, now: datetime) -> None:
         """Do nothing."""
 
     def claimed(self, session: Session, now: datetime) -> None:

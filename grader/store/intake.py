@@ -2,10 +2,12 @@
 
 import hashlib
 import uuid
+from collections.abc import Sequence
 from datetime import datetime, timedelta
 from itertools import pairwise
+from typing import NamedTuple
 
-from sqlalchemy import Select, delete, select, tuple_
+from sqlalchemy import delete, insert, select, tuple_
 from sqlmodel import Session, col
 
 from grader import policy as rules
@@ -13,9 +15,11 @@ from grader.contracts.errors import SubmissionError, UploadRefusedError
 from grader.contracts.policy import Attempt, Refusal
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import NewSubmission, SubmissionState
+from grader.store.announcing import Announcer, waiting_as
 from grader.store.locks import add_once, one_at_a_time
 from grader.store.policies import rules_of
-from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow
+from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, table_of
+from grader.store.together import together
 
 _FREE_VERDICTS = (GradeStatus.SYNTAX_ERROR.value, GradeStatus.ASSIGNMENT_ERROR.value)
 _KEY_LIFE = timedelta(days=7)
@@ -24,21 +28,46 @@ _UUID_VERSION_7 = 0x7 << 76
 _UUID_VARIANT = 0b10 << 62
 
 
-def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[SubmissionRow, bool]:
-    """Return the row of `upload`, and whether it is that of an earlier one that was sent again.
+class _Own(NamedTuple):
+    """What is asked of every submission of a student to an assignment."""
+
+    id: str
+    received_at: datetime
+    score: float | None
+    state: str
+    verdict: str | None
+    source_sha256: str
+    graded_attempt: int | None
+    priority: int
+
+
+_row = table_of(SubmissionRow).c
+_COLUMNS = tuple(_row.keys())
+_OWN = tuple(_row[name] for name in _Own._fields)
+_SUBMISSION, _KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyRow))
+
+
+def take_in(
+    session: Session, upload: NewSubmission, now: datetime, announcer: Announcer
+) -> tuple[SubmissionRow, bool]:
+    """Store `upload` and announce it; return its row, and whether it is that of one that was sent before.
 
     Raises:
         UploadRefusedError: the rules of the assignment do not accept it.
         SubmissionError: ``key_reused``: its key belongs to another upload.
+        InfrastructureError: the database does not answer.
     """
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are theirs
     digest = hashlib.sha256(upload.source).hexdigest()
-    known = _under_key(session, upload, digest, now) or _same_as_latest(session, upload, digest)
+    known = _under_key(session, upload, digest, now)
     if known is not None:
         return known, True
-    if upload.ruled and (refused := refusal_of(session, upload, now)) is not None:
+    own = _own_rows(session, upload.student, upload.assignment, upload.course)
+    known = _same_as_latest(session, upload, own, digest)
+    if known is not None:
+        return known, True
+    if upload.ruled and (refused := _refusal(session, upload, _attempts(own), now)) is not None:
         raise UploadRefusedError(refused)
-    add_once(session, SourceRow, sha256=digest, content=upload.source)
     row = SubmissionRow(
         id=new_id(now),
         course=upload.course,
@@ -50,41 +79,22 @@ def take_in(session: Session, upload: NewSubmission, now: datetime) -> tuple[Sub
         state=SubmissionState.QUEUED.value,
         received_at=now,
         queued_at=now,
-        turn_at=_turn(session, upload, now),
+        turn_at=_turn(session, upload, own, now),
         not_before=now,
     )
-    session.add(row)
-    session.flush()
-    if upload.key is not None:
-        owner = _owner(upload)
-        session.add(
-            UploadKeyRow(
-                owner=owner, key=upload.key, digest=_meaning(upload, digest), submission_id=row.id, at=now
-            )
-        )
+    _put(session, upload, row, announcer)
     return row, False
 
 
 def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -> Refusal | None:
     """Return why the rules do not accept an upload, or None."""
-    known = rules_of(session, upload.course, about=(upload.assignment, upload.student))
     earlier = attempts_of(session, upload.student, upload.assignment, upload.course)
-    extension = known.extension(upload.assignment, upload.student)
-    return rules.refusal(known.policy(upload.assignment), extension, earlier, received_at, known.zone)
+    return _refusal(session, upload, earlier, received_at)
 
 
 def attempts_of(session: Session, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
     """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
-    row = SubmissionRow
-    statement = (
-        select(col(row.id), col(row.received_at), col(row.score), col(row.state), col(row.verdict))
-        .where(col(row.assignment) == assignment, col(row.student) == student, col(row.course) == course)
-        .order_by(col(row.received_at), col(row.id))
-    )
-    return tuple(
-        Attempt(id=one[0], received_at=one[1], score=one[2], costs=costs_an_attempt(one[3], one[4]))
-        for one in session.execute(statement)
-    )
+    return _attempts(_own_rows(session, student, assignment, course))
 
 
 def costs_an_attempt(state: str, verdict: str | None) -> bool:
@@ -119,14 +129,55 @@ def _under_key(session: Session, upload: NewSubmission, digest: str, now: dateti
     return session.get(SubmissionRow, known.submission_id)
 
 
-def _same_as_latest(session: Session, upload: NewSubmission, digest: str) -> SubmissionRow | None:
+def _put(session: Session, upload: NewSubmission, row: SubmissionRow, announcer: Announcer) -> None:
+    """Insert a new row and what belongs to it, and announce it, all sent at once."""
+    session.flush()  # other rows' turns, whose answers are looked at
+    connection = session.connection()
+    with together(connection):
+        add_once(session, SourceRow, sha256=row.source_sha256, content=upload.source)
+        connection.execute(_SUBMISSION, {name: getattr(row, name) for name in _COLUMNS})
+        if upload.key is not None:
+            key = {"owner": _owner(upload), "key": upload.key, "digest": _meaning(upload, row.source_sha256)}
+            connection.execute(_KEY, {**key, "submission_id": row.id, "at": row.received_at})
+        announcer.added(session, waiting_as(row), row.queued_at)
+
+
+def _own_rows(session: Session, student: str, assignment: str, course: str | None) -> Sequence[_Own]:
+    """Return a student's submissions to an assignment, in order of arrival."""
+    statement = select(*_OWN).where(
+        _row.assignment == assignment, _row.student == student, _row.course == course
+    )
+    in_order = session.execute(statement.order_by(_row.received_at, _row.id))
+    return [_Own(*one) for one in in_order]
+
+
+def _attempts(own: Sequence[_Own]) -> tuple[Attempt, ...]:
+    return tuple(
+        Attempt(
+            id=one.id,
+            received_at=one.received_at,
+            score=one.score,
+            costs=costs_an_attempt(one.state, one.verdict),
+        )
+        for one in own
+    )
+
+
+def _refusal(
+    session: Session, upload: NewSubmission, earlier: tuple[Attempt, ...], received_at: datetime
+) -> Refusal | None:
+    known = rules_of(session, upload.course, about=(upload.assignment, upload.student))
+    extension = known.extension(upload.assignment, upload.student)
+    return rules.refusal(known.policy(upload.assignment), extension, earlier, received_at, known.zone)
+
+
+def _same_as_latest(
+    session: Session, upload: NewSubmission, own: Sequence[_Own], digest: str
+) -> SubmissionRow | None:
     """Return the student's latest submission if it has the same bytes and would be graded the same."""
-    if upload.assignment_version is None:
+    if upload.assignment_version is None or not own or own[-1].source_sha256 != digest:
         return None
-    statement = _own(upload).order_by(col(SubmissionRow.received_at).desc(), col(SubmissionRow.id).desc())
-    latest: SubmissionRow | None = session.execute(statement.limit(1)).scalars().first()
-    if latest is None or latest.source_sha256 != digest:
-        return None
+    latest = own[-1]
     if latest.state == SubmissionState.INFRASTRUCTURE_ERROR.value:
         return None
     if latest.graded_attempt is not None:
@@ -135,16 +186,22 @@ def _same_as_latest(session: Session, upload: NewSubmission, digest: str) -> Sub
         )
         if session.execute(version).scalar_one_or_none() != upload.assignment_version:
             return None
-    return latest
+    return session.get(SubmissionRow, latest.id)
 
 
-def _turn(session: Session, upload: NewSubmission, now: datetime) -> datetime:
+def _turn(session: Session, upload: NewSubmission, own: Sequence[_Own], now: datetime) -> datetime:
     """Return the new upload's turn: the first that the student's waiting uploads to the assignment have.
 
     They pass their turns on, newest first, and the last takes the end of the queue: nobody else waits longer.
     """
-    statement = _own(upload).where(
-        col(SubmissionRow.state) == SubmissionState.QUEUED.value, col(SubmissionRow.priority) == 0
+    if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in own):
+        return now
+    statement = select(SubmissionRow).where(
+        col(SubmissionRow.assignment) == upload.assignment,
+        col(SubmissionRow.student) == upload.student,
+        col(SubmissionRow.course) == upload.course,
+        col(SubmissionRow.state) == SubmissionState.QUEUED.value,
+        col(SubmissionRow.priority) == 0,
     )
     in_order = statement.order_by(col(SubmissionRow.turn_at), col(SubmissionRow.id))
     waiting = list(session.execute(in_order.with_for_update()).scalars())  # none is claimed meanwhile
@@ -154,14 +211,6 @@ def _turn(session: Session, upload: NewSubmission, now: datetime) -> datetime:
     for row, turn in zip(waiting, turns[1:], strict=True):
         row.turn_at = turn
     return turns[0]
-
-
-def _own(upload: NewSubmission) -> Select[SubmissionRow]:
-    return select(SubmissionRow).where(
-        col(SubmissionRow.assignment) == upload.assignment,
-        col(SubmissionRow.student) == upload.student,
-        col(SubmissionRow.course) == upload.course,
-    )
 
 
 def _owner(upload: NewSubmission) -> str:

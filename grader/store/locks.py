@@ -12,6 +12,8 @@ from sqlalchemy import Connection, func, select
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlmodel import Session, SQLModel
 
+from grader.store.together import together
+
 _KEY_BYTES = 8
 
 
@@ -23,7 +25,8 @@ def one_at_a_time(transaction: Session | Connection, *what: str | None) -> None:
     digest = hashlib.sha256(repr(what).encode()).digest()
     # equal keys of different names would only make two transactions wait that need not
     key = int.from_bytes(digest[:_KEY_BYTES], "big", signed=True)
-    connection.execute(select(func.pg_advisory_xact_lock(key)))
+    with together(connection):  # so the transaction begins on the same way to the server
+        connection.execute(select(func.pg_advisory_xact_lock(key)))
 
 
 def add_once(session: Session, table: type[SQLModel], **values: Any) -> None:

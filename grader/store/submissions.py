@@ -10,7 +10,6 @@ from grader.contracts.codec import from_plain
 from grader.contracts.policy import Attempt, Refusal
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
-from grader.store.announcing import waiting_as
 from grader.store.audit import Signature, record
 from grader.store.columns import Clock
 from grader.store.database import Database
@@ -50,11 +49,10 @@ class Submissions:
             UploadRefusedError: as `add`. SubmissionError: ``key_reused``: the key belongs to another upload.
         """
         with self._database.writing() as session:
-            row, repeated = take_in(session, upload, upload.received_at or self._clock())
+            now = upload.received_at or self._clock()
+            row, repeated = take_in(session, upload, now, self._database.announcer)
             if upload.by is not None and not repeated:
                 _record_handed_in(session, upload.by, row)
-            if not repeated:
-                self._database.announcer.queued(session, [waiting_as(row)], row.queued_at)
             return _submission(row), repeated
 
     def refusal(self, upload: NewSubmission) -> Refusal | None:

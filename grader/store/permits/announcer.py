@@ -9,7 +9,7 @@ from sqlmodel import Session, col
 from grader.contracts.submission import SubmissionState
 from grader.store.announcing import Waiting
 from grader.store.claim_rows import WAITING, waiting
-from grader.store.permits.jobs import QUEUE, defer, lock_of_row
+from grader.store.permits.jobs import QUEUE, defer, defer_first, lock_of_row
 from grader.store.tables import SubmissionRow
 
 _LATE_S = 5.0  # a row due for so long should have met a permit, if permits are not scarce
@@ -49,6 +49,10 @@ class PermitAnnouncer:
         """Defer a permit for each row."""
         session.flush()
         defer(session, waiting, now)
+
+    def added(self, session: Session, waiting: Waiting, now: datetime) -> None:
+        """Defer its first permit."""
+        defer_first(session, waiting, now)
 
     def claimed(self, session: Session, now: datetime) -> None:
         """Use up the permit that would be taken next, if there is one that nobody is taking at this moment."""

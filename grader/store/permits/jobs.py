@@ -7,7 +7,7 @@ from procrastinate import SyncPsycopgConnector
 from procrastinate.exceptions import AlreadyEnqueued, ConnectorException
 from procrastinate.jobs import Job
 from procrastinate.manager import JobManager
-from sqlalchemy import ColumnElement, func
+from sqlalchemy import ColumnElement, Connection, func
 from sqlmodel import Session, col
 
 from grader.contracts.errors import InfrastructureError
@@ -50,18 +50,32 @@ def defer(session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
         _deferred(session, [job])
 
 
+def defer_first(session: Session, waiting: Waiting, now: datetime) -> None:
+    """Defer the permit of a row that the transaction of `session` inserts: no other can have its lock.
+
+    Raises:
+        InfrastructureError: as `defer`, and when what was sent together with it failed.
+    """
+    _defer(session.connection(), [_job(waiting, now)])
+
+
 def _deferred(session: Session, jobs: list[Job]) -> bool:
     connection = session.connection()
     savepoint = connection.begin_nested()
     try:
-        _jobs.batch_defer_jobs(jobs, connection=connection.connection.driver_connection)
+        _defer(connection, jobs)
     except AlreadyEnqueued:
         savepoint.rollback()
         return False
-    except ConnectorException as error:
-        raise InfrastructureError(f"the queue does not answer: {_reason(error)}") from error
     savepoint.commit()
     return True
+
+
+def _defer(connection: Connection, jobs: list[Job]) -> None:
+    try:
+        _jobs.batch_defer_jobs(jobs, connection=connection.connection.driver_connection)
+    except ConnectorException as error:
+        raise InfrastructureError(f"the queue does not answer: {_reason(error)}") from error
 
 
 def _reason(error: ConnectorException) -> str:
