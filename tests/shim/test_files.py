@@ -74,6 +74,11 @@ def test_ordinary_ways_of_writing_a_file(run_bare: RunScript) -> None:
     ]
 
 
+def test_an_encoding_in_the_place_of_the_buffer_is_refused_as_python_does(run_bare: RunScript) -> None:
+    run = run_bare("open('log.txt', 'w', 'utf-8')\n")
+    assert run.exit["message"] == "'str' object cannot be interpreted as an integer"
+
+
 def test_numpy_saves_and_loads(run_bare: RunScript) -> None:
     source = (
         "import numpy as np\nnp.save('a.npy', np.eye(2)); np.savez('b.npz', a=np.arange(3))\n"

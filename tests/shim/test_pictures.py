@@ -43,5 +43,24 @@ def test_a_window_is_shown_until_the_horizon(run_bare: RunScript) -> None:
     ]
 
 
+def test_an_animation_that_is_not_repeated_ends(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import matplotlib.pyplot as plt\nfrom matplotlib.animation import FuncAnimation\n"
+        "kept = FuncAnimation(plt.figure(), print, frames=[3, 4], interval=100, repeat=False)\nplt.show()\n",
+        horizon_s=1.0,
+    )
+    assert run.stdout == "3\n4\n"
+
+
+def test_all_names_of_pyplot_and_what_it_answers(run_bare: RunScript) -> None:
+    run = run_bare(
+        "from matplotlib.pyplot import *\n"
+        "figure(); plot([1], [2]); low, high = xlim(); bottom, top = ylim(); grid(); legend(); savefig('a.png')\n"
+        "left, right, bottom, top = axis(); axis('equal'); width, height = gcf().get_size_inches()\n"
+        "handles, labels = gca().get_legend_handles_labels()\nprint(low, right, width)\n"
+    )
+    assert (run.stdout, run.stderr) == ("0.0 1.0 6.4\n", "")
+
+
 def test_a_package_that_is_not_there_is_still_missing(run_bare: RunScript) -> None:
     assert run_bare("import matplotlib_extra\n").exit["type"] == "ModuleNotFoundError"

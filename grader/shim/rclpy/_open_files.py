@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import io
 import os
+from _operator import index
 from io import BufferedRandom, BufferedReader, BufferedWriter, RawIOBase, TextIOWrapper
 
 from rclpy._descriptors import Description, close, described, descriptors, open_path
@@ -125,6 +126,7 @@ def open(
     """
     if isinstance(mode, str):
         _check(mode, encoding, errors, newline)
+    buffering = index(buffering)  # who meant the encoding is told so in Python's words
     number = file if isinstance(file, int) else None
     file = os.fspath(file) if isinstance(file, os.PathLike) else file
     parts = storage.parts(file)

@@ -134,15 +134,18 @@ def _animate(
     fargs: Sequence[Any] | None = None,
     *args: Any,
     interval: float = 200,
+    repeat: bool = True,
     **options: Any,
 ) -> Picture:
     """`FuncAnimation`: `func` is called every `interval` ms while the window is shown."""
     frames = frames() if callable(frames) else range(frames) if isinstance(frames, int) else frames
-    turns: Iterable[Any] = itertools.count() if frames is None else itertools.cycle(frames)
+    turns: Iterable[Any]
+    turns = itertools.count() if frames is None else itertools.cycle(frames) if repeat else frames
     turn = iter(turns)
 
     def step() -> None:
-        func(next(turn, 0), *(fargs or ()))
+        for frame in itertools.islice(turn, 1):
+            func(frame, *(fargs or ()))
 
     if init_func is not None:
         init_func()
@@ -165,7 +168,10 @@ def _axes(nrows: int = 1, ncols: int = 1, *args: Any, **options: Any) -> Any:
 
 _answers: dict[str, Any] = {
     "FuncAnimation": _animate,
+    "axis": lambda *_, **__: (0.0, 1.0, 0.0, 1.0),
     "get_data": lambda *_: ([], []),
+    "get_legend_handles_labels": lambda *_: ([], []),
+    "get_size_inches": lambda *_: (6.4, 4.8),
     "get_xlim": lambda *_: (0.0, 1.0),
     "get_ylim": lambda *_: (0.0, 1.0),
     "hist": lambda *_, **__: ([], [], []),
@@ -178,8 +184,18 @@ _answers: dict[str, Any] = {
     "subplots": _axes,
     "switch_backend": _use,
     "use": _use,
+    "xlim": lambda *_, **__: (0.0, 1.0),
+    "ylim": lambda *_, **__: (0.0, 1.0),
 }
 """Names, of modules and of objects alike, whose answers scripts unpack or wait for."""
+
+
+_PYPLOT = (
+    "annotate arrow axes axhline axis axvline bar cla clf close draw errorbar figure fill gca gcf grid hist "
+    "ioff ion legend pause plot quiver rcParams savefig scatter show step subplot subplots text tight_layout "
+    "title xlabel xlim xticks ylabel ylim yticks"
+)
+"""What ``from matplotlib.pyplot import *`` gives."""
 
 
 class _Module(ModuleType):
@@ -188,6 +204,8 @@ class _Module(ModuleType):
     def __getattr__(self, name: str) -> Any:
         if name == "__version__":
             return VERSION
+        if name == "__all__" and self.__name__ == "matplotlib.pyplot":
+            return _PYPLOT.split()
         if name.startswith("__"):
             raise AttributeError(name)
         if name == "subplots":
