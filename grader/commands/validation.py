@@ -1,6 +1,7 @@
 """Does every assignment keep its word: solutions get full marks, wrong scripts the verdict they must get."""
 
 from collections.abc import Iterable, Iterator
+from contextlib import closing
 from dataclasses import dataclass, field
 
 from rich.table import Table
@@ -17,6 +18,7 @@ from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.verdict import Run
+from grader.render.progress import followed
 from grader.render.terminal import console
 from grader.slot import Slot, SlotConfig
 
@@ -62,6 +64,8 @@ class Examination:
 def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool = False) -> int:
     """Run the files of the assignments and print what each got; 0 when all is as it must be.
 
+    On a terminal, standard error shows meanwhile how far it has come.
+
     Args:
         catalog: where the assignments are.
         assignment_ids: those to look at.
@@ -69,8 +73,8 @@ def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool =
     """
     table = _table("", "assignment", "script", "score", "problem")
     examinations: dict[str, Examination] = {}
-    with Slot(SlotConfig()) as slot:
-        for assignment_id in assignment_ids:
+    with Slot(SlotConfig()) as slot, closing(followed(list(assignment_ids))) as under_way:
+        for assignment_id in under_way:
             examinations[assignment_id] = examine(catalog, assignment_id, slot, sensitive=details)
     findings = [finding for each in examinations.values() for finding in each.findings]
     for finding in findings:
