@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Iterable
-from dataclasses import asdict
+from dataclasses import asdict, fields, is_dataclass
 from enum import StrEnum
 
 from grader.contracts.outcome import RunOutcome, RunStatus, Stream
@@ -101,12 +101,23 @@ class GradeReport:
     def canonical_bytes(self) -> bytes:
         """Return the one byte form of this report: sorted keys, no spaces, UTF-8, no NaN."""
         return json.dumps(
-            self.to_dict(), ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False
+            self,
+            default=_fields,  # as it goes: `to_dict` would take three times as long to copy everything
+            ensure_ascii=False,
+            sort_keys=True,
+            separators=(",", ":"),
+            allow_nan=False,
         ).encode()
 
     def sha256(self) -> str:
         """Return the hexadecimal digest of `canonical_bytes`."""
         return hashlib.sha256(self.canonical_bytes()).hexdigest()
+
+
+def _fields(value: object) -> dict[str, object]:
+    if not is_dataclass(value):
+        raise TypeError(f"no part of a report: {value!r}")
+    return {one.name: getattr(value, one.name) for one in fields(value)}
 
 
 @record
