@@ -2,7 +2,7 @@
 
 import psycopg
 import pytest
-from sqlalchemy import text
+from sqlalchemy import event, text
 
 from grader.contracts.errors import InfrastructureError
 from grader.store.together import together
@@ -28,6 +28,20 @@ def test_what_was_sent_together_is_there(engine: Engine) -> None:
             session.execute(text("UPDATE submission SET trouble = trouble || ' two'"))
         assert session.execute(text("SELECT trouble FROM submission")).scalar_one() == "one two"
     assert trouble(engine) == {"one two"}
+
+
+def test_an_upload_costs_few_statements_besides_its_permit(engine: Engine) -> None:
+    engine.upload("s1")
+    sent: list[str] = []
+
+    def note(_connection: object, _cursor: object, statement: str, *_: object) -> None:
+        sent.append(statement)
+
+    event.listen(engine.database.engine, "before_cursor_execute", note)
+    engine.upload("s2")
+    told = [" ".join(one.split()[:3]) for one in sent]
+    assert len(told) == 4, told  # alone, what there is of the student, the source, the submission
+    assert told[2:] == ["INSERT INTO source", "INSERT INTO submission"]
 
 
 @pytest.mark.parametrize(
