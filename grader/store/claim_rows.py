@@ -40,6 +40,16 @@ DUE: Select[str] = (
 )
 """The submission to grade next: by priority, then by turn. Takes the instant `now`."""
 
+_CLAIMED = (
+    _row.id,
+    _row.attempt,
+    _row.tries,
+    _row.assignment,
+    _row.file_name,
+    _row.queued_at,
+    select(_source.c.content).where(_source.c.sha256 == _row.source_sha256).scalar_subquery(),
+)
+
 _TAKE = (
     update(_submission)
     .where(_row.id == DUE.with_for_update(skip_locked=True).scalar_subquery())
@@ -51,15 +61,13 @@ _TAKE = (
         started_at=bindparam("now", type_=UtcDateTime()),
         lease_until=bindparam("until", type_=UtcDateTime()),
     )
-    .returning(
-        _row.id,
-        _row.attempt,
-        _row.tries,
-        _row.assignment,
-        _row.file_name,
-        _row.queued_at,
-        select(_source.c.content).where(_source.c.sha256 == _row.source_sha256).scalar_subquery(),
-    )
+    .returning(*_CLAIMED)
+)
+_RESUME = (
+    update(_submission)
+    .where(_row.state == SubmissionState.RUNNING.value, _row.worker == bindparam("by"))
+    .values(lease_until=bindparam("until", type_=UtcDateTime()))
+    .returning(*_CLAIMED)
 )
 _CHANGE = update(_submission).where(
     _row.id == bindparam("claimed"),
@@ -76,8 +84,20 @@ def take(connection: Connection, worker: str, now: datetime, lease_s: float) -> 
     """Claim the submission that is due first; None when nothing is due, or another worker was quicker."""
     until = now + timedelta(seconds=lease_s)
     row = connection.execute(_TAKE, {"now": now, "by": worker, "until": until}).first()
-    if row is None:
-        return None
+    return None if row is None else _claim(row, worker)
+
+
+def resume(connection: Connection, worker: str, now: datetime, lease_s: float) -> Claim | None:
+    """Return what `worker` has claimed without having heard of it, under a new lease; None if there is nothing.
+
+    Only right where `worker` has ended every claim that it knows of.
+    """
+    until = now + timedelta(seconds=lease_s)
+    row = connection.execute(_RESUME, {"by": worker, "until": until}).first()
+    return None if row is None else _claim(row, worker)
+
+
+def _claim(row: Sequence[Any], worker: str) -> Claim:
     id_, attempt, tries, assignment, file_name, queued_at, source = row
     return Claim(
         submission_id=id_,

@@ -19,7 +19,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
-from grader.store.claim_rows import DUE, WAITING, change, stored_already, take, void, waiting
+from grader.store.claim_rows import DUE, WAITING, change, resume, stored_already, take, void, waiting
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.locks import add_once
@@ -104,7 +104,8 @@ class Queue:
         """Do what `finish` does and, in the same transaction, what `claim` does.
 
         So a slot that has just graded takes the next submission that is due without having been told of one. The
-        announcement that somebody would have been told by is taken away.
+        announcement that somebody would have been told by is taken away. Called again because the connection broke
+        during the commit, it returns what was claimed then: `worker` must know of no other claim of its own.
         """
         return self._finish(claim, result, assignment, worker)
 
@@ -244,15 +245,18 @@ class Queue:
             connection = session.connection()
             current = change(connection, claim, _outcome(claim, result, grading))
             stored = current or stored_already(connection, grading)
-            following = None if worker is None else self._take(connection, worker)
+            known = None
+            if worker is not None and stored and not current:  # the answer to an earlier commit got lost
+                known = resume(connection, worker, self._clock(), self._policy.lease_s)
+            taken = None if worker is None or known else self._take(connection, worker)
             with together(connection):
                 if current and graded is not None:
                     add_once(session, GradedAssignmentRow, **graded)
                 if current:
                     insert_grading(connection, grading, details)
-                if following is not None:
+                if taken is not None:
                     self._database.announcer.claimed(session, now)
-        return stored, following
+        return stored, known or taken
 
     def _take(self, connection: Connection, worker: str) -> Claim | None:
         return take(connection, worker, self._clock(), self._policy.lease_s)

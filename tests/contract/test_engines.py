@@ -55,6 +55,21 @@ def test_a_slot_whose_claim_was_lost_stores_nothing_and_goes_on(engine: Engine) 
     assert engine.graded_rows() == 0
 
 
+def test_a_claim_whose_answer_was_lost_is_taken_up_again_with_the_result_before_it(engine: Engine) -> None:
+    for student in ("a", "b", "c"):
+        engine.upload(student)
+    first = engine.taken()
+    _, unheard = engine.finish_and_claim(first)
+    engine.clock.advance(14)
+    stored, claim = engine.finish_and_claim(first)
+    assert stored
+    assert unheard is not None
+    assert claim == unheard
+    engine.clock.advance(14)
+    assert engine.queue.renew([unheard]) == {unheard}
+    assert engine.queue.state().queued == len(engine.graded_in_order()) == 1
+
+
 def test_regrades_wait_behind_fresh_uploads_that_came_later(engine: Engine) -> None:
     original = engine.upload("a")
     assert engine.graded_in_order() == [original]
