@@ -5,6 +5,8 @@ import json
 from collections.abc import Iterable
 from dataclasses import asdict, fields, is_dataclass
 from enum import StrEnum
+from functools import cache
+from typing import Any
 
 from grader.contracts.outcome import RunOutcome, RunStatus, Stream
 from grader.contracts.record import record
@@ -115,9 +117,15 @@ class GradeReport:
 
 
 def _fields(value: object) -> dict[str, object]:
-    if not is_dataclass(value):
-        raise TypeError(f"no part of a report: {value!r}")
-    return {one.name: getattr(value, one.name) for one in fields(value)}
+    kind: Any = type(value)
+    return {name: getattr(value, name) for name in _names(kind)}
+
+
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    if not is_dataclass(kind):
+        raise TypeError(f"no part of a report: {kind!r}")
+    return tuple(one.name for one in fields(kind))
 
 
 @record
