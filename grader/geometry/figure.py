@@ -82,12 +82,22 @@ def _corners(path: Path, segments: Segments, *, cut_short: bool) -> list[float]:
     corner = float(path.travel_rad[closing.last]) - runs[-1].direction_rad
     spun_before = any(abs(each) >= FULL_TURN_RAD for each in corners)  # then it is how the script turns
     if closing.length_m <= SPOT_SHARE * path.extent_m and not spun_before:
-        corner = _without_spins(corner)
+        corner = _closing(path, closing, corner, math.copysign(1.0, sum(corners)))
     return corners if abs(corner) < MIN_CLOSING_TURN_RAD else [*corners, corner]
 
 
+def _closing(path: Path, turn: Turn, corner_rad: float, sense: float) -> float:
+    """Return a closing turn on the spot less whole turns: the figure is complete before a last pirouette.
+
+    One the other way round begins where the turn went furthest in the sense of the figure.
+    """
+    ahead_rad = sense * path.travel_rad[turn.first : turn.last + 1]
+    spun_rad = sense * float(ahead_rad[-1] - np.max(ahead_rad))
+    return _without_spins(corner_rad - spun_rad + _without_spins(spun_rad))
+
+
 def _without_spins(angle_rad: float) -> float:
-    """Return a closing turn on the spot less whole turns: the figure is complete before a last pirouette."""
+    """Return what whole turns leave of an angle."""
     spins = math.floor((abs(angle_rad) + MIN_CLOSING_TURN_RAD) / FULL_TURN_RAD)
     return angle_rad - math.copysign(spins * FULL_TURN_RAD, angle_rad)
 

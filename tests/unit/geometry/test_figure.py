@@ -100,6 +100,14 @@ def test_a_pirouette_after_the_figure_is_no_corner(closing_deg: int, seen: list[
     assert corners(figure) == [90, 90, 90, *seen]
 
 
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize(("spun_deg", "seen"), [(360, [90]), (720, [90]), (180, [-90]), (355, [95])])
+def test_a_pirouette_the_other_way_round_is_none_either(spun_deg: int, seen: list[int], sense: int) -> None:
+    legs = polygon_legs(4, 1.0, w_radps=float(sense))
+    figure = figure_of([*legs, (math.radians(spun_deg), 0.0, -float(sense))])
+    assert corners(figure) == [sense * corner for corner in (90, 90, 90, *seen)]
+
+
 def test_a_circle_after_the_figure_is_not_overlooked() -> None:
     figure = figure_of([*polygon_legs(4, 1.0, last_turn=False), (2.0 * math.pi, 0.5, 1.0)])
     assert corners(figure) == [90, 90, 90, 360]
