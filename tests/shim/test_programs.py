@@ -51,3 +51,16 @@ def test_a_file_or_stream_given_to_a_program_stays_open(run_bare: RunScript) -> 
         "print(open('sim.log').read(), sim.wait())\n"
     )
     assert (run.stdout, run.stderr, run.notes) == ("started -9\n", "", [])
+
+
+def test_a_started_turtlesim_is_ended_by_its_number_or_group(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import os, signal, subprocess\n"
+        "turtlesim = 'ros2 run turtlesim turtlesim_node'\n"
+        "def start(): return subprocess.Popen(turtlesim, shell=True, preexec_fn=os.setsid)\n"
+        "sim = start(); os.killpg(os.getpgid(sim.pid), signal.SIGTERM); print(sim.wait())\n"
+        "sim = start(); os.kill(sim.pid, 0); print(sim.poll())\n"
+        "os.kill(sim.pid, signal.SIGINT); print(sim.wait())\n"
+        "print(os.getpgrp() == os.getpgid(0) == os.getsid(0) == os.getpid())\n"
+    )
+    assert (run.stdout, run.stderr, run.notes) == ("-15\nNone\n-2\nTrue\n", "", [])

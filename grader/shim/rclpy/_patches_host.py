@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import _random
+import errno
 import os
 
 from rclpy._entries import HOME, UID, USER, WORK
@@ -60,6 +61,17 @@ def getppid() -> int:
     return PID - 1
 
 
+def getpgrp() -> int:
+    """The script leads its group and, as far as it can tell, its session."""
+    return PID
+
+
+def getpgid(pid: int, /) -> int:
+    if pid not in (PID, 0):
+        raise ProcessLookupError(errno.ESRCH, os.strerror(errno.ESRCH))
+    return PID
+
+
 def getuid() -> int:
     return UID
 
@@ -109,6 +121,8 @@ REPLACED: dict[str, object] = {
     "getrandom": getrandom,
     "getpid": getpid,
     "getppid": getppid,
+    "getpgrp": getpgrp,
+    "getsid": getpgid,
     **dict.fromkeys(("getuid", "geteuid", "getgid", "getegid"), getuid),
     "getgroups": getgroups,
     "getlogin": getlogin,

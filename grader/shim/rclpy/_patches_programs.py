@@ -6,9 +6,11 @@ there. Anything else `os.system` does not find, as a shell without programs woul
 
 from __future__ import annotations
 
+import itertools
 import os
 import sys
 
+from rclpy import _patches_host
 from rclpy._kernel import kernel
 from rclpy._link import link
 
@@ -63,7 +65,24 @@ def _never() -> bool:
     return False
 
 
-REPLACED: dict[str, object] = {"system": system}
+_programs: dict[int, Any] = {}
+"""What is said to run, by number; each leads a group of its own."""
+_numbers = itertools.count(FIRST_PID + 1)
+
+
+def kill(pid: int, number: int, /) -> None:
+    """`os.kill`, which also reaches a program that is only said to run."""
+    if pid not in _programs:
+        _patches_host.kill(pid, number)
+    elif number:
+        _programs[pid].send_signal(number)
+
+
+def getpgid(pid: int, /) -> int:
+    return pid if pid in _programs else _patches_host.getpgid(pid)
+
+
+REPLACED: dict[str, object] = {"getpgid": getpgid, "kill": kill, "killpg": kill, "system": system}
 """Names of `os` and what stands in for them."""
 
 
@@ -71,7 +90,6 @@ def patch_subprocess(subprocess: ModuleType) -> None:
     """Let `Popen` "start" what needs not be started."""
     module: Any = subprocess
     real: Any = module.Popen
-    started: list[int] = []
 
     class Popen(real):  # type: ignore[misc]
         """A program that ends at once, or a turtlesim that runs until it is told to end."""
@@ -84,8 +102,9 @@ def patch_subprocess(subprocess: ModuleType) -> None:
                 return
             self._close_pipe_fds(*rest[9:15])  # the program's ends; files that the script gave stay open
             self._child_created = True
-            started.append(len(started))
-            self.pid = FIRST_PID + len(started)
+            self.pid = next(_numbers)
+            if self._runs:
+                _programs[self.pid] = self
             self.returncode = None if self._runs else 0
 
         def _internal_poll(self, *rest: Any, **options: Any) -> int | None:
