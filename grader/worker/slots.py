@@ -131,7 +131,11 @@ class GradingSlot:
     ) -> tuple[bool, Claim | None]:
         if self._stopping.is_set() or not self._sandbox.state.ready or time.monotonic() >= until_s:
             return self._parts.queue.finish(claim, result, assignment), None
-        return self._parts.queue.finish_and_claim(claim, result, assignment, self._name)
+        stored, following = self._parts.queue.finish_and_claim(claim, result, assignment, self._name)
+        if following is not None and self._stopping.is_set():  # told meanwhile
+            self._parts.queue.hand_back(following)
+            following = None
+        return stored, following
 
     def _fail(self, claim: Claim, error: Exception) -> None:
         self._grader.close()

@@ -66,6 +66,22 @@ def test_a_slot_that_is_told_to_stop_takes_nothing_more(bench: Bench) -> None:
     assert bench.row(older).state is SubmissionState.QUEUED
 
 
+def test_a_slot_told_to_stop_while_it_stores_a_result_gives_back_what_it_took_with_that(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    older, newer = bench.upload(), bench.upload()
+    slot, finish = bench.slot(), bench.queue.finish_and_claim
+
+    def finish_late(*others: Any) -> tuple[bool, Claim | None]:
+        slot.stop()
+        return finish(*others)
+
+    monkeypatch.setattr(bench.queue, "finish_and_claim", finish_late)
+    assert slot.step()
+    assert bench.row(newer).state is SubmissionState.GRADED
+    assert (bench.row(older).state, bench.row(older).tries) == (SubmissionState.QUEUED, 0)
+
+
 def test_the_same_bytes_graded_twice_give_the_same_report(bench: Bench) -> None:
     first, second = bench.upload(), bench.upload()
     slot = bench.slot()
