@@ -20,6 +20,7 @@ from grader.sim.frames import SYNTAX_ERROR, Exit
 from grader.sim.wire import PROTOCOL, decode, encode_start
 
 _LIMITS: Final = Limits(cpu_s=2.0, wall_s=20.0)
+_PATIENCE_S: Final = 60.0  # more than a check and what is done behind it may take
 _SHOWN_INDENT: Final = 4
 _TOO_MUCH: Final = "this file is too much for the Python compiler (nested too deeply, or too large)"
 
@@ -40,7 +41,10 @@ class SandboxPreflight:
         Raises:
             InfrastructureError, SandboxError: the check itself could not be done.
         """
-        sandbox = self._idle.get()
+        try:
+            sandbox = self._idle.get(timeout=_PATIENCE_S)
+        except queue.Empty:
+            raise InfrastructureError(f"no syntax check was free for {_PATIENCE_S:.0f} s") from None
         jail: Jail | None = None
         try:
             jail = sandbox.open(_LIMITS)
@@ -48,7 +52,7 @@ class SandboxPreflight:
             ending = _ending(jail.receive)
             report = jail.close() if ending is None else None
         finally:
-            self._behind.submit(self._make_ready, sandbox, jail)
+            self._put_away(sandbox, jail)
         if report is not None and report.verdict is Verdict.INFRASTRUCTURE:
             raise InfrastructureError(f"the syntax check failed: {report.detail}")
         if ending is None:
@@ -64,7 +68,10 @@ class SandboxPreflight:
         )
 
     def close(self) -> None:
-        """Return when nothing is done behind checks any more; the sandboxes are then their owner's again."""
+        """Return when nothing is done behind checks any more: no process waits any longer for the next.
+
+        Checks that are still under way go on, as long as the owner of the sandboxes keeps them.
+        """
         self._behind.shutdown()
 
     def __enter__(self) -> Self:
@@ -74,6 +81,15 @@ class SandboxPreflight:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def _put_away(self, sandbox: Sandbox, used: Jail | None) -> None:
+        try:
+            self._behind.submit(self._make_ready, sandbox, used)
+        except RuntimeError:  # closed meanwhile
+            with suppress(GraderError):
+                if used is not None:
+                    used.close()
+            self._idle.put(sandbox)
 
     def _make_ready(self, sandbox: Sandbox, used: Jail | None = None) -> None:
         """Put the process of the check before away and have one ready for the next."""

@@ -12,6 +12,8 @@ from typing import Final
 import h11
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from grader.contracts.errors import SettingsError
+
 HEADERS_S: Final = 15.0
 BODY_S: Final = 60.0
 """A file of the usual limit arrives in time at 5 KB a second."""
@@ -19,6 +21,7 @@ BODY_S: Final = 60.0
 HEADER_BYTES: Final = 16 * 1024
 _REQUESTS: Final = 1_500  # connections besides streams: browsers keep some open after each page
 _OTHER_FILES: Final = 256  # the database, the log, gradings
+_FEWEST: Final = 16  # connections without which nobody would call it a service
 _log = logging.getLogger(__name__)
 
 
@@ -80,10 +83,20 @@ def most_connections(streams: int) -> int:
 
     Args:
         streams: most streams of events.
+
+    Raises:
+        SettingsError: the system lets this process open too few.
     """
     wanted = streams + _REQUESTS
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     if soft != resource.RLIM_INFINITY and soft < wanted + _OTHER_FILES:
         soft = wanted + _OTHER_FILES if hard == resource.RLIM_INFINITY else min(hard, wanted + _OTHER_FILES)
         resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
-    return wanted if soft == resource.RLIM_INFINITY else max(min(wanted, soft - _OTHER_FILES), 1)
+    if soft == resource.RLIM_INFINITY:
+        return wanted
+    if soft - _OTHER_FILES < _FEWEST:
+        needed = _OTHER_FILES + _FEWEST
+        raise SettingsError(
+            f"this process may open {soft} files only: let it open {needed} or more (ulimit -n)"
+        )
+    return min(wanted, soft - _OTHER_FILES)

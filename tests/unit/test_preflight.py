@@ -6,8 +6,9 @@ from contextlib import suppress
 
 import pytest
 
+import grader.preflight
 from grader.bootstrap import build_syntax_sandbox
-from grader.contracts.errors import SandboxError
+from grader.contracts.errors import InfrastructureError, SandboxError
 from grader.contracts.grading import SyntaxProblem
 from grader.preflight import SandboxPreflight
 from grader.slot import SlotConfig
@@ -73,3 +74,20 @@ def test_after_a_fault_the_next_check_works() -> None:
         with suppress(SandboxError):
             preflight.check(b"x = 1\n", "a.py")
         assert preflight.check(b"x = = 1\n", "a.py") is not None
+
+
+def test_checks_under_way_end_although_it_was_closed() -> None:
+    with build_syntax_sandbox(SlotConfig()) as sandbox:
+        preflight = SandboxPreflight(sandbox)
+        preflight.close()
+        assert preflight.check(b"x = = 1\n", "a.py") is not None
+        assert preflight.check(b"x = 1\n", "a.py") is None
+
+
+def test_nobody_waits_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grader.preflight, "_PATIENCE_S", 0.01)
+    with (
+        SandboxPreflight() as preflight,
+        pytest.raises(InfrastructureError, match="no syntax check was free"),
+    ):
+        preflight.check(b"x = 1\n", "a.py")

@@ -10,6 +10,7 @@ import pytest
 import uvicorn
 
 from grader.commands.connections import BoundedConnection, most_connections
+from grader.contracts.errors import SettingsError
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
 
@@ -120,3 +121,12 @@ def test_connections_leave_files_for_the_rest() -> None:
         assert most == 1_510 or resource.getrlimit(resource.RLIMIT_NOFILE)[0] == limits[1]
     finally:
         resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+
+
+def test_a_system_that_leaves_no_connections_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(resource, "getrlimit", lambda _: (256, 256))
+    monkeypatch.setattr(resource, "setrlimit", lambda *_: None)
+    with pytest.raises(
+        SettingsError, match=r"may open 256 files only: let it open 272 or more \(ulimit -n\)"
+    ):
+        most_connections(streams=10)
