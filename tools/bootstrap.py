@@ -66,9 +66,9 @@ def _set_up() -> None:
         shutil.rmtree(VENV)
     _say(f"Setting up {VENV.name} (once) ...")
     _create_venv()
-    pip = [PYTHON, "-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet"]
-    subprocess.check_call([*pip, "--require-hashes", *(part for lock in LOCKS for part in ("-r", lock))])
-    subprocess.check_call([*pip, "--no-deps", "--no-build-isolation", "--editable", ROOT])
+    pip = [str(PYTHON), "-m", "pip", "--disable-pip-version-check", "--no-input", "install", "--quiet"]
+    subprocess.check_call([*pip, "--require-hashes", *(part for lock in LOCKS for part in ("-r", str(lock)))])
+    subprocess.check_call([*pip, "--no-deps", "--no-build-isolation", "--editable", str(ROOT)])
     STAMP.write_text(digest)
 
 

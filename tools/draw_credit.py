@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
@@ -31,7 +32,7 @@ class Defect:
     assignment: str
     title: str
     unit: str
-    sizes: Sequence[float]
+    sizes: NDArray[np.float64]
     legs: Callable[[float], list[Leg]]
 
 
