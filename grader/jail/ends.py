@@ -40,7 +40,7 @@ def judge(end: End, clocks: Clocks, memory_bytes: int, *, cut_frame: bool) -> Ju
             return Verdict.PROTOCOL, os.WEXITSTATUS(end.wait_status), None, "the last frame is incomplete"
         return Verdict.FINISHED, os.WEXITSTATUS(end.wait_status), None, ""
     number = os.WTERMSIG(end.wait_status)
-    name = signal.Signals(number).name
+    name = _name_of(number)
     if number == signal.SIGXCPU:
         return Verdict.CPU_LIMIT, None, None, clocks.cpu_text
     if number == signal.SIGSYS:
@@ -51,6 +51,14 @@ def judge(end: End, clocks: Clocks, memory_bytes: int, *, cut_frame: bool) -> Ju
         return Verdict.CRASHED, None, name, f"the process was ended by {name}"
     verdict, detail = _judge_kill(end, clocks, memory_bytes)
     return verdict, None, name if verdict is Verdict.INFRASTRUCTURE else None, detail
+
+
+def _name_of(number: int) -> str:
+    """Return the name of a signal; most real-time signals have only a number."""
+    try:
+        return signal.Signals(number).name
+    except ValueError:
+        return f"signal {number}"
 
 
 def _judge_kill(end: End, clocks: Clocks, memory_bytes: int) -> tuple[Verdict, str]:

@@ -1,5 +1,7 @@
 """How runs end, and what the account of an end says."""
 
+import os
+
 import pytest
 
 from grader.contracts.limits import MIB, Limits
@@ -55,6 +57,17 @@ def test_c_code_that_dies_for_lack_of_memory_met_the_memory_limit(sandbox: Sandb
     assert (report.verdict, report.signal) == (Verdict.MEMORY_LIMIT, "SIGABRT")
     _, report = run(sandbox, "import os\nos.abort()", memory_bytes=96 * MIB)
     assert (report.verdict, report.signal) == (Verdict.CRASHED, "SIGABRT")
+
+
+def test_a_real_time_signal_is_told_by_its_number(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits()) as jail:
+        jail.send(b"frame(b'ready')\nwhile True: pass")
+        assert jail.receive() == b"ready"
+        os.kill(jail._process.pid, 40)
+        assert jail.receive() is None
+        report = jail.close()
+    assert (report.verdict, report.signal) == (Verdict.CRASHED, "signal 40")
+    assert report.detail == "the process was ended by signal 40"
 
 
 def test_last_words_of_a_killed_script_are_kept(sandbox: Sandbox) -> None:
