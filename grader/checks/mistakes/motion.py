@@ -30,7 +30,8 @@ def motion_mistakes(
     values = {
         name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")
     }
-    found += _wrong_way(values["advance_m"], backward=backward)
+    if not _turned_round(drive, values["turned_deg"], backward=backward):
+        found += _wrong_way(values["advance_m"], backward=backward)
     found += command_mistakes(run, topic)
     found += _turning(drive, values)
     if values["way_back_m"] > WAY_BACK_M and values["advance_m"] > -MIN_MOTION_M:
@@ -46,6 +47,12 @@ def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:
     if advance_m < -MIN_MOTION_M:
         code = "drove_forward" if backward else "drove_backward"
         yield Mistake(code, say(f"mistake.{code}", distance=number(-advance_m, "m")), ("advance_m",))
+
+
+def _turned_round(drive: Drive, turned_deg: float, *, backward: bool) -> bool:
+    """Whether the car drove the right way but had turned: its speed had the right sign, so that is no mistake."""
+    driven_m = float(drive.path.signed_m[-1]) * (-1.0 if backward else 1.0)
+    return turned_deg > TURNING_DEG and driven_m > MIN_MOTION_M and _on_the_spot(drive)
 
 
 def _turning(drive: Drive, values: Mapping[str, float]) -> Iterator[Mistake]:

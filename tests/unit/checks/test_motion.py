@@ -83,6 +83,18 @@ def test_whoever_turns_round_first_has_not_driven_the_way_that_was_asked(name: s
     assert verdict.mistakes == ("turned_too",)
 
 
+@pytest.mark.parametrize(("name", "v"), [("straight", 1.0), ("backward", -1.0)])
+def test_whoever_turns_round_and_then_drives_as_asked_is_told_of_the_turn(name: str, v: float) -> None:
+    verdict = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
+    assert item(verdict, "distance").status is ItemStatus.FAILED
+    assert verdict.mistakes == ("turned_too",)  # not that linear.x has the wrong sign
+
+
+def test_whoever_drives_the_wrong_way_is_told_so_before_a_turn() -> None:
+    verdict = graded("backward", drive([(2.0, 1.0, 0.0), (1.0, 0.0, 1.0)]))
+    assert verdict.mistakes == ("drove_forward", "turned_too")
+
+
 def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
     verdict = graded("straight", drive([(2.0, 1.0, 0.0), (1.5, 0.0, 1.0)]))
     assert score(verdict) == 85
