@@ -1,11 +1,17 @@
 """What Python does around a script: `__main__`, streams, exceptions, exit codes."""
 
+import re
+import subprocess
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from tests.shim.conftest import PYTHON
+
 RunScript = Callable[..., Any]
+_ADDRESS = re.compile(r"0x[0-9a-f]+")
 
 
 def test_the_script_is_main(run_bare: RunScript) -> None:
@@ -160,6 +166,67 @@ def test_an_exception_group_keeps_its_members(run_bare: RunScript) -> None:
 def test_the_scripts_own_excepthook(run_bare: RunScript) -> None:
     run = run_bare("import sys\nsys.excepthook = lambda t, e, tb: print('mine', t.__name__)\n1 / 0\n")
     assert (run.stdout, run.stderr, run.exit["type"]) == ("mine ZeroDivisionError\n", "", "ZeroDivisionError")
+
+
+IGNORED = """\
+import atexit, io, sys
+class Own(Exception): pass
+class Bad(ValueError):
+    def __str__(self): raise OSError
+class A:
+    def __init__(self, error): self.error = error
+    def __del__(self):
+        if self.error: raise self.error
+        open('/nonexistent/x')
+for error in None, ValueError(), Own('two\\nlines'), io.UnsupportedOperation('no'), Bad(): A(error)
+class Handler:
+    def __repr__(self): raise OSError
+    def __call__(self):
+        try: 1 / 0
+        except ZeroDivisionError: raise KeyError('x')
+atexit.register(Handler())
+@atexit.register
+def save():
+    with open('/nonexistent/log'): pass
+atexit.register(sys.exit, 3)
+"""
+
+
+def test_ignored_exceptions_are_told_as_by_python_without_our_frames(
+    run_bare: RunScript, tmp_path: Path
+) -> None:
+    (tmp_path / "student.py").write_text(IGNORED)
+    own = subprocess.run(
+        [PYTHON, "-S", "student.py"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    run = run_bare(IGNORED)
+    assert run.returncode == 0
+    python, shim = (_ADDRESS.sub("0x", text).splitlines() for text in (own.stderr, run.stderr))
+    assert "Traceback" in own.stderr
+    assert shim == [line.replace(f"{tmp_path}/", "") for line in python]
+
+
+@pytest.mark.parametrize(
+    "stderr", ["None", "Failing()", "type('Deep', (), {'write': lambda self, text: self.write(text)})()"]
+)
+def test_an_ignored_exception_is_ignored_when_it_cannot_be_told(run_bare: RunScript, stderr: str) -> None:
+    run = run_bare(
+        "import sys\nclass Failing:\n    def write(self, text): raise KeyboardInterrupt\n"
+        "class A:\n    def __del__(self): 1 / 0\n"
+        f"sys.stderr = {stderr}\nA()\nsys.stderr = sys.__stderr__\nprint('on')\n"
+    )
+    assert (run.stdout, run.stderr) == ("on\n", "")
+
+
+def test_the_scripts_own_unraisablehook(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import sys\nclass A:\n    def __del__(self): 1 / 0\n"
+        "sys.unraisablehook = lambda args: print('mine', args.exc_type.__name__)\nA()\n"
+        "sys.unraisablehook = sys.__unraisablehook__\nA()\n"
+    )
+    assert run.stdout == "mine ZeroDivisionError\n"
+    assert "in __del__\n    def __del__(self): 1 / 0\n" in run.stderr
+    assert run.stderr.endswith("\nZeroDivisionError: division by zero\n")
 
 
 def test_a_keyboard_interrupt_of_the_scripts_own_is_an_exception(run_bare: RunScript) -> None:

@@ -13,6 +13,10 @@ if TYPE_CHECKING:
     from typing import Any
 
 
+_BARE_MODULES = ("builtins", "__main__")
+"""Whose exceptions are named without their module."""
+
+
 class Script:
     """The script that runs: its name, and its lines for `linecache`."""
 
@@ -118,6 +122,58 @@ def print_exception(error: BaseException) -> None:
 def excepthook(_: type[BaseException], error: BaseException, __: TracebackType | None) -> None:
     """`sys.excepthook`: what Python prints, without our frames."""
     print_exception(error)
+
+
+def unraisablehook(args: Any, /) -> None:
+    """`sys.unraisablehook`: what Python prints of errors in `__del__` and in exit functions, without our frames.
+
+    It raises nothing: Python would print where in this file that happened.
+    """
+    try:
+        sys.stderr.write(_format_unraisable(args))
+        sys.stderr.flush()
+    except BaseException:  # noqa: S110 - also of a stderr of the script's own
+        pass
+
+
+def _format_unraisable(args: Any) -> str:
+    """Return what `write_unraisable_exc_file` of CPython 3.11's Python/errors.c writes."""
+    text = ""
+    if args.object is not None:
+        text = f"{args.err_msg or 'Exception ignored in'}: {_repr_of(args.object)}\n"
+    elif args.err_msg:
+        text = f"{args.err_msg}:\n"
+    if args.exc_traceback is not None:
+        text += _format_frames(args)
+    module = args.exc_type.__module__
+    text += (
+        args.exc_type.__qualname__ if module in _BARE_MODULES else f"{module}.{args.exc_type.__qualname__}"
+    )
+    return text + ("\n" if args.exc_value is None else f": {_str_of(args.exc_value)}\n")
+
+
+def _format_frames(args: Any) -> str:
+    """Return the student's frames under their heading; empty when there are none."""
+    import traceback
+
+    exception = traceback.TracebackException(args.exc_type, args.exc_value, args.exc_traceback, compact=True)
+    _strip(exception, set())
+    frames = exception.stack.format()
+    return "".join(["Traceback (most recent call last):\n", *frames]) if frames else ""
+
+
+def _repr_of(value: object) -> str:
+    try:
+        return repr(value)
+    except Exception:
+        return "<object repr() failed>"
+
+
+def _str_of(error: BaseException) -> str:
+    try:
+        return str(error)
+    except Exception:
+        return "<exception str() failed>"
 
 
 def explain_stall(kernel: Kernel) -> str:

@@ -104,6 +104,8 @@ def _get_ready() -> None:
     setattr(os, "_exit", exit_now)  # noqa: B010 - mypy compares the names of parameters
     sys.dont_write_bytecode = True
     sys.excepthook = sys.__excepthook__ = _report.excepthook
+    sys.unraisablehook = _report.unraisablehook
+    setattr(sys, "__unraisablehook__", _report.unraisablehook)  # noqa: B010 - unknown to mypy as a variable
     _output.open_streams()
     _add_site_builtins()
     setattr(builtins, _loops.CHECKPOINT, kernel.checkpoint)
