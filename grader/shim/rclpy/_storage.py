@@ -33,6 +33,16 @@ _WORK = ("home", USER, "ros2_ws")
 _NAME_BYTES = 255
 _PATH_BYTES = 4096
 _FIRST_INODE = 1_000_000
+_PACKAGES = ("numpy", "yaml")  # what a script may import besides the standard library; on no path
+
+
+def _installed() -> tuple[str, ...]:
+    """Return the directories below which the interpreter and all that may be imported are installed."""
+    paths = {*sys.path, sys.base_prefix}
+    for name in _PACKAGES:
+        specs = (finder.find_spec(name, None) for finder in sys.meta_path)
+        paths.update(os.path.dirname(os.path.dirname(spec.origin)) for spec in specs if spec and spec.origin)
+    return tuple(f"{path}/" for path in paths if path not in ("", "/"))
 
 
 class Storage:
@@ -50,7 +60,7 @@ class Storage:
         self._inodes = 0
         self._count = 0
         self._used_bytes = 0
-        self._real = tuple(f"{path}/" for path in {*sys.path, sys.base_prefix} if path not in ("", "/"))
+        self._real = _installed()
         for name in _TOPS:
             self.make_directory(self._root, name, 0o755)
         self._work = self._root
