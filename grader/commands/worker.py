@@ -26,9 +26,9 @@ def run(arguments: argparse.Namespace) -> int:
     from grader.telemetry import logs
 
     settings = load(**_overrides(arguments))
-    logs.configure(settings.log_format, settings.log_level)
     if not settings.slots:
         raise SettingsError("slots: a worker without slots would grade nothing")
+    logs.configure(settings.log_format, settings.log_level)
     stopped = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda received, _: _stop(stopped, received))
