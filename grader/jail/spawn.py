@@ -104,7 +104,7 @@ def _group_like_parent(pid: int) -> None:
             with open(f"/proc/{pid}/autogroup", "w", encoding="ascii") as file:
                 file.write(str(niceness))
     except OSError:
-        return  # this kernel does not group
+        return  # this kernel does not group, or (EAGAIN) takes no second change so soon
 
 
 def _group_niceness(shown: str) -> int:

@@ -13,6 +13,7 @@ from grader.jail import spawn
 
 _OWN_GROUP = Path("/proc/self/autogroup")
 _NICE_PARENT = """
+import time
 from pathlib import Path
 from grader.jail import spawn
 
@@ -20,6 +21,7 @@ try:
     Path("/proc/self/autogroup").write_text("7")
 except OSError:
     raise SystemExit("not allowed")
+time.sleep(0.2)  # from whoever is no administrator the kernel takes one change in 0.1 s
 interpreter = spawn.spawn()
 print(Path(f"/proc/{interpreter.pid}/autogroup").read_text())
 interpreter.end()
