@@ -18,12 +18,11 @@ from grader import policy as rules
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Role
 from grader.contracts.judgement import Judgement, standing
-from grader.contracts.policy import Attempt
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
 from grader.store.course_tables import MemberRow
-from grader.store.intake import costs_an_attempt
+from grader.store.intake import as_attempts
 from grader.store.judgement_rows import judgement
 from grader.store.policies import Rules
 from grader.store.tables import GradedItemRow, GradedMistakeRow, JudgementRow, SubmissionRow
@@ -208,15 +207,7 @@ def _progress(own: list[Any], known: Rules) -> Progress:
     latest = own[-1]
     scored = [row for row in own if row.score is not None]
     best = max(scored, key=lambda row: row.score, default=None)  # the first of equals
-    attempts = [
-        Attempt(
-            id=row.id,
-            received_at=row.received_at,
-            score=row.score,
-            costs=costs_an_attempt(row.state, row.verdict),
-        )
-        for row in own
-    ]
+    attempts = as_attempts(own)
     extension = known.extension(latest.assignment, latest.student)
     manual = next((row for row in reversed(own) if row.to_judge is not None), None)
     counting = rules.counting(known.policy(latest.assignment), extension, attempts)

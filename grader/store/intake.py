@@ -2,10 +2,10 @@
 
 import hashlib
 import uuid
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import datetime, timedelta
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from sqlalchemy import delete, insert, select, tuple_
 from sqlmodel import Session, col
@@ -66,7 +66,7 @@ def take_in(
     known = _same_as_latest(session, upload, own, digest)
     if known is not None:
         return known, True
-    if upload.ruled and (refused := _refusal(session, upload, _attempts(own), now)) is not None:
+    if upload.ruled and (refused := _refusal(session, upload, as_attempts(own), now)) is not None:
         raise UploadRefusedError(refused)
     row = SubmissionRow(
         id=new_id(now),
@@ -94,12 +94,21 @@ def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -
 
 def attempts_of(session: Session, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
     """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
-    return _attempts(_own_rows(session, student, assignment, course))
+    return as_attempts(_own_rows(session, student, assignment, course))
 
 
-def costs_an_attempt(state: str, verdict: str | None) -> bool:
-    """Whether a submission counts against a student's limits: not when nobody could have graded it."""
-    return state != SubmissionState.INFRASTRUCTURE_ERROR.value and verdict not in _FREE_VERDICTS
+def as_attempts(own: Iterable[Any]) -> tuple[Attempt, ...]:
+    """Return rows of submissions as the rules see them; what nobody could have graded costs no attempt."""
+    return tuple(
+        Attempt(
+            id=one.id,
+            received_at=one.received_at,
+            score=one.score,
+            costs=one.state != SubmissionState.INFRASTRUCTURE_ERROR.value
+            and one.verdict not in _FREE_VERDICTS,
+        )
+        for one in own
+    )
 
 
 def new_id(now: datetime) -> str:
@@ -149,18 +158,6 @@ def _own_rows(session: Session, student: str, assignment: str, course: str | Non
     )
     in_order = session.execute(statement.order_by(_row.received_at, _row.id))
     return [_Own(*one) for one in in_order]
-
-
-def _attempts(own: Sequence[_Own]) -> tuple[Attempt, ...]:
-    return tuple(
-        Attempt(
-            id=one.id,
-            received_at=one.received_at,
-            score=one.score,
-            costs=costs_an_attempt(one.state, one.verdict),
-        )
-        for one in own
-    )
 
 
 def _refusal(

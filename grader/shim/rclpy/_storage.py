@@ -18,9 +18,11 @@ from rclpy._entries import USER, WORK, Directory, Entry, File, fail, split, touc
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from typing import Any
+    from typing import Any, TypeVar
 
     from rclpy._entries import Parts
+
+    Made = TypeVar("Made", File, Directory)
 
 CAPACITY_BYTES = 16 * 1024 * 1024
 """What all files together may hold; a minute of poses as text is less than one MiB."""
@@ -176,10 +178,7 @@ class Storage:
         Raises:
             OSError: there are too many entries.
         """
-        file = File(self._new_inode(path), mode & ~self.umask)
-        folder.entries[name] = file
-        touch(folder)
-        return file
+        return self._make(File, folder, name, mode, path)
 
     def make_directory(self, folder: Directory, name: str, mode: int, path: object = None) -> Directory:
         """Return a new, empty directory.
@@ -187,10 +186,13 @@ class Storage:
         Raises:
             OSError: there are too many entries.
         """
-        directory = Directory(self._new_inode(path), mode & ~self.umask)
-        folder.entries[name] = directory
+        return self._make(Directory, folder, name, mode, path)
+
+    def _make(self, kind: type[Made], folder: Directory, name: str, mode: int, path: object) -> Made:
+        entry = kind(self._new_inode(path), mode & ~self.umask)
+        folder.entries[name] = entry
         touch(folder)
-        return directory
+        return entry
 
     def _new_inode(self, path: object) -> int:
         if self._count >= MOST_ENTRIES:

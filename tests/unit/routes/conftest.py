@@ -8,7 +8,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from grader.contracts.grading import GradingJob
+from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.identity import Role, RosterEntry
 from grader.routes.services import Services
 from grader.settings import Settings
@@ -129,13 +129,13 @@ def school(services: Services, client: httpx.Client) -> School:
     return School(services)
 
 
-def work(services: Services) -> int:
-    """Let the machine read all answers that wait; return how many."""
+def work(services: Services, grade: Callable[[GradingJob], GradingResult]) -> int:
+    """Let `grade` grade all that waits; return how many it were."""
     done = 0
     while (claim := services.queue.claim("w")) is not None:
         assignment = services.assignments.get(claim.assignment)
         job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
-        assert services.queue.finish(claim, grade_essay(job), assignment)
+        assert services.queue.finish(claim, grade(job), assignment)
         done += 1
     return done
 
@@ -150,7 +150,7 @@ def answered(
     def run(student: str = "li", answer: bytes = ANSWER) -> str:
         clock.advance(10)
         response = upload(answer, "essay", "", "a.txt", headers=school.as_(student))
-        work(services)
+        work(services, grade_essay)
         return str(response.headers["Location"])
 
     return run

@@ -13,6 +13,7 @@ from grader.routes.services import Services
 from grader.store.audit import Signature
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import grade
+from tests.unit.routes.conftest import work
 
 URL = "/api/v1/regrades"
 
@@ -23,16 +24,6 @@ def tighten(services: Services) -> None:
     extra = replace(square.items[0], id="start", title=square.items[0].title)
     changed = replace(square, version=square.version + 1, items=(extra, *square.items))
     services.assignments.assignments = (services.assignments.assignments[0], changed)
-
-
-def work(services: Services) -> int:
-    done = 0
-    while (claim := services.queue.claim("w")) is not None:
-        assignment = services.assignments.get(claim.assignment)
-        job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
-        assert services.queue.finish(claim, grade(job), assignment)
-        done += 1
-    return done
 
 
 @pytest.fixture
@@ -63,7 +54,7 @@ def test_a_trial_lists_exactly_those_it_changes(
     response = post(assignment="square")
     url = response.headers["Location"]
     assert (response.status_code, response.json()["waiting"]) == (202, 2)
-    assert work(services) == 2
+    assert work(services, grade) == 2
     document = client.get(url, headers=school.as_("ta")).json()
     assert (document["waiting"], document["gain"], document["lose"], document["same"]) == (0, 1, 0, 0)
     han, li = document["changes"]
@@ -96,7 +87,7 @@ def test_nothing_changes_until_it_is_applied(
     dashboard = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"]
     tighten(services)
     url = post(assignment="square").headers["Location"]
-    work(services)
+    work(services, grade)
     assert {one: client.get(one + "/report", headers=school.as_("ta")).content for one in before} == before
     assert client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"] == dashboard
     assert services.submissions.open_count("li", "ros") == 0
@@ -120,7 +111,7 @@ def test_applied_it_counts_and_the_old_grading_stays(
     tighten(services)
     url = post(assignment="square").headers["Location"]
     assert post(f"{url}/apply", reason="too early").json()["code"] == "regrade_running"
-    work(services)
+    work(services, grade)
     applied = post(f"{url}/apply", reason="the rubric grew").json()
     assert (applied["state"], applied["decided_by"], applied["reason"]) == (
         "applied",
@@ -188,7 +179,7 @@ def test_what_the_service_failed_to_grade(
     for _ in range(3):
         services.queue.fail(services.queue.claim("w"), "no")
     regrade = post(assignment="square", which="faults").headers["Location"]
-    work(services)
+    work(services, grade)
     post(f"{regrade}/apply", reason="the disk was full")
     document = client.get(url, headers=school.as_("li")).json()
     assert (document["status"], document["score"]) == ("graded", 5.0)
@@ -260,7 +251,7 @@ def test_a_plot_shows_the_assignment_that_was_graded(
     client: httpx.Client, services: Services, school: Any, upload: Callable[..., httpx.Response]
 ) -> None:
     url = upload(b"good", student="", headers=school.as_("li")).headers["Location"]
-    work(services)
+    work(services, grade)
     stored = services.submissions.report(url.rpartition("/")[2])
     graded_one = services.assignments.get("square")
     tighten(services)
@@ -279,6 +270,6 @@ def test_rules_that_hide_items_hold_for_regrades(
     policy = AssignmentPolicy(hidden_items=("closed",))
     services.policies.set("square", policy, Signature(START, "ros", "test"))
     url = post(assignment="square").headers["Location"]
-    work(services)
+    work(services, grade)
     post(f"{url}/apply", reason="x")
     assert "closed" not in client.get(klass["li"], headers=school.as_("li")).text
