@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from grader.checks import KINDS
+from grader.jail.policy import ALLOWED_PACKAGES
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = sorted((ROOT / "grader").rglob("*.py"))
@@ -52,3 +53,14 @@ def test_every_registered_check_is_under_the_contract_that_keeps_checks_apart() 
     }
     assert len(registered) == len(KINDS)
     assert set(apart) == registered
+
+
+def test_the_shim_knows_which_packages_the_jail_lets_scripts_import() -> None:
+    """They must not know each other; where a package is installed is not the script's to write to."""
+    tree = ast.parse((ROOT / "grader" / "shim" / "rclpy" / "_storage.py").read_text())
+    (packages,) = (
+        ast.literal_eval(node.value)
+        for node in tree.body
+        if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "_PACKAGES"
+    )
+    assert set(packages) == set(ALLOWED_PACKAGES)

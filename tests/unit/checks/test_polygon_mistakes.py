@@ -1,0 +1,120 @@
+"""Mistakes recognised from the shape of a polygon's motion, and from when it ended."""
+
+import math
+
+import pytest
+
+from grader.contracts.outcome import RunStatus
+from grader.contracts.trajectory import Command, Trajectory
+from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs
+from tests.unit.checks.shipped import graded, score
+
+
+def test_much_curve_is_told_before_the_one_corner_it_spoils() -> None:
+    rounded: list[Leg] = [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)]
+    early: list[Leg] = [(2.0, 1.0, 0.0), (1.2, 1.0, 1.0)]
+    verdict = graded("square", drive([*rounded, *rounded, *early, *rounded]))
+    assert verdict.mistakes[:2] == ("arcs", "one_corner_off")
+    assert "linear.x = 0.0" in verdict.hint.en
+    little: list[Leg] = [(2.0, 1.0, 0.0), (math.pi / 2, 0.3, 1.0)]
+    early = [(2.0, 1.0, 0.0), (1.2, 0.3, 1.0)]
+    assert graded("square", drive([*little, *little, *early, *little])).mistakes[0] == "one_corner_off"
+
+
+def once_each(legs: list[tuple[float, float, float]]) -> Trajectory:
+    """Each velocity published once; the car stops a second later."""
+    seen: list[tuple[float, float, float]] = []
+    commands, now_s = [], 0.0
+    for duration, v, w in legs:
+        commands.append(Command(t_ns=round(now_s * 1e9), v_mps=v, w_radps=w))
+        seen += [(min(duration, 1.0), v, w), (max(duration - 1.0, 0.0), 0.0, 0.0)]
+        now_s += duration
+    commands.append(Command(t_ns=round(now_s * 1e9), v_mps=0.0, w_radps=0.0))
+    trajectory = drive(seen)
+    values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
+    return Trajectory(**{**values, "commands": tuple(commands)})
+
+
+def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
+    verdict = graded("square", once_each([(2.0, 1.0, 0.0), (1.5708, 0.0, 1.0)] * 4))
+    assert verdict.mistakes[:2] == ("published_once", "one_radian")
+    assert "2 s" in verdict.hint.en
+
+
+@pytest.mark.parametrize(
+    ("name", "legs", "code"),
+    [
+        ("square", polygon_legs(4, corners_deg=[57.3] * 4), "one_radian"),
+        ("triangle", polygon_legs(3, corners_deg=[57.3] * 3), "one_radian"),
+        ("octagon", polygon_legs(8, 1.0, corners_deg=[57.3] * 8), "one_radian"),
+        ("octagon", polygon_legs(8, 1.0, corners_deg=[54] * 8), "turns_too_far"),  # ticks of a 10 Hz timer
+        ("triangle", polygon_legs(3, corners_deg=[60] * 3), "interior_angle"),
+        ("pentagon", polygon_legs(5, corners_deg=[108] * 5), "interior_angle"),
+        ("square", polygon_legs(4, laps=0.75), "sides_missing"),
+        ("square", polygon_legs(4, laps=1.25), "sides_extra"),
+        ("square", polygon_legs(4, corners_deg=[97] * 4), "turns_too_far"),
+        ("square", polygon_legs(4, corners_deg=[83] * 4), "turns_too_short"),
+        ("square", polygon_legs(4, corners_deg=[90, 80, 90, 90]), "one_corner_off"),
+        ("square", polygon_legs(4, corners_deg=[60, 120, 60, 120]), "one_corner_off"),  # not "0° too far"
+        ("square", polygon_legs(4, lengths_m=[2, 2, 2, 1.7]), "unequal_sides"),
+        ("square", polygon_legs(4, corners_deg=[90, -90, 90, -90]), "zigzag"),
+        ("square", [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)] * 4, "arcs"),
+        ("square", [(2 * math.pi, 1.0, 1.0)], "arcs"),
+        ("square", [(2.0, 1.0, 0.0)], "no_turns"),
+        ("square", [(2.0, 1.0, 0.0), (1.0, 0.0, 90.0)] * 4, "degrees_as_radians"),
+        ("square", polygon_legs(5), "other_figure"),
+    ],
+)
+def test_shapes(name: str, legs: list[tuple[float, float, float]], code: str) -> None:
+    verdict = graded(name, drive(legs))
+    assert verdict.mistakes[0] == code
+    assert score(verdict) < 100
+
+
+@pytest.mark.parametrize(
+    ("name", "legs", "code"),
+    [
+        ("square", polygon_legs(4, laps=0.75), "sides_missing"),
+        ("octagon", polygon_legs(8, 1.0, corners_deg=[54] * 8), "turns_too_far"),
+    ],
+)
+def test_who_publishes_stop_until_the_horizon_had_time_enough(name: str, legs: list[Leg], code: str) -> None:
+    verdict = graded(name, drive([*legs, (20.0, 0.0, 0.0)]), RunStatus.INTERRUPTED)
+    assert verdict.mistakes == (code,)
+
+
+def test_too_slow_and_never_ending() -> None:
+    slow = drive(polygon_legs(4, v_mps=0.1), horizon_s=60.0)
+    assert graded("square", slow, RunStatus.INTERRUPTED).mistakes[0] == "too_slow"
+    spinning = drive([(2.0, 1.0, 0.0), (90.0, 0.0, 1.0)], horizon_s=60.0)
+    assert graded("square", spinning, RunStatus.INTERRUPTED).mistakes[0] == "endless_turn"
+    straying = drive([*polygon_legs(4), (60.0, 0.1, 0.0)], horizon_s=60.0)
+    verdict = graded("square", straying, RunStatus.INTERRUPTED)
+    assert verdict.mistakes == ("never_stops",)
+    assert score(verdict) == 95
+
+
+def test_spinning_for_ever_after_the_figure_is_only_a_missing_stop() -> None:
+    spinning = drive([*polygon_legs(4, last_turn=False), (60.0, 0.0, 1.0)], horizon_s=60.0)
+    verdict = graded("square", spinning, RunStatus.INTERRUPTED)
+    assert verdict.mistakes == ("never_stops",)
+    assert score(verdict) == 95
+
+
+@pytest.mark.parametrize("left_s", [0.2, 1.2, 1.9])
+@pytest.mark.parametrize("name", ["square", "triangle"])
+def test_who_is_cut_in_the_last_turn_or_side_is_not_told_to_stop(name: str, left_s: float) -> None:
+    legs = polygon_legs({"square": 4, "triangle": 3}[name], pause_s=0.0)
+    cut = drive(legs, horizon_s=sum(leg[0] for leg in legs) - left_s)
+    verdict = graded(name, cut, RunStatus.INTERRUPTED)
+    assert verdict.mistakes[0] == "time_was_up"
+    assert "never_stops" not in verdict.mistakes
+    assert graded(name, cut).mistakes[-1] == "never_stops"  # a script that ended by itself had its time
+
+
+def test_a_script_that_ends_without_a_stop() -> None:
+    trajectory = drive(polygon_legs(4))
+    values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
+    moving = Command(t_ns=trajectory.commands[-1].t_ns + 1, v_mps=0.0, w_radps=1.0)
+    coasting = Trajectory(**{**values, "commands": (*trajectory.commands, moving)})
+    assert graded("square", coasting).mistakes == ("never_stops",)
