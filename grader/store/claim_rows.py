@@ -124,25 +124,18 @@ def stored_already(connection: Connection, grading: Values) -> bool:
 
 
 def void(
-    session: Session, condition: Sequence[ColumnElement[bool]], now: datetime, state: SubmissionState
+    session: Session, condition: Sequence[ColumnElement[bool]], values: Mapping[str, Any]
 ) -> list[Waiting]:
-    """Move running rows to `state` because nobody grades them any more; return them.
+    """Write `values` to running rows because nobody grades them any more; return them.
 
     Rows that another transaction holds are left out: somebody still does something about them.
     """
-    ended = state is SubmissionState.INFRASTRUCTURE_ERROR
-    values = {
-        "state": state.value,
-        "not_before": now,
-        "finished_at": now if ended else None,
-        "lease_until": None,
-        "trouble": "the worker that graded this stopped without an answer",
-    }
-    found = select(col(SubmissionRow.id)).where(*condition).order_by(col(SubmissionRow.id))
+    running = col(SubmissionRow.state) == SubmissionState.RUNNING.value
+    found = select(col(SubmissionRow.id)).where(running, *condition).order_by(col(SubmissionRow.id))
     ids = found.with_for_update(skip_locked=True)
-    statement = update(SubmissionRow).where(col(SubmissionRow.id).in_(ids)).values(**values)
-    unsynchronized = {"synchronize_session": False}
-    return waiting(session.execute(statement.returning(*WAITING), execution_options=unsynchronized))
+    statement = update(SubmissionRow).where(col(SubmissionRow.id).in_(ids))
+    statement = statement.values(**values, lease_until=None).returning(*WAITING)
+    return waiting(session.execute(statement, execution_options={"synchronize_session": False}))
 
 
 def waiting(rows: Iterable[Any]) -> list[Waiting]:

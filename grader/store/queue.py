@@ -149,6 +149,22 @@ class Queue:
             self._announce(session, claim, now)
             return True
 
+    def hand_back_all(self, workers: Collection[str]) -> list[str]:
+        """Do what `hand_back` does with all that `workers` hold, also with what they never heard of.
+
+        The answer to a commit that claimed it may have been lost. Returns what was handed back.
+        """
+        now = self._clock()
+        values = {
+            "state": SubmissionState.QUEUED.value,
+            "tries": col(SubmissionRow.tries) - 1,
+            "not_before": now,
+        }
+        with self._database.writing() as session:
+            returned = void(session, [col(SubmissionRow.worker).in_(workers)], values)
+            self._database.announcer.queued(session, returned, now)
+        return [one.submission_id for one in returned]
+
     def reconcile(self, *, all_running: bool = False) -> Reconciled:
         """Put claims past their lease back into the queue; give up those that were tried too often.
 
@@ -157,13 +173,14 @@ class Queue:
                 worker lives (see `grader.store.workers.presence`).
         """
         now = self._clock()
-        lost = [col(SubmissionRow.state) == SubmissionState.RUNNING.value]
-        if not all_running:
-            lost.append(col(SubmissionRow.lease_until) < now)
+        lost = [] if all_running else [col(SubmissionRow.lease_until) < now]
         spent = col(SubmissionRow.tries) >= self._policy.max_tries
+        values = {"not_before": now, "trouble": "the worker that graded this stopped without an answer"}
+        ended = {**values, "state": SubmissionState.INFRASTRUCTURE_ERROR.value, "finished_at": now}
+        again = {**values, "state": SubmissionState.QUEUED.value, "finished_at": None}
         with self._database.writing() as session:
-            given_up = void(session, [*lost, spent], now, SubmissionState.INFRASTRUCTURE_ERROR)
-            requeued = void(session, [*lost, ~spent], now, SubmissionState.QUEUED)
+            given_up = void(session, [*lost, spent], ended)
+            requeued = void(session, [*lost, ~spent], again)
             self._database.announcer.queued(session, requeued, now)
             announced = self._database.announcer.mend(session, now)
         return Reconciled(requeued=len(requeued), given_up=len(given_up), announced=announced)

@@ -5,6 +5,7 @@ import threading
 from collections.abc import Callable
 from typing import Protocol
 
+from grader.contracts.errors import InfrastructureError
 from grader.store.doorbell import Doorbell
 
 _log = logging.getLogger(__name__)
@@ -62,6 +63,9 @@ def attempted(step: Callable[[], bool]) -> bool:
     """Call `step`; False when it failed: the database is away, and leases heal what was under way."""
     try:
         return step()
+    except InfrastructureError as error:  # twice a second while a disk is full, say
+        _log.warning("a slot could not take work: %s", error)
+        return False
     except Exception:
         _log.exception("a slot could not take work")
         return False

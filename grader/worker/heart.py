@@ -77,7 +77,8 @@ class Heart:
         # only while nothing runs: trying may take longer than a lease
         if self._slots and not busy and not self._sandbox.state.ready and self._sandbox.try_out():
             self._parts.doorbell.ring()
-        self._parts.workers.report(self._state(busy))
+        if not self._stopped.is_set():  # else this beat took so long that the worker has left meanwhile
+            self._parts.workers.report(self._state(busy))
         self._mend()
 
     def _renew(self) -> int:
@@ -119,6 +120,7 @@ class Heart:
             try:
                 self.beat()
             except Exception as error:  # a heart that stopped would give away every grading of this worker
-                _log.warning("heartbeat failed: %s", error)
+                if not self._stopped.is_set():  # then nobody waits for it any more
+                    _log.warning("heartbeat failed: %s", error)
             if self._stopped.wait(self._heartbeat_s):
                 return

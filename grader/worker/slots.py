@@ -24,11 +24,12 @@ class GradingSlot:
     """One grading at a time. Only `claim`, `stop`, `abort` and `abandon` may be used from other threads.
 
     Attributes:
+        name: as which it claims.
         claim: what is graded now; None between two gradings.
     """
 
     def __init__(self, name: str, parts: WorkerParts, sandbox: Sandbox) -> None:
-        self._name = name
+        self.name = name
         self._parts = parts
         self._sandbox = sandbox
         self._grader = parts.make_grader()
@@ -42,7 +43,7 @@ class GradingSlot:
         try:
             self._grader.start()
         except GraderError as error:
-            _log.warning("%s: the grading process did not start: %s", self._name, error)
+            _log.warning("%s: the grading process did not start: %s", self.name, error)
 
     def step(self) -> bool:
         """Grade the submission that is due, then those due after it; False when there was nothing to do.
@@ -51,7 +52,7 @@ class GradingSlot:
         """
         if not self._sandbox.state.ready:
             return False
-        claim = self._parts.queue.claim(self._name)
+        claim = self._parts.queue.claim(self.name)
         if claim is None:
             return False
         until_s = time.monotonic() + _STEP_S
@@ -131,7 +132,7 @@ class GradingSlot:
     ) -> tuple[bool, Claim | None]:
         if self._stopping.is_set() or not self._sandbox.state.ready or time.monotonic() >= until_s:
             return self._parts.queue.finish(claim, result, assignment), None
-        stored, following = self._parts.queue.finish_and_claim(claim, result, assignment, self._name)
+        stored, following = self._parts.queue.finish_and_claim(claim, result, assignment, self.name)
         if following is not None and self._stopping.is_set():  # told meanwhile
             self._parts.queue.hand_back(following)
             following = None

@@ -10,9 +10,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.submission import Claim
 from grader.store.work import PolledWork
-from grader.telemetry.context import about
+from grader.telemetry.context import bound
 from grader.worker.heart import Heart
 from grader.worker.parts import Sandbox, WorkerConfig, WorkerParts
 from grader.worker.slots import GradingSlot
@@ -53,19 +52,16 @@ class Worker:
         self._work.drain()
         self._join(self._config.drain_s)
         self._heart.stop(_ABORT_S)
-        for slot in self._slots:
-            if (claim := slot.claim) is not None:
-                self._return(claim)  # first, so that the abort counts for nothing
-                slot.abort()
         with _perhaps_away():
+            for id_ in self._parts.queue.hand_back_all([slot.name for slot in self._slots]):
+                with bound(submission=id_, worker=self.id):
+                    _log.warning("%s goes back to the queue: the worker stops", id_)
             self._parts.workers.leave(self.id)
+        for slot in self._slots:  # after that, so that it counts for nothing
+            if slot.claim is not None:
+                slot.abort()
         self._join(_ABORT_S)
         self._work.close()
-
-    def _return(self, claim: Claim) -> None:
-        with about(claim), _perhaps_away():
-            _log.warning("%s goes back to the queue: the worker stops", claim.submission_id)
-            self._parts.queue.hand_back(claim)
 
     def _work_on(self, slot: GradingSlot) -> None:
         slot.warm_up()

@@ -8,6 +8,7 @@ from typing import NoReturn
 import pytest
 
 from grader.contracts.errors import InfrastructureError
+from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
 from grader.store.doorbell import Doorbell
 from grader.worker import Worker, WorkerConfig
@@ -65,6 +66,20 @@ def test_stopping_returns_a_grading_that_takes_too_long(bench: Bench) -> None:
     assert (row.state, row.tries) == (SubmissionState.QUEUED, 0)
 
 
+def test_stopping_returns_what_was_claimed_by_a_commit_that_nobody_heard_of(bench: Bench) -> None:
+    bench.probed = [SandboxState(ready=False, detail="so that no slot takes anything")]
+    id_, others = bench.upload(), bench.upload()
+    made = worker(bench)
+    made.start()
+    assert all(bench.queue.claim(name) for name in (f"{made.id}/0", "other/0"))
+    made.stop()
+    rows = [bench.row(one) for one in (id_, others)]
+    assert sorted((row.state, row.tries) for row in rows) == [
+        (SubmissionState.QUEUED, 0),
+        (SubmissionState.RUNNING, 1),
+    ]
+
+
 def test_stopping_without_the_database_ends_every_grading(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
@@ -82,7 +97,7 @@ def test_stopping_without_the_database_ends_every_grading(
     def refuse(*_: object) -> NoReturn:
         raise InfrastructureError("the database does not answer")
 
-    for name in ("hand_back", "fail"):
+    for name in ("hand_back_all", "fail"):
         monkeypatch.setattr(bench.queue, name, refuse)
     made.stop()
     assert [grader.aborts for grader in graders] == [1, 1]
