@@ -43,16 +43,11 @@ class Dashboard:
             known = self._latest.get(course)
             if known is not None and known.state.mark == mark:
                 return known.state
-            if self._counting.acquire(blocking=False):
-                try:
-                    return self._count(session, course, mark)
-                finally:
-                    self._counting.release()
         with self._counting, self._database.reading() as session:  # who comes second finds it counted
-            return self._count(session, course, _mark(session, course))
+            return self._count(session, course)
 
-    def _count(self, session: Session, course: str | None, mark: str) -> ClassState:
-        known = self._latest.get(course)
+    def _count(self, session: Session, course: str | None) -> ClassState:
+        mark, known = _mark(session, course), self._latest.get(course)
         if known is not None and known.state.mark == mark:
             return known.state
         before = {} if known is None else known.cells

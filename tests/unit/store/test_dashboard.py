@@ -1,5 +1,6 @@
 import random
 from contextlib import suppress
+from typing import Any
 
 import pytest
 
@@ -9,7 +10,7 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.policy import AssignmentPolicy, Counts
 from grader.contracts.regrade import Wanted
 from grader.contracts.submission import NewSubmission, SubmissionState
-from grader.store import class_cells
+from grader.store import class_cells, dashboard
 from grader.store.audit import Signature
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
@@ -171,3 +172,19 @@ def test_changed_rules_count_at_once_and_only_where_they_hold(
     assert [one.counted_score for one in before] == [10.0] * 4
     assert [one.counted_score for one in after] == [0.0, 10.0, 0.0, 10.0]
     assert read == [{("ann", "square"), ("bob", "square")}]
+
+
+def test_who_counts_later_counts_no_older_state(school: Class, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Between the look at the marks and the counting, others hand in, and somebody else counts."""
+    mark = dashboard._mark
+
+    def overtaken(*arguments: Any) -> str:
+        monkeypatch.setattr(dashboard, "_mark", mark)
+        before = mark(*arguments)
+        school.submits("b", b"good")
+        school.dashboard.state()
+        return before
+
+    school.submits("a", b"good")
+    monkeypatch.setattr(dashboard, "_mark", overtaken)
+    assert [one.student for one in school.dashboard.state().progress] == ["a", "b"]
