@@ -32,6 +32,7 @@ class SandboxPreflight:
         """Take over sandboxes of `grader.bootstrap.build_syntax_sandbox`: as many checks go on at once."""
         self._idle: queue.SimpleQueue[Sandbox] = queue.SimpleQueue()
         self._behind = ThreadPoolExecutor(1, thread_name_prefix="grader-preflight")
+        self._closed = False
         for sandbox in sandboxes:
             self._behind.submit(self._make_ready, sandbox)
 
@@ -72,6 +73,7 @@ class SandboxPreflight:
 
         Checks that are still under way go on, as long as the owner of the sandboxes keeps them.
         """
+        self._closed = True
         self._behind.shutdown()
 
     def __enter__(self) -> Self:
@@ -86,18 +88,16 @@ class SandboxPreflight:
         try:
             self._behind.submit(self._make_ready, sandbox, used)
         except RuntimeError:  # closed meanwhile
-            with suppress(GraderError):
-                if used is not None:
-                    used.close()
-            self._idle.put(sandbox)
+            self._make_ready(sandbox, used)
 
     def _make_ready(self, sandbox: Sandbox, used: Jail | None = None) -> None:
-        """Put the process of the check before away and have one ready for the next."""
+        """Put the process of the check before away and, if there may be a next, have one ready for it."""
         try:
             with suppress(GraderError):  # the next check finds it again, and has somebody to tell
                 if used is not None:
                     used.close()
-                sandbox.prepare(_LIMITS)
+                if not self._closed:
+                    sandbox.prepare(_LIMITS)
         finally:
             self._idle.put(sandbox)
 
