@@ -35,9 +35,8 @@ from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
 from grader.store.measures import Measures
-from grader.store.occupancy import in_use
 from grader.store.queue import Queue, RetryPolicy
-from grader.store.schema import migrate
+from grader.store.schema import up_to_date
 from grader.store.server_clock import clock_of
 from grader.store.work import WorkSource
 from grader.store.workers import Workers, presence
@@ -161,10 +160,8 @@ def _store(settings: Settings, who: str) -> Iterator[Database]:
     """Open the database and bring it up to date; nobody replaces it meanwhile."""
     database = Database(settings.database_url, settings.database_connections)
     try:
-        with in_use(database, who):
-            migrate(database)
-            with checkpoints(database):
-                yield database
+        with up_to_date(database, who, wait=True), checkpoints(database):
+            yield database
     finally:
         database.close()
 

@@ -12,7 +12,7 @@ from grader.settings import load
 from grader.store.backups import back_up, restore_file, restore_rows
 from grader.store.database import Database
 from grader.store.occupancy import alone
-from grader.store.schema import migrate
+from grader.store.schema import migrate, up_to_date
 from grader.store.transfer import TableContent, check_source, transfer
 
 _SHOWN_DIGITS = 16
@@ -53,9 +53,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _migrate(database: Database, _: argparse.Namespace) -> None:
-    before, after = migrate(database)
-    change = "is up to date" if before == after else f"was at {before or 'none'}"
-    _say(f"{database.name}: schema {after}, {change}")
+    with up_to_date(database) as (before, after):
+        change = "is up to date" if before == after else f"was at {before or 'none'}"
+        _say(f"{database.name}: schema {after}, {change}")
 
 
 def _backup(database: Database, arguments: argparse.Namespace) -> None:

@@ -14,8 +14,7 @@ from grader.settings import load
 from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
-from grader.store.occupancy import in_use
-from grader.store.schema import migrate
+from grader.store.schema import up_to_date
 from grader.store.tokens import Tokens
 
 DATABASE_FILE = "grader.db"
@@ -95,8 +94,7 @@ def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[S
     try:
         if not create:
             refuse_missing(database)
-        with in_use(database):
-            migrate(database)
+        with up_to_date(database):
             yield Storage(
                 database=database, courses=Courses(database, utc_now), tokens=Tokens(database, utc_now)
             )

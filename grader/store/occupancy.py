@@ -22,21 +22,29 @@ from grader.store.database import Database
 _log = logging.getLogger(__name__)
 _LOCK = (0x67726164, 1)  # a pair of numbers, unlike the locks of `grader.store.locks`
 _LOOK_S = 0.5
+_LOOKS = 20
+_LEAVING_S = 0.05  # between two looks at who seems to leave
 _NAME_LENGTH = 63  # longer ones PostgreSQL cuts
 _NAMED = 5
 _THERE = text(
-    "SELECT DISTINCT application_name FROM pg_locks JOIN pg_stat_activity USING (pid)"
+    "SELECT DISTINCT coalesce(application_name, 'another role''s process') AS name"
+    " FROM pg_locks JOIN pg_stat_activity USING (pid)"
     " WHERE locktype = 'advisory' AND classid = :space AND objid = :number AND objsubid = 2 AND granted"
     " AND database = (SELECT oid FROM pg_database WHERE datname = current_database())"
-    " AND pid <> pg_backend_pid() ORDER BY application_name"
+    " AND pid <> pg_backend_pid() ORDER BY name"
 )
+
+
+class OccupiedError(SettingsError):
+    """Somebody works with the database."""
 
 
 @contextmanager
 def in_use(database: Database, who: str = "a command of the grader") -> Iterator[None]:
     """Keep others from replacing or moving the database for as long as the context lasts; wait while one does.
 
-    Entered before anything else is done with `database`. On PostgreSQL those who want to be alone are told `who`.
+    No transaction of `database` may be under way; connections from before are not used again. On PostgreSQL those
+    who want to be alone are told `who`.
 
     Raises:
         InfrastructureError: the database does not answer. Within the context it is also what a new connection
@@ -45,6 +53,7 @@ def in_use(database: Database, who: str = "a command of the grader") -> Iterator
     if database.is_sqlite:
         with _lock_file(f"{database.name}.open") as descriptor:
             fcntl.flock(descriptor, fcntl.LOCK_SH)
+            database.engine.dispose()  # the file may have been replaced
             yield
         return
     with _sharing(database, who):
@@ -57,7 +66,7 @@ def alone(database: Database) -> Iterator[None]:
     """Keep services from a database for as long as the context lasts.
 
     Raises:
-        SettingsError: a service, a worker or a command works with the database; on PostgreSQL it says which.
+        OccupiedError: a service, a worker or a command works with the database; on PostgreSQL it says which.
         InfrastructureError: the database does not answer.
     """
     if not database.is_sqlite:
@@ -71,7 +80,7 @@ def alone(database: Database) -> Iterator[None]:
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                raise SettingsError(f"a service works with {database.name}: stop it first") from None
+                raise OccupiedError(f"a service works with {database.name}: stop it first") from None
         yield
 
 
@@ -95,6 +104,7 @@ def _sharing(database: Database, who: str) -> Iterator[None]:
             connection.close()
             raise _ReplacedError(f"{database.name} is being replaced or moved")
 
+    database.engine.dispose()
     event.listen(database.engine, "connect", share)
     try:
         yield
@@ -121,13 +131,17 @@ def _take(session: Session, name: str) -> None:
     """Take the lock for as long as the transaction lasts, however long that is."""
     session.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))
     session.execute(select(func.set_config("application_name", _name("grader db"), True)))
-    if session.execute(select(func.pg_try_advisory_xact_lock(*_LOCK))).scalar_one():
-        return
     space, number = _LOCK
-    there = session.execute(_THERE, {"space": space, "number": number}).scalars().all()
+    for _ in range(_LOOKS):
+        if session.execute(select(func.pg_try_advisory_xact_lock(*_LOCK))).scalar_one():
+            return
+        there = session.execute(_THERE, {"space": space, "number": number}).scalars().all()
+        if there:
+            break
+        time.sleep(_LEAVING_S)
     more = [f"{len(there) - _NAMED} more"] if len(there) > _NAMED else []
     names = "; ".join([*there[:_NAMED], *more]) or "somebody who is leaving"
-    raise SettingsError(f"{name} is in use by {names}: stop it first")
+    raise OccupiedError(f"{name} is in use by {names}: stop it first")
 
 
 def _name(who: str) -> str:

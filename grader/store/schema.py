@@ -1,5 +1,10 @@
 """Bringing a database to the schema this version of the grader expects."""
 
+import logging
+import math
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from alembic import command
@@ -15,8 +20,59 @@ from grader.contracts.errors import SettingsError
 from grader.store import tables  # noqa: F401  registers the tables in the metadata
 from grader.store.database import Database
 from grader.store.locks import one_at_a_time
+from grader.store.occupancy import OccupiedError, alone, in_use
 
+_log = logging.getLogger(__name__)
+_LOOK_S = 0.2
+_LEAVING_S = 2.0  # what a PostgreSQL server may take to notice that a connection, of our own, say, was closed
 _MIGRATIONS = Path(__file__).parent / "migrations"
+
+
+@contextmanager
+def up_to_date(
+    database: Database, who: str = "a command of the grader", *, wait: bool = False
+) -> Iterator[tuple[str | None, str]]:
+    """Do what `migrate` does, and then what `occupancy.in_use` does, for as long as the context lasts.
+
+    Tables that are there are not changed while somebody works with them, who may be of an older version.
+
+    Args:
+        database: nothing of it is open yet.
+        who: as in `occupancy.in_use`.
+        wait: until nobody works any more with tables that are to be changed, instead of giving up.
+
+    Raises:
+        SettingsError: as `migrate`; an OccupiedError if it does not `wait`.
+        InfrastructureError: as `migrate` and `occupancy.in_use`.
+    """
+    before: str | None = None
+    said = ""
+    until_s = math.inf if wait else time.monotonic() + _LEAVING_S
+    while True:
+        with in_use(database, who):
+            if not _outdated(database):
+                found, now = migrate(database)
+                yield before or found, now
+                return
+        try:
+            with alone(database):
+                before, _ = migrate(database)
+        except OccupiedError as error:
+            told = f"the tables are of an older version, but {error}"
+            if time.monotonic() >= until_s:
+                raise OccupiedError(told) from error
+            if wait and told != said:
+                _log.warning("waiting: %s", told)
+                said = told
+            time.sleep(_LOOK_S)
+
+
+def _outdated(database: Database) -> bool:
+    """Whether there are tables, and this version makes others of them."""
+    with database.reading() as session:
+        found = version(session.connection())
+    older = {one.revision for one in ScriptDirectory.from_config(_config()).walk_revisions()}
+    return found in older - {expected_version()}
 
 
 def migrate(database: Database) -> tuple[str | None, str]:
@@ -36,7 +92,9 @@ def migrate(database: Database) -> tuple[str | None, str]:
         return _migrated(database)
     except DBAPIError as error:
         reason = str(error.orig).partition("\n")[0]
-        raise SettingsError(f"{database.name} cannot be the grader's database: {reason}") from error
+        raise SettingsError(
+            f"the tables of {database.name} cannot be brought up to date: {reason}"
+        ) from error
 
 
 def _migrated(database: Database) -> tuple[str | None, str]:

@@ -183,7 +183,7 @@ def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
         (blank, f"sqlite:///{tmp_path / 'new.db'}", "holds no tables of the grader"),
         (f"sqlite:///{tmp_path / 'nothing/grader.db'}", blank, "没有这个数据库"),
         (file, file, "the very database"),
-        (file, strange, "cannot be the grader's database"),
+        (file, strange, "cannot be brought up to date"),
         (file, blank.replace("/blank_", "/none_"), "does not exist"),
     ):
         monkeypatch.setenv("GRADER_DATABASE_URL", source)

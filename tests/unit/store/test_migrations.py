@@ -1,7 +1,9 @@
 """Upgrades of a database with rows in it, from the first release on."""
 
 import re
+import threading
 
+import pytest
 from alembic import command
 from alembic.config import Config
 
@@ -10,10 +12,12 @@ from grader.store import schema
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.judgements import Judgements, WaitingFor
+from grader.store.occupancy import OccupiedError, in_use
 from grader.store.queue import Queue, RetryPolicy
-from grader.store.schema import migrate
+from grader.store.schema import expected_version, migrate, up_to_date, version
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
+from tests.fakes.waiting import wait_until
 
 _FIRST_RELEASE = (
     "INSERT INTO source VALUES ('abc', x'783d31')",
@@ -45,13 +49,17 @@ _FIRST_RELEASE = (
 )
 
 
-def at_first_release(url: str) -> Database:
-    database = Database(url)
+def upgrade(database: Database, revision: str) -> None:
     config = Config()
     config.set_main_option("script_location", str(schema._MIGRATIONS))
     with database.engine.begin() as connection:
         config.attributes["connection"] = connection
-        command.upgrade(config, "0001")
+        command.upgrade(config, revision)
+
+
+def at_first_release(url: str) -> Database:
+    database = Database(url)
+    upgrade(database, "0001")
     with database.writing() as session:
         for statement in _FIRST_RELEASE:
             session.connection().exec_driver_sql(statement if database.is_sqlite else _as_bytea(statement))
@@ -84,6 +92,42 @@ def test_the_first_releases_rows_survive(blank_url: str) -> None:
     if database.is_sqlite:
         check_file(database)
     database.close()
+
+
+def test_essays_that_an_older_migration_left_out_wait_for_people(blank_url: str) -> None:
+    database = at_first_release(blank_url)
+    upgrade(database, "0008")
+    with database.writing() as session:
+        session.connection().exec_driver_sql("UPDATE submission SET to_judge = NULL")
+    migrate(database)
+    submissions = Submissions(database, FakeClock())
+    assert (submissions.get("essay").to_judge, submissions.get("one").to_judge) == (1, None)
+    database.close()
+
+
+def test_tables_are_not_changed_under_who_works_with_them(
+    blank_url: str, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(schema, "_LEAVING_S", 0.0)
+    database, other = at_first_release(blank_url), Database(blank_url)
+    done: list[tuple[str | None, str]] = []
+
+    def start() -> None:
+        with up_to_date(other, "grader serve", wait=True) as versions:
+            done.append(versions)
+
+    starting = threading.Thread(target=start)
+    with in_use(database, "grader worker"):
+        with pytest.raises(OccupiedError, match="stop it first"), up_to_date(other):
+            pass
+        starting.start()
+        wait_until(lambda: "older version" in caplog.text)
+        with database.reading() as session:
+            assert version(session.connection()) == "0001"
+    starting.join()
+    assert done == [("0001", expected_version())]
+    for one in (database, other):
+        one.close()
 
 
 def check_file(database: Database) -> None:
