@@ -40,7 +40,15 @@ _OF_STATEMENTS = (
 _BEGIN_OPTION = "grader_begin"
 _CHANCES = 20
 _CONNECTIONS = 10
-_CONNECT_TIMEOUT_S = 10
+PATIENCE = {
+    "connect_timeout": 10,
+    "keepalives_idle": 10,
+    "keepalives_interval": 5,
+    "keepalives_count": 3,
+    "tcp_user_timeout": 25_000,
+}
+"""libpq's settings (seconds; the last one ms), unless the URL has others: a connection to a PostgreSQL server that
+vanished without a word, as in a power cut, fails within half a minute. Linux' own defaults wait for two hours."""
 _IDLE_TIMEOUT_MS = 15_000  # a frozen process must not keep its locks for longer than its lease
 
 
@@ -144,16 +152,13 @@ def _engine(url: URL, connections: int) -> Engine:
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
         return engine
-    timeout: dict[str, Any] = (
-        {} if "connect_timeout" in url.query else {"connect_timeout": _CONNECT_TIMEOUT_S}
-    )
     try:
         engine = create_engine(
             url,
             isolation_level="READ COMMITTED",
             pool_size=connections,
             max_overflow=0,
-            connect_args=timeout,
+            connect_args={name: value for name, value in PATIENCE.items() if name not in url.query},
         )
     except ImportError:
         raise SettingsError(

@@ -12,7 +12,7 @@ from procrastinate.exceptions import ConnectorException
 
 from grader.contracts.errors import GraderError
 from grader.store.columns import Clock
-from grader.store.database import Database
+from grader.store.database import PATIENCE, Database
 from grader.store.permits.announcer import defer_again
 from grader.store.permits.exchange import Exchange
 from grader.store.permits.jobs import QUEUE, TASK
@@ -140,7 +140,7 @@ def _says_something_new(record: logging.LogRecord) -> bool:
 def _connect_arguments(database: Database) -> dict[str, Any]:
     _, arguments = database.engine.dialect.create_connect_args(database.engine.url)
     arguments.pop("context", None)  # SQLAlchemy's own adapters
-    return {"connect_timeout": _CONNECT_S, **arguments, "application_name": "grader permits"}
+    return {**PATIENCE, "connect_timeout": _CONNECT_S, **arguments, "application_name": "grader permits"}
 
 
 def _reason(error: BaseException) -> str:
