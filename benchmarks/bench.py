@@ -94,9 +94,9 @@ def _starts() -> Times:
     """Time starting, confining, ending and reaping a process that does nothing, in seconds."""
     with ExitStack() as stack:
 
-        def sandbox(*, namespaces: bool, without: frozenset[Layer] = frozenset()) -> Callable[[], None]:
+        def sandbox(*without: Layer) -> Callable[[], None]:
             opened = stack.enter_context(
-                Sandbox(Mode.BEST_EFFORT, namespaces=namespaces, without=without, preload=PRELOADED)
+                Sandbox(Mode.BEST_EFFORT, without=frozenset(without), preload=PRELOADED)
             )
 
             def start() -> None:
@@ -109,9 +109,9 @@ def _starts() -> Times:
         return _interleaved(
             STARTS,
             {
-                "bare fork": sandbox(namespaces=False, without=frozenset(Layer) - {Layer.PROCESS}),
-                "confined": sandbox(namespaces=False),
-                "confined, with namespaces": sandbox(namespaces=True),
+                "bare fork": sandbox(*frozenset(Layer) - {Layer.PROCESS}),
+                "confined": sandbox(Layer.NAMESPACES),
+                "confined, with namespaces": sandbox(),
             },
         )
 

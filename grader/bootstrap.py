@@ -15,12 +15,7 @@ def build_sandbox(config: SlotConfig) -> Sandbox:
         SettingsError: unknown mode.
         SandboxUnavailableError: this host lacks a layer that the mode requires.
     """
-    return Sandbox(
-        _mode(config),
-        preload_numpy=config.preload_numpy,
-        namespaces=config.namespaces,
-        preload=PRELOADED,
-    )
+    return Sandbox(_mode(config), preload=PRELOADED)
 
 
 def build_syntax_sandbox(config: SlotConfig) -> Sandbox:
@@ -28,7 +23,7 @@ def build_syntax_sandbox(config: SlotConfig) -> Sandbox:
 
     Raises as `build_sandbox` does.
     """
-    return Sandbox(_mode(config), namespaces=config.namespaces, entry=SYNTAX_CHECK)
+    return Sandbox(_mode(config), entry=SYNTAX_CHECK)
 
 
 def _mode(config: SlotConfig) -> Mode:

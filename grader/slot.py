@@ -35,15 +35,11 @@ class SlotConfig:
     """How a grading process isolates submissions.
 
     Attributes:
-        mode: ``strict``, ``best-effort`` or ``dev`` (see docs/design.md).
-        preload_numpy: whether the zygote imports numpy once, for scripts that use it.
-        namespaces: whether to add namespaces when the host offers them.
+        mode: ``strict``, ``best-effort`` or ``dev`` (see `grader.jail.layers.Mode`).
         niceness: priority number of the process and of what it starts, so that a service answers while it grades.
     """
 
     mode: str = "strict"
-    preload_numpy: bool = False
-    namespaces: bool = True
     niceness: int = 0
 
 

@@ -44,13 +44,11 @@ class Sandbox:
     Not for use by several threads at once. Several jails may be open at a time.
     """
 
-    def __init__(  # noqa: PLR0913 - all but the first two have one right value outside tests
+    def __init__(
         self,
         mode: Mode = Mode.STRICT,
         shim_path: Path = SHIM_PATH,
         *,
-        preload_numpy: bool = False,
-        namespaces: bool = True,
         entry: str = "rclpy._runner:run",
         preload: tuple[str, ...] = (),
         without: Set[Layer] = frozenset(),
@@ -60,8 +58,6 @@ class Sandbox:
         Args:
             mode: what to do when a required layer is missing.
             shim_path: directory that is all of a script's own import path.
-            preload_numpy: pay for numpy once instead of in each script that uses it.
-            namespaces: also use namespaces and a minimal root, where the host allows them.
             entry: ``module:function`` that a confined process calls with the channel's descriptor.
             preload: modules to import before the first fork.
             without: layers to leave out.
@@ -71,13 +67,10 @@ class Sandbox:
             SandboxError: the zygote could not be started.
         """
         self._mode = mode
-        self._program = Program(
-            shim=shim_path, entry=entry, preload=("numpy", *preload) if preload_numpy else preload
-        )
-        choice = _choose(mode, without if namespaces else without | {Layer.NAMESPACES})
-        self.missing_required = choice.missing_required
+        choice = _choose(mode, without)
         self._active = choice.active
-        self._config = layers.configure(self._program, choice.active)
+        program = Program(shim=shim_path, entry=entry, preload=preload)
+        self._config = layers.configure(program, choice.active)
         self._runs = 0
         self._open_jails = 0
         self._spare: Confined | None = None

@@ -6,7 +6,6 @@ container engine has put the grader into is the bound that holds for all slots t
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,13 +23,11 @@ class Bound:
     Attributes:
         version: of the hierarchy that has the limits; 0: none is mounted.
         memory_bytes, tasks: None without a limit. Tasks are processes and threads.
-        delegated: whether this user may make groups below this process's own.
     """
 
     version: int = 0
     memory_bytes: int | None = None
     tasks: int | None = None
-    delegated: bool = False
 
 
 def own_bound(proc: Path = PROC) -> Bound:
@@ -55,12 +52,7 @@ def own_bound(proc: Path = PROC) -> Bound:
         if version == 2 and not (directories[0] / name).exists() and not values:
             continue  # the controller is bound to version 1, or switched off here
         limits[controller] = min(values, default=None)
-        found = Bound(
-            version=version,
-            memory_bytes=limits.get("memory"),
-            tasks=limits.get("pids"),
-            delegated=os.access(directories[0], os.W_OK),
-        )
+        found = Bound(version=version, memory_bytes=limits.get("memory"), tasks=limits.get("pids"))
     return found
 
 

@@ -44,10 +44,7 @@ class Zygote:
     """
 
     def __init__(self, config: ZygoteConfig) -> None:
-        """Start the process, or take one started ahead; it prepares itself while the caller goes on.
-
-        See `wait_ready`.
-        """
+        """Start the process; it prepares itself while the caller goes on (see `wait_ready`)."""
         self._lock = threading.Lock()
         self._ready = False
         self._broken = False

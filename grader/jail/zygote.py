@@ -1,8 +1,8 @@
 """The warm process that every student process is forked from.
 
 It is started with an almost empty environment, never sees a submission's text, a check or a secret, and
-holds nothing but the interpreter, the shim and, if asked, numpy. It obeys its supervisor over one stream
-socket (its descriptor is named in argv): length-prefixed JSON both ways, descriptors as ancillary data.
+holds nothing but the interpreter and the shim. It obeys its supervisor over one stream socket (its
+descriptor is named in argv): length-prefixed JSON both ways, descriptors as ancillary data.
 
 | request | answer |
 |---|---|

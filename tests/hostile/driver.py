@@ -2,7 +2,7 @@
 
 Run as a program, so that the same steps can be taken as another user and behind another host's filter:
 ``driver.py OPTIONS`` with OPTIONS a JSON object: ``uid`` (to become first, or null), ``filter`` (path of a
-seccomp filter to put on first, or null), ``namespaces``, ``scripts`` (paths). Standard library only.
+seccomp filter to put on first, or null), ``without`` (layers), ``scripts`` (paths). Standard library only.
 """
 
 import gc
@@ -21,7 +21,7 @@ sys.path.insert(0, str(HERE.parents[1]))
 from grader.contracts.limits import MIB, Limits  # noqa: E402
 from grader.jail import libc, policy, seccomp  # noqa: E402
 from grader.jail.report import JailReport  # noqa: E402
-from grader.sandbox import Sandbox  # noqa: E402
+from grader.sandbox import Layer, Sandbox  # noqa: E402
 
 LIMITS = Limits(cpu_s=0.6, wall_s=20.0, memory_bytes=256 * MIB, output_bytes=1 * MIB, threads=24)
 SHORT = replace(LIMITS, cpu_s=0.15)
@@ -92,7 +92,8 @@ def main() -> None:
     become(options["uid"], options["filter"])
     policy.IDLE_LIMIT_NS = 150_000_000  # type: ignore[misc]  # the same rule, with less patience
     os.environ["SECRET_TOKEN"] = "canary-in-the-environment"
-    sandbox = Sandbox(shim_path=HERE / "runner", entry="bare_runner:run", namespaces=options["namespaces"])
+    without = frozenset(map(Layer, options["without"]))
+    sandbox = Sandbox(shim_path=HERE / "runner", entry="bare_runner:run", without=without)
     with sandbox:
         baseline, first = run(sandbox, GOOD)
         print(

@@ -89,7 +89,7 @@ def drive(uid: int | None, filter_path: Path | None, namespaces: bool) -> list[d
     options = {
         "uid": uid,
         "filter": filter_path and str(filter_path),
-        "namespaces": namespaces,
+        "without": [] if namespaces else ["namespaces"],
         "scripts": [str(script) for script in SCRIPTS],
     }
     done = subprocess.run(

@@ -9,8 +9,8 @@ from grader.sandbox import Layer, Mode, Sandbox
 RUNNER = Path(__file__).parents[2] / "hostile" / "runner"
 
 
-def make(mode: Mode = Mode.STRICT, *without: Layer, entry: str = "bare_runner:run", **more: bool) -> Sandbox:
-    return Sandbox(mode, RUNNER, entry=entry, without=frozenset(without), **more)
+def make(mode: Mode = Mode.STRICT, *without: Layer, entry: str = "bare_runner:run") -> Sandbox:
+    return Sandbox(mode, RUNNER, entry=entry, without=frozenset(without))
 
 
 def run(sandbox: Sandbox, source: str | bytes, **limits: float) -> tuple[list[bytes], JailReport]:

@@ -38,7 +38,7 @@ def test_a_service_unit_with_limits(tmp_path: Path) -> None:
         "cg/system.slice/memory.max": "max",
     }
     bound = host(tmp_path, V2, "0::/system.slice/grader.service\n", files)
-    assert bound == Bound(version=2, memory_bytes=2048 * MIB, tasks=512, delegated=bound.delegated)
+    assert bound == Bound(version=2, memory_bytes=2048 * MIB, tasks=512)
 
 
 def test_the_smallest_limit_on_the_way_up_holds(tmp_path: Path) -> None:

@@ -24,10 +24,10 @@ def test_the_layers_hold(sandbox: Sandbox) -> None:
     assert set(proof.environment) <= {*policy.ENVIRONMENT, "LC_CTYPE"}
 
 
-@pytest.mark.parametrize("namespaces", [True, False])
-def test_a_confined_process_has_no_rights_of_its_own(namespaces: bool) -> None:
+@pytest.mark.parametrize("without", [(), (Layer.NAMESPACES,)], ids=["namespaces", "docker"])
+def test_a_confined_process_has_no_rights_of_its_own(without: tuple[Layer, ...]) -> None:
     """As the kernel tells it, from outside: user, groups, capabilities, session, signals and filters."""
-    with make(namespaces=namespaces) as sandbox, sandbox.open(Limits()) as jail:
+    with make(Mode.STRICT, *without) as sandbox, sandbox.open(Limits()) as jail:
         pid = jail._process.pid
         status = dict(line.split(":\t", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines())
         session, group = os.getsid(pid), os.getpgid(pid)

@@ -151,9 +151,10 @@ ABANDONED = """
 import sys
 from pathlib import Path
 from grader.contracts.limits import Limits
-from grader.sandbox import Sandbox
+from grader.sandbox import Layer, Sandbox
 
-sandbox = Sandbox(shim_path=Path(sys.argv[1]), entry="bare_runner:run", namespaces=sys.argv[2] == "1")
+without = frozenset(map(Layer, sys.argv[2:]))
+sandbox = Sandbox(shim_path=Path(sys.argv[1]), entry="bare_runner:run", without=without)
 jail = sandbox.open(Limits(cpu_s=300.0))
 jail.send(b"while True: pass")
 print(sandbox._zygote._process.pid, jail._process.pid, flush=True)
@@ -161,9 +162,9 @@ sys.stdin.read()
 """
 
 
-@pytest.mark.parametrize("namespaces", ["0", "1"])
-def test_killing_the_grading_process_ends_everything(namespaces: str) -> None:
-    command = [sys.executable, "-c", ABANDONED, str(RUNNER), namespaces]
+@pytest.mark.parametrize("without", [(), ("namespaces",)], ids=["namespaces", "docker"])
+def test_killing_the_grading_process_ends_everything(without: tuple[str, ...]) -> None:
+    command = [sys.executable, "-c", ABANDONED, str(RUNNER), *without]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as grading:
         assert grading.stdout
         pids = grading.stdout.readline().split()
