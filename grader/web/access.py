@@ -35,11 +35,13 @@ class Visitor:
         caller: who it is to the rest of the service.
         student: whose attempts are their own: the member's id, or without courses what the visitor said.
         open: the service has no courses, so that a student only says an id.
+        zone: IANA time zone of the visitor's course, on whose clock every page is; None without one.
     """
 
     caller: Caller
     student: str | None
     open: bool
+    zone: str | None
 
     @property
     def staff(self) -> bool:
@@ -174,7 +176,8 @@ def _visitor(request: Request) -> Visitor:
     caller = ANYBODY if token is None else identify(services, token) or ANYBODY
     said = request.cookies.get(STUDENT_COOKIE, "")
     student = said if is_open and is_person_id(said) else caller.person
-    return Visitor(caller=caller, student=student, open=is_open)
+    zone = None if caller.course is None else services.courses.get(caller.course).time_zone
+    return Visitor(caller=caller, student=student, open=is_open, zone=zone)
 
 
 def _services(request: Request) -> Services:

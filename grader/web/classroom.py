@@ -4,6 +4,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
+from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
 from grader.routes import dashboard, health
@@ -16,7 +17,6 @@ from grader.web.comparison import compare
 from grader.web.matrix import SHOWS, STUCK_ATTEMPTS, MatrixQuery, matrix
 from grader.web.pages import language_of, page
 from grader.web.roster import names, person
-from grader.web.sketches import report_of
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 _Id = Annotated[str, Query(max_length=64)]
@@ -90,8 +90,8 @@ def read_comparison(
     )
     (earlier, earlier_stored), (later, later_stored) = chosen
     comparison = compare(
-        report_of(earlier_stored),
-        report_of(later_stored),
+        judged(earlier_stored),
+        judged(later_stored),
         _source(services, earlier),
         _source(services, later),
         language_of(request),

@@ -4,6 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
+from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
 from grader.routes import gradebook, regrades
 from grader.routes.numbers import QueryWhole
@@ -15,7 +16,6 @@ from grader.web.access import StaffDep, require_staff
 from grader.web.comparison import compare
 from grader.web.pages import language_of, page
 from grader.web.roster import names, person
-from grader.web.sketches import report_of
 
 router = APIRouter(
     prefix="/class/submissions/{submission_id}",
@@ -61,7 +61,7 @@ def read_comparison(  # noqa: PLR0913, PLR0917
         "compare_gradings.html",
         submission=submission,
         person=person(names(services, visitor.caller), submission.student),
-        comparison=compare(report_of(earlier), report_of(later), "", "", language_of(request)),
+        comparison=compare(judged(earlier), judged(later), "", "", language_of(request)),
         gradings=(earlier, later),
         regrade=None,
     )

@@ -49,11 +49,13 @@ def page(request: Request, template: str, *, status: int = 200, **values: Any) -
     """Return a page in the visitor's language; `values` are what its template shows."""
     language = language_of(request)
     token = forms.token_of(request)
+    visitor = visitor_of(request)
     context = {
         "lang": language,
         "html_lang": _HTML_LANGUAGE[language],
         "say": partial(_say, language),
-        "visitor": visitor_of(request),
+        "visitor": visitor,
+        "course_zone": visitor.zone,
         "form_token": token,
         "other_language": _other_language(request, language),
         "here": request.url.path,

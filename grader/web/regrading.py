@@ -10,6 +10,7 @@ from pydantic import BaseModel, Field
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.identity import is_person_id
+from grader.contracts.judgement import judged
 from grader.contracts.regrade import Which
 from grader.routes import regrades
 from grader.routes.problem_types import PROBLEM_TYPES
@@ -23,7 +24,6 @@ from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.regrade_table import PARTS, ChangesQuery, changes
 from grader.web.roster import names, person
-from grader.web.sketches import report_of
 from grader.web.words import say
 
 router = APIRouter(prefix="/class/regrades", include_in_schema=False, dependencies=[Depends(require_staff)])
@@ -132,7 +132,7 @@ def read_change(
     first, second = services.past_gradings.around(regrade.id, submission.id)
     if first is None or second is None:
         raise ProblemError("not_graded_yet")
-    both = compare(report_of(first), report_of(second), "", "", language_of(request))
+    both = compare(judged(first), judged(second), "", "", language_of(request))
     return page(
         request,
         "compare_gradings.html",

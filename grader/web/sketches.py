@@ -18,11 +18,6 @@ from grader.routes.concealment import shown_assignment
 from grader.routes.services import Services
 
 
-def report_of(stored: StoredReport) -> GradeReport:
-    """Return the report that was stored, with what people judged."""
-    return judged(stored)
-
-
 def run_of(report: GradeReport, case: str | None) -> CaseRun | None:
     """Return the run of `case`, the first when None; None when there is no such run."""
     return next((run for run in report.runs if case is None or run.case == case), None)
@@ -39,9 +34,9 @@ def measured_figure(
     if content is None:
         return None
     motion = trajectory_json.decode(gzip.decompress(content))
-    report = report_of(stored)
     try:
-        assignment = shown_assignment(services, caller, services.assignments.get(report.assignment))
+        published = services.assignments.get(judged(stored).assignment)
+        assignment = shown_assignment(services, caller, published)
         return sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
     except (AssignmentError, UnknownAssignmentError):
         return None

@@ -1,6 +1,8 @@
 """The student's pages: assignments, handing in, earlier attempts."""
 
+from datetime import datetime
 from typing import Annotated, Any
+from zoneinfo import ZoneInfo
 
 from fastapi import APIRouter, Depends, File, Form, Request, Response, UploadFile
 from fastapi.responses import RedirectResponse
@@ -10,6 +12,8 @@ from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language, Text
+from grader.policy import due_for
+from grader.render import quantity
 from grader.routes import rules, submissions
 from grader.routes.concealment import shown_assignment, shown_list
 from grader.routes.problem_types import PROBLEM_TYPES
@@ -20,8 +24,10 @@ from grader.routes.uploads import UploadRoute, arrival_of
 from grader.telemetry.context import note
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
+from grader.web.audit_lines import Teller
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
+from grader.web.words import say
 
 router = APIRouter(include_in_schema=False)
 uploads = APIRouter(include_in_schema=False, route_class=UploadRoute)
@@ -39,7 +45,7 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
         ):
             best[one.assignment] = one
     shown = [shown_assignment(services, visitor.caller, one) for one in services.assignments.all()]
-    return page(request, "assignments.html", assignments=shown, best=best)
+    return page(request, "assignments.html", assignments=shown, best=best, due=_due(services, visitor))
 
 
 @router.get("/assignments/{assignment_id}")
@@ -103,18 +109,20 @@ def _assignment_page(
     request: Request, assignment: Assignment, problem: ProblemError | None = None, given: str = ""
 ) -> Response:
     services: Services = request.app.state.services
-    visitor = access.visitor_of(request)
+    visitor, language = access.visitor_of(request), language_of(request)
+    standing = _standing(services, visitor, assignment)
     return page(
         request,
         "assignment.html",
         status=200 if problem is None else problem.status_code,
         assignment=assignment,
         rubric=published_rubric(shown_assignment(services, visitor.caller, assignment)),
-        standing=_standing(services, visitor, assignment),
+        standing=standing,
+        late="" if standing is None else _late(standing, language),
         attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],
         suffixes=SUFFIXES[assignment.input],
         max_bytes=services.settings.max_upload_bytes,
-        refusal=None if problem is None else _refusal(problem, language_of(request)),
+        refusal=None if problem is None else _refusal(problem, language),
         given=given,
     )
 
@@ -126,6 +134,30 @@ def _standing(services: Services, visitor: Visitor, assignment: Assignment) -> S
     return rules.read_policy(
         services=services, caller=visitor.caller, response=Response(), assignment_id=assignment.id
     )
+
+
+def _due(services: Services, visitor: Visitor) -> dict[str, datetime | None]:
+    """Return by assignment when it is due for a member of a course."""
+    if visitor.caller.course is None:
+        return {}
+    known, person = services.policies.rules(visitor.caller.course), visitor.caller.person or ""
+    return {
+        assignment: due_for(policy, known.extension(assignment, person))
+        for assignment, policy in known.policies.items()
+    }
+
+
+def _late(standing: StandingView, language: Language) -> str:
+    """Return what handing in after the due date costs, and until when it is possible."""
+    accepted_s = standing.rules.accept_late_s
+    if accepted_s == 0:
+        return say("standing.closed", language)
+    teller = Teller(language, ZoneInfo(standing.time_zone))
+    cost = teller.value("late", standing.rules.late.model_dump())
+    if accepted_s is None:
+        return cost
+    hours = quantity.plain(accepted_s / 3_600)
+    return cost + say("comma", language) + say("rules.accept_short", language, hours=hours)
 
 
 def _refusal(problem: ProblemError, language: Language) -> dict[str, Any]:

@@ -9,6 +9,7 @@ from fastapi.responses import JSONResponse
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.figure import FigureSketch
+from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.render.labels import SUBMISSION_STATE
 from grader.routes import recordings
@@ -21,7 +22,7 @@ from grader.web import access
 from grader.web.access import Visitor, VisitorDep
 from grader.web.pages import language_of, page
 from grader.web.result import StreamText, figure_parts, result_page, stream_text
-from grader.web.sketches import figure_document, measured_figure, report_of, run_of
+from grader.web.sketches import figure_document, measured_figure, run_of
 from grader.web.words import say
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
@@ -97,7 +98,7 @@ def read_sketch(
 ) -> Response:
     """Return what the checks saw in the motion; an empty object when they cannot say."""
     _, stored = access.seen(services, visitor, submission_id)
-    run = None if stored is None else run_of(report_of(stored), case)
+    run = None if stored is None else run_of(judged(stored), case)
     figure = (
         None
         if stored is None or run is None
@@ -168,7 +169,7 @@ def _result(
     if stored is None:
         return {"result": None, "replay": False}
     language = language_of(request)
-    report = report_of(stored)
+    report = judged(stored)
     run = run_of(report, case)
     if run is None and case is not None:
         raise ProblemError("no_trajectory", field="case", allowed=list(stored.cases))

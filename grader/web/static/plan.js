@@ -1,5 +1,6 @@
 // The plan view: grid, walls, ideal figure, detected sides and corners, the path driven so far, the car.
 import { bounds } from "./motion.js";
+import { Board } from "./placing.js";
 import { add, picture, ticks, trace } from "./svg.js";
 
 const FIELD_M = 11.088889; // turtlesim's window
@@ -9,7 +10,6 @@ const CAR_PX = 11;
 const IN_PLACE_PX = 220; // height for a car that only turns
 const ARC_PX = 34;
 const ARC_GROWTH_PX = 9; // outward per full turn, so that further turns stay visible
-const STEEP_PX = 5; // a remark this far to the side begins or ends there, instead of being centred
 
 export class Plan {
   constructor(holder, motion, sketch, words) {
@@ -39,6 +39,10 @@ export class Plan {
     this.track = trace(points, (i) => motion.jumps.has(i));
     add(this.svg, "path", { class: "path-rest", d: this.track.path });
     this.driven = add(this.svg, "path", { class: "path-driven" });
+    this.board = new Board(width, height);
+    this.board.line(points, (i) => motion.jumps.has(i));
+    this.board.block(...points[0], 7);
+    this.board.block(...points.at(-1), CAR_PX);
     this.measures();
     this.turned = add(this.svg, "path", { class: "turned" });
     add(this.svg, "circle", { class: "start", cx: points[0][0], cy: points[0][1], r: 4.5 });
@@ -115,37 +119,46 @@ export class Plan {
   }
 
   measures() {
-    for (const side of this.sketch.sides ?? []) {
-      this.side(side, `${side.length_m.toFixed(2)} m`);
+    const { corners = [], labels = [], gap } = this.sketch;
+    const sides = (this.sketch.sides ?? []).map((side) => [side, "side"]);
+    const lines = gap && gap.ok !== true ? [...sides, [gap, "gap"]] : sides;
+    for (const [{ start_m: start, end_m: end, ok }, kind] of lines) {
+      const ends = [this.place(start), this.place(end)];
+      const [[x1, y1], [x2, y2]] = ends;
+      add(this.svg, "line", { class: `${kind} ${verdict(ok)}`, x1, y1, x2, y2 });
+      this.board.line(ends);
     }
-    if (this.sketch.gap && this.sketch.gap.ok !== true) {
-      this.side(this.sketch.gap, `${this.sketch.gap.length_m.toFixed(2)} m`, "gap");
+    for (const { at_m: at, ok } of corners) {
+      const [x, y] = this.place(at);
+      add(this.svg, "circle", { class: `corner ${verdict(ok)}`, cx: x, cy: y, r: 3.5 });
+      this.board.block(x, y, 5);
     }
-    for (const corner of this.sketch.corners ?? []) {
-      const [x, y] = this.place(corner.at_m);
-      const turned = `${corner.angle_deg.toFixed(1)}°`;
-      add(this.svg, "circle", { class: `corner ${verdict(corner.ok)}`, cx: x, cy: y, r: 3.5 });
-      this.remark(x, y, turned, corner.ok, this.outward(x, y, 14));
+    for (const corner of corners) {
+      const at = this.place(corner.at_m);
+      this.remark(at, `${corner.angle_deg.toFixed(1)}°`, corner.ok, this.outward(at));
     }
-    for (const label of this.sketch.labels ?? []) {
-      const [x, y] = this.place(label.at_m);
-      this.remark(x, y, label.text, label.ok, [0, 20]);
+    for (const [line] of lines) {
+      this.length(line);
+    }
+    for (const label of labels) {
+      this.remark(this.place(label.at_m), label.text, label.ok, [0, 1]);
     }
   }
 
-  side({ start_m: start, end_m: end, ok }, text, kind = "side") {
-    const [x1, y1] = this.place(start);
-    const [x2, y2] = this.place(end);
-    add(this.svg, "line", { class: `${kind} ${verdict(ok)}`, x1, y1, x2, y2 });
-    const [x, y] = [(x1 + x2) / 2, (y1 + y2) / 2];
-    this.remark(x, y, text, ok, this.outward(x, y, 12));
+  /** Write how long a side or gap is beside its middle, away from the middle of the figure. */
+  length({ start_m: start, end_m: end, length_m: length, ok }) {
+    const [[x1, y1], [x2, y2]] = [this.place(start), this.place(end)];
+    const middle = [(x1 + x2) / 2, (y1 + y2) / 2];
+    const [ox, oy] = this.outward(middle);
+    const [nx, ny] = [y1 - y2, x2 - x1];
+    const away = nx * ox + ny * oy >= 0 ? [nx, ny] : [-nx, -ny];
+    this.remark(middle, `${length.toFixed(2)} m`, ok, away);
   }
 
-  /** A step of `pixels` away from the middle of the motion, so that remarks do not lie on the path. */
-  outward(x, y, pixels) {
+  /** The direction from the middle of the figure. */
+  outward([x, y]) {
     const [cx, cy] = this.centre();
-    const away = Math.hypot(x - cx, y - cy);
-    return away < 1 ? [0, pixels] : [((x - cx) / away) * pixels, ((y - cy) / away) * pixels];
+    return Math.hypot(x - cx, y - cy) < 1 ? [0, 1] : [x - cx, y - cy];
   }
 
   centre() {
@@ -155,10 +168,13 @@ export class Plan {
     return [mean(0), mean(1)];
   }
 
-  remark(x, y, text, ok, [dx, dy]) {
+  remark([x, y], text, ok, away) {
     const mark = ok === false ? "✗ " : "";
-    const anchor = dx > STEEP_PX ? "start" : dx < -STEEP_PX ? "end" : "middle";
-    add(this.svg, "text", { class: `remark ${verdict(ok)}`, x: x + dx, y: y + dy + 4, "text-anchor": anchor }, mark + text);
+    const written = add(this.svg, "text", { class: `remark ${verdict(ok)}`, "text-anchor": "middle" }, mark + text);
+    const { width, height, y: top } = written.getBBox();
+    const [left, middle] = this.board.put(x, y, width, height, away);
+    written.setAttribute("x", left.toFixed(1));
+    written.setAttribute("y", (middle - top - height / 2).toFixed(1));
   }
 }
 
