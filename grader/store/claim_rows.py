@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from datetime import datetime, timedelta
 from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, Select, bindparam, select, update
+from sqlalchemy import ColumnElement, Connection, Select, bindparam, or_, select, update
 from sqlmodel import Session, col
 
 from grader.contracts.submission import Claim, SubmissionState
@@ -15,6 +15,9 @@ from grader.store.announcing import Waiting
 from grader.store.columns import UtcDateTime
 from grader.store.results import Values
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, table_of
+
+LONGEST_PAUSE = timedelta(hours=1)
+"""Between two tries of a submission. No lease is as long."""
 
 WAITING = (
     col(SubmissionRow.id),
@@ -136,6 +139,26 @@ def void(
     statement = update(SubmissionRow).where(col(SubmissionRow.id).in_(ids))
     statement = statement.values(**values, lease_until=None).returning(*WAITING)
     return waiting(session.execute(statement, execution_options={"synchronize_session": False}))
+
+
+def lease_ended(now: datetime) -> ColumnElement[bool]:
+    """Return whether a claim is void. Also one for longer than any lease is: the clock was ahead when it began."""
+    until = col(SubmissionRow.lease_until)
+    return or_(until < now, until > now + LONGEST_PAUSE)
+
+
+def bring_forward(session: Session, now: datetime) -> None:
+    """Make due what waits for an instant that no pause reaches: the clock was ahead when it was queued."""
+    row = SubmissionRow
+    ahead = or_(col(row.tries) == 0, col(row.not_before) > now + LONGEST_PAUSE)
+    waits = col(row.state) == SubmissionState.QUEUED.value
+    statement = update(row).where(waits, col(row.not_before) > now, ahead).values(not_before=now)
+    session.execute(statement, execution_options={"synchronize_session": False})
+
+
+def found(session: Session, claim: Claim) -> list[Waiting]:
+    """Return the claimed row as what is to be announced, now that it waits again."""
+    return waiting(session.execute(select(*WAITING).where(col(SubmissionRow.id) == claim.submission_id)))
 
 
 def waiting(rows: Iterable[Any]) -> list[Waiting]:

@@ -19,7 +19,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
-from grader.store.claim_rows import DUE, WAITING, change, resume, stored_already, take, void, waiting
+from grader.store import claim_rows
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.locks import add_once
@@ -28,7 +28,6 @@ from grader.store.tables import GradedAssignmentRow, SubmissionRow
 from grader.store.together import together
 
 _TROUBLE_CHARACTERS = 2_000
-_LONGEST_PAUSE_S = 3_600.0
 _MOST_DOUBLINGS = 60  # as many make an hour of any pause
 _LATEST = 100  # gradings whose durations tell the pace
 
@@ -75,7 +74,7 @@ class Queue:
         """Take the submission that is due first, or None when nothing is due."""
         if self._database.is_sqlite:  # an idle poll must not take the only write lock
             with self._database.reading() as session:
-                if session.connection().execute(DUE, {"now": self._clock()}).first() is None:
+                if session.connection().execute(claim_rows.DUE, {"now": self._clock()}).first() is None:
                     return None
         with self._database.writing() as session:
             return self._take(session.connection(), worker)
@@ -86,7 +85,7 @@ class Queue:
         with self._database.writing() as session:
             for claim in sorted(claims, key=lambda one: one.submission_id):  # rows are locked in one order
                 values = {"lease_until": now + timedelta(seconds=self._policy.lease_s)}
-                if change(session.connection(), claim, values):
+                if claim_rows.change(session.connection(), claim, values):
                     held.add(claim)
         return held
 
@@ -119,7 +118,7 @@ class Queue:
         given_up = claim.tries >= self._policy.max_tries
         state = SubmissionState.INFRASTRUCTURE_ERROR if given_up else SubmissionState.QUEUED
         doublings = min(claim.tries - 1, _MOST_DOUBLINGS)
-        pause_s = min(self._policy.backoff_s * 2.0**doublings, _LONGEST_PAUSE_S)
+        pause_s = min(self._policy.backoff_s * 2.0**doublings, claim_rows.LONGEST_PAUSE.total_seconds())
         values = {
             "state": state.value,
             "not_before": now + timedelta(seconds=pause_s),
@@ -128,7 +127,7 @@ class Queue:
             "trouble": trouble[:_TROUBLE_CHARACTERS],
         }
         with self._database.writing() as session:
-            if not change(session.connection(), claim, values):
+            if not claim_rows.change(session.connection(), claim, values):
                 return None
             if not given_up:
                 self._announce(session, claim, now)
@@ -144,24 +143,21 @@ class Queue:
             "lease_until": None,
         }
         with self._database.writing() as session:
-            if not change(session.connection(), claim, values):
+            if not claim_rows.change(session.connection(), claim, values):
                 return False
             self._announce(session, claim, now)
             return True
 
     def hand_back_all(self, workers: Collection[str]) -> list[str]:
-        """Do what `hand_back` does with all that `workers` hold, also with what they never heard of.
+        """Do what `hand_back` does with all that `workers` hold, and return it.
 
-        The answer to a commit that claimed it may have been lost. Returns what was handed back.
+        Also with what they never heard of: the answer to a commit that claimed it was lost.
         """
         now = self._clock()
-        values = {
-            "state": SubmissionState.QUEUED.value,
-            "tries": col(SubmissionRow.tries) - 1,
-            "not_before": now,
-        }
+        tries = col(SubmissionRow.tries) - 1
+        values = {"state": SubmissionState.QUEUED.value, "tries": tries, "not_before": now}
         with self._database.writing() as session:
-            returned = void(session, [col(SubmissionRow.worker).in_(workers)], values)
+            returned = claim_rows.void(session, [col(SubmissionRow.worker).in_(workers)], values)
             self._database.announcer.queued(session, returned, now)
         return [one.submission_id for one in returned]
 
@@ -169,26 +165,27 @@ class Queue:
         """Put claims past their lease back into the queue; give up those that were tried too often.
 
         Args:
-            all_running: treat every claim as void. Only right when no
-                worker lives (see `grader.store.workers.presence`).
+            all_running: treat every claim as void. Only right when no worker lives (see `presence` of workers).
         """
         now = self._clock()
-        lost = [] if all_running else [col(SubmissionRow.lease_until) < now]
+        lost = [] if all_running else [claim_rows.lease_ended(now)]
         spent = col(SubmissionRow.tries) >= self._policy.max_tries
         values = {"not_before": now, "trouble": "the worker that graded this stopped without an answer"}
         ended = {**values, "state": SubmissionState.INFRASTRUCTURE_ERROR.value, "finished_at": now}
         again = {**values, "state": SubmissionState.QUEUED.value, "finished_at": None}
         with self._database.writing() as session:
-            given_up = void(session, [*lost, spent], ended)
-            requeued = void(session, [*lost, ~spent], again)
+            given_up = claim_rows.void(session, [*lost, spent], ended)
+            requeued = claim_rows.void(session, [*lost, ~spent], again)
             self._database.announcer.queued(session, requeued, now)
             announced = self._database.announcer.mend(session, now)
         return Reconciled(requeued=len(requeued), given_up=len(given_up), announced=announced)
 
     def sweep(self) -> Reconciled:
-        """Do of `reconcile` what judges no claim: make lost announcements again."""
+        """Do of `reconcile` what judges no claim, and undo what a clock that was ahead did to the queue."""
+        now = self._clock()
         with self._database.writing() as session:
-            announced = self._database.announcer.mend(session, self._clock())
+            claim_rows.bring_forward(session, now)
+            announced = self._database.announcer.mend(session, now)
         return Reconciled(requeued=0, given_up=0, announced=announced)
 
     def state(self) -> QueueState:
@@ -248,8 +245,7 @@ class Queue:
         return fmean(spans) if spans else None
 
     def _announce(self, session: Session, claim: Claim, now: datetime) -> None:
-        row = select(*WAITING).where(col(SubmissionRow.id) == claim.submission_id)
-        self._database.announcer.queued(session, waiting(session.execute(row)), now)
+        self._database.announcer.queued(session, claim_rows.found(session, claim), now)
 
     def _finish(
         self, claim: Claim, result: GradingResult, assignment: Assignment | None, worker: str | None
@@ -260,11 +256,11 @@ class Queue:
         details = detail_values(grading, result)
         with self._database.writing() as session:
             connection = session.connection()
-            current = change(connection, claim, _outcome(claim, result, grading))
-            stored = current or stored_already(connection, grading)
+            current = claim_rows.change(connection, claim, _outcome(claim, result, grading))
+            stored = current or claim_rows.stored_already(connection, grading)
             known = None
             if worker is not None and stored and not current:  # the answer to an earlier commit got lost
-                known = resume(connection, worker, self._clock(), self._policy.lease_s)
+                known = claim_rows.resume(connection, worker, self._clock(), self._policy.lease_s)
             taken = None if worker is None or known else self._take(connection, worker)
             with together(connection):
                 if current and graded is not None:
@@ -276,7 +272,7 @@ class Queue:
         return stored, known or taken
 
     def _take(self, connection: Connection, worker: str) -> Claim | None:
-        return take(connection, worker, self._clock(), self._policy.lease_s)
+        return claim_rows.take(connection, worker, self._clock(), self._policy.lease_s)
 
 
 def _outcome(claim: Claim, result: GradingResult, grading: Values) -> Values:

@@ -183,6 +183,20 @@ def test_a_renewed_lease_lives_on(queue: Queue, submissions: Submissions, clock:
     assert queue.reconcile().requeued == 1
 
 
+def test_what_was_queued_and_claimed_while_the_clock_was_ahead_waits_no_longer_for_it(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    """A machine whose hardware clock has local time is eight hours ahead until somebody asks for the time."""
+    ids = [submissions.add(upload(f"s{number}")).id for number in range(2)]
+    abandoned = claimed(queue)
+    clock.advance(-8 * 3_600)
+    assert queue.claim("w") is None
+    queue.sweep()
+    assert claimed(queue).submission_id in set(ids) - {abandoned.submission_id}
+    assert queue.reconcile().requeued == 1
+    assert claimed(queue).submission_id == abandoned.submission_id
+
+
 def test_failed_tries_wait_longer_each_time_and_then_end(
     queue: Queue, submissions: Submissions, clock: FakeClock
 ) -> None:
@@ -190,6 +204,7 @@ def test_failed_tries_wait_longer_each_time_and_then_end(
     for pause_s in (2.0, 4.0):
         assert queue.fail(claimed(queue), "the car fell over") is SubmissionState.QUEUED
         clock.advance(pause_s - 0.001)
+        queue.sweep()
         assert queue.claim("w") is None
         clock.advance(0.001)
     assert queue.fail(claimed(queue), "the car fell over") is SubmissionState.INFRASTRUCTURE_ERROR

@@ -45,6 +45,13 @@ def test_so_does_a_silence_in_which_a_lease_may_have_ended() -> None:
     assert beats.good(IN_A_LEASE + 1) == [*PATIENT, True]
 
 
+def test_so_does_a_clock_that_was_set_back() -> None:
+    beats = Beats()
+    beats.good(IN_A_LEASE + 1)
+    beats.clock.advance(-3_600)
+    assert beats.good(IN_A_LEASE + 1) == [*PATIENT, True]
+
+
 def test_a_database_that_keeps_failing_strands_nothing() -> None:
     beats = Beats()
     judged = []
