@@ -16,11 +16,8 @@ _LARGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}
 
 _ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 _PYTHON = (sys.executable, "-S", "-P", "-c")  # what `site` would find out once more stands in our own path
-# What makes this process give way comes before the zygote, which takes after its parent.
-_BOOTSTRAP = (
+_BOOTSTRAP = (  # nothing is imported, and no garbage collected, before this
     "import gc, os, sys; gc.disable(); sys.path[:] = sys.argv.pop(1).split(os.pathsep); "
-    "niceness = int(sys.argv.pop(1)); niceness and __import__('grader.launch').launch.give_way(niceness); "
-    "[os.set_inheritable(int(descriptor), False) for descriptor in sys.argv[1:]]; "
     "from grader.grading import main; sys.exit(main(sys.argv[1:]))"
 )
 
@@ -55,30 +52,13 @@ def launch_ahead() -> None:
         return
 
 
-def launch(niceness: int = 0) -> Child:
-    """Return a process started ahead, or start one that gives way to others.
+def launch() -> Child:
+    """Return a process started ahead, or start one.
 
     Raises:
         OSError: it could not be started.
     """
-    return _ahead.pop() if _ahead and not niceness else _start(niceness)
-
-
-def give_way(niceness: int) -> None:
-    """Let everybody else go before this process, and before whatever it will start.
-
-    Beside the niceness: a process of the batch class does not interrupt others when it wakes up (sched(7)). And
-    where the kernel groups processes by session (autogroup), niceness counts only inside a session, unless the
-    session gets one, too.
-    """
-    try:
-        os.setpriority(os.PRIO_PROCESS, 0, niceness)
-        if sys.platform == "linux":
-            os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
-            with open("/proc/self/autogroup", "w", encoding="ascii") as file:
-                file.write(str(niceness))
-    except OSError:
-        return  # this kernel does not group
+    return _ahead.pop() if _ahead else _start()
 
 
 def _path() -> str:
@@ -90,14 +70,14 @@ def _path() -> str:
     return os.pathsep.join(own if _ROOT in own else [_ROOT, *own])
 
 
-def _start(niceness: int = 0) -> Child:
+def _start() -> Child:
     theirs_requests, requests = os.pipe()
     answers, theirs_answers = os.pipe()
     environment = {name: os.environ[name] for name in _KEPT_ENVIRONMENT if name in os.environ}
     try:
         pid = os.posix_spawn(
             sys.executable,
-            [*_PYTHON, _BOOTSTRAP, _path(), str(niceness), str(theirs_requests), str(theirs_answers)],
+            [*_PYTHON, _BOOTSTRAP, _path(), str(theirs_requests), str(theirs_answers)],
             environment | _SINGLE_THREADED | _LARGE_PAGES,
             file_actions=[
                 (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),

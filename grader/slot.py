@@ -127,7 +127,7 @@ class Slot:
             return
         self.close()
         try:
-            child = launch(self._config.niceness)
+            child = launch()
         except OSError as error:
             raise InfrastructureError(f"the grading process could not be started: {error}") from error
         self._process = _Process(child)

@@ -15,7 +15,7 @@ from tests.unit.test_slot import ASSIGNMENT, CHILD, JOB
 
 
 def test_a_process_started_ahead_is_the_first_to_be_used(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(launch, "_BOOTSTRAP", f"import sys; del sys.argv[1:3]\n{CHILD}\nserve()")
+    monkeypatch.setattr(launch, "_BOOTSTRAP", f"import sys; del sys.argv[1]\n{CHILD}\nserve()")
     launch.launch_ahead()
     ahead = launch._ahead[0]
     with Slot(SlotConfig()) as one:

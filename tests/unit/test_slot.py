@@ -78,9 +78,9 @@ def children(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The programs of the next children, after the common part above; the last one is used again."""
     programs: list[str] = []
 
-    def start(_niceness: int) -> Child:
+    def start() -> Child:
         program = programs.pop(0) if len(programs) > 1 else programs[0]
-        monkeypatch.setattr(launch, "_BOOTSTRAP", f"import sys; del sys.argv[1:3]\n{CHILD}\n{program}")
+        monkeypatch.setattr(launch, "_BOOTSTRAP", f"import sys; del sys.argv[1]\n{CHILD}\n{program}")
         return launch.launch()
 
     monkeypatch.setattr(slot, "launch", start)
