@@ -3,10 +3,11 @@
 from grader.checks import sketch
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment
+from grader.contracts.figure import PictureForm
 from grader.contracts.report import CaseRun, GradeReport
 from grader.contracts.text import Language
 from grader.contracts.verdict import Run
-from grader.render.plot import Form, plot_png, plot_svg
+from grader.render.plot import plot
 
 
 def draw(  # noqa: PLR0913
@@ -14,7 +15,7 @@ def draw(  # noqa: PLR0913
     report: GradeReport,
     trajectory: bytes,
     language: Language,
-    form: Form = "png",
+    form: PictureForm = "png",
     *,
     case: str | None = None,
 ) -> bytes:
@@ -31,8 +32,7 @@ def draw(  # noqa: PLR0913
     motion = trajectory_json.decode(trajectory)
     run = _run(report, case)
     figure = sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
-    plot = plot_png if form == "png" else plot_svg
-    return plot(assignment, report, motion, figure, language, case=run.case)
+    return plot(assignment, report, motion, figure, language, form=form, case=run.case)
 
 
 def _run(report: GradeReport, case: str | None) -> CaseRun:

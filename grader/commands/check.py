@@ -14,6 +14,7 @@ from grader.slot import Slot, SlotConfig
 
 if TYPE_CHECKING:
     from grader.catalog import Catalog
+    from grader.contracts.figure import PictureForm
 
 EXIT_FULL_MARKS = 0
 EXIT_NOT_FULL = 1
@@ -160,9 +161,7 @@ def _guess(catalog: "Catalog", file_name: str) -> str:
 
 def _show(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     if arguments.json:
-        from grader.render.documents import json_report
-
-        sys.stdout.write(json_report(result.report) + "\n")
+        sys.stdout.write(result.report.canonical_bytes().decode() + "\n")
     else:
         _print_table(arguments, assignment, result)
     if arguments.plot is not None:
@@ -205,10 +204,9 @@ def _check_plot_path(path: Path) -> None:
 
 def _plot(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     from grader.plots import draw
-    from grader.render.plot import Form
 
     out: Path = arguments.plot
-    form: Form = "png" if out.suffix.lower() == ".png" else "svg"
+    form: PictureForm = "png" if out.suffix.lower() == ".png" else "svg"
     cases = [run.case for run in result.report.runs]
     for case in cases:
         file = out if len(cases) == 1 else out.with_stem(f"{out.stem}-{case}")

@@ -13,6 +13,9 @@ Point = tuple[float, float]
 
 View = Literal["path", "heading", "log"]
 
+PictureForm = Literal["png", "svg"]
+"""File format of a drawn figure."""
+
 
 @record
 class SketchSide:

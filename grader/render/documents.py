@@ -1,10 +1,4 @@
-"""Reports as documents for machines: the canonical form, and what other platforms read.
-
-Standard library only, as some of these are written on hot paths.
-"""
-
-import base64
-import json
+"""Reports as other platforms read them."""
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.report import GradeReport, GradeStatus
@@ -14,15 +8,7 @@ from grader.render import quantity
 from grader.render.escape import visible
 from grader.render.labels import GRADE_STATUS, ITEM_STATUS, word
 
-MAX_PRAIRIELEARN_BYTES = 1_000_000
-"""PrairieLearn refuses results above 1 MB (docs/externalGrading.md)."""
-
 _NOT_THE_STUDENTS = frozenset({GradeStatus.ASSIGNMENT_ERROR, GradeStatus.INFRASTRUCTURE_ERROR})
-
-
-def json_report(report: GradeReport) -> str:
-    """Return the report's canonical form as text: the very bytes that its digest is taken of."""
-    return report.canonical_bytes().decode()
 
 
 def to_gradescope(report: GradeReport, language: Language = "zh") -> dict[str, object]:
@@ -75,28 +61,20 @@ def _gradescope_test(item: RubricItem, position: int, language: Language) -> dic
     }
 
 
-def to_prairielearn(
-    report: GradeReport, plot_png: bytes | None = None, language: Language = "zh"
-) -> dict[str, object]:
+def to_prairielearn(report: GradeReport, language: Language = "zh") -> dict[str, object]:
     """Return PrairieLearn's ``results.json`` for external grading (PrairieLearn docs/externalGrading.md).
 
-    A grading that failed through no fault of the student is ``gradable: false``, which costs no attempt. The
-    plot is left out when the document would grow beyond `MAX_PRAIRIELEARN_BYTES` with it.
+    A grading that failed through no fault of the student is ``gradable: false``, which costs no attempt.
     """
     if report.status in _NOT_THE_STUDENTS:
         return {"gradable": False, "message": GRADE_STATUS[report.status].get(language)}
-    document: dict[str, object] = {
+    return {
         "gradable": True,
         "score": _share(report),
         "message": visible(report.summary.get(language)),
         "output": _overview(report, language),
         "tests": [_prairielearn_test(item, language) for item in report.items],
     }
-    if plot_png is None:
-        return document
-    url = "data:image/png;base64," + base64.b64encode(plot_png).decode("ascii")
-    with_plot = {**document, "images": [{"url": url, "label": word("path", language)}]}
-    return with_plot if len(json.dumps(with_plot).encode()) <= MAX_PRAIRIELEARN_BYTES else document
 
 
 def _prairielearn_test(item: RubricItem, language: Language) -> dict[str, object]:

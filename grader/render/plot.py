@@ -8,7 +8,6 @@ import io
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Literal
 
 from matplotlib import style
 from matplotlib.axes import Axes
@@ -16,7 +15,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.figure import FigureSketch
+from grader.contracts.figure import FigureSketch, PictureForm
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Trajectory
@@ -27,9 +26,6 @@ from grader.render.motion import draw_speed, draw_turned, draw_yaw_rate
 from grader.render.plan import draw_plan
 from grader.render.scene import Scene, compose
 from grader.render.typeface import clipped, drawable, rc
-
-Form = Literal["png", "svg"]
-"""A format of picture files."""
 
 _WIDTH_IN, _HEIGHT_IN = 12.0, 6.75
 _LOG_ROW_IN = 0.34
@@ -61,16 +57,17 @@ _LOOK: dict[str, object] = {
 }
 
 
-def plot_png(  # noqa: PLR0913
+def plot(  # noqa: PLR0913
     assignment: Assignment,
     report: GradeReport,
     trajectory: Trajectory | None,
     sketch: FigureSketch | None = None,
     language: Language = "zh",
     *,
+    form: PictureForm = "png",
     case: str | None = None,
 ) -> bytes:
-    """Return the plot of one of the report's runs as PNG, 1440 x 810 pixels (log lines: as high as they need).
+    """Return the plot of one of the report's runs, 1440 x 810 pixels (log lines: as high as they need).
 
     Args:
         assignment: gives title and world.
@@ -78,28 +75,13 @@ def plot_png(  # noqa: PLR0913
         trajectory: of that run; None when the car was not recorded.
         sketch: the measured figure, from `grader.checks`; None draws the bare path.
         language: of every label.
+        form: of the file; in an SVG all text is outlines, so that it looks alike everywhere.
         case: which run; None: the first.
 
     Raises:
         ValueError: the report has no such run.
     """
-    return _draw(compose(assignment, report, trajectory, sketch, language, case), "png")
-
-
-def plot_svg(  # noqa: PLR0913
-    assignment: Assignment,
-    report: GradeReport,
-    trajectory: Trajectory | None,
-    sketch: FigureSketch | None = None,
-    language: Language = "zh",
-    *,
-    case: str | None = None,
-) -> bytes:
-    """Return the same plot as SVG (UTF-8, text as outlines, so that it looks alike everywhere)."""
-    return _draw(compose(assignment, report, trajectory, sketch, language, case), "svg")
-
-
-def _draw(scene: Scene, form: Form) -> bytes:
+    scene = compose(assignment, report, trajectory, sketch, language, case)
     # Without these entries matplotlib writes its version and the time of day into the file.
     metadata = {"Software": None} if form == "png" else {"Date": None, "Creator": None}
     target = io.BytesIO()

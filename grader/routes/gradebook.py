@@ -87,7 +87,7 @@ def read_prairielearn(
     services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
 ) -> Response:
     """Return what a PrairieLearn external grader writes."""
-    document = to_prairielearn(_report(services, caller, submission_id), language=language)
+    document = to_prairielearn(_report(services, caller, submission_id), language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 

@@ -4,7 +4,6 @@ import logging
 import re
 import time
 import uuid
-from typing import Any
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -61,12 +60,6 @@ class Observed:
             await self._app(scope, receive, send_with_id)
         finally:
             note()
-
-
-def request_id_of(scope: Scope) -> str | None:
-    """Return the id of a request that passed through `Observed`."""
-    state: dict[str, Any] = scope.get("state", {})
-    return state.get("request_id")
 
 
 def _request_id(headers: Headers) -> str:

@@ -4,13 +4,12 @@ import asyncio
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.figure import PictureForm
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
-
-PlotForm = Literal["png", "svg"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -19,7 +18,7 @@ class Wish:
 
     case: str
     language: Language
-    form: PlotForm = "png"
+    form: PictureForm = "png"
 
 
 class Plotter(Protocol):

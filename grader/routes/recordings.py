@@ -9,19 +9,20 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.figure import PictureForm
 from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.concealment import shown_assignment
-from grader.routes.plots import PlotForm, Wish
+from grader.routes.plots import Wish
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"], dependencies=[SIGHT])
 CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]
-_MEDIA_TYPES: dict[PlotForm, str] = {"png": "image/png", "svg": "image/svg+xml"}
+_MEDIA_TYPES: dict[PictureForm, str] = {"png": "image/png", "svg": "image/svg+xml"}
 _PLOT_PROBLEMS = (
     *ENTRY_PROBLEMS,
     "submission_not_found",
@@ -136,7 +137,7 @@ async def _plot(  # noqa: PLR0913, PLR0917
     submission_id: str,
     caller: Caller,
     language: Language,
-    form: PlotForm,
+    form: PictureForm,
     case: str | None,
 ) -> Response:
     assignment, report, trajectory, case_id = await run_in_threadpool(

@@ -25,7 +25,7 @@ from grader.contracts.trajectory import Contact, Trajectory
 from grader.render.dial import draw_dial
 from grader.render.loglines import draw_log
 from grader.render.plan import draw_plan
-from grader.render.plot import plot_png, plot_svg
+from grader.render.plot import plot
 from grader.render.scene import Scene, compose
 from grader.render.typeface import rc
 from tests.unit.render.samples import (
@@ -99,9 +99,9 @@ PLOTS = {
 def test_the_same_bytes_twice(case: tuple[Trajectory | None, FigureSketch | None]) -> None:
     motion, sketch = case
     arguments = (assignment(), square_report(), motion, sketch)
-    png, svg = plot_png(*arguments), plot_svg(*arguments)
-    assert png == plot_png(*arguments)
-    assert svg == plot_svg(*arguments)
+    png, svg = plot(*arguments), plot(*arguments, form="svg")
+    assert png == plot(*arguments)
+    assert svg == plot(*arguments, form="svg")
     assert png.startswith(b"\x89PNG\r\n\x1a\n")
     assert svg.startswith(b"<?xml")
     assert b"<dc:date>" not in svg
@@ -110,11 +110,11 @@ def test_the_same_bytes_twice(case: tuple[Trajectory | None, FigureSketch | None
 
 def test_the_same_bytes_in_another_process() -> None:
     motion, sketch = figure_of("square", wrong=True)
-    here = hashlib.sha256(plot_svg(assignment(), square_report(), motion, sketch)).hexdigest()
+    here = hashlib.sha256(plot(assignment(), square_report(), motion, sketch, form="svg")).hexdigest()
     program = (
         "import hashlib; from tests.unit.render.test_plot import *;"
         "m, s = figure_of('square', True);"
-        "print(hashlib.sha256(plot_svg(assignment(), square_report(), m, s)).hexdigest())"
+        "print(hashlib.sha256(plot(assignment(), square_report(), m, s, form='svg')).hexdigest())"
     )
     there = subprocess.run(
         [sys.executable, "-c", program],
@@ -128,22 +128,22 @@ def test_the_same_bytes_in_another_process() -> None:
 
 def test_size() -> None:
     motion, sketch = figure_of("square")
-    png = plot_png(assignment(), report(), motion, sketch)
+    png = plot(assignment(), report(), motion, sketch)
     assert (int.from_bytes(png[16:20]), int.from_bytes(png[20:24])) == (1440, 810)
 
 
 def test_settings_of_the_process_are_left_alone() -> None:
     before = dict(matplotlib.rcParams)
     motion, sketch = figure_of("square")
-    plot_png(assignment(), report(), motion, sketch)
+    plot(assignment(), report(), motion, sketch)
     assert dict(matplotlib.rcParams) == before
 
 
 def test_a_users_settings_do_not_show() -> None:
     motion, sketch = figure_of("square")
-    plain = plot_png(assignment(), report(), motion, sketch)
+    plain = plot(assignment(), report(), motion, sketch)
     with matplotlib.rc_context({"font.size": 30, "axes.grid": True, "lines.linewidth": 9}):
-        assert plot_png(assignment(), report(), motion, sketch) == plain
+        assert plot(assignment(), report(), motion, sketch) == plain
 
 
 def test_measures_of_a_wrong_square() -> None:
@@ -229,7 +229,7 @@ def test_hostile_text_is_drawable(view: str) -> None:
     sketch = FigureSketch(view=view, labels=(SketchLabel(at_m=(6.0, 6.0), text=t(EVIL)),))  # type: ignore[arg-type]
     motion, _ = figure_of("square")
     graded = report(summary=t(EVIL), outcome=run)
-    assert plot_png(assignment(title=t(EVIL)), graded, motion, sketch)
+    assert plot(assignment(title=t(EVIL)), graded, motion, sketch)
 
 
 def test_nothing_moved_is_said() -> None:
@@ -239,7 +239,7 @@ def test_nothing_moved_is_said() -> None:
 
 def test_a_report_without_runs_has_no_plot() -> None:
     with pytest.raises(ValueError, match="without runs"):
-        plot_png(assignment(), report(runs=()), None)
+        plot(assignment(), report(runs=()), None)
 
 
 POINT = st.tuples(st.floats(-2, 13), st.floats(-2, 13))
@@ -280,7 +280,7 @@ def test_any_motion_can_be_drawn(
     motion = turtle.trajectory()
     motion.x_m[[hole for hole in holes if hole < len(motion)]] = np.nan
     jumps = (len(motion) // 2,) if len(motion) > 2 else ()
-    assert plot_png(assignment(), report(), replace(motion, jumps=jumps), sketch)
+    assert plot(assignment(), report(), replace(motion, jumps=jumps), sketch)
 
 
 def test_of_several_runs_each_has_its_picture_and_points() -> None:
