@@ -4,9 +4,11 @@ Once alone, by its own command, and once as compose.yaml starts it: an API proce
 """
 
 import csv
+import sqlite3
 import subprocess
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import closing
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -125,6 +127,13 @@ def test_a_class_is_graded(runtime: Runtime, installation: Installation) -> None
         row["student"]: [row[f"{one} (100)"] for one in ("hello", "straight", "square")] for row in rows
     }
     assert points == {"ada": ["100", "100", "100"], "bo": ["0", "0", "77.5"]}
+
+
+def test_a_backup_is_made_while_it_runs(runtime: Runtime, installation: Installation) -> None:
+    good(runtime.execute(SERVICE, "grader", "db", "backup", "/data/backup.db"))
+    with closing(sqlite3.connect(runtime.folder / "data" / "backup.db")) as backup:
+        states = backup.execute("SELECT state, count(*) FROM submission GROUP BY state").fetchall()
+    assert states == [("graded", 8)]
 
 
 def test_it_stops_in_good_order(installation: Installation) -> None:
