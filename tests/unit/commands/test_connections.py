@@ -88,6 +88,14 @@ def test_a_body_that_never_ends_ends_the_connection() -> None:
         assert is_closed(client)
 
 
+def test_a_stop_does_not_wait_for_a_request_that_is_still_arriving() -> None:
+    with server_of(None, {}) as server, socket.create_connection(address_of(server)) as client:
+        client.sendall(b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\n12")
+        wait_until(lambda: server.server_state.tasks)
+        server.should_exit = True
+        assert is_closed(client)
+
+
 def test_the_next_request_of_a_connection_has_a_deadline_and_the_time_before_it_none_here() -> None:
     with server_of(None, {}) as server, socket.create_connection(address_of(server)) as client:
         client.settimeout(PATIENCE_S)
