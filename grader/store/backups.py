@@ -32,11 +32,11 @@ def back_up(database: Database, file: Path) -> None:
     if database.is_sqlite:
         copy_file(Path(database.name), file)
         return
-    with tempfile.TemporaryDirectory(prefix="grader-backup-") as folder:
-        with _opened(Path(folder) / "rows.db") as rows:
+    with _folder_beside(file) as folder:
+        with _opened(folder / "rows.db") as rows:
             migrate(rows)
             transfer(database, rows)
-        copy_file(Path(folder) / "rows.db", file)
+        copy_file(folder / "rows.db", file)
 
 
 def restore_file(backup: Path, database: Path) -> Path | None:
@@ -119,6 +119,19 @@ def copy_file(source: Path, target: Path) -> None:
         raise SettingsError(f"{source} could not be copied to {target}: {error}") from error
     finally:
         half.unlink(missing_ok=True)
+
+
+@contextmanager
+def _folder_beside(file: Path) -> Iterator[Path]:
+    """Make a folder where there is room for as much as `file`; in a container there is little in /tmp."""
+    try:
+        made = tempfile.TemporaryDirectory(prefix=".grader-backup-", dir=file.parent)
+    except OSError as error:
+        raise SettingsError(
+            f"{file} cannot be written: {error.strerror}", f"无法写入 {file}：{error.strerror}"
+        ) from error
+    with made as folder:
+        yield Path(folder)
 
 
 def _put(file: Path, target: Path) -> None:
