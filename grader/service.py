@@ -253,7 +253,9 @@ def check_exposure(settings: Settings, courses: Courses) -> None:
     raise SettingsError(
         f"host {settings.host} is reachable from other machines, and without a course nobody is asked who they "
         "are: create one with `grader course create`, use 127.0.0.1, or set "
-        "GRADER_ALLOW_ANONYMOUS_NETWORK=true if a proxy in front authenticates"
+        "GRADER_ALLOW_ANONYMOUS_NETWORK=true if a proxy in front authenticates",
+        f"地址 {settings.host} 能被别的机器访问，而没有课程时不核对身份：请先用 `grader course create` 创建课程，"
+        "或改用 127.0.0.1；如果前面的代理负责登录，可以设 GRADER_ALLOW_ANONYMOUS_NETWORK=true",
     )
 
 

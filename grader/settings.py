@@ -14,6 +14,7 @@ from sqlalchemy.exc import ArgumentError
 
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import Language
+from grader.contracts.validation_words import said
 
 LogFormat = Literal["text", "json"]
 LogLevel = Literal["debug", "info", "warning", "error"]
@@ -146,17 +147,29 @@ class Settings(BaseSettings):
         try:
             url = make_url(value)
         except (ArgumentError, ValueError):  # their messages may repeat parts of a password
-            raise ValueError("is not a database URL such as sqlite:////var/lib/grader/grader.db") from None
+            raise ValueError(
+                "is not a database URL such as sqlite:////var/lib/grader/grader.db",
+                "不是数据库地址，例如 sqlite:////var/lib/grader/grader.db",
+            ) from None
         if url.drivername in ("postgres", "postgresql", _POSTGRESQL):
             if not url.database:
-                raise ValueError("must name the database: postgresql+psycopg://user@host/name")
+                raise ValueError(
+                    "must name the database: postgresql+psycopg://user@host/name",
+                    "没有写数据库名：postgresql+psycopg://用户@主机/数据库",
+                )
             if "@" in (url.host or ""):
-                raise ValueError("has an @ in its password: write it as %40")
+                raise ValueError("has an @ in its password: write it as %40", "密码里的 @ 要写成 %40")
             return url.set(drivername=_POSTGRESQL).render_as_string(hide_password=False)
         if url.drivername not in ("sqlite", "sqlite+pysqlite"):
-            raise ValueError(f"knows SQLite and PostgreSQL ({_POSTGRESQL}://...), not {url.drivername}")
+            raise ValueError(
+                f"knows SQLite and PostgreSQL ({_POSTGRESQL}://...), not {url.drivername}",
+                f"只能用 SQLite 或 PostgreSQL（{_POSTGRESQL}://...），不能用 {url.drivername}",
+            )
         if url.database in (None, "", ":memory:") or "mode" in url.query:
-            raise ValueError("must name a file: a database in memory would lose every submission")
+            raise ValueError(
+                "must name a file: a database in memory would lose every submission",
+                "必须是文件：内存里的数据库会丢掉全部提交",
+            )
         return value
 
     @field_validator("instructor_token", "metrics_token")
@@ -166,9 +179,15 @@ class Settings(BaseSettings):
             return None
         token = value.get_secret_value()
         if len(token) < _SHORTEST_TOKEN or len(set(token)) < _SHORTEST_TOKEN // 2:
-            raise ValueError(f"is too easy to guess: use at least {_SHORTEST_TOKEN} random characters")
+            raise ValueError(
+                f"is too easy to guess: use at least {_SHORTEST_TOKEN} random characters",
+                f"太容易猜到：至少用 {_SHORTEST_TOKEN} 个随机字符",
+            )
         if not (token.isascii() and token.isprintable()) or " " in token:
-            raise ValueError("must be printable ASCII without spaces, to fit an HTTP header")
+            raise ValueError(
+                "must be printable ASCII without spaces, to fit an HTTP header",
+                "只能用英文字母、数字和符号，不能有空格，因为要放进 HTTP 头",
+            )
         return value
 
     @model_validator(mode="after")
@@ -176,7 +195,9 @@ class Settings(BaseSettings):
         if self.heartbeat_s * _RENEWALS_PER_LEASE > self.lease_s:
             raise ValueError(
                 f"heartbeat_s {self.heartbeat_s:g} must be at most a third of lease_s {self.lease_s:g}: "
-                "one late heartbeat would give away gradings that run well"
+                "one late heartbeat would give away gradings that run well",
+                f"heartbeat_s {self.heartbeat_s:g} 不能超过 lease_s {self.lease_s:g} 的三分之一："
+                "否则心跳只要迟到一次，正常进行的评分就会被转给别人",
             )
         return self
 
@@ -190,7 +211,9 @@ def load(**overrides: Any) -> Settings:
     try:
         return Settings(**overrides)
     except ValidationError as error:
-        raise SettingsError("; ".join(_sentence(problem) for problem in error.errors())) from None
+        problems = error.errors()
+        en, zh = ("\n".join(_sentence(one, language) for one in problems) for language in ("en", "zh"))
+        raise SettingsError(en, zh) from None
 
 
 def is_loopback(host: str) -> bool:
@@ -203,7 +226,13 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def _sentence(problem: Any) -> str:
-    name = ".".join(str(part) for part in problem["loc"])
-    text = str(problem["msg"]).removeprefix("Value error, ")
-    return f"{name}: {text}" if name else text
+def _sentence(problem: Any, language: Language) -> str:
+    """Return one problem in words; a ValueError of ours has its text in English and in Chinese."""
+    own = problem.get("ctx", {}).get("error")
+    text = said(problem, language) if own is None else own.args[language == "zh"]
+    (name,) = problem["loc"] or ("",)
+    if not name:
+        return str(text)
+    colon = "：" if language == "zh" else ": "
+    variable = str(name) if str(name).isupper() else f"{name} ({_PREFIX}{str(name).upper()})"
+    return f"{variable}{colon}{text}"

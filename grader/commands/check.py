@@ -1,7 +1,6 @@
 """`grader check FILE`: the local pre-check, with the same grading core as the service."""
 
 import argparse
-import errno
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -9,7 +8,7 @@ from typing import TYPE_CHECKING
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import SandboxUnavailableError, SubmissionError, UnknownAssignmentError
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.text import LANGUAGES, Language
+from grader.contracts.text import LANGUAGES, Language, trouble
 from grader.slot import Slot, SlotConfig
 
 if TYPE_CHECKING:
@@ -18,13 +17,6 @@ if TYPE_CHECKING:
 
 EXIT_FULL_MARKS = 0
 EXIT_NOT_FULL = 1
-_TROUBLES_WITH_FILES = {
-    errno.ENOENT: "没有这个文件",
-    errno.EISDIR: "这是文件夹，不是文件",
-    errno.EACCES: "没有权限",
-    errno.EROFS: "这里不能写文件",
-    errno.ENOSPC: "磁盘满了",
-}
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -95,8 +87,8 @@ def read_source(path: Path) -> bytes:
 
 def _file_error(code: str, name: str, error: OSError) -> SubmissionError:
     """Return what the operating system said about a file, in words."""
-    zh = _TROUBLES_WITH_FILES.get(error.errno or 0, error.strerror)
-    return SubmissionError(code, f"{name}: {error.strerror}", f"{name}：{zh}")
+    told = trouble(error)
+    return SubmissionError(code, f"{name}: {told.en}", f"{name}：{told.zh}")
 
 
 def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Assignment, GradingResult]:

@@ -104,6 +104,7 @@ def most_connections(streams: int) -> int:
     if soft - _OTHER_FILES < _FEWEST:
         needed = _OTHER_FILES + _FEWEST
         raise SettingsError(
-            f"this process may open {soft} files only: let it open {needed} or more (ulimit -n)"
+            f"this process may open {soft} files only: let it open {needed} or more (ulimit -n)",
+            f"这个进程只能打开 {soft} 个文件：请放宽到 {needed} 个以上（ulimit -n）",
         )
     return min(wanted, soft - _OTHER_FILES)

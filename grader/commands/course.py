@@ -12,11 +12,12 @@ from grader.commands.storage import (
     add_language_option,
     chosen_course,
     opened,
+    tell,
 )
 from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
-from grader.contracts.text import Text
+from grader.contracts.text import trouble
 from grader.store.roster import MAX_ROSTER_BYTES, read_roster
 
 
@@ -66,7 +67,7 @@ def _create(storage: Storage, arguments: argparse.Namespace) -> None:
         arguments.id, arguments.title or arguments.id, arguments.time_zone, actor()
     )
     storage.courses.import_roster(course.id, entries, actor())
-    _say(
+    tell(
         arguments,
         zh=f"课程 {course.id}：{len(entries)} 人；令牌只显示这一次",
         en=f"course {course.id}: {_members(len(entries))}; each token is shown this once",
@@ -79,7 +80,7 @@ def _import(storage: Storage, arguments: argparse.Namespace) -> None:
     entries = read_roster(_content(arguments.file))
     change = storage.courses.import_roster(course, entries, actor())
     added, changed, same = len(change.added), len(change.changed), change.unchanged
-    _say(
+    tell(
         arguments,
         zh=f"课程 {course}：新增 {added} 人，修改 {changed} 人，{same} 人不变",
         en=f"course {course}: {added} added, {changed} changed, {same} as they were",
@@ -99,13 +100,10 @@ def _members(count: int) -> str:
     return "1 member" if count == 1 else f"{count} members"
 
 
-def _say(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
-    sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
-
-
 def _content(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
             return file.read(MAX_ROSTER_BYTES + 1)
     except OSError as error:
-        raise CourseError(f"{path}: {error.strerror}") from error
+        told = trouble(error)
+        raise CourseError(f"{path}: {told.en}", f"{path}：{told.zh}") from error

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from grader.commands.storage import add_data_option, database_url, refuse_missing
+from grader.commands.storage import add_data_option, add_language_option, database_url, refuse_missing, tell
 from grader.contracts.errors import SettingsError
+from grader.contracts.text import Text
 from grader.settings import load
 from grader.store.backups import back_up, restore_file, restore_rows
 from grader.store.database import Database
@@ -39,6 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     for one in (up, backup, restore, move):
         add_data_option(one)
+        add_language_option(one)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -52,15 +54,28 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _migrate(database: Database, _: argparse.Namespace) -> None:
+def _migrate(database: Database, arguments: argparse.Namespace) -> None:
     with up_to_date(database) as (before, after):
-        change = "is up to date" if before == after else f"was at {before or 'none'}"
-        _say(f"{database.name}: schema {after}, {change}")
+        if before == after:
+            change = Text(zh="已是最新", en="is up to date")
+        elif before is None:
+            change = Text(zh="新建", en="made")
+        else:
+            change = Text(zh=f"原来是 {before}", en=f"was at {before}")
+        tell(
+            arguments,
+            zh=f"{database.name}：表结构 {after}，{change.zh}",
+            en=f"{database.name}: schema {after}, {change.en}",
+        )
 
 
 def _backup(database: Database, arguments: argparse.Namespace) -> None:
     back_up(database, arguments.file)
-    _say(f"{database.name} → {arguments.file}")
+    tell(
+        arguments,
+        zh=f"已备份：{database.name} → {arguments.file}",
+        en=f"backed up: {database.name} → {arguments.file}",
+    )
 
 
 def _restore(database: Database, arguments: argparse.Namespace) -> None:
@@ -68,22 +83,35 @@ def _restore(database: Database, arguments: argparse.Namespace) -> None:
         with alone(database):
             old = restore_file(arguments.file, Path(database.name))
         if old is not None:
-            _say(f"what was there: {old}")
+            tell(arguments, zh=f"原来的数据库保留在 {old}", en=f"what was there is kept as {old}")
     else:
         with alone(database):
             restore_rows(arguments.file, database, replace=arguments.replace)
-    _say(f"{arguments.file} → {database.name}")
+    tell(
+        arguments,
+        zh=f"已恢复：{arguments.file} → {database.name}",
+        en=f"put back: {arguments.file} → {database.name}",
+    )
 
 
 def _move(database: Database, arguments: argparse.Namespace) -> None:
     with _opened(load(database_url=arguments.to).database_url) as target:
         if _same(database, target):
-            raise SettingsError(f"{target.name} is the very database that is to be moved")
+            raise SettingsError(
+                f"{target.name} is the very database that is to be moved",
+                f"{target.name} 就是要迁移的那个数据库",
+            )
         check_source(database)
         with alone(database), alone(target):
             migrate(target)
-            _show(transfer(database, target))
-        _say(f"{database.name} → {target.name}: everything is the same; the old one was not changed")
+            _show(transfer(database, target), arguments)
+        tell(
+            arguments,
+            zh=f"已迁移：{database.name} → {target.name}，内容完全一致；原来的数据库没有改动。"
+            "接下来把 GRADER_DATABASE_URL 设为新地址再启动服务。",
+            en=f"moved: {database.name} → {target.name}, everything is the same; the old one was not changed. "
+            "Now set GRADER_DATABASE_URL to the new address and start the service.",
+        )
 
 
 def _same(one: Database, other: Database) -> bool:
@@ -92,15 +120,13 @@ def _same(one: Database, other: Database) -> bool:
     return one.engine.url == other.engine.url
 
 
-def _show(copied: Sequence[TableContent]) -> None:
+def _show(copied: Sequence[TableContent], arguments: argparse.Namespace) -> None:
     """Print the comparison: only what was the same on both sides comes here."""
     width = max(len(one.table) for one in copied)
+    rows, same = ("行", "一致") if arguments.lang == "zh" else ("rows", "same")
     for one in copied:
-        sys.stdout.write(f"{one.table:{width}} {one.rows:>9} rows  {one.sha256[:_SHOWN_DIGITS]}  same\n")
-
-
-def _say(line: str) -> None:
-    sys.stderr.write(line + "\n")
+        digest = one.sha256[:_SHOWN_DIGITS]
+        sys.stdout.write(f"{one.table:{width}} {one.rows:>9} {rows}  {digest}  {same}\n")
 
 
 @contextmanager

@@ -20,6 +20,7 @@ from grader.commands.storage import (
     add_language_option,
     chosen_course,
     opened,
+    tell,
 )
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
@@ -27,10 +28,10 @@ from grader.contracts.numerals import whole
 from grader.contracts.policy import NO_EXTENSION, NO_POLICY, AssignmentPolicy, Counts, Extension
 from grader.contracts.seen import Seen
 from grader.contracts.text import Text
+from grader.contracts.validation_words import said
 from grader.policy import due_for
 from grader.routes.problems import ProblemError
 from grader.routes.rule_views import ExtensionBody, PolicyBody, extension_from, policy_from
-from grader.routes.validation_words import said
 from grader.store.audit import Signature
 from grader.store.columns import utc_now
 from grader.store.policies import Policies, Rules, tag, to_document
@@ -185,11 +186,11 @@ def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) 
 def _warn_of_no_effect(extension: Extension, rules: Rules, arguments: argparse.Namespace) -> None:
     policy = rules.policy(arguments.assignment)
     if extension.due is not None and due_for(policy, extension) != extension.due:
-        told = Text(
+        tell(
+            arguments,
             zh="注意：不晚于全班的截止时间，没有作用",
             en="note: no later than everybody's due date, so without effect",
         )
-        sys.stderr.write(told.get(arguments.lang) + "\n")
 
 
 def _refusal(error: ValidationError) -> CourseError:

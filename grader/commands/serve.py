@@ -15,6 +15,7 @@ from fastapi import FastAPI
 
 from grader.commands.connections import HEADER_BYTES, BoundedConnection, most_connections
 from grader.contracts.errors import SettingsError
+from grader.contracts.text import LANGUAGES, trouble
 
 _log = logging.getLogger(__name__)
 EXIT_COULD_NOT = 2
@@ -30,6 +31,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--port", type=int, help="port; 0 takes a free one (default: 8080)")
     parser.add_argument("--data", type=Path, metavar="DIR", help="folder of the database (default: here)")
     parser.add_argument("--slots", type=int, help="gradings at once (default: one per core)")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="of what is told here (default: zh)")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -99,7 +101,11 @@ def _listening(host: str, port: int) -> socket.socket:
         listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         return listener
     except OSError as error:
-        raise SettingsError(f"cannot listen on {host}, port {port}: {error.strerror or error}") from error
+        told = trouble(error)
+        raise SettingsError(
+            f"cannot listen on {host}, port {port}: {told.en}; --port takes another one",
+            f"无法监听 {host} 的 {port} 端口：{told.zh}；可以用 --port 换一个",
+        ) from error
 
 
 def _url(listener: socket.socket) -> str:

@@ -2,6 +2,7 @@
 
 import argparse
 import getpass
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -9,7 +10,7 @@ from pathlib import Path
 
 from grader.contracts.errors import CourseError, SettingsError
 from grader.contracts.identity import no_course
-from grader.contracts.text import LANGUAGES
+from grader.contracts.text import LANGUAGES, Text, trouble
 from grader.settings import load
 from grader.store.columns import utc_now
 from grader.store.courses import Courses
@@ -44,6 +45,11 @@ def add_language_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="zh or en (default: zh)")
 
 
+def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
+    """Say on standard error what was done, in the language of `add_language_option`."""
+    sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
+
+
 def add_course_option(parser: argparse.ArgumentParser) -> None:
     """Declare which course is meant."""
     parser.add_argument("--course", metavar="ID", help="which course, when there are several")
@@ -61,7 +67,8 @@ def database_url(folder: Path | None, *, create: bool = True) -> str | None:
         if create:
             folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise SettingsError(f"--data {folder}: {error.strerror}") from error
+        told = trouble(error)
+        raise SettingsError(f"--data {folder}: {told.en}", f"--data {folder}：{told.zh}") from error
     return f"sqlite:///{(folder / DATABASE_FILE).resolve()}"
 
 

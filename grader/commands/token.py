@@ -14,6 +14,7 @@ from grader.commands.storage import (
     add_language_option,
     chosen_course,
     opened,
+    tell,
 )
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
@@ -98,8 +99,7 @@ def _revoke(storage: Storage, course: str, arguments: argparse.Namespace) -> Non
     count = storage.tokens.revoke(course, actor(), token_id=arguments.token, person=arguments.person)
     if not count:
         raise CourseError("no such token that still opens anything", "没有这样的有效令牌")
-    told = Text(zh=f"已撤销 {count} 个令牌", en=f"{count} revoked")
-    sys.stderr.write(told.get(arguments.lang) + "\n")
+    tell(arguments, zh=f"已撤销 {count} 个令牌", en=f"{count} revoked")
 
 
 def _list(storage: Storage, course: str, arguments: argparse.Namespace) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from grader.contracts.errors import SettingsError
+from grader.contracts.text import LANGUAGES
 
 _log = logging.getLogger(__name__)
 
@@ -17,6 +18,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--database-url", metavar="URL", help="the services' database")
     parser.add_argument("--data", type=Path, metavar="DIR", help="folder of a database that is a file")
     parser.add_argument("--slots", type=int, help="gradings at once (default: one per core)")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="of what is told here (default: zh)")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -27,7 +29,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     settings = load(**_overrides(arguments))
     if not settings.slots:
-        raise SettingsError("slots: a worker without slots would grade nothing")
+        raise SettingsError(
+            "slots (GRADER_SLOTS): a worker without slots would grade nothing",
+            "slots (GRADER_SLOTS)：没有槽位的评分进程什么也评不了",
+        )
     logs.configure(settings.log_format, settings.log_level)
     stopped = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):

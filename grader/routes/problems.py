@@ -15,10 +15,10 @@ from starlette.routing import Match
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.text import Language, Text
+from grader.contracts.validation_words import said
 from grader.render.escape import visible, visible_line
 from grader.routes.language import language_of
 from grader.routes.problem_types import PROBLEM_TYPES
-from grader.routes.validation_words import said
 from grader.telemetry import context
 
 _log = logging.getLogger(__name__)

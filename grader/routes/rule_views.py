@@ -17,9 +17,9 @@ from grader.contracts.policy import (
     LateStep,
     RuleError,
 )
+from grader.contracts.validation_words import OUT_OF_YEARS
 from grader.routes.numbers import Number, Whole
 from grader.routes.problems import ProblemError
-from grader.routes.validation_words import OUT_OF_YEARS
 
 _MOST_S = 10 * 366 * 86_400
 _MOST_ATTEMPTS = 10_000

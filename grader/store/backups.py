@@ -68,7 +68,10 @@ def restore_file(backup: Path, database: Path) -> Path | None:
             _forget_log(database)  # of a database that is gone
         _put(new, database)
     except (sqlite3.Error, OSError) as error:
-        raise SettingsError(f"{backup} could not be put in place of {database}: {error}") from error
+        raise SettingsError(
+            f"{backup} could not be put in place of {database}: {error}",
+            f"无法用 {backup} 替换 {database}：{error}",
+        ) from error
     finally:
         new.unlink(missing_ok=True)
         _forget_log(new)
@@ -98,9 +101,11 @@ def copy_file(source: Path, target: Path) -> None:
         SettingsError: `source` is no database of the grader, or `target` cannot be written.
     """
     if not source.is_file():
-        raise SettingsError(f"{source}: there is no such file")
+        raise SettingsError(f"{source}: there is no such file", f"{source}：没有这个文件")
     if target.exists() and target.samefile(source):  # whose users would go on with a file that has no name
-        raise SettingsError(f"{target} is the very file that is to be copied")
+        raise SettingsError(
+            f"{target} is the very file that is to be copied", f"{target} 就是要复制的那个文件"
+        )
     half = target.with_name(target.name + ".part")
     try:
         half.unlink(missing_ok=True)
@@ -116,7 +121,9 @@ def copy_file(source: Path, target: Path) -> None:
             _check(copy, source)
         _put(half, target)
     except (sqlite3.Error, OSError) as error:
-        raise SettingsError(f"{source} could not be copied to {target}: {error}") from error
+        raise SettingsError(
+            f"{source} could not be copied to {target}: {error}", f"无法把 {source} 复制到 {target}：{error}"
+        ) from error
     finally:
         half.unlink(missing_ok=True)
 
@@ -162,10 +169,10 @@ def _settle(database: Path) -> None:
 def _check(copy: sqlite3.Connection, source: Path) -> None:
     found = copy.execute("PRAGMA integrity_check").fetchone()
     if found != ("ok",):
-        raise SettingsError(f"{source} is damaged: {found[0]}")
+        raise SettingsError(f"{source} is damaged: {found[0]}", f"{source} 已损坏：{found[0]}")
     tables = {row[0] for row in copy.execute("SELECT name FROM sqlite_master WHERE type = 'table'")}
     if not {"submission", "alembic_version"} <= tables:
-        raise SettingsError(f"{source} is no database of the grader")
+        raise SettingsError(f"{source} is no database of the grader", f"{source} 不是评分系统的数据库")
 
 
 def _pass_on_access(old: Path, new: Path) -> None:

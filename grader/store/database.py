@@ -125,7 +125,7 @@ class Database:
     @contextmanager
     def _turn(self) -> Iterator[None]:
         if not self._writer.acquire(timeout=_LOCK_TIMEOUT_MS / 1_000):
-            raise InfrastructureError("the database does not answer: another writer is at it")
+            raise _no_answer("another writer is at it", "另一个写操作一直没有结束")
         try:
             yield
         finally:
@@ -140,9 +140,13 @@ class Database:
             if isinstance(error, _OF_STATEMENTS) and not error.connection_invalidated:
                 raise
             reason = " ".join(str(error.orig).split())
-            raise InfrastructureError(f"the database does not answer: {reason}") from error
+            raise _no_answer(reason, reason) from error
         except PoolTimeoutError as error:
-            raise InfrastructureError("the database does not answer: every connection is busy") from error
+            raise _no_answer("every connection is busy", "全部连接都在使用") from error
+
+
+def _no_answer(en: str, zh: str) -> InfrastructureError:
+    return InfrastructureError(f"the database does not answer: {en}", f"数据库没有回应：{zh}")
 
 
 def _engine(url: URL, connections: int) -> Engine:
@@ -162,7 +166,8 @@ def _engine(url: URL, connections: int) -> Engine:
         )
     except ImportError:
         raise SettingsError(
-            "PostgreSQL needs a driver that is not installed: pip install 'grader[postgres]'"
+            "PostgreSQL needs a driver that is not installed: pip install 'grader[postgres]'",
+            "没有安装 PostgreSQL 的驱动：pip install 'grader[postgres]'",
         ) from None
     event.listen(engine, "connect", _configure_postgresql)
     check_before_use(engine)

@@ -80,12 +80,15 @@ def alone(database: Database) -> Iterator[None]:
             try:
                 fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
-                raise OccupiedError(f"a service works with {database.name}: stop it first") from None
+                raise OccupiedError(
+                    f"a service works with {database.name}: stop it first",
+                    f"有服务正在使用 {database.name}：请先停止它",
+                ) from None
         yield
 
 
 class _ReplacedError(InfrastructureError):
-    """The database is being replaced or moved."""
+    """The database is being replaced, moved or upgraded."""
 
 
 @contextmanager
@@ -102,7 +105,9 @@ def _sharing(database: Database, who: str) -> Iterator[None]:
         connection.autocommit = False
         if not granted:
             connection.close()
-            raise _ReplacedError(f"{database.name} is being replaced or moved")
+            raise _ReplacedError(
+                f"{database.name} is being replaced, moved or upgraded", f"{database.name} 正在被替换、迁移或升级"
+            )
 
     database.engine.dispose()
     event.listen(database.engine, "connect", share)
@@ -141,7 +146,7 @@ def _take(session: Session, name: str) -> None:
         time.sleep(_LEAVING_S)
     more = [f"{len(there) - _NAMED} more"] if len(there) > _NAMED else []
     names = "; ".join([*there[:_NAMED], *more]) or "somebody who is leaving"
-    raise OccupiedError(f"{name} is in use by {names}: stop it first")
+    raise OccupiedError(f"{name} is in use by {names}: stop it first", f"{name} 正被 {names} 使用：请先停止")
 
 
 def _name(who: str) -> str:
@@ -154,7 +159,7 @@ def _lock_file(path: str) -> Iterator[int]:
     try:
         descriptor = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     except OSError as error:
-        raise SettingsError(f"{path}: {error.strerror}") from error
+        raise SettingsError(f"{path}: {error.strerror}", f"{path}：{error.strerror}") from error
     try:
         yield descriptor
     finally:

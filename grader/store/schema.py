@@ -60,7 +60,7 @@ def up_to_date(
         except OccupiedError as error:
             told = f"the tables are of an older version, but {error}"
             if time.monotonic() >= until_s:
-                raise OccupiedError(told) from error
+                raise OccupiedError(told, f"表结构是旧版本的，但{error.zh}") from error
             if wait and told != said:
                 _log.warning("waiting: %s", told)
                 said = told
@@ -93,7 +93,8 @@ def migrate(database: Database) -> tuple[str | None, str]:
     except DBAPIError as error:
         reason = str(error.orig).partition("\n")[0]
         raise SettingsError(
-            f"the tables of {database.name} cannot be brought up to date: {reason}"
+            f"the tables of {database.name} cannot be brought up to date: {reason}",
+            f"无法更新 {database.name} 的表结构：{reason}",
         ) from error
 
 
@@ -108,7 +109,10 @@ def _migrated(database: Database) -> tuple[str | None, str]:
         try:
             command.upgrade(config, "head")
         except CommandError as error:
-            raise SettingsError(f"this database does not fit this version of the grader: {error}") from error
+            raise SettingsError(
+                f"this database does not fit this version of the grader: {error}",
+                f"这个数据库和这个版本的评分系统不配套：{error}",
+            ) from error
         _sort_by_code_point(connection)
         _install_queue(connection)
         return before, expected_version()
@@ -145,7 +149,10 @@ def _check_encoding(connection: Connection) -> None:
         return
     encoding = connection.execute(text("SHOW server_encoding")).scalar_one()
     if encoding != "UTF8":
-        raise SettingsError(f"the database is encoded in {encoding}: create one with ENCODING 'UTF8'")
+        raise SettingsError(
+            f"the database is encoded in {encoding}: create one with ENCODING 'UTF8'",
+            f"数据库的编码是 {encoding}：请用 ENCODING 'UTF8' 新建一个",
+        )
 
 
 def _sort_by_code_point(connection: Connection) -> None:

@@ -54,7 +54,7 @@ def transfer(source: Database, target: Database, *, replace: bool = False) -> tu
         sent = tuple(_copied(table, origin, goal) for table in _tables())
         arrived = contents(goal)
         if sent != arrived:
-            raise InfrastructureError(f"nothing was copied: {_difference(sent, arrived)}")
+            raise _difference(sent, arrived)
         _continue_numbers(goal)
     return sent
 
@@ -67,7 +67,7 @@ def check_source(database: Database) -> None:
         InfrastructureError: it does not answer.
     """
     if database.is_sqlite and not Path(database.name).is_file():  # opening it would create one
-        raise SettingsError(f"{database.name}: there is no such file")
+        raise SettingsError(f"{database.name}: there is no such file", f"{database.name}：没有这个文件")
     with database.reading() as session:
         _check_schema(database, session)
 
@@ -85,10 +85,14 @@ def _tables() -> Sequence[Table]:
 def _check_schema(database: Database, session: Session) -> None:
     found = version(session.connection())
     if found is None:
-        raise SettingsError(f"{database.name} holds no tables of the grader: is it the right one?")
+        raise SettingsError(
+            f"{database.name} holds no tables of the grader: is it the right one?",
+            f"{database.name} 里没有评分系统的表：是不是写错了数据库？",
+        )
     if found != expected_version():
         raise SettingsError(
-            f"{database.name} is at schema {found}, not {expected_version()}: run `grader db migrate` on it first"
+            f"{database.name} is at schema {found}, not {expected_version()}: run `grader db migrate` on it first",
+            f"{database.name} 的表结构是 {found}，不是 {expected_version()}：先对它运行 `grader db migrate`",
         )
 
 
@@ -110,7 +114,10 @@ def _make_room(target: Database, goal: Session, replace: bool) -> None:
         if replace:
             goal.execute(delete(table))
         elif goal.execute(select(table).limit(1)).first() is not None:
-            raise SettingsError(f"{target.name} is not empty: there are rows in its table {table.name}")
+            raise SettingsError(
+                f"{target.name} is not empty: there are rows in its table {table.name}",
+                f"{target.name} 不是空的：表 {table.name} 里有数据",
+            )
 
 
 def _rows(table: Table, session: Session) -> Iterator[Row[Any]]:
@@ -145,7 +152,10 @@ def _copied(table: Table, origin: Session, goal: Session) -> TableContent:
         raise
     except DBAPIError as error:
         reason = " ".join(str(error.orig).split())
-        raise SettingsError(f"nothing was copied: a row of {table.name} does not fit: {reason}") from error
+        raise SettingsError(
+            f"nothing was copied: a row of {table.name} does not fit: {reason}",
+            f"什么也没有复制：表 {table.name} 有一行放不进去：{reason}",
+        ) from error
 
 
 def _summed(table: Table, rows: Iterator[Row[Any]]) -> TableContent:
@@ -176,9 +186,13 @@ def _canonical(value: object) -> tuple[bytes, bytes]:
     raise TypeError(f"no column holds {type(value).__name__}")
 
 
-def _difference(sent: Sequence[TableContent], arrived: Sequence[TableContent]) -> str:
+def _difference(sent: Sequence[TableContent], arrived: Sequence[TableContent]) -> InfrastructureError:
     (before, after) = next(pair for pair in zip(sent, arrived, strict=True) if pair[0] != pair[1])
-    return f"{after.rows} rows of {after.table} arrived, {before.rows} were sent, and they are not the same"
+    return InfrastructureError(
+        f"nothing was copied: {after.rows} rows of {after.table} arrived, {before.rows} were sent, "
+        "and they are not the same",
+        f"什么也没有复制：表 {after.table} 发出 {before.rows} 行，收到 {after.rows} 行，内容不一致",
+    )
 
 
 def _continue_numbers(goal: Session) -> None:

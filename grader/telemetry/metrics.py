@@ -133,7 +133,10 @@ def exported(metrics: Metrics, port: int, host: str = "127.0.0.1") -> Iterator[i
     try:
         server, thread = start_http_server(port, host, metrics.registry)
     except OSError as error:
-        raise SettingsError(f"metrics_port: cannot listen on {host}:{port}: {error.strerror}") from error
+        raise SettingsError(
+            f"metrics_port: cannot listen on {host}:{port}: {error.strerror}",
+            f"metrics_port：无法监听 {host}:{port}：{error.strerror}",
+        ) from error
     try:
         yield server.server_port
     finally:

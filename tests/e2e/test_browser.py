@@ -5,6 +5,7 @@ Skipped, and said so in the summary, where Chromium or its driver is missing; wh
 """
 
 from collections.abc import Iterator
+from itertools import combinations
 from pathlib import Path
 
 import httpx
@@ -76,6 +77,17 @@ def test_the_students_way(browser: Browser) -> None:
     assert "one_radian.py" in browser.one("main").text
 
 
+def apart(boxes: list[dict[str, float]]) -> bool:
+    """Whether there are several and none covers a part of another one."""
+    return len(boxes) > 1 and not any(
+        one["left"] < other["right"]
+        and other["left"] < one["right"]
+        and one["top"] < other["bottom"]
+        and other["top"] < one["bottom"]
+        for one, other in combinations(boxes, 2)
+    )
+
+
 def test_the_replay(browser: Browser) -> None:
     browser.enter("student", "bo")
     browser.all("tbody a")[-1].click()  # the earliest attempt
@@ -86,6 +98,11 @@ def test_the_replay(browser: Browser) -> None:
     assert end > 10.0
     assert len(browser.all("[data-graphs] svg")) == 2
     assert "✗ 57.3°" in browser.one("[data-plan]").text
+    assert apart(
+        browser.js(
+            "return [...document.querySelectorAll('.remark')].map((one) => one.getBoundingClientRect().toJSON())"
+        )
+    )
     browser.one("[data-scrub]").send_keys(HOME)
     assert shown() == 0.0
     assert place() != finish
@@ -214,6 +231,11 @@ def test_a_phone_shows_everything(browser: Browser, token: str, service: httpx.C
         browser.open(f"{page}?lang={language}")
         browser.until(lambda: not browser.all("#replay:not([data-ready])"))
         assert browser.js("return document.documentElement.scrollWidth") <= PHONE[0], page
+    browser.enter("student", "bo")  # whose attempts show their scores without scrolling
+    browser.open(f"/submissions?lang={language}")
+    assert browser.js(
+        "const one = document.querySelector('.scroll'); return one.scrollWidth <= one.clientWidth"
+    )
 
 
 def test_every_control_has_a_name(browser: Browser, token: str) -> None:

@@ -141,5 +141,5 @@ def test_a_second_server_on_the_same_port_says_so(client: httpx.Client, tmp_path
     command = [sys.executable, "-m", "grader", "serve", "--port", port, "--data", str(tmp_path)]
     failed = subprocess.run(command, capture_output=True, text=True, check=False)
     assert failed.returncode == 2
-    assert failed.stderr.startswith("grader: cannot listen on 127.0.0.1")
+    assert failed.stderr.startswith(f"grader: 无法监听 127.0.0.1 的 {port} 端口：已被别的程序占用")
     assert "Traceback" not in failed.stderr

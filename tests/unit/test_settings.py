@@ -99,6 +99,22 @@ def test_values_out_of_range_are_refused_by_name(field: str, value: float) -> No
         load(**{field: value})
 
 
+@pytest.mark.parametrize(
+    ("field", "value", "en", "zh"),
+    [
+        ("slots", -1, "slots (GRADER_SLOTS): Use 0 or more.", "slots (GRADER_SLOTS)：不能小于 0。"),
+        ("lease_s", 0, "lease_s (GRADER_LEASE_S): Use more than 0.", "lease_s (GRADER_LEASE_S)：要大于 0。"),
+        ("database_url", "sqlite://", "must name a file", "必须是文件"),
+        ("heartbeat_s", 9.0, "heartbeat_s 9 must be at most a third", "heartbeat_s 9 不能超过"),
+    ],
+)
+def test_a_refusal_names_the_variable_in_both_languages(field: str, value: object, en: str, zh: str) -> None:
+    with pytest.raises(SettingsError) as caught:
+        load(**{field: value})
+    assert en in caught.value.told("en")
+    assert zh in caught.value.told("zh")
+
+
 def test_the_environment_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("GRADER_PORT", "9000")
     monkeypatch.setenv("DATABASE_URL", "sqlite:////var/lib/grader.db")

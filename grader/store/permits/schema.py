@@ -61,13 +61,15 @@ def _replaceable(found: str | None, digest: str) -> bool:
     owner, version, known = (found or "").split() if len((found or "").split()) == 3 else ("", "", "")
     if owner != _PREFIX:
         raise SettingsError(
-            "the database holds tables of Procrastinate that the grader did not make: give it its own database"
+            "the database holds tables of Procrastinate that the grader did not make: give it its own database",
+            "数据库里有别的程序建的 Procrastinate 表：请给评分系统单独一个数据库",
         )
     if known == digest:
         return False
     if _number(version) > _number(__version__):
         raise SettingsError(
-            f"the queue's tables were made by Procrastinate {version}, newer than {__version__} that is installed"
+            f"the queue's tables were made by Procrastinate {version}, newer than {__version__} that is installed",
+            f"队列的表由 Procrastinate {version} 建立，比这里安装的 {__version__} 新",
         )
     return True
 

@@ -32,7 +32,7 @@ def database(tmp_path: Path):
 @pytest.fixture
 def db(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     def run(action: str, file: Path, status: int = 0) -> str:
-        assert cli.run(["db", action, str(file), "--data", str(tmp_path)]) == status
+        assert cli.run(["db", action, str(file), "--data", str(tmp_path), "--lang", "en"]) == status
         return capsys.readouterr().err
 
     return run
@@ -142,10 +142,12 @@ def test_a_service_that_leaves_grading_to_others_is_not_overlooked(
 
 def test_the_schema_is_brought_up_to_date(blank_url: str, monkeypatch, capsys) -> None:
     monkeypatch.setenv("GRADER_DATABASE_URL", blank_url)
-    assert cli.run(["db", "migrate"]) == 0
-    assert "was at none" in capsys.readouterr().err
-    assert cli.run(["db", "migrate"]) == 0
+    assert cli.run(["db", "migrate", "--lang", "en"]) == 0
+    assert ", made" in capsys.readouterr().err
+    assert cli.run(["db", "migrate", "--lang", "en"]) == 0
     assert "is up to date" in capsys.readouterr().err
+    assert cli.run(["db", "migrate"]) == 0
+    assert "已是最新" in capsys.readouterr().err
 
 
 def test_an_installation_moves_to_postgresql(
@@ -153,7 +155,7 @@ def test_an_installation_moves_to_postgresql(
 ) -> None:
     id_ = add(database, "a")
     url = postgres_url.replace("postgres@", "postgres:3q9fKx72@")
-    move = ["db", "move", "--data", str(tmp_path), "--to", url]
+    move = ["db", "move", "--data", str(tmp_path), "--lang", "en", "--to", url]
     with in_use(database):
         assert cli.run(move) == 2
     assert cli.run(move) == 0
@@ -181,13 +183,13 @@ def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
     file = f"sqlite:///{tmp_path / 'grader.db'}"
     for source, target, why in (
         (blank, f"sqlite:///{tmp_path / 'new.db'}", "holds no tables of the grader"),
-        (f"sqlite:///{tmp_path / 'nothing/grader.db'}", blank, "没有这个数据库"),
+        (f"sqlite:///{tmp_path / 'nothing/grader.db'}", blank, "there is no database"),
         (file, file, "the very database"),
         (file, strange, "cannot be brought up to date"),
         (file, blank.replace("/blank_", "/none_"), "does not exist"),
     ):
         monkeypatch.setenv("GRADER_DATABASE_URL", source)
-        assert cli.run(["db", "move", "--to", target]) == 2
+        assert cli.run(["db", "move", "--lang", "en", "--to", target]) == 2
         said = capsys.readouterr().err
         assert why in said
         assert said.count("\n") == 1
@@ -204,11 +206,11 @@ def test_postgresql_is_backed_up_and_restored(
     backup = str(tmp_path / "backup.db")
     assert cli.run(["db", "backup", backup]) == 0
     second = add(database, "b")
-    assert cli.run(["db", "restore", backup]) == 2
+    assert cli.run(["db", "restore", backup, "--lang", "en"]) == 2
     assert "not empty" in capsys.readouterr().err
     settings = Settings(database_url=postgres_url, slots=0)
     with service.running(settings, lambda _: None, FakePreflight()):
-        assert cli.run(["db", "restore", "--replace", backup]) == 2
+        assert cli.run(["db", "restore", "--replace", backup, "--lang", "en"]) == 2
     assert "in use by grader serve" in capsys.readouterr().err
     assert cli.run(["db", "restore", "--replace", backup]) == 0
     assert Submissions(database, utc_now).source(first) == b"a"

@@ -156,17 +156,26 @@ def test_a_student_sees_when_it_is_due_and_what_lateness_leaves(
     browser: Browser, tokens: dict[str, str], services: Services, put: Callable[..., str]
 ) -> None:
     signed = Signature(services.clock(), "ros", "wang")
-    policy = AssignmentPolicy(due=DUE, late=LateRule(kind="linear", per_day=0.1))
+    policy = AssignmentPolicy(due=DUE, late=LateRule(kind="linear", per_day=0.1), accept_late_s=36 * 3600)
     services.policies.set("square", policy, signed)
     browser.get("/?lang=en")
     assert browser.enter(token=tokens["li"]).headers["Location"] == "/"
     due = browser.get("/assignments/square").text
     assert "<time>2026-03-20 23:59</time> <small>Asia/Shanghai</small>" in due  # not the clock of the browser
+    assert "Lateness: −10 % a day, accepted for 36 h" in due
+    assert "Due 2026-03-20 23:59" in browser.get("/").text
+    handed_in = services.clock().astimezone(ZoneInfo("Asia/Shanghai"))
     result = put(student="li", course="ros")
-    assert "Handed in after" not in browser.get(result).text
+    shown = browser.get(result).text
+    assert "Handed in after" not in shown
+    assert f"<time>{handed_in:%Y-%m-%d %H:%M}</time>" in shown
+    assert "instants.js" not in shown
+    assert "On the clock of the course, Asia/Shanghai." in shown
     earlier = replace(policy, due=services.clock() - timedelta(hours=25))
     services.policies.set("square", earlier, signed)
     assert "80 % is kept, 4 points" in browser.get(result).text
+    services.policies.set("square", replace(policy, accept_late_s=0), signed)
+    assert "Lateness: nothing is accepted after it is due" in browser.get("/assignments/square").text
 
 
 def test_wrong_rules_change_nothing_and_lose_nothing(wang: Browser, services: Services) -> None:

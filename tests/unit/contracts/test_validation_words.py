@@ -8,7 +8,7 @@ import pytest
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from grader.contracts.text import LANGUAGES
-from grader.routes.validation_words import said
+from grader.contracts.validation_words import said
 
 
 class Colour(enum.Enum):
@@ -20,6 +20,7 @@ class Everything(BaseModel):
 
     needed: int
     count: Annotated[int, Field(ge=1, le=9)] = 1
+    pause: Annotated[int, Field(gt=0)] = 1
     share: Annotated[float, Field(allow_inf_nan=False)] = 0.0
     text: Annotated[str, Field(min_length=2, max_length=3, pattern="^[a-z]*$")] = "aa"
     chosen: Literal["a", "b"] = "a"
@@ -40,6 +41,7 @@ class Everything(BaseModel):
         ("needed", "9" * 5000, "whole"),
         ("count", 0, "1 or more"),
         ("count", 10, "9 or less"),
+        ("pause", 0, "more than 0"),
         ("share", "x", "number"),
         ("share", None, "number"),
         ("share", "nan", "finite"),

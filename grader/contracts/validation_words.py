@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
+from grader.contracts.numerals import written
 from grader.contracts.text import Language, Text
 
 _NUMBER = Text(zh="要填一个数。", en="This is no number.")
@@ -20,6 +21,7 @@ OUT_OF_YEARS: Final = ("out_of_years", "Use a year from 2000 to 2200.")
 _WORDS: Mapping[str, Text] = {
     "missing": Text(zh="缺少这个字段。", en="This field is missing."),
     "extra_forbidden": Text(zh="没有这个字段。", en="There is no such field."),
+    "greater_than": Text(zh="要大于 {gt}。", en="Use more than {gt}."),
     "greater_than_equal": Text(zh="不能小于 {ge}。", en="Use {ge} or more."),
     "less_than_equal": Text(zh="不能大于 {le}。", en="Use {le} or less."),
     "string_too_short": Text(zh="至少 {min_length} 个字。", en="Use at least {min_length} characters."),
@@ -53,4 +55,9 @@ _WORDS: Mapping[str, Text] = {
 def said(problem: Mapping[str, Any], language: Language) -> str:
     """Return one of pydantic's `errors()` as a sentence; pydantic's own, in English, of a kind not known here."""
     known = _WORDS.get(problem["type"])
-    return str(problem["msg"]) if known is None else known.get(language).format(**problem.get("ctx", {}))
+    if known is None:
+        return str(problem["msg"])
+    limits = problem.get("ctx", {}).items()
+    return known.get(language).format(
+        **{name: written(value) if isinstance(value, float) else value for name, value in limits}
+    )
