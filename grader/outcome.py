@@ -9,13 +9,18 @@ printing when a clock ended it. The trajectory of such a script is kept, because
 """
 
 import json
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Final
+
+import numpy as np
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream, StudentError
+from grader.jail.layout import standard_library
 from grader.jail.report import JailReport, Verdict
 from grader.sim.episode import EpisodeResult
 from grader.sim.frames import EXCEPTION, FINISHED, PRINTED_TOO_MUCH, STALLED, SYNTAX_ERROR, Exit
@@ -57,6 +62,12 @@ _REFUSED: Final = re.compile(r"\[Errno (?:1|13|30)\]")
 _THREAD_OUT_OF_MEMORY: Final = re.compile(r".*, line \d+: MemoryError(?::|$)")
 _ADDRESS: Final = re.compile(r" at 0x[0-9a-f]+>")
 _MASKED: Final = " at 0x…>"
+_MODULES: Final = (
+    (str(Path(__file__).resolve().parent / "shim"), "/opt/ros/humble/local/lib/python3.10/dist-packages"),
+    (os.path.dirname(os.path.dirname(np.__file__)), "/usr/lib/python3/dist-packages"),
+    (standard_library(), "/usr/lib/python3.10"),
+)
+"""Folders of modules here and at home: ``cannot import name 'Node' from 'rclpy' (…)`` names one."""
 
 
 def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
@@ -201,16 +212,20 @@ def _streams(episode: EpisodeResult, jail: JailReport) -> tuple[Stream, Stream]:
     return masked_stream(jail.stdout), masked_stream(jail.stderr)
 
 
-# ---------------------------------------------------------------------------------------------- addresses
+# -------------------------------------------------------------------------------------- what hosts differ in
 
 
 def _masked(text: str) -> str:
-    """Return `text` with object addresses as ``0x…``: where the host insists on random ones they differ."""
-    return _ADDRESS.sub(_MASKED, text) if " at 0x" in text else text
+    """Return `text` with object addresses as ``0x…`` and modules where they are on a student's PC."""
+    if " at 0x" in text:
+        text = _ADDRESS.sub(_MASKED, text)
+    for here, at_home in _MODULES:
+        text = text.replace(here, at_home)
+    return text
 
 
 def masked_stream(stream: Stream) -> Stream:
-    """Return `stream` with object addresses masked, as ``<node at 0x7f1c…>`` becomes ``<node at 0x…>``."""
+    """Return `stream` masked, as ``<node at 0x7f1c…>`` becomes ``<node at 0x…>``."""
     return replace(stream, text=_masked(stream.text))
 
 

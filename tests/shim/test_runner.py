@@ -17,11 +17,13 @@ _ADDRESS = re.compile(r"0x[0-9a-f]+")
 def test_the_script_is_main(run_bare: RunScript) -> None:
     run = run_bare(
         "import sys, __main__, pickle\nprint(__name__, __file__, sys.argv, __main__.__dict__ is globals())\n"
-        "class A: pass\nprint(type(pickle.loads(pickle.dumps(A()))) is A, __doc__, __spec__)\n",
+        "class A: pass\nprint(type(pickle.loads(pickle.dumps(A()))) is A, __doc__, __spec__, sys.path[0])\n",
         args=["--speed", "2"],
         file_name="square.py",
     )
-    assert run.stdout == "__main__ square.py ['square.py', '--speed', '2'] True\nTrue None None\n"
+    assert run.stdout == (
+        "__main__ square.py ['square.py', '--speed', '2'] True\nTrue None None /home/student/ros2_ws\n"
+    )
     assert run.returncode == 0
 
 
@@ -111,7 +113,8 @@ def test_a_syntax_error_is_reported_as_python_does(run_bare: RunScript) -> None:
         (b"def f():\nreturn 1\n", "IndentationError", 2),
         (b"if 1:\n\tx = 1\n        y = 2\n", "TabError", 3),
         (b"x = 1\x00", ("SyntaxError", "ValueError"), None),
-        (b"x = '\xff'\n", "SyntaxError", None),
+        ("x = 1\n# 小乌龟\n".encode("gbk"), "SyntaxError", 2),  # in a comment, which `compile` lets pass
+        ("x = 1\n".encode("utf-16"), "SyntaxError", 1),
         (b"# coding: nonsense\n", "SyntaxError", None),
     ],
 )
@@ -246,6 +249,19 @@ def test_print_exc_and_inspect_find_the_source(run_bare: RunScript) -> None:
     )
     assert run.stdout.startswith("def f():\n    return 1\nTraceback")
     assert "\n    1 / 0\n" in run.stdout
+
+
+def test_tracebacks_that_a_script_shows_have_its_frames_only(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import asyncio, logging, traceback, json\nfrom concurrent.futures import ThreadPoolExecutor\n"
+        "def f():\n    json.loads('{')\nasync def main():\n    asyncio.get_running_loop().call_soon(f)\n"
+        "asyncio.run(main())\n"
+        "try:\n    ThreadPoolExecutor().submit(f).result()\nexcept ValueError as error:\n"
+        "    logging.exception('oops')\n    traceback.print_tb(error.__traceback__)\n"
+    )
+    places = [line for line in run.stderr.splitlines() if line.startswith("  File")]
+    in_f, in_module = '  File "student.py", line 4, in f', '  File "student.py", line 9, in <module>'
+    assert places == [in_f, in_module, in_f, in_module, in_f]
 
 
 def test_what_was_printed_survives_a_kill(run_bare: RunScript) -> None:

@@ -138,3 +138,15 @@ def test_clocks_stay_functions_as_attributes_of_a_class(run_bare: RunScript) -> 
         "logging.basicConfig(stream=sys.stdout, format='%(asctime)s %(message)s')\nlogging.warning('late')\n"
     )
     assert run.stdout == ("1700000001.500003 /home/student/ros2_ws a\n2023-11-14 22:13:21,500 late\n")
+
+
+def test_functions_are_copied_and_called_by_name_as_those_written_in_c(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import copy, os, pickle, time\nclass Car: pass\ncar = Car()\ncar.now = time.time\n"
+        "print(copy.deepcopy(car).now(), pickle.loads(pickle.dumps(open)) is open, os.getcwd)\n"
+        "time.time - 1.0\n"
+    )
+    assert run.stdout == "1700000000.000001 True <built-in function getcwd>\n"
+    assert run.exit["message"] == (
+        "unsupported operand type(s) for -: 'builtin_function_or_method' and 'float'"
+    )

@@ -35,6 +35,12 @@ CASES = {
         "TypeError",
         "Node.create_publisher() missing 1 required positional argument: 'qos_profile'",
     ),
+    "class for a node": ("rclpy.spin(Node)", "TypeError", "'property' object is not iterable"),
+    "called instead of named": (
+        "node.create_timer(0.1, publisher.publish(msg))\nrclpy.spin(node)",
+        "TypeError",
+        "'NoneType' object is not callable",
+    ),
     "qos of a wrong type": (
         "node.create_publisher(Twist, 'a', '10')",
         "TypeError",
@@ -94,6 +100,13 @@ def test_logging_a_number(run_script):
     assert run.exit["type"] == "TypeError"
     assert run.exit["message"].startswith("rclpy_logging_rcutils_log(): incompatible function arguments.")
     assert ", 'n', 5, " in run.exit["message"]
+
+
+def test_topic_and_type_in_the_order_of_ros_1(run_script):
+    run = run_script(PREFIX + "node.create_publisher('/turtle1/cmd_vel', Twist, 10)\n")
+    assert run.exit["type"] == "TypeError"
+    assert run.exit["message"].startswith("rclpy_resolve_name(): incompatible function arguments.")
+    assert run.exit["message"].endswith(">, <class 'geometry_msgs.msg._twist.Twist'>, False, False")
 
 
 def test_forgotten_spin_ends_at_once(run_script):

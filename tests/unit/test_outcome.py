@@ -1,11 +1,14 @@
 """One account out of two: every way in which a script's own word and the sandbox's can meet."""
 
+import os
 from dataclasses import replace
 from itertools import product
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import grader
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream
 from grader.contracts.services import ServiceCall, ServiceResult
@@ -15,6 +18,9 @@ from grader.outcome import is_repeatable, merge
 from grader.sim.episode import EpisodeResult
 from grader.sim.frames import EXCEPTION, FINISHED, PRINTED_TOO_MUCH, STALLED, SYNTAX_ERROR, Exit
 
+ROS = "/opt/ros/humble/local/lib/python3.10/dist-packages"
+DIST = "/usr/lib/python3/dist-packages"
+PYTHON = "/usr/lib/python3.10"
 INTERRUPTED = Note(code="interrupted")
 FORBIDDEN = Note(code="forbidden", text="subprocess.Popen: ls")
 JAIL = JailReport(
@@ -267,9 +273,11 @@ def test_a_signal_is_named_only_when_it_ended_the_script() -> None:
         ("<function f at 0x55aa> and <f at 0x1>", "<function f at 0x…> and <f at 0x…>"),
         ("colour #0x7f, at 0x10, at 0xZZ>", "colour #0x7f, at 0x10, at 0xZZ>"),
         ("0x7f1c2d3e4f50", "0x7f1c2d3e4f50"),
+        (f"({Path(grader.__file__).parent}/shim/rclpy/__init__.py)", f"({ROS}/rclpy/__init__.py)"),
+        (f"from '{np.__file__}', '{os.__file__}'", f"from '{DIST}/numpy/__init__.py', '{PYTHON}/os.py'"),
     ],
 )
-def test_object_addresses_are_masked_and_nothing_else(raw: str, shown: str) -> None:
+def test_addresses_and_folders_of_the_host_are_masked_and_nothing_else(raw: str, shown: str) -> None:
     episode = replace(
         EPISODE,
         exit=raised("ValueError", raw)._replace(detail=raw),

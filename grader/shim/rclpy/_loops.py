@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import _ast
 
+from rclpy._encoding import require_utf8
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from types import CodeType
@@ -31,6 +33,7 @@ def compile_script(source: bytes, file_name: str) -> CodeType:
     Raises:
         SyntaxError, ValueError, RecursionError, MemoryError, OverflowError: as `compile` does.
     """
+    require_utf8(source, file_name)
     if not any(word in source for word in _WORDS):
         return _compile(source, file_name)
     try:

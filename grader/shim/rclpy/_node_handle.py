@@ -117,7 +117,18 @@ class NodeHandle(Handle):
         return expanded
 
     def resolve(self, name: str, only_expand: bool, service: bool) -> str:
-        """Return the absolute, remapped form of a name; RCLError when it is invalid."""
+        """Return the absolute, remapped form of a name.
+
+        Raises:
+            RCLError: the name is invalid. TypeError: it is none, as when a topic and its type changed places.
+        """
+        if not isinstance(name, str):
+            raise TypeError(
+                "rclpy_resolve_name(): incompatible function arguments. The following argument types are "
+                "supported:\n    1. (arg0: rclpy::Node, arg1: str, arg2: bool, arg3: bool) -> str\n\n"
+                f"Invoked with: <rclpy._rclpy_pybind11.Node object at {id(self):#x}>, {name!r}, "
+                f"{only_expand}, {service}"
+            )
         try:
             return self.expand_and_remap(name, service=service, only_expand=only_expand)
         except ValueError as fault:

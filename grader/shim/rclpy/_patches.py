@@ -43,6 +43,7 @@ LAZY = {
     "socket": ("_patches_host", "patch_socket"),
     "subprocess": ("_patches_programs", "patch_subprocess"),
     "threading": ("_patches_threading", "patch_threading"),
+    "traceback": ("_report", "patch_traceback"),
     "uuid": ("_patches_host", "patch_uuid"),
 }
 """Module -> (our module, function called with it once it is there)."""
@@ -97,22 +98,41 @@ def find_copies() -> None:
             _copies.extend(_copies_in(module, replacements))
 
 
-def _like_builtins(table: dict[str, object]) -> dict[str, object]:
-    """Return `table` with functions that stay themselves as attributes of a class, as those written in C do.
+class Builtin(staticmethod):  # type: ignore[type-arg]
+    """A function that is no method as a class's attribute, and is copied and called as those written in C.
 
-    `logging.Formatter.converter` is `time.localtime`; a method it must not become.
+    `logging.Formatter.converter` is `time.localtime`; a method it must not become. Who forgets the parentheses of
+    ``time.time()`` meets the type's name in the error.
     """
-    function = type(_like_builtins)
-    return {name: staticmethod(new) if isinstance(new, function) else new for name, new in table.items()}
+
+    def __init__(self, function: Callable[..., Any], module: str) -> None:
+        super().__init__(function)
+        self.__module__ = module
+
+    def __repr__(self) -> str:
+        return f"<built-in function {self.__name__}>"
+
+    def __reduce__(self) -> str:
+        return self.__name__
 
 
-_FILES = _like_builtins(_patches_files.REPLACED)
-_OPEN = _like_builtins(_patches_files.REPLACED_OPEN)
+Builtin.__name__ = Builtin.__qualname__ = "builtin_function_or_method"
+Builtin.__module__ = "builtins"
+
+
+def _like_builtins(module: ModuleType, table: dict[str, object]) -> dict[str, object]:
+    """Return `table` with functions that behave as those written in C."""
+    function: Any = type(_like_builtins)
+    name = module.__name__
+    return {key: Builtin(new, name) if isinstance(new, function) else new for key, new in table.items()}
+
+
+_FILES = _like_builtins(os, _patches_files.REPLACED)
+_OPEN = _like_builtins(io, _patches_files.REPLACED_OPEN)
 _REPLACED: tuple[tuple[ModuleType, dict[str, object]], ...] = (
-    (time, _like_builtins(_patches_time.REPLACED)),
-    (_thread, _like_builtins(_patches_thread.REPLACED)),
-    (os, _like_builtins(_patches_host.REPLACED)),
-    (os, _like_builtins(_patches_programs.REPLACED)),
+    (time, _like_builtins(time, _patches_time.REPLACED)),
+    (_thread, _like_builtins(_thread, _patches_thread.REPLACED)),
+    (os, _like_builtins(os, {**_patches_host.REPLACED, **_patches_programs.REPLACED})),
     (os, _FILES),
     (io, _OPEN),
     (builtins, _OPEN),

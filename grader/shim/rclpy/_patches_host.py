@@ -106,6 +106,10 @@ def times() -> os.times_result:
     return os.times_result((seconds, 0.0, 0.0, 0.0, seconds))
 
 
+def getloadavg() -> tuple[float, float, float]:
+    return (0.0, 0.0, 0.0)
+
+
 def kill(pid: int, number: int, /) -> None:
     """A signal to the script itself is virtual, any other is refused by the sandbox."""
     if pid not in (PID, 0):
@@ -129,6 +133,7 @@ REPLACED: dict[str, object] = {
     "get_terminal_size": get_terminal_size,
     "uname": uname,
     "cpu_count": cpu_count,
+    "getloadavg": getloadavg,
     "process_cpu_count": cpu_count,
     "sched_getaffinity": sched_getaffinity,
     "times": times,

@@ -9,6 +9,7 @@ from rclpy._scheduler import Thread
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from types import FrameType, TracebackType
     from typing import Any
 
@@ -49,6 +50,18 @@ def prime_linecache(linecache: Any) -> None:
     linecache.cache[script.file_name] = entry
 
 
+def patch_traceback(traceback: Any) -> None:
+    """Let tracebacks that a script prints or logs show its own frames only: no other is the same on each host."""
+    summary = traceback.StackSummary
+    extract = summary._extract_from_extended_frame_gen.__func__
+
+    def extract_own(kind: Any, /, frames: Iterable[tuple[FrameType, Any]], **options: Any) -> Any:
+        own = ((frame, place) for frame, place in frames if frame.f_code.co_filename == script.file_name)
+        return extract(kind, own, **options)
+
+    summary._extract_from_extended_frame_gen = classmethod(extract_own)
+
+
 def line_of(error: BaseException) -> int:
     """Return the line of the innermost frame of the student's file; 0 when there is none."""
     if isinstance(error, SyntaxError) and error.filename == script.file_name:
@@ -82,32 +95,26 @@ def format_exception(error: BaseException) -> str:
         import traceback
 
         exception = traceback.TracebackException(type(error), error, error.__traceback__, compact=True)
-        _strip(exception, set())
+        _add_texts(exception)
         return "".join(exception.format())
     except Exception:
         return f"{one_line(error)}\n"
 
 
-def _strip(exception: Any, seen: set[int]) -> None:
-    """Drop the frames of other files, here and in everything that `exception` is chained to."""
+def _add_texts(exception: Any) -> None:
+    """Give each SyntaxError of the compiler in the chain its line, which Python looks up in the file."""
+    seen: set[int] = set()
     waiting = [exception]
     while waiting:
         one = waiting.pop()
         if one is None or id(one) in seen:
             continue
         seen.add(id(one))
-        one.stack[:] = [frame for frame in one.stack if frame.filename == script.file_name]
         if getattr(one, "filename", None) == script.file_name and not getattr(one, "text", None):
-            _add_text(one)
+            lines = script.lines()
+            number = int(one.lineno or 0)
+            one.text = lines[number - 1] if 0 < number <= len(lines) else one.text
         waiting += [one.__cause__, one.__context__, *(getattr(one, "exceptions", None) or ())]
-
-
-def _add_text(exception: Any) -> None:
-    """Give a SyntaxError found by the compiler its line, which Python looks up in the file."""
-    lines = script.lines()
-    number = int(exception.lineno or 0)
-    if 0 < number <= len(lines):
-        exception.text = lines[number - 1]
 
 
 def print_exception(error: BaseException) -> None:
@@ -156,9 +163,7 @@ def _format_frames(args: Any) -> str:
     """Return the student's frames under their heading; empty when there are none."""
     import traceback
 
-    exception = traceback.TracebackException(args.exc_type, args.exc_value, args.exc_traceback, compact=True)
-    _strip(exception, set())
-    frames = exception.stack.format()
+    frames = traceback.format_tb(args.exc_traceback)
     return "".join(["Traceback (most recent call last):\n", *frames]) if frames else ""
 
 

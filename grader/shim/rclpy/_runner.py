@@ -15,6 +15,7 @@ from types import CodeType, ModuleType
 import rclpy._importer  # noqa: F401 - the interface packages can be imported from now on
 from rclpy import _loops, _output, _patches, _report, _wire
 from rclpy._channel import Descriptor
+from rclpy._entries import WORK
 from rclpy._kernel import kernel
 from rclpy._link import link
 from rclpy._storage import storage
@@ -116,6 +117,7 @@ def _prepare(start: dict[str, Any], source: bytes) -> ModuleType:
     _patches.begin(start["seed"])
     storage.place_script(start["file_name"], source)
     sys.argv = [start["file_name"], *start["args"]]
+    sys.path.insert(0, WORK)
     _open_stdin(start["stdin"])
     _output.budget.limit(start.get("output_bytes"), _end_at_output_limit)
     module = ModuleType("__main__")

@@ -96,6 +96,7 @@ class Executor(Dispatcher):
             return False
         self._nodes[node] = None
         node.executor = self
+        iter(node.subscriptions)  # of a class instead of a node it is a property, as the first wait finds
         self.wake()
         return True
 
