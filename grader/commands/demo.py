@@ -20,6 +20,7 @@ from grader.catalog import Catalog
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.text import LANGUAGES
 from grader.render.dashboard import render_dashboard
+from grader.render.labels import word
 from grader.render.terminal import console
 
 _START_S = 60.0
@@ -55,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
         locations = [hand_in(client, upload) for upload in uploads]
         await_grades(client, locations, output)
         spent_s = time.monotonic() - start
-        output.print(f"{len(uploads)} submissions, {spent_s:.1f} s")
+        output.print(word("demo_graded", arguments.lang, count=len(uploads), seconds=f"{spent_s:.1f}"))
         for upload, location in zip(uploads, locations, strict=True):
             _save_plots(
                 client,
@@ -63,9 +64,10 @@ def run(arguments: argparse.Namespace) -> int:
                 plots / f"{upload.student}-{upload.assignment}-{upload.path.stem}",
                 arguments.lang,
             )
-        dashboard = client.get("/api/v1/dashboard").raise_for_status().json()
+        wanted = {"lang": arguments.lang}
+        dashboard = client.get("/api/v1/dashboard", params=wanted).raise_for_status().json()
     output.print(render_dashboard(dashboard, language=arguments.lang))
-    output.print(f"plots: {plots}/")
+    output.print(word("demo_kept", arguments.lang, plots=plots, data=arguments.output), soft_wrap=True)
     return 0
 
 

@@ -6,7 +6,7 @@ from typing import Final, Literal
 from grader.contracts.limits import Limits
 from grader.contracts.record import record
 from grader.contracts.services import ServiceCall
-from grader.contracts.text import EMPTY, Text
+from grader.contracts.text import EMPTY, Language, Text
 
 Profile = Literal["nominal", "rough"]
 Input = Literal["script", "text"]
@@ -144,6 +144,13 @@ class Assignment:
     def item_on(self, measure: str) -> ItemSpec | None:
         """Return the first item that judges `measure`, or None."""
         return next((item for item in self.items if item.measure == measure), None)
+
+    def item_title(self, item_id: str, language: Language) -> str:
+        """Return the title of an item of a report, with the case where there are several; unknown ids stay."""
+        case_id, _, name = item_id.rpartition("/")
+        title = next((item.title.get(language) for item in self.items if item.id == name), name)
+        case = next((case.title.get(language) for case in self.cases if case.id == case_id), "") or case_id
+        return f"{title} ({case})" if case else title
 
 
 @record

@@ -20,6 +20,7 @@ _NAME_CHARACTERS = 24
 _HARDEST = 3
 _ASSIGNMENTS_PER_TABLE = 7  # as many as fit 80 columns beside names and totals
 _CELL_COLUMNS = 6
+_STYLES = {"✓": "green", "✗": "red", "": "yellow"}
 _MANUAL = GradeStatus.NEEDS_MANUAL.value
 
 Json = Mapping[str, object]
@@ -31,13 +32,20 @@ def render_dashboard(data: Json, *, language: Language) -> RenderableType:
     assignments = _objects(data.get("assignments"))
     queue = _object(data.get("queue"))
     counts = "  ".join(f"{_state(state, language)} {_shown(count)}" for state, count in queue.items())
+    colon = "：" if language == "zh" else ": "
     if isinstance(waiting := data.get("waiting_for_person"), int) and waiting:
         counts += f"  {word('waiting_for_person', language)} {waiting}"
     return Group(
         *_matrix(students, assignments, language),
+        Text(_legend(data.get("pass_fraction"), language), style="dim"),
         _assignments(assignments, language),
-        Text(f"{word('queue', language)}: {counts or quantity.NOTHING}"),
+        Text(f"{word('queue', language)}{colon}{counts or quantity.NOTHING}"),
     )
+
+
+def _legend(pass_fraction: object, language: Language) -> str:
+    """Return what the marks of the matrix mean."""
+    return word("matrix_marks", language, share=_percent(pass_fraction))
 
 
 def _matrix(students: Sequence[Json], assignments: Sequence[Json], language: Language) -> Iterator[Table]:
@@ -67,7 +75,7 @@ def _students(
 
 
 def _cell(entry: Json, language: Language) -> Text:
-    """Return the best score, ``✓`` before full marks and ``×n`` after more than one attempt."""
+    """Return the best score, ``✓`` or ``✗`` before full marks or too few, ``×n`` after more than one attempt."""
     if not entry:
         return Text(quantity.NOTHING, style="dim")
     best, most, attempts = entry.get("best_score"), entry.get("max_score"), entry.get("attempts")
@@ -76,8 +84,9 @@ def _cell(entry: Json, language: Language) -> Text:
     if not isinstance(best, int | float):
         return Text(_state(entry.get("status"), language), style="yellow")
     full = isinstance(most, int | float) and best >= most
+    mark = "✓" if full else "✗" if entry.get("passed") is False else ""
     tries = f"×{attempts}" if isinstance(attempts, int) and attempts > 1 else ""
-    return Text(f"{'✓' if full else ''}{quantity.score(best)}{tries}", style="green" if full else "yellow")
+    return Text(f"{mark}{quantity.score(best)}{tries}", style=_STYLES[mark])
 
 
 def _assignments(assignments: Sequence[Json], language: Language) -> Table:

@@ -156,6 +156,14 @@ WORDS: Mapping[str, Text] = {
     "worth": _t("满分 {points}", "{points} points"),
     "time_limit": _t("，时限 {seconds} 虚拟秒", ", {seconds} virtual seconds"),
     "submissions": _t("提交", "Submissions"),
+    "demo_graded": _t("{count} 份提交，评完用了 {seconds} 秒", "{count} submissions, graded in {seconds} s"),
+    "demo_kept": _t(
+        "轨迹图在 {plots}/\n看网页：grader serve --data {data}",
+        "plots: {plots}/\nlook at the pages: grader serve --data {data}",
+    ),
+    "matrix_marks": _t(
+        "✓ 满分  ✗ 不到 {share}  ×n 提交次数", "✓ full marks  ✗ less than {share}  ×n attempts"
+    ),
     "hardest": _t("最常失分的评分项", "Most-failed rubric items"),
     "queue": _t("队列", "Queue"),
     "path": _t("行驶路径", "path"),

@@ -264,7 +264,6 @@ def _statistics(
     passed = sum(_passed(one, pass_fraction) for one in told.progress)
     scored = sum(one.counted_score is not None for one in told.progress)
     scores = [one.best_score for one in told.progress if one.best_score is not None]
-    titles = {} if assignment is None else {item.id: item.title.get(language) for item in assignment.items}
     return AssignmentStatistics(
         id=assignment_id,
         title=assignment_id if assignment is None else assignment.title.get(language),
@@ -277,14 +276,13 @@ def _statistics(
         mean_score=round(fmean(scores), 2) if scores else None,
         score_distribution=_distribution(told.progress),
         mean_attempts_to_pass=_mean_attempts_to_pass(told.progress, pass_fraction),
-        most_failed_items=[_failed(failure, titles) for failure in told.failures],
+        most_failed_items=[_failed(failure, assignment, language) for failure in told.failures],
         most_common_mistakes=[MistakeView(code=one.code, students=one.students) for one in told.mistakes],
     )
 
 
-def _failed(failure: ItemFailures, titles: Mapping[str, str]) -> FailedItemView:
-    case, _, item = failure.item.rpartition("/")
-    title = titles.get(item, item) + (f" ({case})" if case else "")
+def _failed(failure: ItemFailures, assignment: Assignment | None, language: Language) -> FailedItemView:
+    title = failure.item if assignment is None else assignment.item_title(failure.item, language)
     return FailedItemView(id=failure.item, title=title, count=failure.ever, still=failure.still)
 
 

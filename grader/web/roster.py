@@ -27,10 +27,5 @@ def person(known: Mapping[str, str], student: str) -> str:
 
 
 def item_title(assignment: Assignment | None, language: Language, item_id: str) -> str:
-    """Return the title of a rubric item, with the case where there are several; the id when it is not known."""
-    case_id, _, name = item_id.rpartition("/")
-    if assignment is None:
-        return item_id
-    title = next((item.title.get(language) for item in assignment.items if item.id == name), name)
-    case = next((case.title.get(language) for case in assignment.cases if case.id == case_id), case_id)
-    return f"{title} ({case})" if case else title
+    """Return the title of a rubric item; its id when the assignment is not known."""
+    return item_id if assignment is None else assignment.item_title(item_id, language)

@@ -68,6 +68,13 @@ def test_students_by_assignments() -> None:
     assert row(text, "李四") == ["李四", "—", "—", "—", "—", "评分中", "—", "—", "—"]
 
 
+def test_what_has_not_passed_is_marked_and_the_marks_are_explained() -> None:
+    cells = {"hello": {**FULL, "best_score": 40.0, "passed": False}}
+    text = shown({**DATA, "pass_fraction": 0.6, "students": [{"student": "s1", "assignments": cells}]})
+    assert row(text, "s1")[1] == "✗40×2"
+    assert "✗ 不到 60 %" in text
+
+
 def test_assignments_and_queue() -> None:
     text = shown(DATA, "en")
     assert row(text, "正方形") == ["正方形", "4", "50", "%", "8.62", "一直运行", "×3,", "日志", "×1"]
