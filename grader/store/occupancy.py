@@ -106,7 +106,8 @@ def _sharing(database: Database, who: str) -> Iterator[None]:
         if not granted:
             connection.close()
             raise _ReplacedError(
-                f"{database.name} is being replaced, moved or upgraded", f"{database.name} 正在被替换、迁移或升级"
+                f"{database.name} is being replaced, moved or upgraded",
+                f"{database.name} 正在被替换、迁移或升级",
             )
 
     database.engine.dispose()
