@@ -232,9 +232,20 @@ def _validate(console: Console, quantiles: Sequence[float], options: argparse.Na
     service = service_times(options.uploads, quantiles)
     if options.rate:
         service *= options.slots / options.rate / float(np.mean(service))
-    waits = simulate(arrived, service, options.slots)
+    waits = _slower_at_first(arrived, service, options.slots, options.share)
     shares = ", ".join(f"p{share} {waits.percentile(share):.2f}" for share in (50, 95, 99))
     console.print(f"time to grade: {shares}, max {waits.took.max():.2f} s")
+
+
+def _slower_at_first(arrived: Seconds, service: Seconds, slots: int, share: float) -> Waits:
+    """Do what `simulate` does where gradings have only a `share` of the processors until the last arrival.
+
+    On a clock that runs `share` times as fast until then, every grading takes what it needs.
+    """
+    last = arrived[-1]
+    done = arrived * share + simulate(arrived * share, service, slots).took
+    done = np.where(done <= last * share, done / share, last + done - last * share)
+    return Waits(arrived, done - arrived)
 
 
 def _options() -> argparse.Namespace:
@@ -246,7 +257,8 @@ def _options() -> argparse.Namespace:
     parser.add_argument("--uploads", type=int, default=2_000, help="validate: gradings of the run")
     parser.add_argument("--minutes", type=float, default=10.0, help="validate: its length, after speed-up")
     parser.add_argument("--slots", type=int, default=2, help="validate: gradings at once")
-    parser.add_argument("--rate", type=float, help="validate: gradings a second once all slots are busy")
+    parser.add_argument("--rate", type=float, help="validate: gradings a second once nothing more comes in")
+    parser.add_argument("--share", type=float, default=1.0, help="validate: how much of that before")
     parser.add_argument("--seed", type=int, default=_SEED)
     return parser.parse_args()
 

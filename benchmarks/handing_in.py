@@ -142,3 +142,14 @@ def evening(count: int, seconds: float, seed: int) -> list[float]:
     chance = random.Random(seed)  # noqa: S311
     most = math.expm1(_STEEPNESS)
     return sorted(seconds * math.log1p(chance.random() * most) / _STEEPNESS for _ in range(count))
+
+
+def crowded_since(received: Sequence[float], finished: Sequence[float], slots: int) -> float:
+    """Return from when on more was open than `slots` grade at once, until the last upload came."""
+    events = sorted([*((at, 1) for at in received), *((at, -1) for at in finished)])
+    last, since, open_ = max(received), min(received), 0
+    for at, change in events:
+        open_ += change
+        if at <= last and open_ <= slots:
+            since = at
+    return since
