@@ -2,6 +2,7 @@
 
 import csv
 import io
+import os
 from pathlib import Path
 
 import pytest
@@ -14,22 +15,29 @@ from grader.store.tokens import Tokens
 
 
 @pytest.fixture
-def grader(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def typed(capsys: pytest.CaptureFixture[str]):
     def run(*arguments: str, status: int = 0, lang: str = "en") -> tuple[str, str]:
-        assert cli.run([*arguments, "--data", str(tmp_path / "data"), "--lang", lang]) == status
+        assert cli.run([*arguments, "--lang", lang]) == status
         return capsys.readouterr()
 
     return run
 
 
+@pytest.fixture
+def grader(typed, database_url: str, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("GRADER_DATABASE_URL", database_url)
+    return typed
+
+
 def tokens_of(output: str) -> dict[str, str]:
-    return {row["id"]: row["token"] for row in csv.DictReader(io.StringIO(output))}
+    assert output[0] == "\ufeff"  # for Excel
+    return {row["id"]: row["token"] for row in csv.DictReader(io.StringIO(output[1:]))}
 
 
 @pytest.fixture
-def recognised(tmp_path: Path):
+def recognised():
     def who(token: str):
-        database = Database(f"sqlite:///{tmp_path / 'data' / 'grader.db'}")
+        database = Database(os.environ["GRADER_DATABASE_URL"])
         caller = Tokens(database, utc_now).caller(token)
         database.close()
         return caller
@@ -37,18 +45,29 @@ def recognised(tmp_path: Path):
     return who
 
 
-def test_one_command_makes_a_course_and_prints_its_tokens(grader, recognised, tmp_path: Path) -> None:
+def test_one_command_makes_a_database_and_a_course_and_prints_its_tokens(
+    typed, recognised, blank_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("GRADER_DATABASE_URL", blank_url)
     roster = tmp_path / "class.csv"
     roster.write_text("id,name,role\n1,李雷,\nta,助教,assistant\n")
-    output, _ = grader("course", "create", "ros", "--instructor", "wang", "--roster", str(roster))
+    output, _ = typed("course", "create", "ros", "--instructor", "wang", "--roster", str(roster))
     tokens = tokens_of(output)
     assert {person: recognised(token).role for person, token in tokens.items()} == {
         "wang": Role.INSTRUCTOR,
         "1": Role.STUDENT,
         "ta": Role.ASSISTANT,
     }
-    listed, _ = grader("course", "list")
+    listed, _ = typed("course", "list")
     assert listed.startswith("ros\tAsia/Shanghai\t3 members")
+
+
+def test_a_roster_saved_by_excel_in_china_is_read_and_a_name_shown(grader, tmp_path: Path) -> None:
+    roster = tmp_path / "class.csv"
+    roster.write_bytes("学号,姓名\r\n1,李雷\r\n".encode("gbk"))
+    output, told = grader("course", "create", "ros", "--instructor", "w", "--roster", str(roster), lang="zh")
+    assert "按 GBK 读取，例如：1 李雷" in told
+    assert "李雷" in output
 
 
 def test_a_wrong_roster_leaves_no_course_behind(grader, tmp_path: Path) -> None:
@@ -87,8 +106,7 @@ def test_tokens_are_issued_and_revoked(grader, recognised, tmp_path: Path) -> No
     assert "no such token" in grader("token", "revoke", "--token", "abc", status=2)[1]
 
 
-def test_of_several_courses_one_must_be_named(grader, tmp_path: Path) -> None:
-    assert cli.run(["db", "migrate", "--data", str(tmp_path / "data")]) == 0
+def test_of_several_courses_one_must_be_named(grader) -> None:
     assert "no course yet" in grader("token", "list", status=2)[1]
     grader("course", "create", "a", "--instructor", "w")
     grader("course", "create", "b", "--instructor", "w")
@@ -119,9 +137,15 @@ def test_mistakes_are_told_in_the_readers_language(grader, tmp_path: Path) -> No
     ],
     ids=" ".join,
 )
-def test_a_mistyped_folder_is_refused_and_not_made(grader, tmp_path: Path, command: list[str]) -> None:
-    _, errors = grader(*command, status=2)
+def test_a_mistyped_folder_is_refused_and_not_made(typed, tmp_path: Path, command: list[str]) -> None:
+    command = [*command, "--data", str(tmp_path / "data")]
+    _, errors = typed(*command, status=2)
     assert "there is no database; check --data" in errors
-    _, errors = grader(*command, status=2, lang="zh")
+    _, errors = typed(*command, status=2, lang="zh")
     assert "没有这个数据库" in errors
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_new_course_makes_its_folder(typed, tmp_path: Path) -> None:
+    typed("course", "create", "ros", "--instructor", "wang", "--data", str(tmp_path / "new"))
+    assert (tmp_path / "new" / "grader.db").is_file()

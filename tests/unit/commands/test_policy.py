@@ -1,27 +1,47 @@
 """`grader policy`, as typed: what is named changes, the rest stays, and both are shown."""
 
 import json
-from pathlib import Path
+from collections.abc import Iterator
 
 import pytest
 
 from grader import cli
+from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.policy import AssignmentPolicy, Extension
 from grader.store.audit import Signature
 from grader.store.columns import utc_now
+from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.policies import Policies
 
+# which words a mistake is told with does not depend on the database
+on_sqlite = pytest.mark.parametrize("database_url", ["sqlite_url"], indirect=True)
+
 
 @pytest.fixture
-def grader(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def database(database_url: str) -> Iterator[Database]:
+    """A database with a course and two students."""
+    opened = Database(database_url)
+    courses = Courses(opened, utc_now)
+    courses.create("ros", "ROS", "Asia/Shanghai", "test")
+    courses.import_roster("ros", [RosterEntry(id=one, name=one, role=Role.STUDENT) for one in "12"], "test")
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def grader(
+    database: Database,
+    database_url: str,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.setenv("GRADER_DATABASE_URL", database_url)
+
     def run(*arguments: str, status: int = 0, lang: str = "en") -> tuple[str, str]:
-        assert cli.run([*arguments, "--data", str(tmp_path / "data"), "--lang", lang]) == status
+        assert cli.run([*arguments, "--lang", lang]) == status
         return capsys.readouterr()
 
-    roster = tmp_path / "class.csv"
-    roster.write_text("id,name\n1,a\n2,b\n")
-    run("course", "create", "ros", "--instructor", "w", "--roster", str(roster))
     return run
 
 
@@ -71,17 +91,15 @@ def test_an_extension_without_effect_is_told(grader) -> None:
 
 @pytest.mark.parametrize("action", ["set", "extend"])
 def test_what_somebody_else_changes_meanwhile_stays(
-    grader, shown, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, action: str
+    grader, shown, database: Database, monkeypatch: pytest.MonkeyPatch, action: str
 ) -> None:
     rules = Policies.rules
 
     def then_somebody_else(self: Policies, course: str | None):
         before = rules(self, course)
-        database = Database(f"sqlite:///{tmp_path / 'data' / 'grader.db'}")
         signed = Signature(utc_now(), "ros", "wang")
         Policies(database).set("square", AssignmentPolicy(attempts=9), signed)
         Policies(database).extend("square", "1", Extension(extra_attempts=9), signed)
-        database.close()
         return before
 
     change = {"set": ("square", "attempts=2"), "extend": ("1", "square", "--extra-attempts", "2")}[action]
@@ -91,6 +109,7 @@ def test_what_somebody_else_changes_meanwhile_stays(
     assert (shown()["square"]["attempts"], shown()["square"]["extensions"]["1"]["extra_attempts"]) == (9, 9)
 
 
+@on_sqlite
 @pytest.mark.parametrize(
     ("rule", "zh", "en"),
     [
@@ -116,6 +135,7 @@ def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: s
     assert shown() == {}
 
 
+@on_sqlite
 @pytest.mark.parametrize(
     ("arguments", "zh"),
     [
