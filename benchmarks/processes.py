@@ -112,7 +112,9 @@ class Service:
         path = self.folder / "class.csv"
         path.write_text("id,name\n" + "".join(f"{one},Student {one}\n" for one in students))
         printed = self.command("course", "create", COURSE, "--instructor", INSTRUCTOR, "--roster", str(path))
-        return {row["id"]: row["token"] for row in csv.DictReader(printed.splitlines())}
+        return {
+            row["id"]: row["token"] for row in csv.DictReader(printed.removeprefix("\ufeff").splitlines())
+        }
 
     def await_ready(self, url: str) -> None:
         """Wait until the API process at `url` answers.

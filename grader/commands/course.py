@@ -18,7 +18,7 @@ from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
 from grader.contracts.text import trouble
-from grader.store.roster import MAX_ROSTER_BYTES, read_roster
+from grader.store.roster import MAX_ROSTER_BYTES, is_utf8, read_roster
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -61,7 +61,7 @@ def _create(storage: Storage, arguments: argparse.Namespace) -> None:
         name=arguments.instructor,
         role=Role.INSTRUCTOR,
     )
-    listed = () if arguments.roster is None else read_roster(_content(arguments.roster))
+    listed = () if arguments.roster is None else _read(arguments.roster, arguments)
     entries = [instructor, *(entry for entry in listed if entry.id != instructor.id)]
     course = storage.courses.create(
         arguments.id, arguments.title or arguments.id, arguments.time_zone, actor()
@@ -77,7 +77,7 @@ def _create(storage: Storage, arguments: argparse.Namespace) -> None:
 
 def _import(storage: Storage, arguments: argparse.Namespace) -> None:
     course = chosen_course(storage, arguments.course)
-    entries = read_roster(_content(arguments.file))
+    entries = _read(arguments.file, arguments)
     change = storage.courses.import_roster(course, entries, actor())
     added, changed, same = len(change.added), len(change.changed), change.unchanged
     tell(
@@ -98,6 +98,20 @@ def _list(storage: Storage, arguments: argparse.Namespace) -> None:
 
 def _members(count: int) -> str:
     return "1 member" if count == 1 else f"{count} members"
+
+
+def _read(path: Path, arguments: argparse.Namespace) -> tuple[RosterEntry, ...]:
+    """Return a roster's entries; of one that is not UTF-8 show a name, which tells whether it was read rightly."""
+    content = _content(path)
+    entries = read_roster(content)
+    if not is_utf8(content):
+        named = next((one for one in entries if not one.name.isascii()), entries[0])
+        tell(
+            arguments,
+            zh=f"{path} 不是 UTF-8，按 GBK 读取，例如：{named.id} {named.name}",
+            en=f"{path} is not UTF-8 and was read as GBK, such as: {named.id} {named.name}",
+        )
+    return entries
 
 
 def _content(path: Path) -> bytes:

@@ -5,6 +5,7 @@ import csv
 import sys
 from collections.abc import Iterable
 from datetime import timedelta
+from io import TextIOWrapper
 
 from grader.commands.storage import (
     Storage,
@@ -19,7 +20,7 @@ from grader.commands.storage import (
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
 from grader.contracts.numerals import whole
-from grader.contracts.text import Text
+from grader.contracts.text import BYTE_ORDER_MARK, Text
 from grader.store.columns import utc_now
 
 DEFAULT_DAYS = 200  # a term and the exams after it
@@ -63,6 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
 def write_tokens(storage: Storage, course: str, people: Iterable[str], days: int) -> None:
     """Issue a token for each of `people` and print them as CSV: id, name, role, token.
 
+    Into a file as the gradebook is: UTF-8 with a byte order mark, without which Excel takes Chinese names for GBK.
+
     Raises:
         CourseError: one of them is no member; no token was made then.
     """
@@ -71,6 +74,10 @@ def write_tokens(storage: Storage, course: str, people: Iterable[str], days: int
     unknown = [person for person in wanted if person not in members]
     if unknown:
         raise unknown_members(course, *unknown)
+    if not sys.stdout.isatty():
+        if isinstance(sys.stdout, TextIOWrapper):
+            sys.stdout.reconfigure(encoding="utf-8")
+        sys.stdout.write(BYTE_ORDER_MARK)
     table = csv.writer(sys.stdout, lineterminator="\n")
     table.writerow(("id", "name", "role", "token"))
     for person in wanted:

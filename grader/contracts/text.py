@@ -5,6 +5,9 @@ from typing import Literal
 
 from grader.contracts.record import record
 
+BYTE_ORDER_MARK = "\ufeff"
+"""Begins tables for spreadsheet programs: without it, Excel takes UTF-8 for another encoding."""
+
 Language = Literal["zh", "en"]
 LANGUAGES: tuple[Language, ...] = ("zh", "en")
 

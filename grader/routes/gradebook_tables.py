@@ -12,11 +12,10 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
 from grader.contracts.numerals import written
-from grader.contracts.text import Language
+from grader.contracts.text import BYTE_ORDER_MARK, Language
 
 _FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠", "\t", "\r", "\n")
 _CENT = 2  # decimals of points: sums of floats are off by less
-_BOM = "\ufeff"  # without it, Excel takes Chinese for another encoding
 Scores = Mapping[tuple[str, str], Progress]
 
 
@@ -33,7 +32,7 @@ def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: 
             total += (progress.counted_score or 0.0) if progress else 0.0
             cells += [_points(progress), "0" if progress is None else str(progress.attempts)]
         rows.append([*cells, written(round(total, _CENT))])
-    return _BOM + _written(rows)
+    return BYTE_ORDER_MARK + _written(rows)
 
 
 def canvas(

@@ -20,8 +20,8 @@ MAX_ROSTER_BYTES = 4 * 1024 * 1024
 def read_roster(content: bytes) -> tuple[RosterEntry, ...]:
     """Return the entries of a roster in order.
 
-    Spreadsheet programs' byte order mark is fine; columns of other names are ignored. Columns and roles may have
-    their Chinese names, as on the pages.
+    UTF-8, with or without a byte order mark, or GBK, as Excel in China saves CSV; columns of other names are
+    ignored. Columns and roles may have their Chinese names, as on the pages.
 
     Raises:
         CourseError: the file is not right; the message has a line for each line of the file that is wrong.
@@ -30,19 +30,34 @@ def read_roster(content: bytes) -> tuple[RosterEntry, ...]:
         raise CourseError(
             f"the roster has more than {MAX_ROSTER_BYTES} bytes", f"名单超过 {MAX_ROSTER_BYTES} 字节"
         )
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = content.count(b"\n", 0, error.start) + 1
-        raise CourseError(
-            f"line {line}: not UTF-8: save the roster as CSV UTF-8",
-            f"第 {line} 行：不是 UTF-8 编码：请把名单另存为“CSV UTF-8”",
-        ) from None
+    text = _decoded(content)
     reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     columns = [name.strip().lower() for name in reader.fieldnames or ()]
     reader.fieldnames = [_COLUMNS.get(name, name) for name in columns]
     _check_header(reader.fieldnames)
     return _entries(reader)
+
+
+def is_utf8(content: bytes) -> bool:
+    """Whether a roster is UTF-8, so that its names are certainly as they were written."""
+    try:
+        content.decode()
+    except UnicodeDecodeError:
+        return False
+    return True
+
+
+def _decoded(content: bytes) -> str:
+    if is_utf8(content):
+        return content.decode("utf-8-sig")
+    try:
+        return content.decode("gb18030")
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        raise CourseError(
+            f"line {line}: neither UTF-8 nor GBK: save the roster as CSV UTF-8",
+            f"第 {line} 行：不是 UTF-8 也不是 GBK 编码：请把名单另存为“CSV UTF-8”",
+        ) from None
 
 
 def _check_header(columns: list[str]) -> None:

@@ -11,7 +11,8 @@ import httpx
 
 from grader.catalog import Catalog
 
-TOKENS = {row["id"]: row["token"] for row in csv.DictReader(Path("/data/tokens.csv").open(encoding="utf-8"))}
+LINES = Path("/data/tokens.csv").read_text(encoding="utf-8-sig").splitlines()
+TOKENS = {row["id"]: row["token"] for row in csv.DictReader(LINES)}
 OPEN = ("queued", "running")
 
 

@@ -70,8 +70,9 @@ def test_a_course_that_cannot_be(courses: Courses, course: str, title: str, zone
     assert len(courses.all()) == 1
 
 
-def test_a_roster_comes_from_a_spreadsheet() -> None:
-    entries = read_roster(b"\xef\xbb\xbf" + ROSTER.replace(b"\n", b"\r\n"))
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "gbk"])
+def test_a_roster_comes_from_a_spreadsheet(encoding: str) -> None:
+    entries = read_roster(ROSTER.replace(b"\n", b"\r\n").decode().encode(encoding))
     assert [(one.id, one.name, one.role) for one in entries] == [
         ("20260001", "李雷", "student"),
         ("20260002", "韩梅梅", "student"),
@@ -99,7 +100,7 @@ def test_every_wrong_line_is_named() -> None:
         (b"id\n1\n", "no column 'name'"),
         (b"id,name,id\n1,a,2\n", "two columns"),
         (b"id,name\n", "nobody"),
-        ("id,name\n1,李\n".encode("gbk"), "line 2: not UTF-8"),
+        ("id,name\n1,李".encode("utf-16"), "line 1: neither UTF-8 nor GBK"),
         (b'id,name\n1,"a\n', "line"),
     ],
 )
