@@ -1,4 +1,4 @@
-"""Faults at random moments: processes killed and frozen, the database killed, the queue's tables emptied."""
+"""Faults at random moments: processes killed, stopped, frozen; the database killed, the queue's tables emptied."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from benchmarks.processes import Service, tree
 from grader.contracts.errors import InfrastructureError
 from grader.store.database import Database
 
-KINDS = ("kill", "child", "freeze", "database", "wipe")
+KINDS = ("kill", "stop", "child", "freeze", "database", "wipe")
 _FROZEN_S = 20.0  # longer than a lease
 _FREEZE_AGAIN_S = 60.0
 _DATABASE_AWAY_S = 3.0
@@ -95,6 +95,7 @@ class Faults(threading.Thread):
     def _make(self, kind: str) -> None:
         acts: dict[str, Callable[[], tuple[str, int | None] | None]] = {
             "kill": self._kill,
+            "stop": self._terminate,
             "child": self._kill_child,
             "freeze": self._freeze,
             "database": self._kill_database,
@@ -115,6 +116,13 @@ class Faults(threading.Thread):
         pid = self._service.running[name].pid
         self._service.kill(name)
         return name, pid
+
+    def _terminate(self) -> tuple[str, int | None] | None:
+        name = self._any_up()
+        if name is None:
+            return None
+        self._service.running[name].terminate()
+        return name, self._service.running[name].pid
 
     def _kill_child(self) -> tuple[str, int | None] | None:
         name = self._any_up()
