@@ -1,4 +1,4 @@
-"""A class hands in while processes are killed, stopped and frozen: is anything lost, graded twice, or scored otherwise?
+"""A class hands in while processes are killed, stopped, frozen: is anything lost, graded twice, scored otherwise?
 
 By default on PostgreSQL with 2 API processes and 3 workers; with ``--database embedded`` one process on SQLite
 does everything. Clients send again, under the same idempotency key, what got no answer. The gradebook must equal
