@@ -7,12 +7,12 @@ from pydantic import BaseModel, Field
 
 from grader.checks import published_rubric
 from grader.contracts.assignment import Assignment, ItemSpec
-from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.concealment import shown_assignment
-from grader.routes.problems import ProblemError, responses
+from grader.routes.problems import responses
+from grader.routes.published import require_published
 from grader.routes.services import ServicesDep
 from grader.routes.submissions import LanguageDep
 
@@ -106,11 +106,7 @@ def read(
     assignment_id: Annotated[str, Path(max_length=64, examples=["square"])],
 ) -> AssignmentView:
     """Return what an assignment asks for and how each item earns its points."""
-    try:
-        assignment = shown_assignment(services, caller, services.assignments.get(assignment_id))
-    except UnknownAssignmentError:
-        allowed = [known.id for known in services.assignments.all()]
-        raise ProblemError("assignment_not_found", allowed=allowed) from None
+    assignment = shown_assignment(services, caller, require_published(services, assignment_id))
     _say(response, language)
     published = published_rubric(assignment)
     return AssignmentView(

@@ -8,7 +8,6 @@ from fastapi.concurrency import run_in_threadpool
 from pydantic import BaseModel, Field
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.figure import PictureForm
 from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport
@@ -17,6 +16,7 @@ from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.concealment import shown_assignment
 from grader.routes.plots import Wish
 from grader.routes.problems import ProblemError, responses
+from grader.routes.published import require_published
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
 
@@ -172,10 +172,7 @@ def _drawable(
     submission, _ = found(services, submission_id)
     report = graded(services, submission_id, caller)
     graded_one = services.submissions.graded_assignment(report)
-    try:
-        drawn = graded_one or services.assignments.get(submission.assignment)
-    except UnknownAssignmentError:
-        raise ProblemError("assignment_not_found") from None
+    drawn = graded_one or require_published(services, submission.assignment)
     assignment = shown_assignment(services, caller, drawn)
     content, _ = _recorded(services, report, case)
     return assignment, report, gzip.decompress(content), _case_id(report, case)

@@ -6,12 +6,13 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from grader.contracts.errors import RegradeError, UnknownAssignmentError
+from grader.contracts.errors import RegradeError
 from grader.contracts.identity import Caller
 from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, Wanted, Which
 from grader.routes.access import ENTRY_PROBLEMS, InstructorDep, StaffDep
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError, responses
+from grader.routes.published import require_published
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, SubmissionId
 from grader.store.audit import Signature
@@ -144,11 +145,7 @@ def start(
     services: ServicesDep, caller: InstructorDep, response: Response, order: RegradeOrder
 ) -> RegradeView:
     """Queue trial gradings behind all fresh submissions. Nothing changes until they are applied."""
-    try:
-        services.assignments.get(order.assignment)
-    except UnknownAssignmentError:
-        allowed = [known.id for known in services.assignments.all()]
-        raise ProblemError("assignment_not_found", field="assignment", allowed=allowed) from None
+    require_published(services, order.assignment, field="assignment")
     wanted = Wanted(assignment=order.assignment, which=order.which, students=tuple(order.students))
     try:
         opened = services.regrades.open(wanted, _signed(services, caller))

@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import APIRouter, Header, Path, Response
 
 from grader import policy as rules
-from grader.contracts.errors import ChangedMeanwhileError, CourseError, UnknownAssignmentError
+from grader.contracts.errors import ChangedMeanwhileError, CourseError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.policy import NO_EXTENSION, Extension
 from grader.contracts.text import Text
@@ -13,6 +13,7 @@ from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, Staff
 from grader.routes.concealment import hidden_from
 from grader.routes.preconditions import etag, seen
 from grader.routes.problems import ProblemError, responses
+from grader.routes.published import require_published
 from grader.routes.rule_views import (
     ExtensionChange,
     ExtensionList,
@@ -51,7 +52,7 @@ def read_policy(
     services: ServicesDep, caller: CallerDep, response: Response, assignment_id: AssignmentId
 ) -> StandingView:
     """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
-    _require_assignment(services, assignment_id)
+    require_published(services, assignment_id)
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
     known = services.policies.rules(caller.course)
     if caller.is_staff:  # a student could find out from a digest which items are hidden
@@ -76,13 +77,13 @@ def change_policy(  # noqa: PLR0913, PLR0917
     if_match: IfMatch = None,
 ) -> PolicyBody:
     """Put new rules in place of the old ones. They hold for what was handed in before, too."""
-    assignment = _require_assignment(services, assignment_id)
+    items = [item.id for item in require_published(services, assignment_id).items]
     signed = signature(services, caller)
     policy = policy_from(change, services.policies.rules(caller.course).zone)
-    unknown = set(policy.hidden_items) - set(assignment)
+    unknown = set(policy.hidden_items) - set(items)
     if unknown:
         detail = Text(zh=f"没有这个评分项：{min(unknown)}。", en=f"There is no rubric item {min(unknown)}.")
-        raise ProblemError("invalid_rules", detail, field="hidden_items", allowed=list(assignment))
+        raise ProblemError("invalid_rules", detail, field="hidden_items", allowed=items)
     try:
         services.policies.set(assignment_id, policy, signed, change.reason, seen=seen(if_match) or ANY_STATE)
     except ChangedMeanwhileError:
@@ -94,7 +95,7 @@ def change_policy(  # noqa: PLR0913, PLR0917
 @router.get("/extensions", summary="Who got more", responses=responses(*_KNOWN, "forbidden"))
 def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: AssignmentId) -> ExtensionList:
     """Return all extensions of an assignment."""
-    _require_assignment(services, assignment_id)
+    require_published(services, assignment_id)
     extensions = services.policies.rules(caller.course).extensions.items()
     return ExtensionList(
         extensions=[
@@ -119,7 +120,7 @@ def change_extension(  # noqa: PLR0913, PLR0917
     if_match: IfMatch = None,
 ) -> ExtensionView:
     """Put an extension in place of what the student had."""
-    _require_assignment(services, assignment_id)
+    require_published(services, assignment_id)
     signed = signature(services, caller)
     extension = extension_from(change, services.policies.rules(caller.course).zone)
     try:
@@ -142,15 +143,6 @@ def signature(services: Services, caller: Caller) -> Signature:
     if caller.course is None:
         raise ProblemError("no_course")
     return Signature(services.clock(), caller.course, caller.signature)
-
-
-def _require_assignment(services: Services, assignment_id: str) -> tuple[str, ...]:
-    """Return the ids of the assignment's rubric items."""
-    try:
-        return tuple(item.id for item in services.assignments.get(assignment_id).items)
-    except UnknownAssignmentError:
-        allowed = [known.id for known in services.assignments.all()]
-        raise ProblemError("assignment_not_found", allowed=allowed) from None
 
 
 def _extension(student: str, one: Extension) -> ExtensionView:

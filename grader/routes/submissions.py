@@ -6,8 +6,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, File, Form, Header, Path, Response, UploadFile, status
 
-from grader.contracts.assignment import Assignment
-from grader.contracts.errors import SubmissionError, UnknownAssignmentError, UploadRefusedError
+from grader.contracts.errors import SubmissionError, UploadRefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.policy import Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
@@ -16,6 +15,7 @@ from grader.routes import concealment
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.language import requested_language
 from grader.routes.problems import ProblemError, responses
+from grader.routes.published import require_published
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import Place, Receipt, SubmissionView, receipt, view
 from grader.routes.uploads import UploadRoute, arrival, check_content, checked_name, submitter
@@ -162,7 +162,7 @@ def hand_in(  # noqa: PLR0913, PLR0917
 
 def _store(services: Services, new: NewSubmission, file: UploadFile) -> tuple[Submission, bool]:
     """Check a file and store it; return its submission, and whether that is an earlier one."""
-    published = _published(services, new.assignment)
+    published = require_published(services, new.assignment, "unknown_assignment", field="assignment")
     if new.key is None:  # else it may be one that was accepted before
         _require_accepted(services.submissions.refusal(new))
     name = checked_name(file.filename, published.input)
@@ -284,11 +284,3 @@ def _refused(refusal: Refusal) -> ProblemError:
     until = refusal.until.isoformat(timespec="seconds")
     detail = Text(zh=f"{until} 之后可以提交。", en=f"Uploads are accepted from {until} on.")
     return ProblemError(refusal.code, detail)
-
-
-def _published(services: Services, assignment: str) -> Assignment:
-    try:
-        return services.assignments.get(assignment)
-    except UnknownAssignmentError:
-        allowed = [known.id for known in services.assignments.all()]
-        raise ProblemError("unknown_assignment", field="assignment", allowed=allowed) from None

@@ -11,7 +11,6 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from grader.contracts.assignment import Assignment
 from grader.contracts.judgement import LONGEST_COMMENT
 from grader.contracts.numerals import decimal, written
 from grader.contracts.submission import Submission
@@ -19,6 +18,7 @@ from grader.routes import judgements
 from grader.routes.judgement_views import JudgementBody, ManualItemsView, ManualItemView
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError
+from grader.routes.published import published
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SubmissionId
 from grader.store.judgements import WaitingFor
@@ -224,7 +224,7 @@ def _desk(  # noqa: PLR0913, PLR0917
         submission=submission,
         judged=judged,
         item=item,
-        assignment=_published(services, submission.assignment),
+        assignment=published(services, submission.assignment),
         answer=str(services.submissions.source(submission.id) or b"", "utf-8", "replace"),
         form=form if errors else _filled(form, item),
         errors=errors or {},
@@ -251,7 +251,3 @@ def _chosen(judged: ManualItemsView, item_id: str) -> ManualItemView:
     if not wanted:
         raise ProblemError("item_not_found")
     return next((one for one in wanted if one.waits), wanted[0])
-
-
-def _published(services: Services, assignment_id: str) -> Assignment | None:
-    return next((one for one in services.assignments.all() if one.id == assignment_id), None)

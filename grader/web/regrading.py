@@ -7,14 +7,13 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import JSONResponse, RedirectResponse
 from pydantic import BaseModel, Field
 
-from grader.contracts.assignment import Assignment
-from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.identity import is_person_id
 from grader.contracts.judgement import judged
 from grader.contracts.regrade import Which
 from grader.routes import regrades
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.problems import ProblemError
+from grader.routes.published import published
 from grader.routes.regrades import Decision, RegradeId, RegradeOrder, RegradeSummary
 from grader.routes.services import Services, ServicesDep
 from grader.web import access
@@ -182,7 +181,7 @@ def _one(  # noqa: PLR0913, PLR0917
 ) -> Response:
     regrade = regrades.read(services=services, caller=visitor.caller, regrade_id=regrade_id)
     known, language = names(services, visitor.caller), language_of(request)
-    assignment = _published(services, regrade.assignment)
+    assignment = published(services, regrade.assignment)
     values: dict[str, Any] = {
         "regrade": regrade,
         "total": total(regrade),
@@ -193,13 +192,6 @@ def _one(  # noqa: PLR0913, PLR0917
         "refusal": refusal,
     }
     return page(request, "regrade.html", status=200 if refusal is None else 422, **values)
-
-
-def _published(services: Services, assignment_id: str) -> Assignment | None:
-    try:
-        return services.assignments.get(assignment_id)
-    except UnknownAssignmentError:
-        return None
 
 
 def _refused_students(

@@ -6,10 +6,10 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import ChangedMeanwhileError, CourseError, UnknownAssignmentError
+from grader.contracts.errors import ChangedMeanwhileError, CourseError
 from grader.contracts.policy import NO_EXTENSION, Extension
 from grader.contracts.seen import Seen
-from grader.routes.problems import ProblemError
+from grader.routes.published import require_published
 from grader.routes.rules import AssignmentId, signature
 from grader.routes.services import Services, ServicesDep
 from grader.store.policies import ANY_STATE, Rules, tag
@@ -52,7 +52,7 @@ def read(  # noqa: PLR0913, PLR0917
     saved: Annotated[str, Query(pattern="^(|rules|extension)$")] = "",
 ) -> Response:
     """Show the rules of one assignment and who got more; `student` fills the form of extensions."""
-    assignment = _assignment(services, assignment_id)
+    assignment = require_published(services, assignment_id)
     known = services.policies.rules(visitor.caller.course)
     extension = _extension_form(known, assignment.id, student)
     return _page(request, services, visitor, assignment, extension=extension, saved=saved)
@@ -67,7 +67,7 @@ def change(
     form: Annotated[RuleForm, Form()],
 ) -> Response:
     """Put new rules in place of the old ones, or show the form again with what is wrong at its fields."""
-    assignment = _assignment(services, assignment_id)
+    assignment = require_published(services, assignment_id)
     signed = signature(services, visitor.caller)
     known = services.policies.rules(visitor.caller.course)
     reader = Reader(known.zone)
@@ -95,7 +95,7 @@ def extend(
     form: Annotated[ExtensionForm, Form()],
 ) -> Response:
     """Give one student more, or show the form again; an empty extension takes back what there was."""
-    assignment = _assignment(services, assignment_id)
+    assignment = require_published(services, assignment_id)
     signed = signature(services, visitor.caller)
     known = services.policies.rules(visitor.caller.course)
     student = form.student.strip()
@@ -174,10 +174,3 @@ def _extensions(known: Rules, assignment_id: str) -> list[tuple[str, Extension]]
         for (assignment, student), one in known.extensions.items()
         if assignment == assignment_id and one != NO_EXTENSION
     )
-
-
-def _assignment(services: Services, assignment_id: str) -> Assignment:
-    try:
-        return services.assignments.get(assignment_id)
-    except UnknownAssignmentError:
-        raise ProblemError("assignment_not_found") from None

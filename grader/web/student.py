@@ -9,7 +9,6 @@ from fastapi.responses import RedirectResponse
 
 from grader.checks import published_rubric
 from grader.contracts.assignment import SUFFIXES, Assignment
-from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language, Text
 from grader.policy import due_for
@@ -18,6 +17,7 @@ from grader.routes import rules, submissions
 from grader.routes.concealment import shown_assignment, shown_list
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.problems import ProblemError
+from grader.routes.published import require_published
 from grader.routes.rule_views import StandingView
 from grader.routes.services import Services, ServicesDep
 from grader.routes.uploads import UploadRoute, arrival_of
@@ -53,7 +53,7 @@ def read_assignment(
     request: Request, services: ServicesDep, _visitor: VisitorDep, assignment_id: str
 ) -> Response:
     """Show what is asked and how it earns points, and take a file."""
-    return _assignment_page(request, _assignment(services, assignment_id))
+    return _assignment_page(request, require_published(services, assignment_id))
 
 
 @uploads.post("/assignments/{assignment_id}", dependencies=[Depends(require_own_form)])
@@ -66,7 +66,7 @@ def hand_in(  # noqa: PLR0913, PLR0917
     student: Annotated[str, Form(max_length=200)] = "",
 ) -> Response:
     """Take a file and lead to its result; on a refusal show the same page with the reason."""
-    assignment = _assignment(services, assignment_id)
+    assignment = require_published(services, assignment_id)
     if not visitor.open:
         access.require_known(visitor)
     given = visitor.student or student.strip()
@@ -96,13 +96,6 @@ def _attempts(services: Services, visitor: Visitor, assignment: str | None = Non
         return ()
     own = services.submissions.of_student(visitor.student, assignment, course=visitor.caller.course)
     return shown_list(services, visitor.caller, own)
-
-
-def _assignment(services: Services, assignment_id: str) -> Assignment:
-    try:
-        return services.assignments.get(assignment_id)
-    except UnknownAssignmentError:
-        raise ProblemError("assignment_not_found") from None
 
 
 def _assignment_page(

@@ -7,7 +7,6 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
@@ -15,6 +14,7 @@ from grader.render.labels import SUBMISSION_STATE
 from grader.routes import recordings
 from grader.routes.concealment import shown_list
 from grader.routes.problems import ProblemError
+from grader.routes.published import published
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import lateness
 from grader.routes.submissions import SubmissionId
@@ -41,7 +41,7 @@ def read(
 ) -> Response:
     """Show where a submission stands, and its grading once there is one."""
     submission, stored = access.seen(services, visitor, submission_id)
-    assignment = _published(services, submission)
+    assignment = published(services, submission.assignment)
     return page(
         request,
         "submission.html",
@@ -131,13 +131,6 @@ def _attempts(services: Services, visitor: Visitor, submission: Submission) -> t
     """Return the student's submissions to the same assignment, newest first."""
     own = services.submissions.of_student(submission.student, submission.assignment, course=submission.course)
     return shown_list(services, visitor.caller, own)
-
-
-def _published(services: Services, submission: Submission) -> Assignment | None:
-    try:
-        return services.assignments.get(submission.assignment)
-    except UnknownAssignmentError:
-        return None
 
 
 def _position(services: Services, submission: Submission) -> int | None:

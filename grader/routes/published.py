@@ -1,0 +1,28 @@
+"""Assignments as a request names them."""
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import UnknownAssignmentError
+from grader.routes.problems import ProblemError
+from grader.routes.services import Services
+
+
+def published(services: Services, assignment_id: str) -> Assignment | None:
+    """Return an assignment; None when it is not, or no longer, published."""
+    try:
+        return services.assignments.get(assignment_id)
+    except UnknownAssignmentError:
+        return None
+
+
+def require_published(
+    services: Services, assignment_id: str, code: str = "assignment_not_found", field: str | None = None
+) -> Assignment:
+    """Return an assignment.
+
+    Raises:
+        ProblemError: of the kind `code`, about `field` of the request: it is not published. Names those that are.
+    """
+    assignment = published(services, assignment_id)
+    if assignment is None:
+        raise ProblemError(code, field=field, allowed=[one.id for one in services.assignments.all()])
+    return assignment
