@@ -114,6 +114,10 @@ def database_url(request: pytest.FixtureRequest) -> str:
     return url
 
 
+# for tests with `database_url` whose subject is SQLite's file, or has nothing to do with the database
+on_sqlite = pytest.mark.parametrize("database_url", ["sqlite_url"], indirect=True, ids=["sqlite"])
+
+
 @pytest.fixture(params=["sqlite", "postgresql"])
 def blank_url(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
     """The address of a database without tables, of both kinds."""

@@ -13,9 +13,7 @@ from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.policies import Policies
-
-# which words a mistake is told with does not depend on the database
-on_sqlite = pytest.mark.parametrize("database_url", ["sqlite_url"], indirect=True)
+from tests.conftest import on_sqlite
 
 
 @pytest.fixture
