@@ -38,11 +38,10 @@ class Announcer(Protocol):
     """Makes workers look for rows that wait. Every method belongs to the transaction of `session`."""
 
     def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
-        """Announce rows that this transaction makes ``queued``; those announced already stay so."""
-        ...
+        """Announce rows that this transaction makes ``queued``; those announced already stay so.
 
-    def added(self, session: Session, waiting: Waiting, now: datetime) -> None:
-        """Announce a row that this transaction inserts, which nobody can have announced. May be sent together."""
+        May be sent `together`.
+        """
         ...
 
     def claimed(self, session: Session, now: datetime) -> None:
@@ -62,9 +61,6 @@ class Unannounced:
     """Announces nothing: the workers are local and look by themselves."""
 
     def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
-        """Do nothing."""
-
-    def added(self, session: Session, waiting: Waiting, now: datetime) -> None:
         """Do nothing."""
 
     def claimed(self, session: Session, now: datetime) -> None:

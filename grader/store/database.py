@@ -28,6 +28,7 @@ from sqlmodel import Session, create_engine
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store.announcing import Announcer, Unannounced
 from grader.store.liveness import check_before_use
+from grader.store.together import one_go, wait_for_answer
 
 _LOCK_TIMEOUT_MS = 30_000
 _LONGEST_LOG_PAGES = 10_000  # before a commit empties it, where `grader.store.checkpoints` did not
@@ -75,6 +76,8 @@ class Database:
             if self.is_sqlite
             else {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
         )
+        self._quick = self._engine.execution_options(isolation_level="AUTOCOMMIT")
+        event.listen(self._quick, "after_cursor_execute", wait_for_answer)
         self.announcer = _announcer(self._engine)
         self._writer = threading.Lock()
         self._closed = False
@@ -97,13 +100,21 @@ class Database:
         return str(url.database) if self.is_sqlite else url.set(query={}).render_as_string(hide_password=True)
 
     @contextmanager
-    def writing(self) -> Iterator[Session]:
+    def writing(self, *, quick: bool = False) -> Iterator[Session]:
         """One transaction that may write; committed at the end, rolled back on any exception.
+
+        Args:
+            quick: go to a PostgreSQL server and back as seldom as `grader.store.together.one_go` does.
 
         Raises:
             InfrastructureError: the database cannot be reached or stays locked. When the connection breaks
                 during the commit, it is unknown whether the transaction took place.
         """
+        if quick and not self.is_sqlite:
+            with self._transaction(self._quick) as session, one_go(session.connection()):
+                yield session
+                session.flush()
+            return
         with self._turn() if self.is_sqlite else nullcontext(), self._transaction(self._engine) as session:
             yield session
 

@@ -3,26 +3,29 @@
 import hashlib
 import uuid
 from collections.abc import Iterable, Sequence
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from itertools import pairwise
 from typing import Any, NamedTuple
+from zoneinfo import ZoneInfo
 
-from sqlalchemy import delete, insert, select, tuple_
+from sqlalchemy import ColumnElement, Select, and_, bindparam, delete, insert, select
 from sqlmodel import Session, col
 
 from grader import policy as rules
 from grader.contracts.errors import SubmissionError, UploadRefusedError
-from grader.contracts.policy import Attempt, Refusal
+from grader.contracts.policy import AssignmentPolicy, Attempt, Extension, Refusal
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.store.announcing import Announcer, waiting_as
+from grader.store.columns import UtcDateTime
 from grader.store.locks import add_once, one_at_a_time
-from grader.store.policies import rules_of
+from grader.store.policies import ABOUT, ABOUT_FROM, rules_about
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, table_of
 from grader.store.together import together
 
 _FREE_VERDICTS = (GradeStatus.SYNTAX_ERROR.value, GradeStatus.ASSIGNMENT_ERROR.value)
 _KEY_LIFE = timedelta(days=7)
+_EVER = datetime(1970, 1, 1, tzinfo=UTC)
 _TICK = timedelta(microseconds=1)
 _UUID_VERSION_7 = 0x7 << 76
 _UUID_VARIANT = 0b10 << 62
@@ -41,10 +44,39 @@ class _Own(NamedTuple):
     priority: int
 
 
-_row = table_of(SubmissionRow).c
+class _Known(NamedTuple):
+    """What decides about an upload: what was sent under its key, what rules it, the student's own submissions."""
+
+    keyed: tuple[str, str] | None
+    policy: AssignmentPolicy
+    extension: Extension
+    zone: ZoneInfo
+    own: Sequence[_Own]
+
+
+_row, _key = table_of(SubmissionRow).c, table_of(UploadKeyRow).c
 _COLUMNS = tuple(_row.keys())
 _OWN = tuple(_row[name] for name in _Own._fields)
 _SUBMISSION, _KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyRow))
+_FORGET = delete(table_of(UploadKeyRow)).where(
+    _key.owner == bindparam("of"), _key.at < bindparam("before", type_=UtcDateTime())
+)
+
+
+def _asking(of_course: ColumnElement[bool]) -> Select[Any]:
+    """Return the one question of which `_Known` is the answer: a row for each of the student's submissions."""
+    keyed = and_(
+        _key.owner == bindparam("owner"),
+        _key.key == bindparam("key"),
+        _key.at >= bindparam("since", type_=UtcDateTime()),
+    )
+    own = and_(of_course, _row.student == bindparam("student"), _row.assignment == bindparam("assignment"))
+    tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(table_of(SubmissionRow), own)
+    asked = select(_key.digest, _key.submission_id, *ABOUT, *_OWN).select_from(tables)
+    return asked.order_by(_row.received_at, _row.id)
+
+
+_IN_COURSE, _WITHOUT_COURSE = _asking(_row.course == bindparam("course")), _asking(_row.course.is_(None))
 
 
 def take_in(
@@ -59,14 +91,11 @@ def take_in(
     """
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are theirs
     digest = hashlib.sha256(upload.source).hexdigest()
-    known = _under_key(session, upload, digest, now)
-    if known is not None:
-        return known, True
-    own = _own_rows(session, upload.student, upload.assignment, upload.course)
-    known = _same_as_latest(session, upload, own, digest)
-    if known is not None:
-        return known, True
-    if upload.ruled and (refused := _refusal(session, upload, as_attempts(own), now)) is not None:
+    known = _known(session, upload.student, upload.assignment, upload.course, (upload.key, now))
+    earlier = _under_key(upload, digest, known) or _same_as_latest(session, upload, known.own, digest)
+    if earlier is not None:
+        return session.get_one(SubmissionRow, earlier), True
+    if upload.ruled and (refused := _refusal(known, now)) is not None:
         raise UploadRefusedError(refused)
     row = SubmissionRow(
         id=new_id(now),
@@ -79,7 +108,7 @@ def take_in(
         state=SubmissionState.QUEUED.value,
         received_at=now,
         queued_at=now,
-        turn_at=_turn(session, upload, own, now),
+        turn_at=_turn(session, upload, known.own, now),
         not_before=now,
     )
     _put(session, upload, row, announcer)
@@ -88,13 +117,12 @@ def take_in(
 
 def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -> Refusal | None:
     """Return why the rules do not accept an upload, or None."""
-    earlier = attempts_of(session, upload.student, upload.assignment, upload.course)
-    return _refusal(session, upload, earlier, received_at)
+    return _refusal(_known(session, upload.student, upload.assignment, upload.course), received_at)
 
 
 def attempts_of(session: Session, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
     """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
-    return as_attempts(_own_rows(session, student, assignment, course))
+    return as_attempts(_known(session, student, assignment, course).own)
 
 
 def as_attempts(own: Iterable[Any]) -> tuple[Attempt, ...]:
@@ -119,23 +147,39 @@ def new_id(now: datetime) -> str:
     return str(uuid.UUID(int=(milliseconds << 80) | _UUID_VERSION_7 | (high << 64) | _UUID_VARIANT | low))
 
 
-def _under_key(session: Session, upload: NewSubmission, digest: str, now: datetime) -> SubmissionRow | None:
-    if upload.key is None:
-        return None
-    forgotten = (
-        select(col(UploadKeyRow.owner), col(UploadKeyRow.key))
-        .where(col(UploadKeyRow.at) < now - _KEY_LIFE)
-        .with_for_update(skip_locked=True)  # which another upload is forgetting right now
+def _known(
+    session: Session,
+    student: str,
+    assignment: str,
+    course: str | None,
+    keyed: tuple[str | None, datetime] = (None, _EVER),
+) -> _Known:
+    key, now = keyed
+    asked = {
+        "student": student,
+        "assignment": assignment,
+        "course": course,
+        "owner": _owner(course, student),
+        "key": key,
+        "since": now - _KEY_LIFE,
+    }
+    rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
+    digest, submission_id, *about = rows[0][: -len(_OWN)]
+    return _Known(
+        None if digest is None else (digest, submission_id),
+        *rules_about(*about),
+        [_Own(*own) for row in rows if (own := row[-len(_OWN) :])[0] is not None],
     )
-    session.execute(
-        delete(UploadKeyRow).where(tuple_(col(UploadKeyRow.owner), col(UploadKeyRow.key)).in_(forgotten))
-    )
-    known = session.get(UploadKeyRow, (_owner(upload), upload.key))
-    if known is None:
+
+
+def _under_key(upload: NewSubmission, digest: str, known: _Known) -> str | None:
+    """Return the submission that was sent under the upload's key before."""
+    if known.keyed is None:
         return None
-    if known.digest != _meaning(upload, digest):
+    meaning, submission_id = known.keyed
+    if meaning != _meaning(upload, digest):
         raise SubmissionError("key_reused", "this Idempotency-Key belongs to another upload")
-    return session.get(SubmissionRow, known.submission_id)
+    return submission_id
 
 
 def _put(session: Session, upload: NewSubmission, row: SubmissionRow, announcer: Announcer) -> None:
@@ -146,31 +190,18 @@ def _put(session: Session, upload: NewSubmission, row: SubmissionRow, announcer:
         add_once(session, SourceRow, sha256=row.source_sha256, content=upload.source)
         connection.execute(_SUBMISSION, {name: getattr(row, name) for name in _COLUMNS})
         if upload.key is not None:
-            key = {"owner": _owner(upload), "key": upload.key, "digest": _meaning(upload, row.source_sha256)}
+            owner = _owner(upload.course, upload.student)
+            connection.execute(_FORGET, {"of": owner, "before": row.received_at - _KEY_LIFE})
+            key = {"owner": owner, "key": upload.key, "digest": _meaning(upload, row.source_sha256)}
             connection.execute(_KEY, {**key, "submission_id": row.id, "at": row.received_at})
-        announcer.added(session, waiting_as(row), row.queued_at)
+        announcer.queued(session, [waiting_as(row)], row.queued_at)
 
 
-def _own_rows(session: Session, student: str, assignment: str, course: str | None) -> Sequence[_Own]:
-    """Return a student's submissions to an assignment, in order of arrival."""
-    statement = select(*_OWN).where(
-        _row.assignment == assignment, _row.student == student, _row.course == course
-    )
-    in_order = session.execute(statement.order_by(_row.received_at, _row.id))
-    return [_Own(*one) for one in in_order]
+def _refusal(known: _Known, received_at: datetime) -> Refusal | None:
+    return rules.refusal(known.policy, known.extension, as_attempts(known.own), received_at, known.zone)
 
 
-def _refusal(
-    session: Session, upload: NewSubmission, earlier: tuple[Attempt, ...], received_at: datetime
-) -> Refusal | None:
-    known = rules_of(session, upload.course, about=(upload.assignment, upload.student))
-    extension = known.extension(upload.assignment, upload.student)
-    return rules.refusal(known.policy(upload.assignment), extension, earlier, received_at, known.zone)
-
-
-def _same_as_latest(
-    session: Session, upload: NewSubmission, own: Sequence[_Own], digest: str
-) -> SubmissionRow | None:
+def _same_as_latest(session: Session, upload: NewSubmission, own: Sequence[_Own], digest: str) -> str | None:
     """Return the student's latest submission if it has the same bytes and would be graded the same."""
     if upload.assignment_version is None or not own or own[-1].source_sha256 != digest:
         return None
@@ -183,7 +214,7 @@ def _same_as_latest(
         )
         if session.execute(version).scalar_one_or_none() != upload.assignment_version:
             return None
-    return session.get(SubmissionRow, latest.id)
+    return latest.id
 
 
 def _turn(session: Session, upload: NewSubmission, own: Sequence[_Own], now: datetime) -> datetime:
@@ -210,8 +241,8 @@ def _turn(session: Session, upload: NewSubmission, own: Sequence[_Own], now: dat
     return turns[0]
 
 
-def _owner(upload: NewSubmission) -> str:
-    return f"{upload.course or ''}/{upload.student}"
+def _owner(course: str | None, student: str) -> str:
+    return f"{course or ''}/{student}"
 
 
 def _meaning(upload: NewSubmission, digest: str) -> str:

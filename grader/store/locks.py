@@ -8,13 +8,15 @@ reads afterwards is what the transaction before it left, and no two can wait for
 import hashlib
 from typing import Any
 
-from sqlalchemy import Connection, func, select
+from sqlalchemy import Connection, bindparam, func, select
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlmodel import Session, SQLModel
 
+from grader.store.tables import table_of
 from grader.store.together import together
 
 _KEY_BYTES = 8
+_LOCK = select(func.pg_advisory_xact_lock(bindparam("key")))
 
 
 def one_at_a_time(transaction: Session | Connection, *what: str | None) -> None:
@@ -25,12 +27,12 @@ def one_at_a_time(transaction: Session | Connection, *what: str | None) -> None:
     digest = hashlib.sha256(repr(what).encode()).digest()
     # equal keys of different names would only make two transactions wait that need not
     key = int.from_bytes(digest[:_KEY_BYTES], "big", signed=True)
-    with together(connection):  # so the transaction begins on the same way to the server
-        connection.execute(select(func.pg_advisory_xact_lock(key)))
+    with together(connection):
+        connection.execute(_LOCK, {"key": key})
 
 
 def add_once(session: Session, table: type[SQLModel], **values: Any) -> None:
     """Add a row unless one of its primary key is there, or is being added by another transaction."""
-    on_sqlite = session.connection().dialect.name == "sqlite"
-    insert = sqlite.insert(table) if on_sqlite else postgresql.insert(table)
-    session.execute(insert.values(**values).on_conflict_do_nothing())
+    connection = session.connection()
+    insert = sqlite.insert if connection.dialect.name == "sqlite" else postgresql.insert
+    connection.execute(insert(table_of(table)).on_conflict_do_nothing(), values)

@@ -8,7 +8,7 @@ from functools import lru_cache
 from typing import Any
 from zoneinfo import ZoneInfo
 
-from sqlalchemy import and_, bindparam, select
+from sqlalchemy import and_, bindparam, literal, outerjoin, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import ChangedMeanwhileError
@@ -35,10 +35,13 @@ _TAG_LENGTH = 16
 ANY_STATE = Seen(None)
 
 _course_of, _policy_of, _extension_of = (table_of(row).c for row in (CourseRow, PolicyRow, ExtensionRow))
-_ABOUT = (
-    select(_course_of.time_zone, _policy_of.document, _extension_of.due, _extension_of.extra_attempts)
-    .outerjoin_from(
-        table_of(CourseRow),
+ABOUT = (_course_of.time_zone, _policy_of.document, _extension_of.due, _extension_of.extra_attempts)
+"""What `rules_about` takes: columns of `ABOUT_FROM`."""
+
+_ASKED = select(literal(1).label("asked")).subquery()  # so that there is one row whatever is missing
+ABOUT_FROM = (
+    outerjoin(_ASKED, table_of(CourseRow), _course_of.id == bindparam("course"))
+    .outerjoin(
         table_of(PolicyRow),
         and_(_policy_of.course == _course_of.id, _policy_of.assignment == bindparam("assignment")),
     )
@@ -47,11 +50,11 @@ _ABOUT = (
         and_(
             _extension_of.course == _course_of.id,
             _extension_of.assignment == bindparam("assignment"),
-            _extension_of.person == bindparam("person"),
+            _extension_of.person == bindparam("student"),
         ),
     )
-    .where(_course_of.id == bindparam("course"))
 )
+"""One row: what rules the work of a student for an assignment. Takes `course`, `assignment` and `student`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -172,15 +175,10 @@ def tag(rules: AssignmentPolicy | Extension) -> str:
     return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
 
 
-def rules_of(session: Session, course: str | None, *, about: tuple[str, str] | None = None) -> Rules:
-    """Return all rules of a course in the transaction of `session`, or those about an assignment and a person.
-
-    To read everybody's extensions takes a third of the time of storing an upload.
-    """
+def rules_of(session: Session, course: str | None) -> Rules:
+    """Return all rules of a course in the transaction of `session`."""
     if course is None:
         return Rules(zone=ZoneInfo(_UTC), policies={}, extensions={})
-    if about is not None:
-        return _rules_about(session, course, *about)
     row = session.get(CourseRow, course)
     ruled = select(PolicyRow).where(col(PolicyRow.course) == course)
     extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)
@@ -192,18 +190,13 @@ def rules_of(session: Session, course: str | None, *, about: tuple[str, str] | N
     )
 
 
-def _rules_about(session: Session, course: str, assignment: str, person: str) -> Rules:
-    """Ask one question for what every upload needs."""
-    found = session.execute(_ABOUT, {"course": course, "assignment": assignment, "person": person}).first()
-    if found is None:
-        return Rules(zone=ZoneInfo(_UTC), policies={}, extensions={})
-    zone, document, due, extra_attempts = found
-    extended = Extension(due=due, extra_attempts=extra_attempts) if extra_attempts is not None else None
-    return Rules(
-        zone=ZoneInfo(zone),
-        policies={} if document is None else {assignment: _read(document)},
-        extensions={} if extended is None else {(assignment, person): extended},
-    )
+def rules_about(
+    zone: str | None, document: str | None, due: datetime | None, extra_attempts: int | None
+) -> tuple[AssignmentPolicy, Extension, ZoneInfo]:
+    """Return what rules the work of a student for an assignment, from a row of `ABOUT`."""
+    policy = NO_POLICY if document is None else _read(document)
+    extension = NO_EXTENSION if extra_attempts is None else Extension(due=due, extra_attempts=extra_attempts)
+    return policy, extension, ZoneInfo(zone or _UTC)
 
 
 def to_document(rules: AssignmentPolicy | Extension) -> dict[str, Any]:

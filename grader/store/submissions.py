@@ -48,7 +48,7 @@ class Submissions:
         Raises:
             UploadRefusedError: as `add`. SubmissionError: ``key_reused``: the key belongs to another upload.
         """
-        with self._database.writing() as session:
+        with self._database.writing(quick=True) as session:
             now = upload.received_at or self._clock()
             row, repeated = take_in(session, upload, now, self._database.announcer)
             if upload.by is not None and not repeated:

@@ -1,16 +1,24 @@
-"""Statements whose answers nobody needs are sent together: one way to the server and back instead of one each."""
+"""Statements that are sent to a PostgreSQL server together: one way there and back instead of one each.
+
+What a way costs is not the statement but waiting for a processor, once there and once here. On SQLite, where there
+is no way, nothing here changes anything.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import Any
 
 from sqlalchemy import Connection
 
 from grader.contracts.errors import InfrastructureError
 
+_PIPELINE = "grader_pipeline"
+_UNANSWERED = "grader_unanswered"
+
 
 @contextmanager
 def together(connection: Connection) -> Iterator[None]:
-    """Send what is executed within at once, and wait for all of it at the end. On SQLite this changes nothing.
+    """Send what is executed within at once, and wait for all of it at the end; in `one_go`, not even then.
 
     Within, no result may be looked at, not even how many rows a statement changed.
 
@@ -20,12 +28,58 @@ def together(connection: Connection) -> Iterator[None]:
     if connection.dialect.name == "sqlite":
         yield
         return
-    driver, errors = connection.connection.driver_connection, connection.dialect.loaded_dbapi
-    assert driver is not None
-    try:
-        with driver.pipeline():
+    if _PIPELINE not in connection.info:
+        with _pipeline(connection):
             yield
+        return
+    connection.info[_UNANSWERED] = True
+    try:
+        yield
+    finally:
+        del connection.info[_UNANSWERED]
+
+
+@contextmanager
+def one_go(connection: Connection) -> Iterator[None]:
+    """Begin a transaction on PostgreSQL at the start and commit it at the end, with no ways for that alone.
+
+    What is sent `together` goes with the next statement whose answer is needed, or with the commit, and what is
+    wrong with it is said there. The server cannot be asked for a cursor, nor for several statements in one.
+
+    Args:
+        connection: in autocommit mode, so that nobody else begins a transaction; `wait_for_answer` listens to it.
+
+    Raises:
+        InfrastructureError: as `together`; whether the transaction took place is unknown then.
+    """
+    driver = _driver(connection)
+    with _pipeline(connection) as pipeline:
+        connection.info[_PIPELINE] = pipeline
+        try:
+            driver.execute("BEGIN ISOLATION LEVEL READ COMMITTED")
+            yield
+            driver.execute("COMMIT")
+        finally:
+            del connection.info[_PIPELINE]
+
+
+def wait_for_answer(connection: Connection, *_executed: Any) -> None:
+    """Wait, in `one_go`, for the answer to what has just been executed: SQLAlchemy looks at it next."""
+    if _PIPELINE in connection.info and _UNANSWERED not in connection.info:
+        connection.info[_PIPELINE].sync()
+
+
+@contextmanager
+def _pipeline(connection: Connection) -> Iterator[Any]:
+    errors = connection.dialect.loaded_dbapi
+    try:
+        with _driver(connection).pipeline() as pipeline:
+            yield pipeline
     except (errors.OperationalError, errors.InterfaceError, errors.InternalError) as error:
         # the last: such as a transaction that the server ended because it was idle for too long
         reason = " ".join(str(error).split())
         raise InfrastructureError(f"the database does not answer: {reason}") from error
+
+
+def _driver(connection: Connection) -> Any:
+    return connection.connection.driver_connection

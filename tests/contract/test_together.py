@@ -14,15 +14,19 @@ def trouble(engine: Engine) -> set[str]:
         return set(session.execute(text("SELECT trouble FROM submission")).scalars())
 
 
-def change(engine: Engine, *statements: str) -> None:
-    with engine.database.writing() as session, together(session.connection()):
+QUICK = pytest.mark.parametrize("quick", [False, True], ids=["", "quick"])
+
+
+def change(engine: Engine, quick: bool, *statements: str) -> None:
+    with engine.database.writing(quick=quick) as session, together(session.connection()):
         for statement in statements:
             session.execute(text(statement))
 
 
-def test_what_was_sent_together_is_there(engine: Engine) -> None:
+@QUICK
+def test_what_was_sent_together_is_there(engine: Engine, quick: bool) -> None:
     engine.upload()
-    with engine.database.writing() as session:
+    with engine.database.writing(quick=quick) as session:
         with together(session.connection()):
             session.execute(text("UPDATE submission SET trouble = 'one'"))
             session.execute(text("UPDATE submission SET trouble = trouble || ' two'"))
@@ -30,20 +34,44 @@ def test_what_was_sent_together_is_there(engine: Engine) -> None:
     assert trouble(engine) == {"one two"}
 
 
-def test_an_upload_costs_few_statements_besides_its_permit(engine: Engine) -> None:
+def test_what_was_sent_last_is_committed_and_nobody_elses_work(engine: Engine) -> None:
+    engine.upload()
+    change(engine, True, "UPDATE submission SET trouble = 'one'")
+    for quick in (True, False):
+        with pytest.raises(ZeroDivisionError), engine.database.writing(quick=quick) as session:  # noqa: PT012
+            session.execute(text("UPDATE submission SET trouble = 'lost'"))
+            raise ZeroDivisionError
+    assert trouble(engine) == {"one"}
+
+
+def test_an_upload_costs_few_statements_and_two_ways_to_the_server(
+    engine: Engine, monkeypatch: pytest.MonkeyPatch
+) -> None:
     engine.upload("s1")
     sent: list[str] = []
+    waited: list[psycopg.Pipeline] = []
+    wait = psycopg.Pipeline.sync
 
     def note(_connection: object, _cursor: object, statement: str, *_: object) -> None:
         sent.append(statement)
 
+    def waiting(pipeline: psycopg.Pipeline) -> None:
+        waited.append(pipeline)
+        wait(pipeline)
+
     event.listen(engine.database.engine, "before_cursor_execute", note)
+    monkeypatch.setattr(psycopg.Pipeline, "sync", waiting)
     engine.upload("s2")
     told = [" ".join(one.split()[:3]) for one in sent]
-    assert len(told) == 4, told  # alone, what there is of the student, the source, the submission
-    assert told[2:] == ["INSERT INTO source", "INSERT INTO submission"]
+    alone, known, *stored = told
+    assert alone.startswith(("BEGIN IMMEDIATE", "SELECT pg_advisory_xact_lock"))
+    assert known.startswith("SELECT upload_key")  # and all else that decides about an upload
+    permit = [] if engine.database.is_sqlite else ["INSERT INTO procrastinate_jobs"]
+    assert stored == ["INSERT INTO source", "INSERT INTO submission", *permit]
+    assert len(waited) == (0 if engine.database.is_sqlite else 1)  # the other way is the commit
 
 
+@QUICK
 @pytest.mark.parametrize(
     "mishap",
     [
@@ -54,19 +82,21 @@ def test_an_upload_costs_few_statements_besides_its_permit(engine: Engine) -> No
     ids=["connection ended", "too slow", "idle for too long"],
 )
 def test_a_server_that_fails_meanwhile_is_said_not_to_answer(
-    permits: PostgresEngine, mishap: tuple[str, ...]
+    permits: PostgresEngine, mishap: tuple[str, ...], quick: bool
 ) -> None:
     permits.upload()
     with pytest.raises(InfrastructureError, match="does not answer"):
-        change(permits, "UPDATE submission SET trouble = 'lost'", *mishap)
+        change(permits, quick, "UPDATE submission SET trouble = 'lost'", *mishap)
     assert trouble(permits) == {""}
 
 
-def test_a_statement_that_is_wrong_undoes_the_others(permits: PostgresEngine) -> None:
+@QUICK
+def test_a_statement_that_is_wrong_undoes_the_others(permits: PostgresEngine, quick: bool) -> None:
     permits.upload()
     with pytest.raises(psycopg.errors.CheckViolation):
         change(
             permits,
+            quick,
             "UPDATE submission SET trouble = 'lost'",
             "UPDATE submission SET state = 'elsewhere'",
         )

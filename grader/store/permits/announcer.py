@@ -3,13 +3,13 @@
 from collections.abc import Sequence
 from datetime import datetime, timedelta
 
-from sqlalchemy import ColumnElement, column, exists, func, select, table, text
+from sqlalchemy import ColumnElement, exists, func, select, text
 from sqlmodel import Session, col
 
 from grader.contracts.submission import SubmissionState
 from grader.store.announcing import Waiting
 from grader.store.claim_rows import WAITING, waiting
-from grader.store.permits.jobs import QUEUE, defer, defer_first, lock_of_row
+from grader.store.permits.jobs import JOBS, QUEUE, defer, lock_of_row
 from grader.store.tables import SubmissionRow
 
 _LATE_S = 5.0  # a row due for so long should have met a permit, if permits are not scarce
@@ -19,7 +19,6 @@ _AGAIN_S = 0.2
 _AT_ONCE = 1_000
 _SWEEP_KEY = 0x67726164  # of the advisory lock: one sweep at a time
 
-_jobs = table("procrastinate_jobs", column("queueing_lock"), column("queue_name"), column("status"))
 _LEFT_OVER = text(  # whose workers another process may be putting away at this moment: never waited for
     "DELETE FROM procrastinate_jobs WHERE id IN (SELECT job.id FROM procrastinate_jobs AS job"
     " WHERE job.queue_name = :queue AND job.status <> 'todo' AND ("
@@ -47,12 +46,7 @@ class PermitAnnouncer:
 
     def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
         """Defer a permit for each row."""
-        session.flush()
         defer(session, waiting, now)
-
-    def added(self, session: Session, waiting: Waiting, now: datetime) -> None:
-        """Defer its first permit."""
-        defer_first(session, waiting, now)
 
     def claimed(self, session: Session, now: datetime) -> None:
         """Use up the permit that would be taken next, if there is one that nobody is taking at this moment."""
@@ -115,4 +109,4 @@ def _late(now: datetime) -> tuple[ColumnElement[bool], ...]:
 
 
 def _has_a_permit() -> ColumnElement[bool]:
-    return exists().where(_jobs.c.queueing_lock == lock_of_row(), _jobs.c.status == text("'todo'"))
+    return exists().where(JOBS.c.queueing_lock == lock_of_row(), JOBS.c.status == text("'todo'"))

@@ -2,15 +2,12 @@
 
 from collections.abc import Sequence
 from datetime import datetime
+from typing import Any
 
-from procrastinate import SyncPsycopgConnector
-from procrastinate.exceptions import AlreadyEnqueued, ConnectorException
-from procrastinate.jobs import Job
-from procrastinate.manager import JobManager
-from sqlalchemy import ColumnElement, Connection, func
+from sqlalchemy import ColumnElement, DateTime, Integer, String, column, func, table
+from sqlalchemy.dialects.postgresql import JSONB, insert
 from sqlmodel import Session, col
 
-from grader.contracts.errors import InfrastructureError
 from grader.store.announcing import Waiting
 from grader.store.tables import SubmissionRow
 
@@ -18,7 +15,17 @@ QUEUE = "grading"
 TASK = "grade"
 _LOCK = "sub"
 
-_jobs = JobManager(SyncPsycopgConnector())  # never opened: every call brings its connection
+JOBS = table(
+    "procrastinate_jobs",
+    column("queue_name", String),
+    column("task_name", String),
+    column("priority", Integer),
+    column("queueing_lock", String),
+    column("args", JSONB),
+    column("status"),
+    column("scheduled_at", DateTime(timezone=True)),
+)
+_DEFER = insert(JOBS).on_conflict_do_nothing()
 
 
 def lock_of(submission_id: str, attempt: int) -> str:
@@ -36,59 +43,20 @@ def lock_of_row() -> ColumnElement[str]:
 
 
 def defer(session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
-    """Defer a permit for each of `waiting` in the transaction of `session`.
+    """Defer a permit for each of `waiting` in the transaction of `session`; one that waits already is not doubled.
 
-    A permit that waits already is not doubled: the collision is undone to a savepoint, the transaction goes on.
-
-    Raises:
-        InfrastructureError: the database does not answer, or has no queue.
+    Procrastinate's own way does not return before the server has answered, and fails as a whole where one waits.
     """
-    jobs = [_job(one, now) for one in waiting]
-    if not jobs or _deferred(session, jobs):
-        return
-    for job in jobs if len(jobs) > 1 else ():
-        _deferred(session, [job])
+    if waiting:
+        session.connection().execute(_DEFER, [_values(one, now) for one in waiting])
 
 
-def defer_first(session: Session, waiting: Waiting, now: datetime) -> None:
-    """Defer the permit of a row that the transaction of `session` inserts: no other can have its lock.
-
-    Raises:
-        InfrastructureError: as `defer`, and when what was sent together with it failed.
-    """
-    _defer(session.connection(), [_job(waiting, now)])
-
-
-def _deferred(session: Session, jobs: list[Job]) -> bool:
-    connection = session.connection()
-    savepoint = connection.begin_nested()
-    try:
-        _defer(connection, jobs)
-    except AlreadyEnqueued:
-        savepoint.rollback()
-        return False
-    savepoint.commit()
-    return True
-
-
-def _defer(connection: Connection, jobs: list[Job]) -> None:
-    try:
-        _jobs.batch_defer_jobs(jobs, connection=connection.connection.driver_connection)
-    except ConnectorException as error:
-        raise InfrastructureError(f"the queue does not answer: {_reason(error)}") from error
-
-
-def _reason(error: ConnectorException) -> str:
-    return " ".join(str(error.__cause__ or error).split())
-
-
-def _job(waiting: Waiting, now: datetime) -> Job:
-    return Job(
-        queue=QUEUE,
-        task_name=TASK,
-        task_kwargs={"submission": waiting.submission_id, "attempt": waiting.attempt},
-        priority=-waiting.priority,  # Procrastinate's larger numbers go first
-        lock=None,
-        queueing_lock=lock_of(waiting.submission_id, waiting.attempt),
-        scheduled_at=waiting.due_at if waiting.due_at > now else None,
-    )
+def _values(waiting: Waiting, now: datetime) -> dict[str, Any]:
+    return {
+        "queue_name": QUEUE,
+        "task_name": TASK,
+        "args": {"submission": waiting.submission_id, "attempt": waiting.attempt},
+        "priority": -waiting.priority,  # Procrastinate's larger numbers go first
+        "queueing_lock": lock_of(waiting.submission_id, waiting.attempt),
+        "scheduled_at": waiting.due_at if waiting.due_at > now else None,
+    }
