@@ -2,7 +2,6 @@
 
 import logging
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 
@@ -78,49 +77,49 @@ def test_a_broken_file_stops_the_start() -> None:
         editor.remembered()
 
 
-def settings(folder: Path, **changes: object) -> Settings:
-    return Settings(database_url=f"sqlite:///{folder / 'grader.db'}", slots=0, **changes)
+def settings(url: str, **changes: object) -> Settings:
+    return Settings(database_url=url, slots=0, **changes)
 
 
-def test_a_token_is_made_and_told_once(tmp_path: Path) -> None:
+def test_a_token_is_made_and_told_once(database_url: str) -> None:
     told: list[str] = []
-    with service.running(settings(tmp_path), told.append, FakePreflight()) as services:
+    with service.running(settings(database_url), told.append, FakePreflight()) as services:
         (token,) = told
         assert len(token) >= 32
         assert services.gate.admits(token)
         assert not services.gate.admits(token[:-1])
-    with service.running(settings(tmp_path), told.append, FakePreflight()):
+    with service.running(settings(database_url), told.append, FakePreflight()):
         assert len(set(told)) == 2
 
 
-def test_the_operators_token_is_not_told(tmp_path: Path) -> None:
+def test_the_operators_token_is_not_told(database_url: str) -> None:
     told: list[str] = []
-    mine = settings(tmp_path, instructor_token="3q9fKx72LmVb0pTzQQ")
+    mine = settings(database_url, instructor_token="3q9fKx72LmVb0pTzQQ")
     with service.running(mine, told.append, FakePreflight()) as services:
         assert services.gate.admits("3q9fKx72LmVb0pTzQQ")
     assert told == []
 
 
-def test_by_default_the_token_goes_to_stderr(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with service.running(settings(tmp_path), preflight=FakePreflight()) as services:
+def test_by_default_the_token_goes_to_stderr(database_url: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with service.running(settings(database_url), preflight=FakePreflight()) as services:
         token = capsys.readouterr().err.split()[-1]
         assert services.gate.admits(token)
 
 
 def test_a_host_without_a_sandbox_takes_uploads_and_says_so(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    database_url: str, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     def refuse(_: object) -> None:
         raise SandboxUnavailableError("this host lacks seccomp")
 
     monkeypatch.setattr(service, "build_syntax_sandbox", refuse)
-    with caplog.at_level(logging.ERROR), service.running(settings(tmp_path), lambda _: None) as services:
+    with caplog.at_level(logging.ERROR), service.running(settings(database_url), lambda _: None) as services:
         assert services.preflight.check(b"def broken(", "a.py") is None
     assert "lacks seccomp" in caplog.text
 
 
-def test_leaving_this_machine_needs_a_course_or_consent(tmp_path: Path) -> None:
-    network = settings(tmp_path, host="0.0.0.0")
+def test_leaving_this_machine_needs_a_course_or_consent(database_url: str) -> None:
+    network = settings(database_url, host="0.0.0.0")
     with pytest.raises(SettingsError, match="course create"):
         service.require_safe_exposure(network)
     with (
@@ -128,21 +127,21 @@ def test_leaving_this_machine_needs_a_course_or_consent(tmp_path: Path) -> None:
         service.running(network, lambda _: None, FakePreflight()),
     ):
         pass
-    service.require_safe_exposure(settings(tmp_path))
-    with service.running(settings(tmp_path), lambda _: None, FakePreflight()) as services:
+    service.require_safe_exposure(settings(database_url))
+    with service.running(settings(database_url), lambda _: None, FakePreflight()) as services:
         services.courses.create("ros", "ROS", "UTC", "test")
     service.require_safe_exposure(network)
 
 
-def test_consent_suffices(tmp_path: Path) -> None:
-    network = settings(tmp_path, host="0.0.0.0", allow_anonymous_network=True)
+def test_consent_suffices(database_url: str) -> None:
+    network = settings(database_url, host="0.0.0.0", allow_anonymous_network=True)
     with service.running(network, lambda _: None, FakePreflight()) as services:
         assert not services.courses.exist()
 
 
-def test_with_a_course_no_token_is_made(tmp_path: Path) -> None:
+def test_with_a_course_no_token_is_made(database_url: str) -> None:
     told: list[str] = []
-    with service.running(settings(tmp_path), told.append, FakePreflight()) as services:
+    with service.running(settings(database_url), told.append, FakePreflight()) as services:
         services.courses.create("ros", "ROS", "UTC", "test")
-    with service.running(settings(tmp_path), told.append, FakePreflight()):
+    with service.running(settings(database_url), told.append, FakePreflight()):
         assert len(told) == 1
