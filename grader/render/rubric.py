@@ -14,6 +14,7 @@ from grader.contracts.text import Language
 from grader.render import quantity
 from grader.render.escape import visible, visible_line
 from grader.render.labels import word
+from grader.render.prose import Prose
 
 _WANTED_COLUMNS = 24
 
@@ -33,7 +34,7 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
         worth += word("time_limit", language, seconds=quantity.score(rubric.horizon_s))
     yield title.append(worth, "cyan")
     if brief := rubric.brief.get(language):
-        yield Padding(Text(visible(brief).strip()), (1, 0, 0, 0))
+        yield Padding(Prose(visible(brief).strip()), (1, 0, 0, 0))
     table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False)
     table.add_column(word("item", language), ratio=1, overflow="fold")
     table.add_column(word("points", language), justify="right", no_wrap=True)
@@ -46,11 +47,11 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
         )
     yield table
     if remarks := rubric.remarks.get(language):
-        yield Text(visible(remarks).strip(), style="dim")
+        yield Prose(visible(remarks).strip(), style="dim")
 
 
 def _item(item: PublishedItem, language: Language) -> Text:
-    text = Text(visible_line(item.title.get(language)))
+    text = Prose(visible_line(item.title.get(language)))
     for line in (item.measure.get(language), item.partial.get(language), item.needs.get(language)):
         if line:
             text.append(f"\n{visible_line(line)}", style="dim")

@@ -24,6 +24,7 @@ from grader.messages.details import explained
 from grader.render import quantity
 from grader.render.escape import visible, visible_line
 from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, LOG_LEVEL, note_sentence, word
+from grader.render.prose import Prose
 
 _STYLE = {
     ItemStatus.PASSED: "green",
@@ -76,7 +77,7 @@ def _header(report: GradeReport, language: Language, file_name: str, title: Sent
     if report.status is not GradeStatus.GRADED:
         parts.append(Text(GRADE_STATUS[report.status].get(language), style="bold red"))
     if summary := report.summary.get(language):
-        parts.append(Text(visible(summary)))
+        parts.append(Prose(visible(summary)))
     return Group(*parts)
 
 
@@ -114,7 +115,7 @@ def _rubric(report: GradeReport, language: Language) -> Table:
 
 
 def _item(item: RubricItem, language: Language) -> Text:
-    text = Text(visible_line(item.title.get(language)))
+    text = Prose(visible_line(item.title.get(language)))
     if message := item.message.get(language):
         text.append(f"\n{visible(message)}", style="dim")
     return text
@@ -133,7 +134,7 @@ def _next_steps(report: GradeReport, language: Language) -> Iterator[RenderableT
     steps.add_column(no_wrap=True)
     steps.add_column(overflow="fold")
     for hint in said:
-        steps.add_row(Text("→", style="bold cyan"), Text(hint))
+        steps.add_row(Text("→", style="bold cyan"), Prose(hint))
     yield Text(word("next_step", language), style="bold cyan")
     yield Padding(steps, (0, 0, 1, 1))
 
@@ -147,7 +148,7 @@ def _error(run: CaseRun, report: GradeReport, language: Language) -> Iterator[Re
     if error is None:
         if run.outcome.detail:
             detail = explained(run.outcome.status, run.outcome.detail).get(language)
-            yield Text(f"{visible(detail)}{_case_name(run, report, language)}\n")
+            yield Prose(f"{visible(detail)}{_case_name(run, report, language)}\n")
         return
     where = word("at_line", language, line=error.line) if error.line else ""
     heading = f"{word('your_error', language)}{where}{_case_name(run, report, language)}"
@@ -172,7 +173,7 @@ def _notes(report: GradeReport, language: Language) -> Iterator[RenderableType]:
     yield Text(word("notes", language), style="bold")
     table = Table.grid(padding=(0, 1))
     for note in notes:
-        table.add_row(Text("·"), Text(note, style="dim", overflow="fold"))
+        table.add_row(Text("·"), Prose(note, style="dim"))
     yield Padding(table, (0, 0, 1, 1))
 
 
