@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from grader.checks.drive import COMMAND_TIMEOUT_NS, is_motion
+from grader.checks.drive import is_motion
 from grader.checks.measure import Mistake
 from grader.checks.mistakes.script import noted
 from grader.checks.quantity import number
@@ -16,6 +16,7 @@ from grader.messages import say
 from grader.messages.details import explained
 
 TWIST = "geometry_msgs/msg/Twist"
+_USAGE = 2  # argparse's exit code
 _OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
 _SAME_M, _SAME_RAD = 0.01, 0.01
 _TIMEOUT_SLACK_NS = 50_000_000
@@ -80,6 +81,8 @@ def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
         return ()
     if (call := noted(outcome, "forbidden")) is not None:
         return (_mistake("forbidden", detail=explained(RunStatus.FORBIDDEN, call)),)
+    if outcome.exit_code == _USAGE and outcome.stderr.text.startswith("usage: "):
+        return (_mistake("no_arguments"),)
     return (_mistake("no_publisher", topic=topic) if outcome.nodes else _mistake("nothing_ran"),)
 
 
@@ -104,7 +107,7 @@ def _timeouts(trajectory: Trajectory, outcome: RunOutcome) -> tuple[Mistake, ...
     gaps = [
         end - command.t_ns
         for command, end in zip(commands, ends, strict=True)
-        if is_motion(command) and end - command.t_ns > COMMAND_TIMEOUT_NS + _TIMEOUT_SLACK_NS
+        if is_motion(command) and end - command.t_ns > COMMAND_LIFE_NS + _TIMEOUT_SLACK_NS
     ]
     if not gaps:
         return ()

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from grader.checks import evaluate, mistakes
-from grader.contracts.outcome import Endpoint, Note, RunOutcome, RunStatus, StudentError
+from grader.contracts.outcome import Endpoint, Note, RunOutcome, RunStatus, Stream, StudentError
 from grader.contracts.trajectory import Trajectory
 from grader.contracts.verdict import Run, Verdict
 from tests.unit.checks.ideal_turtle import drive, outcome_of, polygon_legs, run_of
@@ -17,6 +17,7 @@ from tests.unit.checks.shipped import assignment, graded, score
 from tests.unit.messages.catalogs import catalog_texts
 
 TWIST = "geometry_msgs/msg/Twist"
+TWIST_CLASS = "<class 'geometry_msgs.msg._twist.Twist'>"
 AT_REST = drive([(2.0, 0.0, 0.0)])
 
 
@@ -44,7 +45,89 @@ def error(kind: str, message: str) -> StudentError:
             ("17", "x", "1.0"),
         ),
         (error("AttributeError", "'Twist' object has no attribute 'liner'"), "unknown_field", ("liner",)),
-        (error("AttributeError", "'Car' object has no attribute 'pub'"), "crashed", ("'pub'",)),
+        (
+            error("TypeError", "Vector3.__init__() takes 1 positional argument but 4 were given"),
+            "fields_by_position",
+            ("x=1.0",),
+        ),
+        (error("AttributeError", "'Car' object has no attribute 'pub'"), "unknown_attribute", ("'pub'",)),
+        (
+            error("AttributeError", "module 'rclpy' has no attribute 'sleep'"),
+            "unknown_attribute",
+            ("17", "'sleep'"),
+        ),
+        (error("AttributeError", "'NoneType' object has no attribute 'theta'"), "still_none", ("is None",)),
+        (
+            error("AttributeError", "property 'timers' of 'Car' object has no setter"),
+            "name_taken",
+            ("my_timers",),
+        ),
+        (error("AttributeError", "'Car' object has no attribute '_logger'"), "no_super_init", ("super()",)),
+        (
+            error("TypeError", "Node.__init__() missing 1 required positional argument: 'node_name'"),
+            "no_super_init",
+            ("17",),
+        ),
+        (
+            error("InvalidTopicNameException", "Invalid topic name: must not\n 'a b'\n   ^"),
+            "bad_name",
+            ("must not",),
+        ),
+        (error("TypeError", "'NoneType' object is not callable"), "callback_called", ("create_timer",)),
+        (error("TypeError", "'property' object is not iterable"), "class_for_object", ("Twist()",)),
+        (error("AttributeError", "'property' object has no attribute 'x'"), "class_for_object", ("Twist()",)),
+        (
+            error("TypeError", f"Expected {TWIST_CLASS}, got {TWIST_CLASS.replace('.T', '.Metaclass_T')}"),
+            "class_for_object",
+            ("17",),
+        ),
+        (error("TypeError", f"Expected {TWIST_CLASS}, got <class 'str'>"), "crashed", ("str",)),
+        (
+            error("TypeError", "Car.tick() takes 0 positional arguments but 1 was given"),
+            "wrong_parameters",
+            ("self",),
+        ),
+        (error("TypeError", "main() missing 1 required positional argument: 'args'"), "crashed", ("args",)),
+        (
+            error("TypeError", "unsupported operand type(s) for -: 'builtin_function_or_method' and 'float'"),
+            "function_not_called",
+            ("time.time()",),
+        ),
+        (error("AttributeError", "'method' object has no attribute 'now'"), "function_not_called", ("17",)),
+        (
+            error("TypeError", "unsupported operand type(s) for /: 'str' and 'float'"),
+            "text_for_number",
+            ("float(",),
+        ),
+        (error("TypeError", 'can only concatenate str (not "int") to str'), "text_for_number", ("f-string",)),
+        (error("TypeError", ""), "no_response", ("return response",)),
+        (
+            error("TypeError", "RcutilsLogger.info() takes 2 positional arguments but 3 were given"),
+            "log_not_text",
+            ("{x}",),
+        ),
+        (
+            error("TypeError", "rclpy_resolve_name(): incompatible function arguments."),
+            "wrong_order",
+            ("17",),
+        ),
+        (
+            error("TypeError", "Expected QoSProfile or int, but received <class 'method'>"),
+            "wrong_order",
+            ("Pose",),
+        ),
+        (
+            error("ImportError", "cannot import name 'twist' from 'geometry_msgs.msg' (x)"),
+            "missing_module",
+            ("Twist",),
+        ),
+        (error("IndexError", "list index out of range"), "crashed", ("IndexError",)),
+        (
+            replace(error("IndexError", "list index out of range"), traceback="T\n  x = sys.argv[1]\n"),
+            "no_arguments",
+            ("argparse",),
+        ),
+        (error("OperationalError", "unable to open database file"), "no_real_file", ("np.save",)),
         (
             error("TypeError", "create_publisher() missing 1 required positional argument: 'qos_profile'"),
             "missing_qos",
@@ -77,9 +160,26 @@ def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]
 
 
 @pytest.mark.parametrize(
+    ("kind", "message", "code"),
+    [
+        ("SyntaxError", "'(' was never closed", "syntax_error"),
+        ("SyntaxError", "invalid character '（' (U+FF08)", "foreign_character"),
+        ("SyntaxError", "invalid non-printable character U+00A0", "foreign_character"),
+        ("SyntaxError", "Non-UTF-8 code starting with '\\xd0' in file a.py on line 1, but ...", "not_utf8"),
+        ("SyntaxError", "'gbk' codec can't decode byte 0xff in position 33", "not_utf8"),
+        ("TabError", "inconsistent use of tabs and spaces in indentation", "indentation"),
+    ],
+)
+def test_what_is_not_python(kind: str, message: str, code: str) -> None:
+    verdict = silent(RunStatus.SYNTAX_ERROR, error=error(kind, message))
+    assert verdict.mistakes == (code,)
+    assert "17" in verdict.hint.zh
+    assert "17" in verdict.hint.en
+
+
+@pytest.mark.parametrize(
     ("status", "code"),
     [
-        (RunStatus.SYNTAX_ERROR, "syntax_error"),
         (RunStatus.STALLED, "stalled"),
         (RunStatus.CPU_LIMIT, "cpu_limit"),
         (RunStatus.MEMORY_LIMIT, "memory_limit"),
@@ -95,6 +195,12 @@ def test_other_ends(status: RunStatus, code: str) -> None:
     ("status", "changes", "code", "word"),
     [
         (RunStatus.FINISHED, {"nodes": ()}, "nothing_ran", "main()"),
+        (
+            RunStatus.FINISHED,
+            {"nodes": (), "exit_code": 2, "stderr": Stream(text="usage: a.py [-h] side\na.py: error: ...\n")},
+            "no_arguments",
+            "argparse",
+        ),
         (RunStatus.FINISHED, {}, "no_publisher", "/turtle1/cmd_vel"),
         (RunStatus.FINISHED, {"endpoints": (publisher("/rosout"),)}, "no_publisher", "/turtle1/cmd_vel"),
         (RunStatus.INTERRUPTED, {"endpoints": (publisher("/cmd_vel"),)}, "wrong_topic", "/cmd_vel"),

@@ -1,0 +1,79 @@
+"""Mistakes told by the exception that ended a script, or kept it from being compiled: its type and its text."""
+
+import re
+from typing import Final
+
+from grader.contracts.outcome import StudentError
+
+_SIGNS: Final = tuple(
+    (re.compile(pattern), code)
+    for pattern, code in (
+        (r"SyntaxError: (Non-UTF-8 code|.*codec can't decode)", "not_utf8"),
+        (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
+        (r"(IndentationError|TabError): ", "indentation"),
+        (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
+        (
+            r"AttributeError: '(?P<owner>Twist|Vector3)' object has no attribute '(?P<field>\w+)'",
+            "unknown_field",
+        ),
+        (r"TypeError: (?P<owner>Twist|Vector3)\.__init__\(\) takes 1 positional", "fields_by_position"),
+        (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
+        (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
+        (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
+        (r"AttributeError: type object '\w+' has no attribute '_TYPE_SUPPORT'", "wrong_order"),
+        (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
+        (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
+        (
+            r"AttributeError: '\w+' object has no attribute '_(clock|default_callback_group|logger|parameters|"
+            r"parameter_overrides|publishers|rate_group|Node__\w+)'",
+            "no_super_init",
+        ),
+        (r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: ", "bad_name"),
+        (r"TypeError: 'NoneType' object is not callable", "callback_called"),
+        (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
+        (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
+        (
+            r"TypeError: \w+\.\w+\(\) (takes \d+ positional arguments? but|missing \d+ required positional)",
+            "wrong_parameters",
+        ),
+        (
+            r"(Attribute|Type)Error: .*['\"](builtin_function_or_method|function|method)['\"]",
+            "function_not_called",
+        ),
+        (
+            r"TypeError: (unsupported operand .*'str'|can only concatenate str|can't multiply sequence by|"
+            r"'[<>]=?' not supported .*'str'|must be real number, not str)",
+            "text_for_number",
+        ),
+        (r"TypeError: \n", "no_response"),  # what a service's server raises at home, without a word
+        (r"AttributeError: 'NoneType' object has no attribute ", "still_none"),
+        (r"AttributeError: property '(?P<name>\w+)' of '\w+' object has no setter", "name_taken"),
+        (r"AttributeError: ", "unknown_attribute"),
+        (r"NameError: ", "unknown_name"),
+        (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
+        (
+            r"ModuleNotFoundError: No module named '(getch|keyboard|msvcrt|pygame|pynput|readchar)\b",
+            "no_terminal",
+        ),
+        (r"(ModuleNotFound|Import)Error: ", "missing_module"),
+        (r"NotInitializedException: ", "not_initialized"),
+        (r"EOFError: ", "no_input"),
+        (r"IndexError: list index out of range\n(.*\n)*.*sys\.argv\[", "no_arguments"),
+        (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
+        (r"TclError: ", "no_display"),
+        (r"FileNotFoundError: ", "missing_file"),
+        (r"OSError: \[Errno 28\]", "disk_full"),
+        (r"OperationalError: unable to open database file", "no_real_file"),
+        (r"OSError: Getting a FILE\*|OSError: \[Errno 9\] .*\n(.*\n)*.*mmap", "no_real_file"),
+    )
+)
+"""What ``Type: message`` begins with (the traceback follows) and the code for it; the first that fits counts."""
+
+
+def code_of(error: StudentError) -> tuple[str, dict[str, str]] | None:
+    """Return the code that fits an exception and the values its text needs beside line, type and problem."""
+    told = f"{error.type}: {error.message}\n{error.traceback}"
+    for sign, code in _SIGNS:
+        if (found := sign.match(told)) is not None:
+            return code, found.groupdict()
+    return None
