@@ -7,18 +7,18 @@ import socket
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 
 import httpx
+import pytest
 
 from grader.api import create_app
 from grader.contracts.grading import SandboxState
 from grader.routes.services import Services
 from grader.settings import Settings
 from grader.store.columns import utc_now
-from grader.store.database import Database
-from grader.store.schema import migrate
 from grader.store.workers import presence
 from grader.worker import Worker, WorkerConfig, WorkerParts
 from tests.fakes import server
@@ -31,10 +31,7 @@ PATIENCE_S = 60.0  # only ever waited for in full when a test fails
 SCRIPTS = {f"s{number}": f"good {'good' * (number % 2)} # {number}\n".encode() for number in range(12)}
 
 
-@contextmanager
-def opened(url: str, slots: int = 2) -> Iterator[tuple[Services, httpx.Client]]:
-    """Run everything but physics: store, workers in threads, HTTP."""
-    services = server.services(Settings(database_url=url), utc_now)
+def _worker(services: Services, config: WorkerConfig) -> Worker:
     parts = WorkerParts(
         queue=services.queue,
         workers=services.workers,
@@ -44,7 +41,14 @@ def opened(url: str, slots: int = 2) -> Iterator[tuple[Services, httpx.Client]]:
         doorbell=services.doorbell,
         clock=services.clock,
     )
-    worker = Worker(parts, WorkerConfig(slots=slots))
+    return Worker(parts, config)
+
+
+@contextmanager
+def opened(url: str, slots: int = 2) -> Iterator[tuple[Services, httpx.Client]]:
+    """Run everything but physics: store, workers in threads, HTTP."""
+    services = server.services(Settings(database_url=url), utc_now)
+    worker = _worker(services, WorkerConfig(slots=slots))
     worker.start()
     try:
         with server.serving(server.application(services)) as client:
@@ -96,33 +100,30 @@ def test_what_waits_at_a_restart_is_graded_after_it(database_url: str) -> None:
         wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls), PATIENCE_S)
 
 
-SERVER = """
-import socket, sys
+SERVERS = """
+import os, socket, sys
 import uvicorn
 from tests.e2e.test_service import application_in
-listener = socket.socket(fileno=int(sys.argv[2]))
-uvicorn.Server(uvicorn.Config(application_in(sys.argv[1]), log_config=None)).run(sockets=[listener])
+listener = socket.socket(fileno=int(sys.argv[1]))
+for url in sys.stdin:
+    if (child := os.fork()) == 0:
+        uvicorn.Server(uvicorn.Config(application_in(url.strip()), log_config=None)).run(sockets=[listener])
+        os._exit(0)
+    print(child, flush=True)
+    os.waitpid(child, 0)
+    print("gone", flush=True)
 """
+LEASE_S, HEARTBEAT_S = 1.5, 0.3  # of gradings without physics: PostgreSQL waits for a dead server's to end
 
 
-def application_in(folder: str):
+def application_in(url: str):
     """Return an application whose workers live in this very process, to be killed with it."""
 
     @contextmanager
     def services() -> Iterator[Services]:
-        settings = Settings(database_url=f"sqlite:///{folder}/grader.db")
-        made = server.services(settings, utc_now)
-        parts = WorkerParts(
-            queue=made.queue,
-            workers=made.workers,
-            assignments=made.assignments,
-            make_grader=FakeGrader,
-            probe=lambda: SandboxState(ready=True),
-            doorbell=made.doorbell,
-            clock=made.clock,
-        )
-        with presence(settings.database_url, lambda: made.queue.reconcile(all_running=True)):
-            worker = Worker(parts, WorkerConfig(slots=2))
+        made = server.services(Settings(database_url=url), utc_now, lease_s=LEASE_S)
+        with presence(url, lambda: made.queue.reconcile(all_running=True)):
+            worker = _worker(made, WorkerConfig(slots=2, heartbeat_s=HEARTBEAT_S))
             worker.start()
             yield made
             worker.stop()
@@ -130,47 +131,57 @@ def application_in(folder: str):
     return create_app(services)
 
 
-@contextmanager
-def server_process(folder: Path, listener: socket.socket) -> Iterator[subprocess.Popen[bytes]]:
-    process = subprocess.Popen(
-        [sys.executable, "-c", SERVER, str(folder), str(listener.fileno())],
-        pass_fds=(listener.fileno(),),
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.wait()
+@dataclass(frozen=True)
+class Servers:
+    """Starts servers, each a fork of one prepared process. The socket they listen to outlives them."""
+
+    origin: subprocess.Popen[str]
+    address: str
+
+    @contextmanager
+    def client(self, url: str) -> Iterator[httpx.Client]:
+        """Yield a client of a server that is killed when the context ends."""
+        self.origin.stdin.write(url + "\n")
+        self.origin.stdin.flush()
+        pid = int(self.origin.stdout.readline())
+        try:
+            # what is sent before the server answers waits in the socket
+            with httpx.Client(base_url=self.address, timeout=PATIENCE_S, trust_env=False) as client:
+                yield client
+        finally:
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+            assert self.origin.stdout.readline() == "gone\n"
 
 
-def test_killing_the_server_at_any_moment_loses_nothing(tmp_path: Path) -> None:
-    database = Database(f"sqlite:///{tmp_path / 'grader.db'}")
-    migrate(database)
-    database.close()
+@pytest.fixture(scope="module")
+def servers() -> Iterator[Servers]:
+    with socket.create_server(("127.0.0.1", 0), backlog=64) as listener:
+        command = [sys.executable, "-c", SERVERS, str(listener.fileno())]
+        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+        with subprocess.Popen(
+            command, pass_fds=(listener.fileno(),), env=environment, text=True, **pipes
+        ) as origin:
+            yield Servers(origin, f"http://127.0.0.1:{listener.getsockname()[1]}")
+            origin.stdin.close()
+
+
+def test_killing_the_server_at_any_moment_loses_nothing(servers: Servers, database_url: str) -> None:
     accepted: dict[str, tuple[str, bytes]] = {}
     students = iter(range(1000))
-    # the listening socket outlives the servers, so clients of the next one queue up in it
-    with socket.create_server(("127.0.0.1", 0), backlog=64) as listener:
-        base = f"http://127.0.0.1:{listener.getsockname()[1]}"
-        for round_number in range(2):
-            with (
-                server_process(tmp_path, listener) as process,
-                httpx.Client(base_url=base, timeout=PATIENCE_S, trust_env=False) as client,
-            ):
-                for _ in range(4 + 4 * round_number):
-                    student = f"s{next(students)}"
-                    source = f"good # {student}\n".encode()
-                    accepted[student] = (upload(client, student, source), source)
-                process.send_signal(signal.SIGKILL)  # some are graded, some under way, some wait
-        with (
-            server_process(tmp_path, listener),
-            httpx.Client(base_url=base, timeout=PATIENCE_S, trust_env=False) as client,
-        ):
-            wait_until(
-                lambda: all(client.get(url).json()["status"] == "graded" for url, _ in accepted.values()),
-                PATIENCE_S,
-            )
-            for url, source in accepted.values():
-                assert client.get(url).json()["sha256"] == hashlib.sha256(source).hexdigest()
-            assert scores(client) == dict.fromkeys(accepted, 5.0)
+    for round_number in range(2):
+        with servers.client(database_url) as client:
+            for _ in range(4 + 4 * round_number):
+                student = f"s{next(students)}"
+                source = f"good # {student}\n".encode()
+                accepted[student] = (upload(client, student, source), source)
+        # some are graded, some under way, some wait
+    with servers.client(database_url) as client:
+        wait_until(
+            lambda: all(client.get(url).json()["status"] == "graded" for url, _ in accepted.values()),
+            PATIENCE_S,
+        )
+        for url, source in accepted.values():
+            assert client.get(url).json()["sha256"] == hashlib.sha256(source).hexdigest()
+        assert scores(client) == dict.fromkeys(accepted, 5.0)

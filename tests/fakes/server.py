@@ -14,9 +14,9 @@ from grader.routes.access import InstructorGate
 from grader.routes.plots import PlotCache, Plotter
 from grader.routes.services import Services
 from grader.settings import Settings
+from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.queue import RetryPolicy
-from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, FakePreflight
 
 TOKEN = "correct-horse-battery-staple"
@@ -35,14 +35,16 @@ class FakePlotter:
         return magic + f" {assignment.id} {wish.language} {wish.case} {len(trajectory)}".encode()
 
 
-def services(settings: Settings, clock: FakeClock, plotter: Plotter | None = None) -> Services:
+def services(
+    settings: Settings, clock: Clock, plotter: Plotter | None = None, lease_s: float = 15.0
+) -> Services:
     """Return everything behind the application, over a database that has its tables already."""
     database = Database(settings.database_url)
     return Services.over(
         database,
         settings,
         clock,
-        policy=RetryPolicy(max_tries=3, backoff_s=0),
+        policy=RetryPolicy(lease_s=lease_s, max_tries=3, backoff_s=0),
         assignments=FakeAssignments(),
         preflight=FakePreflight(),
         plots=PlotCache(plotter or FakePlotter(), 8),
