@@ -64,7 +64,7 @@ _SIGNS: Final = tuple(
         (r"FileNotFoundError: ", "missing_file"),
         (r"OSError: \[Errno 28\]", "disk_full"),
         (r"OperationalError: unable to open database file", "no_real_file"),
-        (r"OSError: Getting a FILE\*|OSError: \[Errno 9\] .*\n(.*\n)*.*mmap", "no_real_file"),
+        (r"OSError: \[Errno 9\] .*\n(.*\n)*.*(mmap|tofile|fromfile)", "no_real_file"),
     )
 )
 """What ``Type: message`` begins with (the traceback follows) and the code for it; the first that fits counts."""

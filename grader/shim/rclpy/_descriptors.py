@@ -27,7 +27,7 @@ _ACCESS = os.O_RDONLY | os.O_WRONLY | os.O_RDWR
 
 
 class Description:
-    """An open file: where it is read or written next. Duplicated descriptors share it."""
+    """An open file: where it is read or written next."""
 
     def __init__(self, file: File, flags: int) -> None:
         self.file = file
@@ -170,40 +170,12 @@ def fsync(fd: int) -> None:
     described(fd)
 
 
-def ftruncate(fd: int, length: int, /) -> None:
-    if not described(fd).writable or length < 0:
-        fail(errno.EINVAL)
-    storage.resize(described(fd).file, length)
-
-
-def dup(fd: int, /) -> int:
-    return enter(described(fd))
-
-
-def isatty(fd: int, /) -> bool:
-    return False
-
-
-def get_inheritable(fd: int, /) -> bool:
-    return False
-
-
-def set_inheritable(fd: int, inheritable: int, /) -> None:
-    described(fd)
-
-
 CALLS: dict[str, Callable[..., Any]] = {
     "close": close,
-    "dup": dup,
-    "fdatasync": fsync,
     "fstat": fstat,
     "fsync": fsync,
-    "ftruncate": ftruncate,
-    "get_inheritable": get_inheritable,
-    "isatty": isatty,
     "lseek": lseek,
     "read": read,
-    "set_inheritable": set_inheritable,
     "write": write,
 }
 """Names of `os` and what does the same here."""

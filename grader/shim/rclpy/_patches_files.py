@@ -11,7 +11,7 @@ import os
 import stat as modes
 
 from rclpy import _descriptors, _open_files
-from rclpy._entries import Directory, File, fail
+from rclpy._entries import Directory, fail
 from rclpy._kernel import kernel
 from rclpy._scan import Scan
 from rclpy._storage import storage
@@ -105,13 +105,6 @@ def utime(
         now = kernel.epoch_ns + kernel.now_ns
         ns = (now, now) if times is None else (int(times[0] * 1e9), int(times[1] * 1e9))
     entry.accessed_ns, entry.modified_ns = (stamp - kernel.epoch_ns for stamp in ns)
-
-
-def truncate(parts: Parts, path: Any, length: int) -> None:
-    entry = storage.find(parts, path)
-    if not isinstance(entry, File):
-        fail(errno.EISDIR, path)
-    storage.resize(entry, length)
 
 
 def readlink(parts: Parts, path: Any) -> Any:
@@ -243,7 +236,6 @@ _PATHS: dict[str, tuple[Any, ...]] = {
     "rmdir": (rmdir,),
     "scandir": (scandir, None, "."),
     "stat": (stat, _descriptors.fstat),
-    "truncate": (truncate, _descriptors.ftruncate),
     "unlink": (remove,),
     "utime": (utime,),
 }

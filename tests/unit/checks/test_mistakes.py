@@ -129,6 +129,12 @@ def error(kind: str, message: str) -> StudentError:
         ),
         (error("OperationalError", "unable to open database file"), "no_real_file", ("np.save",)),
         (
+            replace(error("OSError", "[Errno 9] Bad file descriptor"), traceback="T\n  a.tofile('a')\n"),
+            "no_real_file",
+            ("np.tofile",),
+        ),
+        (error("OSError", "[Errno 9] Bad file descriptor"), "crashed", ("OSError",)),
+        (
             error("TypeError", "create_publisher() missing 1 required positional argument: 'qos_profile'"),
             "missing_qos",
             ("17", "10"),
