@@ -124,6 +124,15 @@ class Database:
         with self._transaction(self._reading) as session:
             yield session
 
+    @contextmanager
+    def asking(self) -> Iterator[Session]:
+        """For one statement that only reads: one way to a PostgreSQL server, of which a transaction takes three.
+
+        Another statement would see another state. Raises as `writing` does.
+        """
+        with self._transaction(self._reading if self.is_sqlite else self._quick) as session:
+            yield session
+
     def close(self) -> None:
         """Close every connection; those in use by other threads as soon as their transactions end."""
         self._closed = True

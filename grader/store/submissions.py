@@ -59,7 +59,7 @@ class Submissions:
         """Return why `add` would refuse an upload by the rules, before anybody looks at its content."""
         if not upload.ruled:
             return None
-        with self._database.reading() as session:
+        with self._database.asking() as session:
             return refusal_of(session, upload, upload.received_at or self._clock())
 
     def attempts(self, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
@@ -69,7 +69,7 @@ class Submissions:
 
     def get(self, submission_id: str) -> Submission | None:
         """Return one submission, or None. A re-grade's trial is none: it is shown with its re-grade only."""
-        with self._database.reading() as session:
+        with self._database.asking() as session:
             row = _handed_in(session, submission_id)
             return None if row is None else _submission(row)
 
@@ -131,7 +131,7 @@ class Submissions:
                 col(SubmissionRow.course) == course,
             )
         )
-        with self._database.reading() as session:
+        with self._database.asking() as session:
             return int(session.execute(statement).scalar_one())
 
 

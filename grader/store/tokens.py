@@ -67,7 +67,7 @@ class Tokens:
                 col(TokenRow.expires_at) > self._clock(),
             )
         )
-        with self._database.reading() as session:
+        with self._database.asking() as session:
             row = session.execute(statement).first()
         return None if row is None else Caller(course=row[0], person=row[1], role=Role(row[2]))
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 from alembic.autogenerate import compare_metadata
 from alembic.migration import MigrationContext
+from psycopg.pq import TransactionStatus
 from sqlalchemy import event, func, inspect, select
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlmodel import Session, SQLModel
@@ -97,6 +98,17 @@ def test_postgresql_is_set_up_as_the_store_assumes(postgres_database: Database) 
         assert shown(session, "transaction_read_only") == "on"
     with postgres_database.writing() as session:
         assert shown(session, "transaction_read_only") == "off"
+
+
+def test_a_question_begins_no_transaction(postgres_database: Database) -> None:
+    with postgres_database.asking() as session:
+        assert shown(session, "transaction_isolation") == "read committed"
+        driver = session.connection().connection.driver_connection
+        assert driver.info.transaction_status is TransactionStatus.IDLE
+    with postgres_database.writing() as session:
+        shown(session, "transaction_isolation")
+        assert session.connection().connection.driver_connection is driver
+        assert driver.info.transaction_status is TransactionStatus.INTRANS
 
 
 def test_migrations_make_the_tables_the_code_expects(database: Database) -> None:
