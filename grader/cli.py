@@ -8,8 +8,10 @@ done, 1 less than that, 2 could not be done.
 import argparse
 import importlib
 import os
+import re
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from grader import __version__
 from grader.contracts.errors import GraderError
@@ -24,7 +26,7 @@ COMMANDS: dict[str, str] = {
     "course": "create a course and import its people / 创建课程、导入名单",
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
     "policy": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
-    "db": "back the service's database up, and put a backup back / 备份与恢复",
+    "db": "back the service's database up, restore, move it / 数据库的备份、恢复与迁移",
     "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
     "demo": "grade a small class over HTTP and show the dashboard / 演示",
 }
@@ -34,27 +36,46 @@ EXIT_INTERRUPTED = 130
 EXIT_UNREAD = 141
 
 
+_IN_CHINESE = (  # what argparse says, and the same
+    (r"the following arguments are required: (.*)", r"缺少参数：\1"),
+    (r"one of the arguments (.*) is required", r"要写其中一个：\1"),
+    (r"unrecognized arguments: (.*)", r"没有这样的参数：\1"),
+    (r"argument (.*): expected one argument", r"\1 后面缺少一个值"),
+    (r"argument (.*): invalid choice: (.*) \(choose from (.*)\)", r"\1 不能是 \2，可选：\3"),
+    (r"argument (.*): invalid \w+ value: (.*)", r"\1 的值不对：\2"),
+)
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that says in Chinese, too, what is wrong; which language is wanted it cannot know by then."""
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and how to go on, and leave."""
+        told = "".join(
+            re.sub(en, zh, message) for en, zh in _IN_CHINESE if re.fullmatch(en, message, re.DOTALL)
+        )
+        self.print_usage(sys.stderr)
+        lines = [told, message, f"→ {self.prog} --help"]
+        self.exit(EXIT_COULD_NOT, "".join(f"{self.prog}: {line}\n" for line in lines if line))
+
+
 def run(argv: Sequence[str]) -> int:
     """Run one command and return the process's exit code; bad input is one readable message, not a traceback."""
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         prog="grader",
         description="Auto-grader for introductory ROS 2 (rclpy) motion exercises / ROS 2 运动练习自动评分",
         formatter_class=argparse.RawDescriptionHelpFormatter,
         epilog="\n".join(f"  {name:<12} {text}" for name, text in COMMANDS.items()),
     )
     parser.add_argument("--version", action="version", version=f"grader {__version__}")
-    parser.add_argument(
-        "command", choices=list(COMMANDS), metavar="command", help="one of the commands below"
-    )
+    parser.add_argument("command", choices=list(COMMANDS), metavar="command", help="one of these / 以下之一")
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     if not argv:
         parser.print_help(sys.stderr)
         return EXIT_COULD_NOT
     chosen = parser.parse_args(argv)
     module = importlib.import_module(f"grader.commands.{chosen.command}")
-    command_parser = argparse.ArgumentParser(
-        prog=f"grader {chosen.command}", description=COMMANDS[chosen.command]
-    )
+    command_parser = Parser(prog=f"grader {chosen.command}", description=COMMANDS[chosen.command])
     module.configure(command_parser)
     arguments = command_parser.parse_args(chosen.arguments)
     try:

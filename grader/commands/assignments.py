@@ -14,24 +14,29 @@ from grader.render.terminal import console
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="list|show|new|validate")
-    actions.add_parser("list", help="every assignment, in the order of the checklist")
-    show = actions.add_parser("show", help="the rubric as a student reads it before submitting")
+    actions.add_parser("list", help="every assignment / 列出全部作业")
+    show = actions.add_parser(
+        "show", help="what one asks for and how it earns points / 查看一个作业的要求和评分标准"
+    )
     show.add_argument("id")
     validate = actions.add_parser(
-        "validate", help="run solutions and wrong scripts; report false passes and false fails"
+        "validate", help="run solutions and wrong scripts, report wrong verdicts / 用自带脚本检验作业"
     )
     validate.add_argument(
         "ids",
         nargs="*",
         metavar="id",
-        help="assignments, with margins and sensitivity of each (default: all, without)",
+        help="these, with margins and sensitivity (default: all, without) / 只检验这些，给出细节",
     )
-    new = actions.add_parser("new", help="start a new assignment from a working example")
-    new.add_argument("name", help="its id, e.g. heptagon")
+    new = actions.add_parser("new", help="start a new assignment from a working example / 从例子新建一个作业")
+    new.add_argument("name", help="its id, e.g. heptagon / 作业 id")
     for action in actions.choices.values():
-        action.add_argument("--lang", choices=LANGUAGES, default="zh")
+        action.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
         action.add_argument(
-            "--assignments", type=Path, metavar="DIR", help="folder (default: built in; new needs one)"
+            "--assignments",
+            type=Path,
+            metavar="DIR",
+            help="folder (default: built in; new needs one) / 作业文件夹",
         )
 
 

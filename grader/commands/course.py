@@ -24,24 +24,33 @@ from grader.store.roster import MAX_ROSTER_BYTES, is_utf8, read_roster
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="create | roster | list")
-    create = actions.add_parser("create", help="create a course and print its first tokens")
-    create.add_argument("id", help="short name of the course, e.g. ros2-2026")
-    create.add_argument("--title", default="", help="its full name (default: the short one)")
-    create.add_argument(
-        "--time-zone", default="Asia/Shanghai", help="of its deadlines (default: Asia/Shanghai)"
+    create = actions.add_parser(
+        "create", help="create a course and print its first tokens / 创建课程并打印令牌"
     )
-    create.add_argument("--instructor", required=True, metavar="ID", help="who teaches it, e.g. wang")
+    create.add_argument("id", help="short name, e.g. ros2-2026 / 课程代号")
+    create.add_argument("--title", default="", help="full name (default: the short one) / 课程名称")
+    create.add_argument("--time-zone", default="Asia/Shanghai", help="of its dates / 时区 (Asia/Shanghai)")
     create.add_argument(
-        "--roster", type=Path, metavar="FILE.csv", help="its people, each of whom gets a token"
+        "--instructor", required=True, metavar="ID", help="who teaches it, e.g. wang / 教师的 id"
+    )
+    create.add_argument(
+        "--roster",
+        type=Path,
+        metavar="FILE.csv",
+        help="its people, each of whom gets a token / 名单，每人得到一个令牌",
     )
     add_days_option(create)
-    roster = actions.add_parser("roster", help="import the people of a course from CSV: id,name,role")
+    roster = actions.add_parser(
+        "roster", help="import people from CSV: id,name,role / 导入名单：学号,姓名,角色"
+    )
     roster.add_argument("verb", choices=("import",))
     roster.add_argument("file", type=Path, metavar="FILE.csv")
-    roster.add_argument("--tokens", action="store_true", help="print a token for each new member")
+    roster.add_argument(
+        "--tokens", action="store_true", help="print a token for each new member / 为新成员打印令牌"
+    )
     add_days_option(roster)
     add_course_option(roster)
-    listing = actions.add_parser("list", help="list the courses")
+    listing = actions.add_parser("list", help="list the courses / 列出课程")
     for one in (create, roster, listing):
         add_data_option(one)
         add_language_option(one)

@@ -22,21 +22,31 @@ _SHOWN_DIGITS = 16
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="migrate | backup | restore | move")
-    up = actions.add_parser("migrate", help="bring the tables up to date, as every start of a service does")
-    backup = actions.add_parser("backup", help="copy the database to a file, also while the service runs")
-    backup.add_argument("file", type=Path, help="where to; replaced when it exists")
-    restore = actions.add_parser(
-        "restore", help="put a backup in place of the database; stop the service first"
+    up = actions.add_parser("migrate", help="bring the tables up to date, as every start does / 更新表结构")
+    backup = actions.add_parser(
+        "backup", help="copy the database to a file, also while in use / 备份到文件，服务不用停"
     )
-    restore.add_argument("file", type=Path)
+    backup.add_argument(
+        "file", type=Path, help="where to; replaced when it exists / 写到哪里；已有的会被替换"
+    )
+    restore = actions.add_parser(
+        "restore", help="put a backup in place of the database; stop the service first / 恢复备份，先停服务"
+    )
+    restore.add_argument("file", type=Path, help="the backup / 备份文件")
     restore.add_argument(
-        "--replace", action="store_true", help="on PostgreSQL: delete what the database has now"
+        "--replace",
+        action="store_true",
+        help="on PostgreSQL: delete what the database has now / 删除 PostgreSQL 里现有的内容",
     )
     move = actions.add_parser(
-        "move", help="copy everything into another, empty database and compare; stop the service first"
+        "move",
+        help="copy everything into another, empty database; stop the service first / 迁移到空数据库，先停服务",
     )
     move.add_argument(
-        "--to", required=True, metavar="URL", help="such as postgresql+psycopg://user@host/name"
+        "--to",
+        required=True,
+        metavar="URL",
+        help="such as postgresql+psycopg://user@host/name / 新数据库的地址",
     )
     for one in (up, backup, restore, move):
         add_data_option(one)

@@ -40,9 +40,12 @@ class Upload:
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument(
-        "--output", type=Path, default=Path("demo-output"), help="folder for plots and database"
+        "--output",
+        type=Path,
+        default=Path("demo-output"),
+        help="folder for plots and database (demo-output) / 存放轨迹图和数据库的文件夹",
     )
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
 
 
 def run(arguments: argparse.Namespace) -> int:

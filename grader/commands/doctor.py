@@ -10,8 +10,8 @@ from grader.jail.doctor import run_doctor
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("--json", action="store_true", help="print the findings as JSON")
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh")
+    parser.add_argument("--json", action="store_true", help="print the findings as JSON / 以 JSON 输出")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
 
 
 def run(arguments: argparse.Namespace) -> int:

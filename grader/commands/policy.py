@@ -45,30 +45,36 @@ _NONE = ("none", "null", "")
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="show | set | extend")
-    show = actions.add_parser("show", help="print the rules and extensions of a course as JSON")
-    change = actions.add_parser("set", help="change some of the rules of an assignment; the others stay")
+    show = actions.add_parser(
+        "show", help="print all rules and extensions as JSON / 以 JSON 打印全部规则和延期"
+    )
+    change = actions.add_parser(
+        "set", help="change some rules of an assignment; the others stay / 修改规则，没写的不变"
+    )
     change.add_argument("assignment")
     change.add_argument(
         "rules",
         nargs="+",
         metavar="RULE=VALUE",
         help=f"{', '.join(_FIELDS)}; e.g. due=2026-03-20T23:59:59 attempts=5 counts={Counts.LAST} "
-        'late=\'{"kind": "linear", "per_day": 0.1}\'; none takes a rule back',
+        'late=\'{"kind": "linear", "per_day": 0.1}\'; none takes a rule back / none 取消一条规则',
     )
     extend = actions.add_parser(
-        "extend", help="give one student more time or attempts; what is not named stays"
+        "extend", help="give one student more time or attempts / 给一名学生延期或增加次数"
     )
     extend.add_argument("student")
     extend.add_argument("assignment")
     extend.add_argument(
         "--due",
         metavar="INSTANT",
-        help="in the course's time zone, e.g. 2026-03-27T23:59:59; none takes it back",
+        help="in the course's time zone, e.g. 2026-03-27T23:59:59; none takes it back / 课程时区的时间，none 取消",
     )
-    extend.add_argument("--extra-attempts", type=whole, metavar="N", help="0 takes them back")
+    extend.add_argument("--extra-attempts", type=whole, metavar="N", help="0 takes them back / 0 表示取消")
     for one in (change, extend):
-        one.add_argument("--reason", default="", help="goes into the audit log")
-        one.add_argument("--dry-run", action="store_true", help="show what would change, and change nothing")
+        one.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
+        one.add_argument(
+            "--dry-run", action="store_true", help="change nothing, show what would / 只显示会改什么"
+        )
     for one in (show, change, extend):
         add_course_option(one)
         add_data_option(one)

@@ -21,15 +21,24 @@ _LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("file", type=Path, help="the script to run / 要运行的脚本")
-    parser.add_argument("args", nargs="*", help="arguments for the script (after --)")
-    parser.add_argument("--for", dest="horizon_s", type=_seconds, default=60.0, metavar="SECONDS",
-                        help="virtual seconds until Ctrl+C (default: 60)")  # fmt: skip
-    parser.add_argument("--input", default="", metavar="TEXT", help="what input() reads; \\n ends a line")
     parser.add_argument(
-        "--topic", type=_topic, default="/turtle1/cmd_vel", help="topic that moves the turtle"
+        "args", nargs="*", help="arguments for the script, after -- / 传给脚本的参数，写在 -- 后面"
     )
-    parser.add_argument("--no-walls", action="store_true", help="an open world instead of turtlesim's window")
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh")
+    parser.add_argument("--for", dest="horizon_s", type=_seconds, default=60.0, metavar="SECONDS",
+                        help="virtual seconds until Ctrl+C (60) / 虚拟时间多少秒后按 Ctrl+C")  # fmt: skip
+    parser.add_argument(
+        "--input", default="", metavar="TEXT", help="what input() reads; \\n ends a line / input() 读到的内容"
+    )
+    parser.add_argument(
+        "--topic",
+        type=_topic,
+        default="/turtle1/cmd_vel",
+        help="topic that moves the turtle / 控制小乌龟的话题",
+    )
+    parser.add_argument(
+        "--no-walls", action="store_true", help="an open world instead of turtlesim's window / 没有墙"
+    )
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
     add_grading_options(parser)
 
 

@@ -27,11 +27,13 @@ others, and while the dashboard was counted each stop took Python's usual 5 ms."
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments; each overrides the setting of the same name (GRADER_HOST, ...)."""
-    parser.add_argument("--host", help="address to listen on (default: 127.0.0.1)")
-    parser.add_argument("--port", type=int, help="port; 0 takes a free one (default: 8080)")
-    parser.add_argument("--data", type=Path, metavar="DIR", help="folder of the database (default: here)")
-    parser.add_argument("--slots", type=int, help="gradings at once (default: one per core)")
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="of what is told here (default: zh)")
+    parser.add_argument("--host", help="address to listen on / 监听地址 (127.0.0.1)")
+    parser.add_argument("--port", type=int, help="port; 0: a free one / 端口，0 表示任选 (8080)")
+    parser.add_argument(
+        "--data", type=Path, metavar="DIR", help="folder of the database (default: here) / 数据库所在文件夹"
+    )
+    parser.add_argument("--slots", type=int, help="gradings at once (one per core) / 同时评几份")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -36,13 +36,13 @@ def add_data_option(parser: argparse.ArgumentParser) -> None:
         "--data",
         type=Path,
         metavar="DIR",
-        help="folder of the database (default: GRADER_DATABASE_URL, else here)",
+        help="folder of the database (default: GRADER_DATABASE_URL, else here) / 数据库所在文件夹",
     )
 
 
 def add_language_option(parser: argparse.ArgumentParser) -> None:
     """Declare the language of what is told."""
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="zh or en (default: zh)")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
 
 
 def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
@@ -52,7 +52,9 @@ def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
 
 def add_course_option(parser: argparse.ArgumentParser) -> None:
     """Declare which course is meant."""
-    parser.add_argument("--course", metavar="ID", help="which course, when there are several")
+    parser.add_argument(
+        "--course", metavar="ID", help="which course, when there are several / 有几个课程时指明一个"
+    )
 
 
 def database_url(folder: Path | None, *, create: bool = True) -> str | None:

@@ -15,11 +15,17 @@ import httpx
 from rich.console import Console
 
 from grader.catalog import Catalog
-from grader.commands.check import EXIT_FULL_MARKS, EXIT_NOT_FULL, read_source
+from grader.commands.check import (
+    ASSIGNMENT_HELP,
+    EXIT_FULL_MARKS,
+    EXIT_NOT_FULL,
+    JSON_HELP,
+    read_source,
+)
 from grader.contracts.codec import from_plain
 from grader.contracts.errors import InfrastructureError, SubmissionError, UnknownAssignmentError
 from grader.contracts.report import GradeReport
-from grader.contracts.text import LANGUAGES, Text
+from grader.contracts.text import LANGUAGES, Text, trouble
 from grader.render.escape import visible, visible_line
 from grader.render.labels import SUBMISSION_STATE
 from grader.render.quantity import score
@@ -32,6 +38,10 @@ _PAUSE_S = 0.25
 _LONGEST_PAUSE_S = 2.0
 _REOPEN_S = 1.0
 _TIMEOUT_S = 30.0
+_NO_TOKEN = Text(
+    zh="这不是令牌：令牌是一串英文字母、数字、- 和 _",
+    en="this is no token: it is one word of letters, digits, - and _",
+)
 _TOKEN_FIX = Text(
     zh="把教师发给你的令牌存进一个文件，用 --token-file 指明（或放进环境变量 GRADER_TOKEN）；"
     "过期或遗失时要一个新的。",
@@ -46,18 +56,18 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--server",
         default=os.environ.get("GRADER_SERVER", "http://127.0.0.1:8080"),
-        help="address of the service (default: GRADER_SERVER, else http://127.0.0.1:8080)",
+        help="address of the service / 服务器地址 (GRADER_SERVER, else http://127.0.0.1:8080)",
     )
-    parser.add_argument("-a", "--assignment", help="assignment id; guessed from the file name when left out")
-    parser.add_argument("--student", default="", help="student id; not needed with a token")
+    parser.add_argument("-a", "--assignment", help=ASSIGNMENT_HELP)
+    parser.add_argument("--student", default="", help="student id; not with a token / 学号，有令牌时不用写")
     parser.add_argument(
         "--token-file",
         type=Path,
         metavar="FILE",
-        help="file with your token (default: variable GRADER_TOKEN)",
+        help="file with your token (default: GRADER_TOKEN) / 存着令牌的文件",
     )
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh")
-    parser.add_argument("--json", action="store_true", help="print the graded report as JSON")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+    parser.add_argument("--json", action="store_true", help=JSON_HELP)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -128,7 +138,8 @@ def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dic
             time.sleep(pause_s)
             pause_s = min(pause_s * 1.2, _LONGEST_PAUSE_S)
     if document["status"] != "graded":
-        raise InfrastructureError(SUBMISSION_STATE[document["status"]].get(arguments.lang))
+        state = SUBMISSION_STATE[document["status"]]
+        raise InfrastructureError(state.en, state.zh)
     return document
 
 
@@ -190,7 +201,10 @@ def _accepted(response: httpx.Response) -> httpx.Response:
         fix = _TOKEN_FIX if code == "unauthorized" else Text(zh=problem["fix"], en=problem["fix"])
         lines = [title, detail if detail != title else "", problem.get("text") or ""]
     except (ValueError, KeyError, TypeError):
-        raise InfrastructureError(f"{response.url} answered {response.status_code}") from None
+        raise InfrastructureError(
+            f"{response.url} answered {response.status_code}: is --server the address of a grader?",
+            f"{response.url} 回答了 {response.status_code}：--server 是不是评分服务的地址？",
+        ) from None
     zh, en = ("\n".join(visible(str(one)) for one in (*lines, fix.get(lang)) if one) for lang in LANGUAGES)
     raise SubmissionError(code, en, zh)
 
@@ -201,15 +215,21 @@ def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
         try:
             token = arguments.token_file.read_text(encoding="ascii")
         except (OSError, UnicodeDecodeError) as error:
-            raise SubmissionError("token", f"--token-file {arguments.token_file}: {error}") from error
+            told = trouble(error) if isinstance(error, OSError) else _NO_TOKEN
+            name = f"--token-file {arguments.token_file}"
+            raise SubmissionError("token", f"{name}: {told.en}", f"{name}：{told.zh}") from error
     token = token.strip()
     if not token:
         return {}
     address = urlsplit(arguments.server)
     if address.scheme != "https" and not is_loopback(address.hostname or ""):
-        raise SubmissionError("token", f"{arguments.server} is not encrypted: a token goes over https only")
+        raise SubmissionError(
+            "token",
+            f"{arguments.server} is not encrypted: a token goes over https only",
+            f"{arguments.server} 没有加密：令牌只能通过 https 发送",
+        )
     if not (token.isascii() and token.isprintable()) or " " in token:
-        raise SubmissionError("token", "this is no token: it is one word of letters, digits, - and _")
+        raise SubmissionError("token", _NO_TOKEN.en, _NO_TOKEN.zh)
     return {"Authorization": f"Bearer {token}"}
 
 

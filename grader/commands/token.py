@@ -30,16 +30,24 @@ _MOST_DAYS = 3_660
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     actions = parser.add_subparsers(dest="action", required=True, metavar="issue | revoke | list")
-    issue = actions.add_parser("issue", help="print a new token, this once")
+    issue = actions.add_parser("issue", help="print a new token, this once / 发放新令牌，只显示这一次")
     who = issue.add_mutually_exclusive_group(required=True)
-    who.add_argument("person", nargs="*", default=[], help="ids of members")
-    who.add_argument("--missing", action="store_true", help="everybody who has no token that opens anything")
+    who.add_argument("person", nargs="*", default=[], help="ids of members / 成员的 id")
+    who.add_argument(
+        "--missing", action="store_true", help="everybody without a valid one / 所有没有有效令牌的人"
+    )
     add_days_option(issue)
-    revoke = actions.add_parser("revoke", help="make tokens open nothing, from now on")
+    revoke = actions.add_parser("revoke", help="make tokens open nothing, from now on / 撤销令牌")
     which = revoke.add_mutually_exclusive_group(required=True)
-    which.add_argument("person", nargs="?", help="id of a member: all of their tokens")
-    which.add_argument("--token", metavar="ID", help="one token, by the id that `list` shows")
-    listing = actions.add_parser("list", help="list tokens, without what makes them work")
+    which.add_argument(
+        "person", nargs="?", help="id of a member: all of their tokens / 成员的 id：他的全部令牌"
+    )
+    which.add_argument(
+        "--token", metavar="ID", help="one token, by the id that `list` shows / list 显示的令牌 id"
+    )
+    listing = actions.add_parser(
+        "list", help="list tokens, without what makes them work / 列出令牌（不显示内容）"
+    )
     for one in (issue, revoke, listing):
         add_course_option(one)
         add_data_option(one)
@@ -49,7 +57,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def add_days_option(parser: argparse.ArgumentParser) -> None:
     """Declare how long new tokens live."""
     parser.add_argument(
-        "--days", type=_days, default=DEFAULT_DAYS, help=f"how long the tokens work (default: {DEFAULT_DAYS})"
+        "--days",
+        type=_days,
+        default=DEFAULT_DAYS,
+        help=f"how long the tokens work / 有效天数 ({DEFAULT_DAYS})",
     )
 
 

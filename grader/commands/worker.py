@@ -3,6 +3,7 @@
 import argparse
 import logging
 import signal
+import sys
 import threading
 from pathlib import Path
 from typing import Any
@@ -15,10 +16,12 @@ _log = logging.getLogger(__name__)
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments; each overrides the setting of the same name (GRADER_SLOTS, ...)."""
-    parser.add_argument("--database-url", metavar="URL", help="the services' database")
-    parser.add_argument("--data", type=Path, metavar="DIR", help="folder of a database that is a file")
-    parser.add_argument("--slots", type=int, help="gradings at once (default: one per core)")
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="of what is told here (default: zh)")
+    parser.add_argument("--database-url", metavar="URL", help="the services' database / 服务所用的数据库")
+    parser.add_argument(
+        "--data", type=Path, metavar="DIR", help="folder of a database that is a file / 数据库文件所在文件夹"
+    )
+    parser.add_argument("--slots", type=int, help="gradings at once (one per core) / 同时评几份")
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -35,9 +38,12 @@ def run(arguments: argparse.Namespace) -> int:
         )
     logs.configure(settings.log_format, settings.log_level)
     stopped = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda received, _: _stop(stopped, received))
+    signal.signal(
+        signal.SIGTERM, lambda *_: sys.exit(0)
+    )  # starting takes as long as others are at the database
     with running_worker(settings) as worker:
+        for number in (signal.SIGTERM, signal.SIGINT):
+            signal.signal(number, lambda received, _: _stop(stopped, received))
         _log.info("worker %s grades, %d at once", worker.id, settings.slots)
         stopped.wait()
     return 0

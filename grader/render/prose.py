@@ -22,7 +22,7 @@ _WIDE = 2
 class Prose(Text):
     """A text of sentences."""
 
-    def wrap(self, console: Console, width: int, **_: Any) -> Lines:  # type: ignore[override]
+    def wrap(self, console: Console, width: int, **_: Any) -> Lines:
         """Return the lines of at most `width` columns; `console` and rich's other wishes make no difference."""
         lines = Lines()
         for paragraph in self.split("\n", allow_blank=True):

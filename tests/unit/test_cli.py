@@ -1,0 +1,29 @@
+"""What the command line itself says."""
+
+import pytest
+
+from grader import cli
+
+
+@pytest.mark.parametrize(
+    ("arguments", "chinese", "english"),
+    [
+        (["chek"], "grader: command 不能是 'chek'，可选：", "invalid choice: 'chek'"),
+        (["check"], "grader check: 缺少参数：file", "are required: file"),
+        (["check", "a.py", "b.py"], "没有这样的参数：b.py", "unrecognized arguments: b.py"),
+        (["check", "a.py", "--plot"], "--plot 后面缺少一个值", "expected one argument"),
+        (["token", "revoke"], "要写其中一个：person --token", "is required"),
+        (["serve", "--port", "x"], "--port 的值不对：'x'", "invalid int value"),
+        (["run", "a.py", "--for", "x"], "", "is not a number of seconds"),
+    ],
+)
+def test_wrong_arguments_are_told_in_both_languages(
+    arguments: list[str], chinese: str, english: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit) as left:
+        cli.run(arguments)
+    assert left.value.code == cli.EXIT_COULD_NOT
+    said = capsys.readouterr().err
+    assert chinese in said
+    assert english in said
+    assert "--help" in said.splitlines()[-1]
