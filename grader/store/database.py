@@ -13,6 +13,7 @@ before it writes therefore first takes a lock on what it decides about: `grader.
 to be run again as a whole, most often on deadline evenings.
 """
 
+import logging
 import os
 import sqlite3
 import threading
@@ -189,6 +190,9 @@ def _engine(url: URL, connections: int) -> Engine:
             "PostgreSQL needs a driver that is not installed: pip install 'grader[postgres]'",
             "没有安装 PostgreSQL 的驱动：pip install 'grader[postgres]'",
         ) from None
+    logging.getLogger("psycopg").setLevel(
+        logging.ERROR
+    )  # it warns of what fails after the error that it raised
     event.listen(engine, "connect", _configure_postgresql)
     check_before_use(engine)
     return engine

@@ -28,15 +28,16 @@ def together(connection: Connection) -> Iterator[None]:
     if connection.dialect.name == "sqlite":
         yield
         return
-    if _PIPELINE not in connection.info:
+    about = connection.info  # cannot be asked for once the connection is lost
+    if _PIPELINE not in about:
         with _pipeline(connection):
             yield
         return
-    connection.info[_UNANSWERED] = True
+    about[_UNANSWERED] = True
     try:
         yield
     finally:
-        del connection.info[_UNANSWERED]
+        del about[_UNANSWERED]
 
 
 @contextmanager
@@ -52,15 +53,15 @@ def one_go(connection: Connection) -> Iterator[None]:
     Raises:
         InfrastructureError: as `together`; whether the transaction took place is unknown then.
     """
-    driver = _driver(connection)
+    driver, about = _driver(connection), connection.info
     with _pipeline(connection) as pipeline:
-        connection.info[_PIPELINE] = pipeline
+        about[_PIPELINE] = pipeline
         try:
             driver.execute("BEGIN ISOLATION LEVEL READ COMMITTED")
             yield
             driver.execute("COMMIT")
         finally:
-            del connection.info[_PIPELINE]
+            del about[_PIPELINE]
 
 
 def wait_for_answer(connection: Connection, *_executed: Any) -> None:

@@ -90,13 +90,22 @@ def test_a_connection_that_answers_no_more_is_replaced(
     assert len(tried) == 1
 
 
-def test_a_connection_that_breaks_amid_a_transaction_is_an_infrastructure_fault(
-    postgres_database: Database, postgres_server: PostgresServer
+@pytest.mark.parametrize("quick", [False, True], ids=["", "quick"])
+@pytest.mark.parametrize("again", [True, False], ids=["amid it", "at its end"])
+def test_a_connection_that_breaks_in_a_transaction_is_an_infrastructure_fault(
+    postgres_database: Database,
+    postgres_server: PostgresServer,
+    caplog: pytest.LogCaptureFixture,
+    *,
+    quick: bool,
+    again: bool,
 ) -> None:
-    with pytest.raises(InfrastructureError), postgres_database.writing() as session:  # noqa: PT012
+    with pytest.raises(InfrastructureError), postgres_database.writing(quick=quick) as session:  # noqa: PT012
         session.connection().exec_driver_sql("SELECT 1")
         postgres_server.disconnect()
-        session.connection().exec_driver_sql("SELECT 1")
+        if again:
+            session.connection().exec_driver_sql("SELECT 1")
+    assert "psycopg" not in caplog.text  # one error says it all
     assert Submissions(postgres_database, FakeClock()).get("none") is None
 
 
