@@ -2,7 +2,7 @@
 
 import math
 
-from grader.contracts.assignment import ItemSpec
+from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.rubric import ItemStatus
 
 
@@ -24,6 +24,12 @@ def share(spec: ItemSpec, value: float) -> float:
         return 0.0
     x = distance / spec.ramp
     return 1.0 - x * x * (3.0 - 2.0 * x)
+
+
+def fits(assignment: Assignment, measure: str, value: float) -> bool | None:
+    """Whether `value` earns full credit; None where the rubric does not judge it or it is unknown."""
+    spec = assignment.item_on(measure)
+    return None if spec is None or not math.isfinite(value) else error(spec, value) <= 0.0
 
 
 def earned(points: float, part: float) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.checks.credit import share
+from grader.checks.credit import fits
 from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes.motion import motion_mistakes
@@ -35,7 +35,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     measures = {"commands": Measure(float(run.outcome.command_count))}
     if drive is not None:
         measures |= _motion(drive, backward=backward)
-    mistakes = motion_mistakes(run, assignment.world.cmd_vel_topic, drive, measures, backward=backward)
+    mistakes = motion_mistakes(assignment, run, drive, measures, backward=backward)
     return Findings(measures, mistakes)
 
 
@@ -83,7 +83,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     sign = -1.0 if backward else 1.0
     heading = float(trajectory.heading_rad[0])
     goal = (start[0] + sign * length_m * math.cos(heading), start[1] + sign * length_m * math.sin(heading))
-    far = _fits(assignment, measures, "advance_m")
+    far = fits(assignment, "advance_m", measures["advance_m"].value)
     return FigureSketch(
         view="path",
         sides=(SketchSide(start_m=start, end_m=end, length_m=math.dist(start, end), ok=far),),
@@ -110,17 +110,9 @@ def _departures(
         ),
     )
     for measure, at, text in found:
-        if _fits(assignment, measures, measure) is False:
+        if fits(assignment, measure, measures[measure].value) is False:
             at_m = (float(trajectory.x_m[at]), float(trajectory.y_m[at]))
             yield SketchLabel(at_m=at_m, text=text, ok=False)
-
-
-def _fits(assignment: Assignment, measures: Mapping[str, Measure], measure: str) -> bool | None:
-    """Whether a measure earns full credit; None when the rubric does not judge it or it is unknown."""
-    band = assignment.item_on(measure)
-    if band is None or not math.isfinite(measures[measure].value):
-        return None
-    return share(band, measures[measure].value) >= 1.0
 
 
 def _problem_with_direction(value: Option) -> str | None:

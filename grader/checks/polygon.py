@@ -4,8 +4,7 @@ import math
 
 import numpy as np
 
-from grader.checks.drive import Drive
-from grader.checks.driven_polygon import driven_polygon
+from grader.checks.driven_polygon import DrivenPolygon, driven_polygon
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes.polygon import polygon_mistakes
 from grader.checks.polygon_sketch import polygon_sketch
@@ -32,19 +31,19 @@ MEASURES = {
 def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure the figure that the car drove in `run`."""
     wanted = wanted_polygon(assignment.options)
-    driven = driven_polygon(run)
-    mistakes = polygon_mistakes(run, assignment.world.cmd_vel_topic, wanted, driven)
+    driven = driven_polygon(assignment, wanted, run)
+    mistakes = polygon_mistakes(assignment, run, wanted, driven)
     if driven is None:
         return Findings(mistakes=mistakes)
-    return Findings(measures(wanted, driven.drive, driven.figure), mistakes)
+    return Findings(_measures(wanted, driven), mistakes)
 
 
-def measures(wanted: WantedPolygon, drive: Drive, figure: PolygonFigure | None) -> dict[str, Measure]:
-    """Return the check's measures of a driven figure."""
+def _measures(wanted: WantedPolygon, driven: DrivenPolygon) -> dict[str, Measure]:
+    figure = driven.figure
     taken = {
-        "distance_m": Measure(float(drive.path.along_m[-1])),
+        "distance_m": Measure(float(driven.drive.path.along_m[-1])),
         "sides": Measure(0.0, {"lengths": "—"}),
-        "settled": _settled(drive, figure),
+        "settled": _settled(driven),
     }
     if figure is None:
         return taken
@@ -57,15 +56,17 @@ def measures(wanted: WantedPolygon, drive: Drive, figure: PolygonFigure | None) 
         100.0 * figure.gap_m / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan,
         {"gap": number(figure.gap_m, "m"), "perimeter": number(figure.perimeter_m, "m")},
     )
-    taken |= _corner_measures(wanted, figure)
+    taken |= _corner_measures(wanted, driven)
     return taken
 
 
-def _settled(drive: Drive, figure: PolygonFigure | None) -> Measure:
+def _settled(driven: DrivenPolygon) -> Measure:
+    figure = driven.figure
     if figure is not None and figure.repeated:
         return Measure(1.0)
-    under_way = drive.moving_at_end or drive.commanded_at_end
-    return Measure(0.0 if under_way or (figure is not None and figure.overrun) else 1.0)
+    under_way = driven.drive.moving_at_end or driven.drive.commanded_at_end
+    went_on = driven.turned_on or (figure is not None and figure.overrun)
+    return Measure(0.0 if under_way or went_on else 1.0)
 
 
 def _spread(figure: PolygonFigure) -> Measure:
@@ -85,30 +86,26 @@ def _side_error(wanted: WantedPolygon, figure: PolygonFigure) -> Measure:
     )
 
 
-def _corner_measures(wanted: WantedPolygon, figure: PolygonFigure) -> dict[str, Measure]:
-    if not figure.corners_rad:
+def _corner_measures(wanted: WantedPolygon, driven: DrivenPolygon) -> dict[str, Measure]:
+    corners = driven.corners_deg
+    if len(corners) == 0:
         return {"corner_deg": UNMEASURED, "opposite_corners": UNMEASURED}
-    corners = np.degrees(figure.corners_rad)
-    sense = math.copysign(1.0, float(np.sum(corners)))
-    ideal = wanted.corner_deg
-    worst = corners[int(np.argmax(np.abs(sense * corners - ideal)))]
-    opposite = int(np.count_nonzero(sense * corners < 0.0))
-    details = {"corners": listed(sense * corners, "deg"), "ideal": number(ideal, "deg")}
+    along, against = int(np.count_nonzero(corners > 0.0)), int(np.count_nonzero(corners < 0.0))
+    left, right = (along, against) if driven.sense > 0.0 else (against, along)
+    worst = corners[int(np.argmax(np.abs(corners - wanted.corner_deg)))]
+    details = {"corners": listed(corners, "deg"), "ideal": number(wanted.corner_deg, "deg")}
     return {
-        "corner_deg": Measure(float(sense * worst), details),
-        "opposite_corners": Measure(
-            float(opposite),
-            {"left": int(np.count_nonzero(corners > 0.0)), "right": int(np.count_nonzero(corners < 0.0))},
-        ),
+        "corner_deg": Measure(float(worst), details),
+        "opposite_corners": Measure(float(against), {"left": left, "right": right}),
     }
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """Return what a plot of `run` shows: sides, corners, and the wanted figure under them."""
-    driven = driven_polygon(run)
+    driven = driven_polygon(assignment, wanted_polygon(assignment.options), run)
     if driven is None or driven.figure is None:
         return FigureSketch()
-    return polygon_sketch(assignment, run.trajectory, driven.figure)
+    return polygon_sketch(assignment, run.trajectory, driven.figure, driven.sense * driven.corners_deg)
 
 
 def _problem_with_sides(value: Option) -> str | None:

@@ -5,26 +5,30 @@ import math
 
 import numpy as np
 
+from grader.checks.credit import fits
 from grader.checks.wanted_polygon import WantedPolygon, wanted_polygon
-from grader.contracts.assignment import Assignment, ItemSpec
+from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
-from grader.contracts.trajectory import Trajectory
+from grader.contracts.trajectory import Floats, Trajectory
 from grader.geometry.figure import PolygonFigure
 
 
-def polygon_sketch(assignment: Assignment, trajectory: Trajectory, figure: PolygonFigure) -> FigureSketch:
+def polygon_sketch(
+    assignment: Assignment, trajectory: Trajectory, figure: PolygonFigure, corners_deg: Floats
+) -> FigureSketch:
     """Return sides, corners and gap with their verdicts, and the wanted figure fitted to the driven one.
 
-    Points are where the car was recorded, so that they lie on the drawn path even after a teleport.
+    `corners_deg` are (n,) the judged corners, positive to the left. Points are where the car was recorded, so
+    that they lie on the drawn path even after a teleport.
     """
     wanted = wanted_polygon(assignment.options)
     points = [_point(trajectory, i) for i in figure.vertices]
     return FigureSketch(
         view="path",
         sides=_sides(points, figure, wanted, assignment),
-        corners=_corners(points, figure, assignment.item_on("corner_deg")),
+        corners=_corners(points, corners_deg, assignment),
         ideal_m=ideal_polygon(points, figure, wanted),
-        gap=_gap(trajectory, figure, assignment.item_on("gap_pct")),
+        gap=_gap(trajectory, figure, assignment),
         end_ns=int(trajectory.t_ns[figure.end]),
     )
 
@@ -46,27 +50,21 @@ def _sides(
     return tuple(sides)
 
 
-def _corners(points: list[Point], figure: PolygonFigure, band: ItemSpec | None) -> tuple[SketchCorner, ...]:
-    corners = []
-    sense = math.copysign(1.0, sum(figure.corners_rad)) if figure.corners_rad else 1.0
-    for at, corner in zip(points[1:], figure.corners_rad, strict=False):
-        angle_deg = math.degrees(corner)
-        ok = None
-        if band is not None and band.low is not None and band.high is not None:
-            ok = band.low <= sense * angle_deg <= band.high
-        corners.append(SketchCorner(at_m=at, angle_deg=angle_deg, ok=ok))
-    return tuple(corners)
+def _corners(points: list[Point], corners_deg: Floats, assignment: Assignment) -> tuple[SketchCorner, ...]:
+    sense = math.copysign(1.0, float(np.sum(corners_deg)))
+    return tuple(
+        SketchCorner(at_m=at, angle_deg=corner, ok=fits(assignment, "corner_deg", sense * corner))
+        for at, corner in zip(points[1:], corners_deg.tolist(), strict=False)
+    )
 
 
-def _gap(trajectory: Trajectory, figure: PolygonFigure, band: ItemSpec | None) -> SketchSide:
-    ok = None
-    if band is not None and band.high is not None:
-        ok = 100.0 * figure.gap_m <= band.high * figure.perimeter_m
+def _gap(trajectory: Trajectory, figure: PolygonFigure, assignment: Assignment) -> SketchSide:
+    gap_pct = 100.0 * figure.gap_m / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan
     return SketchSide(
-        start_m=_point(trajectory, figure.vertices[0]),
-        end_m=_point(trajectory, figure.end),
+        start_m=_point(trajectory, figure.start),
+        end_m=_point(trajectory, figure.rest),
         length_m=figure.gap_m,
-        ok=ok,
+        ok=fits(assignment, "gap_pct", gap_pct),
     )
 
 

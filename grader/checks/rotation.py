@@ -1,14 +1,19 @@
 """Check ``rotation``: turn on the spot, in either direction."""
 
+import math
+
 import numpy as np
 
-from grader.checks.drive import Drive, drive_of
+from grader.checks.drive import drive_of
 from grader.checks.measure import Check, Findings, Measure, MeasureKind
 from grader.checks.mistakes.rotation import rotation_mistakes
+from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.verdict import Run
+from grader.geometry.path import Path
 
+MAX_STARTS = 200  # parts of a path are looked at from so many samples on
 MEASURES = {
     "commands": MeasureKind(form="count"),
     "turned_deg": MeasureKind("deg"),
@@ -21,20 +26,36 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     drive = drive_of(run)
     measures = {"commands": Measure(float(run.outcome.command_count))}
     if drive is not None:
-        measures |= _rotation(drive)
-    return Findings(measures, rotation_mistakes(run, assignment.world.cmd_vel_topic, drive, measures))
+        measures |= _rotation(drive.path, _spot_m(assignment))
+    return Findings(measures, rotation_mistakes(assignment, run, drive, measures))
 
 
-def _rotation(drive: Drive) -> dict[str, Measure]:
-    path = drive.path
-    turned = np.degrees(path.heading_rad - path.heading_rad[0])
+def _spot_m(assignment: Assignment) -> float:
+    """Return on how long a way turning still counts in full: round a circle too wide to stay in place."""
+    place = assignment.item_on("drift_m")
+    return math.inf if place is None or place.high is None else math.pi * (place.high + place.ramp)
+
+
+def _rotation(path: Path, spot_m: float) -> dict[str, Measure]:
+    total_deg = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))
+    turned_deg = math.degrees(_on_the_spot(path, spot_m))
     strayed = np.hypot(path.x_m - path.x_m[0], path.y_m - path.y_m[0])
     return {
         "turned_deg": Measure(
-            float(np.max(np.abs(turned))), {"turns": f"{float(np.max(np.abs(turned))) / 360.0:.2f}"}
+            turned_deg, {"total": number(total_deg, "deg"), "turns": f"{turned_deg / 360.0:.2f}"}
         ),
         "drift_m": Measure(float(np.max(strayed))),
     }
+
+
+def _on_the_spot(path: Path, spot_m: float) -> float:
+    """Return the largest turn of any part of the path, less where it needed a way longer than `spot_m`."""
+    largest = 0.0
+    for first in range(0, len(path), 1 + len(path) // MAX_STARTS):
+        turned = np.abs(path.heading_rad[first:] - path.heading_rad[first])
+        way_m = np.abs(path.along_m[first:] - path.along_m[first])
+        largest = max(largest, float(np.max(turned / np.maximum(way_m / spot_m, 1.0))))
+    return largest
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:

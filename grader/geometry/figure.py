@@ -7,13 +7,16 @@ import numpy as np
 
 from grader.contracts.record import positional_record
 from grader.geometry.path import Path
-from grader.geometry.segmentation import Segments, Turn
+from grader.geometry.segmentation import MIN_TURN_RAD, Run, Segments, Turn
 
 FULL_TURN_RAD = 2.0 * math.pi
 MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
 REPEAT_TOLERANCE = 0.15  # by how much a later side may differ when the figure is repeated
-MIN_CLOSING_TURN_RAD = math.radians(10.0)
 SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
+CLOSED_SHARE = 0.04  # of the perimeter: a figure whose end is this near to its start has closed
+SAME_SHARE = 0.04  # by how much a side too many may differ from the first
+ALIKE_RAD = math.radians(15.0)  # by how much corners of a figure with equal corners may differ
+MAX_APPROACH_RUNS = 2  # from the middle of the figure to one of its sides, and along that to a corner
 
 
 @positional_record
@@ -23,11 +26,16 @@ class PolygonFigure:
     Attributes:
         vertices: sample indices: start of the first side, each corner, end of the last side.
         sides_m: length of each side, from vertex to vertex.
-        corners_rad: signed change of direction at the end of each side; the last one only if it was driven
-            to its end, and less whole turns on the spot.
-        gap_m: distance from the end of the figure to its start.
-        end: sample index where the figure ends, its closing turn included.
-        curved_share: share of the distance travelled within corners instead of on straight sides.
+        corners_rad: signed change of direction at the end of each side; of the last one only where the
+            figure needs it: it is repeated, or has not come round without it.
+        last_turn_rad: the turn after the last side that is no corner for that reason, less whole turns on
+            the spot; 0 if there was none.
+        approach_m: distance driven before the first side.
+        start: sample index where the first run begins, be it an approach.
+        end: sample index where the figure ends, its last turn included.
+        rest: sample index where the car came to rest: `end` unless it drove on.
+        gap_m: distance from `start` to `rest`.
+        curved_share: share of the distance travelled within corners or on bent sides instead of straight ones.
         repeated: further sides follow that continue the figure over again.
         overrun: something else follows the complete figure.
     """
@@ -35,8 +43,12 @@ class PolygonFigure:
     vertices: tuple[int, ...]
     sides_m: tuple[float, ...]
     corners_rad: tuple[float, ...]
-    gap_m: float
+    last_turn_rad: float
+    approach_m: float
+    start: int
     end: int
+    rest: int
+    gap_m: float
     curved_share: float
     repeated: bool
     overrun: bool
@@ -47,69 +59,121 @@ class PolygonFigure:
         return sum(self.sides_m)
 
 
-def measure_polygon(path: Path, segments: Segments, *, cut_short: bool) -> PolygonFigure | None:
+@positional_record
+class _Extent:
+    """Which runs make the figure, and what becomes of the others.
+
+    Attributes:
+        joined: the last and the first run are two parts of one side.
+    """
+
+    first: int
+    count: int
+    joined: bool = False
+    repeated: bool = False
+    overrun: bool = False
+
+
+def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> PolygonFigure | None:
     """Measure the first figure, or return None when there is not one straight run.
 
     Args:
         path: the driven path.
         segments: its runs and turns.
+        sides: how many sides are wanted.
         cut_short: the car was still under way when the recording ended, so that the last segment says
             nothing about its intended size.
     """
-    runs = segments.runs
-    if not runs:
+    if not segments.runs:
         return None
     corners = _corners(path, segments, cut_short=cut_short)
-    lap = _lap(corners)
-    count = len(runs)
-    lengths = [_chord(path, *_span(path, segments, i)) for i in range(len(runs))]
-    if lap is not None and count > lap:
-        if _halves(lengths, lap):
-            return _figure(path, segments, corners, count, joined=True)
-        if cut_short or count % lap == 0 or count >= 2 * lap:
-            count = lap
-    figure = _figure(path, segments, corners, count, joined=False)
-    later = lengths[count:]
-    return figure if not later else _with_rest(figure, later, cut_short=cut_short)
+    extent = _extent(path, segments, corners, sides, cut_short=cut_short)
+    return _figure(path, segments, corners, extent, at_rest=not cut_short)
 
 
 def _corners(path: Path, segments: Segments, *, cut_short: bool) -> list[float]:
-    """Return the change of direction after each run; the last run has one only if a whole turn follows."""
-    runs, closing = segments.runs, segments.turns[-1]
-    corners = [after.direction_rad - before.direction_rad for before, after in itertools.pairwise(runs)]
-    if closing is None or cut_short:
-        return corners
-    corner = float(path.travel_rad[closing.last]) - runs[-1].direction_rad
-    spun_before = any(abs(each) >= FULL_TURN_RAD for each in corners)  # then it is how the script turns
-    if closing.length_m <= SPOT_SHARE * path.extent_m and not spun_before:
-        corner = _closing(path, closing, corner, math.copysign(1.0, sum(corners)))
-    return corners if abs(corner) < MIN_CLOSING_TURN_RAD else [*corners, corner]
+    """Return the change of direction after each run; the last run has one only if a whole turn follows.
 
-
-def _closing(path: Path, turn: Turn, corner_rad: float, sense: float) -> float:
-    """Return a closing turn on the spot less whole turns: the figure is complete before a last pirouette.
-
-    One the other way round begins where the turn went furthest in the sense of the figure.
+    Between driving forward and backing up, turning by an angle or by its supplement the other way round comes
+    to the same: the smaller change of direction is meant.
     """
-    ahead_rad = sense * path.travel_rad[turn.first : turn.last + 1]
-    spun_rad = sense * float(ahead_rad[-1] - np.max(ahead_rad))
-    return _without_spins(corner_rad - spun_rad + _without_spins(spun_rad))
+    runs, closing = segments.runs, segments.turns[-1]
+    backs_up = [bool(path.signed_m[run.last] < path.signed_m[run.first]) for run in runs]
+    corners = [after.direction_rad - before.direction_rad for before, after in itertools.pairwise(runs)]
+    if closing is not None and not cut_short:
+        corners.append(float(path.travel_rad[closing.last]) - runs[-1].direction_rad)
+        if backs_up[0] != backs_up[-1]:  # the next side would be driven as the first one was
+            corners[-1] += math.pi
+        backs_up.append(backs_up[0])
+    for i, (before, after) in enumerate(itertools.pairwise(backs_up)):
+        if before != after:
+            corners[i] = math.remainder(corners[i], FULL_TURN_RAD)
+    return corners
 
 
-def _without_spins(angle_rad: float) -> float:
-    """Return what whole turns leave of an angle."""
-    spins = math.floor((abs(angle_rad) + MIN_CLOSING_TURN_RAD) / FULL_TURN_RAD)
-    return angle_rad - math.copysign(spins * FULL_TURN_RAD, angle_rad)
+def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> _Extent:
+    """Find the figure: the first one that closes, else the first one whose direction comes round."""
+    total = len(segments.runs)
+    corners = corners[: total - 1]
+    lengths = [_chord(path, *_span(path, segments, i)) for i in range(total)]
+    lap = _comes_round(corners) or total
+    if _halves(lengths, lap):
+        return _Extent(0, total, joined=True)
+    if (closed := _closed(path, segments, corners, lengths)) is not None:
+        first, count = closed
+    else:
+        first, count = 0, lap if cut_short or total % lap == 0 or total >= 2 * lap else total
+    later = lengths[first + count :]
+    if not later:
+        return _Extent(first, count)
+    same = _continues(lengths[first : first + count], later, cut_short=cut_short)
+    repeated = same and (cut_short or len(later) >= count)
+    meant = total == sides or _one_too_many(lengths[first:], corners[first:])
+    if meant and not repeated and not cut_short:
+        return _Extent(first, total - first)
+    return _Extent(first, count, repeated=repeated, overrun=not repeated)
 
 
-def _lap(corners: list[float]) -> int | None:
-    """Return after how many corners the direction has come round once, or None; spins at a corner aside."""
+def _one_too_many(lengths: list[float], corners: list[float]) -> bool:
+    """Whether the last side follows a figure in just the way in which its own sides follow each other."""
+    count = len(lengths) - 1
+    same = abs(lengths[-1] - lengths[0]) <= SAME_SHARE * lengths[0]
+    return same and _comes_round(corners) == count and _alike(corners)
+
+
+def _comes_round(corners: list[float]) -> int | None:
+    """Return how many sides bring the direction round once, but for the turn after the last one, or None.
+
+    That turn is taken to be like the others. Whole turns at a corner are left aside.
+    """
     total = 0.0
-    for count, driven in enumerate(corners, start=1):
-        corner = math.remainder(driven, FULL_TURN_RAD)
-        total += corner
-        if abs(total) >= FULL_TURN_RAD - 0.5 * abs(corner):
-            return count
+    for sides, corner in enumerate(corners, start=2):
+        total += math.remainder(corner, FULL_TURN_RAD)
+        mean = abs(total) / (sides - 1)
+        if abs(abs(total) + mean - FULL_TURN_RAD) <= 0.5 * mean:
+            return sides
+    return None
+
+
+def _alike(corners: list[float]) -> bool:
+    bare = [math.remainder(corner, FULL_TURN_RAD) for corner in corners]
+    return max(bare) - min(bare) <= ALIKE_RAD
+
+
+def _closed(
+    path: Path, segments: Segments, corners: list[float], lengths: list[float]
+) -> tuple[int, int] | None:
+    """Return first run and number of runs of the first figure of equal corners that closes, or None.
+
+    What is driven before it is an approach.
+    """
+    for first in range(min(MAX_APPROACH_RUNS + 1, len(lengths))):
+        count = _comes_round(corners[first:])
+        if count is None or count < 3 or not _alike(corners[first : first + count - 1]):
+            continue
+        start, end = _span(path, segments, first)[0], _span(path, segments, first + count - 1)[1]
+        if _chord(path, start, end) <= CLOSED_SHARE * sum(lengths[first : first + count]):
+            return first, count
     return None
 
 
@@ -147,51 +211,59 @@ def _chord(path: Path, start: int, stop: int) -> float:
 
 
 def _figure(
-    path: Path, segments: Segments, corners: list[float], count: int, *, joined: bool
+    path: Path, segments: Segments, corners: list[float], extent: _Extent, *, at_rest: bool
 ) -> PolygonFigure:
-    """Measure the first `count` runs; with `joined`, the last and the first are two parts of one side."""
-    spans = [_span(path, segments, i) for i in range(count)]
-    last = segments.runs[count - 1]
-    closing = segments.turns[count] if len(corners) >= count else None
-    end = last.last if closing is None else closing.last
+    first, stop = extent.first, extent.first + extent.count
+    spans = [_span(path, segments, i) for i in range(first, stop)]
+    closing = segments.turns[stop] if len(corners) >= stop else None
+    end = segments.runs[stop - 1].last if closing is None else closing.last
     sides = [_chord(path, *span) for span in spans]
-    vertices = [spans[0][0], *(stop for _, stop in spans)]
-    gap_m = _chord(path, segments.runs[0].first, end)
-    driven_m = float(path.along_m[end] - path.along_m[segments.runs[0].first])
-    curved_m = sum(turn.length_m for turn in segments.turns[1:count] if turn is not None)
+    start, rest = segments.runs[0].first, len(path) - 1 if extent.overrun and at_rest else end
+    driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
+    curved_m = sum(turn.length_m for turn in segments.turns[first + 1 : stop] if turn is not None)
+    curved_m += sum(_bent_m(run) for run in segments.runs[first:stop])
     if closing is not None:
         curved_m += closing.length_m
-    if joined:
+    if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
-        corners = corners[: count - 1]
+    inner, last_turn_rad = corners[first : stop - 1], 0.0
+    if closing is not None and not extent.joined:
+        if extent.repeated or _comes_round(inner) != extent.count:
+            inner.append(corners[stop - 1])
+        else:
+            last_turn_rad = _last_turn(path, closing, corners[stop - 1])
     return PolygonFigure(
-        vertices=tuple(vertices),
+        vertices=(spans[0][0], *(stop for _, stop in spans)),
         sides_m=tuple(sides),
-        corners_rad=tuple(corners[:count]),
-        gap_m=gap_m,
+        corners_rad=tuple(inner),
+        last_turn_rad=last_turn_rad,
+        approach_m=float(path.along_m[spans[0][0]] - path.along_m[start]),
+        start=start,
         end=end,
+        rest=rest,
+        gap_m=_chord(path, start, rest),
         curved_share=curved_m / driven_m if driven_m > 0.0 else 0.0,
-        repeated=False,
-        overrun=False,
+        repeated=extent.repeated,
+        overrun=extent.overrun,
     )
 
 
-def _with_rest(figure: PolygonFigure, later: list[float], *, cut_short: bool) -> PolygonFigure:
-    """Judge what follows the figure: the same over again, or something else."""
-    before = list(itertools.islice(itertools.cycle(figure.sides_m), len(later)))
+def _bent_m(run: Run) -> float:
+    """Return how much of a side counts as driven while turning: the more it bends, from a corner's least on."""
+    return run.length_m * min(max(abs(run.bend_rad) / MIN_TURN_RAD - 1.0, 0.0), 1.0)
+
+
+def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
+    on_the_spot = turn.length_m <= SPOT_SHARE * path.extent_m
+    return math.remainder(angle_rad, FULL_TURN_RAD) if on_the_spot else angle_rad
+
+
+def _continues(sides: list[float], later: list[float], *, cut_short: bool) -> bool:
+    """Whether the sides that follow a figure are the same over again, as far as they go."""
+    before = list(itertools.islice(itertools.cycle(sides), len(later)))
     whole = len(later) - 1 if cut_short else len(later)
     same = all(
         abs(length - side) <= REPEAT_TOLERANCE * side
         for length, side in zip(later[:whole], before[:whole], strict=True)
     )
-    same = same and later[-1] <= (1.0 + REPEAT_TOLERANCE) * before[-1]
-    return PolygonFigure(
-        vertices=figure.vertices,
-        sides_m=figure.sides_m,
-        corners_rad=figure.corners_rad,
-        gap_m=figure.gap_m,
-        end=figure.end,
-        curved_share=figure.curved_share,
-        repeated=same,
-        overrun=not same,
-    )
+    return same and later[-1] <= (1.0 + REPEAT_TOLERANCE) * before[-1]

@@ -16,7 +16,7 @@ from grader.geometry.path import Floats, Path
 
 HEADING_TOLERANCE_RAD = math.radians(10.0)  # wobble of a steering loop that still counts as straight
 DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent
-MIN_TURN_RAD = math.radians(15.0)  # a change of direction below this is a bent run, not a corner
+MIN_TURN_RAD = math.radians(15.0)  # below this, or in an arc wider than the path, a run is bent, not a corner
 MIN_RUN_SHARE = 0.06  # of the extent: shorter straight bits inside a corner belong to it
 MIN_EXTENT_M = 0.02
 MAX_VERTICES = 1000
@@ -29,12 +29,14 @@ class Run:
 
     Attributes:
         direction_rad: mean continuous direction of travel over its middle part.
+        bend_rad: by how much that direction changes from its start to its end, wobble aside.
         length_m: distance travelled.
     """
 
     first: int
     last: int
     direction_rad: float
+    bend_rad: float
     length_m: float
 
 
@@ -79,7 +81,7 @@ def segment(path: Path) -> Segments:
     corners = _simplify(
         path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
     )
-    pieces = _classify(path, corners, MIN_RUN_SHARE * extent_m)
+    pieces = _classify(path, corners, extent_m)
     return _assemble(path, _join(path, pieces))
 
 
@@ -103,12 +105,13 @@ def _simplify(across: Floats, up: Floats) -> list[int]:
     return sorted(kept)
 
 
-def _classify(path: Path, corners: list[int], min_run_m: float) -> list[_Piece]:
+def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
     along, travel = path.along_m[corners], path.travel_rad[corners]
     pieces = []
     for i in range(len(corners) - 1):
-        bent = abs(travel[i + 1] - travel[i]) > MIN_TURN_RAD
-        short = abs(along[i + 1] - along[i]) < min_run_m
+        change_rad, length_m = abs(travel[i + 1] - travel[i]), abs(along[i + 1] - along[i])
+        bent = change_rad > MIN_TURN_RAD and length_m < extent_m * change_rad
+        short = length_m < MIN_RUN_SHARE * extent_m
         pieces.append(_Piece(corners[i], corners[i + 1], straight=not bent and not short))
     return pieces
 
@@ -124,7 +127,7 @@ def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
     i = 1
     while i < len(joined) - 1:
         before, turn, after = joined[i - 1 : i + 2]
-        change = _direction(path, after) - _direction(path, before)
+        change = _line(path, after)[0] - _line(path, before)[0]
         if not turn.straight and abs(change) < MIN_TURN_RAD:
             joined[i - 1 : i + 2] = [_Piece(before.first, after.last, straight=True)]
         else:
@@ -132,15 +135,20 @@ def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
     return joined
 
 
-def _direction(path: Path, piece: _Piece) -> float:
-    """Return the mean direction over the middle four fifths of a straight piece, weighted by distance."""
+def _line(path: Path, piece: _Piece) -> tuple[float, float]:
+    """Return direction and bend of a straight piece: a line fitted over its middle four fifths, by distance."""
     along = path.along_m[piece.first : piece.last + 1]
     start, length = float(along[0]), float(along[-1] - along[0])
     if length <= 0.0:
-        return float(path.travel_rad[piece.last])
-    steps = np.diff(np.clip(along, start + 0.1 * length, start + 0.9 * length))
+        return float(path.travel_rad[piece.last]), 0.0
+    inner = np.clip(along, start + 0.1 * length, start + 0.9 * length)
     travel = path.travel_rad[piece.first : piece.last + 1]
-    return float(np.dot(steps, (travel[1:] + travel[:-1]) / 2.0) / np.sum(steps))
+    steps, ahead, middle = np.diff(inner), (inner[1:] + inner[:-1]) / 2.0, (travel[1:] + travel[:-1]) / 2.0
+    direction = float(np.dot(steps, middle) / np.sum(steps))
+    ahead = ahead - float(np.dot(steps, ahead) / np.sum(steps))
+    spread = float(np.dot(steps, ahead * ahead))
+    bend = length * float(np.dot(steps, ahead * (middle - direction))) / spread if spread > 0.0 else 0.0
+    return direction, bend
 
 
 def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
@@ -149,7 +157,7 @@ def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
     for piece in pieces:
         length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
         if piece.straight:
-            runs.append(Run(piece.first, piece.last, _direction(path, piece), length_m))
+            runs.append(Run(piece.first, piece.last, *_line(path, piece), length_m))
             turns.append(None)
         else:
             angle = float(path.travel_rad[piece.last] - path.travel_rad[piece.first])

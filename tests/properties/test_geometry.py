@@ -144,6 +144,30 @@ def test_credit_falls_as_a_side_changes(sides: int, sense: float) -> None:
     assert lengths_earned[-1] == 0
 
 
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_credit_falls_as_corners_are_rounded(sides: int) -> None:
+    turn = math.tau / sides
+    arcs = [[(2.0, 1.0, 0.0), (turn, radius, 1.0)] * sides for radius in np.arange(0.0, 1.5, 0.1)]
+    totals = [score(graded(POLYGONS[sides], drive(legs))) for legs in arcs]
+    assert totals == sorted(totals, reverse=True)
+    assert totals[0] == 100
+    assert totals[-1] == 70
+
+
+@pytest.mark.parametrize("sides", POLYGONS)
+@pytest.mark.parametrize("made_up_for", [True, False])
+def test_credit_falls_as_sides_bend(sides: int, made_up_for: bool) -> None:
+    """A heading that drifts on the sides, made up for at the corners or not."""
+    totals = []
+    for bend_deg in range(0, 23, 2):
+        turn = math.tau / sides - (math.radians(bend_deg) if made_up_for else 0.0)
+        legs = [(1.5, 1.0, math.radians(bend_deg) / 1.5), (turn, 0.0, 1.0)] * sides
+        totals.append(score(graded(POLYGONS[sides], drive(legs[:-1]))))
+    assert totals == sorted(totals, reverse=True)
+    assert totals[0] == 100
+    assert totals[-1] == (90 if made_up_for else 30)
+
+
 legs_of_any_kind = st.lists(
     st.tuples(st.floats(0.0, 4.0), st.floats(-3.0, 3.0), st.floats(-7.0, 7.0)), max_size=12
 )

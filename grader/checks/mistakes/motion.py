@@ -5,23 +5,22 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from grader.checks.credit import fits
 from grader.checks.drive import Drive
 from grader.checks.measure import UNMEASURED, Measure, Mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import number
+from grader.contracts.assignment import Assignment
 from grader.contracts.verdict import Run
 from grader.messages import say
 
 MIN_MOTION_M = 0.05
-TURNING_DEG = 5.0
-WAY_BACK_M = 0.05
-SHORT_M = 0.5
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
 
 def motion_mistakes(
-    run: Run, topic: str, drive: Drive | None, measures: Mapping[str, Measure], *, backward: bool
+    assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure], *, backward: bool
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong while driving straight."""
     found = [*script_mistakes(run.outcome)]
@@ -30,14 +29,16 @@ def motion_mistakes(
     values = {
         name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")
     }
-    if not _turned_round(drive, values["turned_deg"], backward=backward):
+    lost = {name for name, value in values.items() if fits(assignment, name, value) is False}
+    if "turned_deg" not in lost or not _turned_round(drive, backward=backward):
         found += _wrong_way(values["advance_m"], backward=backward)
-    found += command_mistakes(run, topic)
-    found += _turning(drive, values)
-    if values["way_back_m"] > WAY_BACK_M and values["advance_m"] > -MIN_MOTION_M:
+    found += command_mistakes(run, assignment.world.cmd_vel_topic)
+    if "turned_deg" in lost:
+        found.append(_turning(drive, values))
+    if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:
         text = say("mistake.came_back", way_back=number(values["way_back_m"], "m"))
         found.append(Mistake("came_back", text, ("way_back_m", "advance_m")))
-    if MIN_MOTION_M < values["advance_m"] < SHORT_M and values["way_back_m"] <= WAY_BACK_M:
+    elif "advance_m" in lost and values["advance_m"] > MIN_MOTION_M:
         text = say("mistake.too_short", distance=number(values["advance_m"], "m"))
         found.append(Mistake("too_short", text, ("advance_m",)))
     return tuple(found)
@@ -49,26 +50,23 @@ def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:
         yield Mistake(code, say(f"mistake.{code}", distance=number(-advance_m, "m")), ("advance_m",))
 
 
-def _turned_round(drive: Drive, turned_deg: float, *, backward: bool) -> bool:
-    """Whether the car drove the right way but had turned: its speed had the right sign, so that is no mistake."""
+def _turned_round(drive: Drive, *, backward: bool) -> bool:
+    """Whether the car drove the right way after it had turned: its speed had the right sign."""
     driven_m = float(drive.path.signed_m[-1]) * (-1.0 if backward else 1.0)
-    return turned_deg > TURNING_DEG and driven_m > MIN_MOTION_M and _on_the_spot(drive)
+    return driven_m > MIN_MOTION_M and _on_the_spot(drive)
 
 
-def _turning(drive: Drive, values: Mapping[str, float]) -> Iterator[Mistake]:
-    if not values["turned_deg"] > TURNING_DEG:
-        return
+def _turning(drive: Drive, values: Mapping[str, float]) -> Mistake:
     travelled_m = float(drive.path.along_m[-1])
     turned = number(values["turned_deg"], "deg")
     spoilt = ("turned_deg", "lateral_pct", "way_back_m", "advance_m")
     if travelled_m < MIN_MOTION_M:
-        yield Mistake("only_turned", say("mistake.only_turned", turned=turned))
-    elif _on_the_spot(drive):
-        yield Mistake("turned_too", say("mistake.turned_too", turned=turned), spoilt)
-    else:
-        radius_m = travelled_m / math.radians(values["turned_deg"])
-        text = say("mistake.curved", turned=turned, radius=number(radius_m, "m"))
-        yield Mistake("curved", text, spoilt)
+        return Mistake("only_turned", say("mistake.only_turned", turned=turned))
+    if _on_the_spot(drive):
+        return Mistake("turned_too", say("mistake.turned_too", turned=turned), spoilt)
+    radius_m = travelled_m / math.radians(values["turned_deg"])
+    text = say("mistake.curved", turned=turned, radius=number(radius_m, "m"))
+    return Mistake("curved", text, spoilt)
 
 
 def _on_the_spot(drive: Drive) -> bool:

@@ -6,43 +6,37 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.checks.drive import Drive
+from grader.checks.credit import fits
 from grader.checks.driven_polygon import DrivenPolygon
 from grader.checks.measure import Mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import listed, number
 from grader.checks.wanted_polygon import FULL_TURN_DEG, WantedPolygon
+from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
-from grader.contracts.trajectory import Floats
 from grader.contracts.verdict import Run
 from grader.geometry.figure import PolygonFigure
-from grader.geometry.segmentation import Segments
 from grader.messages import say
 
 ONE_RADIAN_DEG = math.degrees(1.0)
+NEAR_DEG = 6.0  # corners this close to the wanted ones say that the figure was meant
 SAME_DEG = 4.0  # corners this close to a telling value are taken to be it
 RADIAN_OFF_DEG = 2.0  # whoever turns by a radian does it exactly; 54° is a tick of a 10 Hz timer too far
 FAST_TURN_RADPS = 12.0  # nobody means to turn this fast: a number of degrees
-CORNER_OFF_DEG = 3.0
-CURVED_SHARE = 0.1
 MOSTLY_ROUND_SHARE = 0.25  # from here on the angles and lengths of the corners follow from the arcs
-UNEQUAL_SHARE = 0.04
-LENGTH_OFF_PCT = 4.0
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Seen:
-    """What a recogniser looks at. `corners_deg` is positive in the sense most corners have."""
+    """What a recogniser looks at."""
 
+    assignment: Assignment
     run: Run
     wanted: WantedPolygon
-    drive: Drive
-    segments: Segments
-    figure: PolygonFigure | None
-    corners_deg: Floats
+    driven: DrivenPolygon
 
     @property
     def sides(self) -> int:
@@ -52,21 +46,22 @@ class _Seen:
     def ideal_deg(self) -> float:
         return self.wanted.corner_deg
 
+    def loses(self, measure: str, value: float) -> bool:
+        """Whether a value of `measure` costs points."""
+        return fits(self.assignment, measure, value) is False
+
 
 def polygon_mistakes(
-    run: Run, topic: str, wanted: WantedPolygon, driven: DrivenPolygon | None
+    assignment: Assignment, run: Run, wanted: WantedPolygon, driven: DrivenPolygon | None
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong in a figure that should have been `wanted`."""
     found = [*script_mistakes(run.outcome)]
     if driven is None:
         return tuple(found)
-    figure = driven.figure
-    corners = np.degrees(figure.corners_rad) if figure is not None else np.empty(0)
-    corners = corners * (-1.0 if float(np.sum(corners)) < 0.0 else 1.0)
-    seen = _Seen(run, wanted, driven.drive, driven.segments, figure, corners)
+    seen = _Seen(assignment, run, wanted, driven)
     found += _wall(seen)
     found += _degrees(seen)
-    found += command_mistakes(run, topic)
+    found += command_mistakes(run, assignment.world.cmd_vel_topic)
     cut = _cut_at_the_end(seen)
     if cut:
         text = say("mistake.time_was_up", time=number(run.outcome.duration_ns / 1e9, "s"))
@@ -79,9 +74,9 @@ def polygon_mistakes(
 
 def _wall(seen: _Seen) -> Iterator[Mistake]:
     """A wall touched while the figure was driven; later ones did not spoil it."""
-    end = seen.figure.end if seen.figure is not None else len(seen.drive.path) - 1
+    end = seen.driven.figure.end if seen.driven.figure is not None else len(seen.driven.drive.path) - 1
     contacts = seen.run.trajectory.contacts
-    if contacts and contacts[0].start_ns <= int(seen.drive.t_ns[end]):
+    if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
         wall = contacts[0]
         yield Mistake(
             "wall_hit",
@@ -93,8 +88,10 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
 def _degrees(seen: _Seen) -> Iterator[Mistake]:
     """A number of degrees where radians belong: a furious turn rate, or a turn that goes on and on."""
     fastest = max((abs(command.w_radps) for command in seen.run.trajectory.commands), default=0.0)
-    widest = max((abs(turn.angle_rad) for turn in seen.segments.turns if turn is not None), default=0.0)
-    unfinished = seen.figure is None or len(seen.figure.sides_m) < seen.sides
+    widest = max(
+        (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
+    )
+    unfinished = seen.driven.figure is None or len(seen.driven.figure.sides_m) < seen.sides
     if fastest >= FAST_TURN_RADPS:
         text = say("mistake.degrees_as_radians", rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
         yield Mistake("degrees_as_radians", text, _SHAPE)
@@ -106,23 +103,23 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
 
 
 def _circling(seen: _Seen) -> bool:
-    curved_m = sum(turn.length_m for turn in seen.segments.turns if turn is not None)
-    return curved_m > 0.5 * float(seen.drive.path.along_m[-1])
+    curved_m = sum(turn.length_m for turn in seen.driven.segments.turns if turn is not None)
+    return curved_m > 0.5 * float(seen.driven.drive.path.along_m[-1])
 
 
 def _shape(seen: _Seen) -> Iterator[Mistake]:
-    figure = seen.figure
+    figure = seen.driven.figure
     if figure is None:
-        if float(seen.drive.path.along_m[-1]) > 0.1 and _circling(seen):
+        if float(seen.driven.drive.path.along_m[-1]) > 0.1 and _circling(seen):
             yield Mistake("arcs", say("mistake.arcs", share="100 %"), _SHAPE)
         return
     if figure.curved_share > MOSTLY_ROUND_SHARE:
         yield _arcs(figure)
     yield from _angles(seen, figure)
     yield from _count(seen, figure)
-    if CURVED_SHARE < figure.curved_share <= MOSTLY_ROUND_SHARE:
+    if figure.curved_share <= MOSTLY_ROUND_SHARE and seen.loses("curved_pct", 100.0 * figure.curved_share):
         yield _arcs(figure)
-    yield from _sides(figure) if seen.wanted.lengths_m is None else _lengths(seen.wanted, figure)
+    yield from _sides(seen, figure) if seen.wanted.lengths_m is None else _lengths(seen, figure)
 
 
 def _arcs(figure: PolygonFigure) -> Mistake:
@@ -132,7 +129,7 @@ def _arcs(figure: PolygonFigure) -> Mistake:
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     """Name the one thing that is wrong with the corners, if anything."""
-    corners, ideal = seen.corners_deg, seen.ideal_deg
+    corners, ideal = seen.driven.corners_deg, seen.ideal_deg
     spoilt = ("corner_deg", "gap_pct", "sides", "opposite_corners")
     values = {"corners": listed(corners, "deg"), "ideal": _degree(ideal), "sides": seen.sides}
     if len(corners) == 0:
@@ -141,7 +138,7 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         return
     mean = float(np.mean(corners))
     uniform = float(np.ptp(corners)) <= 2.0 * SAME_DEG
-    off = np.abs(corners - ideal) > CORNER_OFF_DEG
+    off = np.array([seen.loses("corner_deg", corner) for corner in corners.tolist()])
     if bool((corners < 0.0).any()):
         yield Mistake("zigzag", say("mistake.zigzag", **values), spoilt)
     elif not off.any():
@@ -184,7 +181,7 @@ def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
     text = say(
         "mistake.other_figure",
         count=len(figure.sides_m),
-        corners=_degree(float(np.mean(seen.corners_deg))),
+        corners=_degree(float(np.mean(seen.driven.corners_deg))),
         figure=say(seen.wanted.figure),
         sides=seen.sides,
         ideal=_degree(seen.ideal_deg),
@@ -194,18 +191,22 @@ def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
 
 def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     """One side too few or too many, with corners that are right."""
-    count, corners = len(figure.sides_m), seen.corners_deg
-    right = len(corners) > 0 and bool((np.abs(corners - seen.ideal_deg) <= 2.0 * CORNER_OFF_DEG).all())
+    count, corners = len(figure.sides_m), seen.driven.corners_deg
+    right = len(corners) > 0 and bool((np.abs(corners - seen.ideal_deg) <= NEAR_DEG).all())
     if not right or count == seen.sides:
         return
-    code = ("too_slow" if seen.drive.cut_short else "sides_missing") if count < seen.sides else "sides_extra"
+    code = (
+        ("too_slow" if seen.driven.drive.cut_short else "sides_missing")
+        if count < seen.sides
+        else "sides_extra"
+    )
     text = say(f"mistake.{code}", count=count, sides=seen.sides)
     yield Mistake(code, text, ("sides", "gap_pct", "settled"))
 
 
-def _sides(figure: PolygonFigure) -> Iterator[Mistake]:
+def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     sides = np.asarray(figure.sides_m)
-    if len(sides) < 2 or float(np.ptp(sides)) <= UNEQUAL_SHARE * float(np.mean(sides)):
+    if not seen.loses("side_spread_pct", 100.0 * float(np.ptp(sides)) / float(np.mean(sides))):
         return
     odd = int(np.argmax(np.abs(sides - np.median(sides))))
     text = say(
@@ -217,10 +218,10 @@ def _sides(figure: PolygonFigure) -> Iterator[Mistake]:
     yield Mistake("unequal_sides", text, ("side_spread_pct", "gap_pct"))
 
 
-def _lengths(wanted: WantedPolygon, figure: PolygonFigure) -> Iterator[Mistake]:
+def _lengths(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     """Sides of other lengths than the assignment fixes."""
-    error_pct = wanted.side_error_pct(figure.sides_m)
-    if len(figure.sides_m) != wanted.sides or error_pct <= LENGTH_OFF_PCT:
+    wanted, error_pct = seen.wanted, seen.wanted.side_error_pct(figure.sides_m)
+    if len(figure.sides_m) != wanted.sides or not seen.loses("side_error_pct", error_pct):
         return
     text = say(
         "mistake.wrong_lengths",
@@ -232,21 +233,37 @@ def _lengths(wanted: WantedPolygon, figure: PolygonFigure) -> Iterator[Mistake]:
 
 def _cut_at_the_end(seen: _Seen) -> bool:
     """Whether the horizon came during the last side or turn, so that the script may have meant to stop."""
-    figure = seen.figure
-    if figure is None or seen.run.outcome.status is not RunStatus.INTERRUPTED or not seen.drive.moving_at_end:
+    figure = seen.driven.figure
+    if (
+        figure is None
+        or seen.run.outcome.status is not RunStatus.INTERRUPTED
+        or not seen.driven.drive.moving_at_end
+    ):
         return False
     if len(figure.sides_m) != seen.sides or figure.repeated or figure.overrun:
         return False
-    if (closing := seen.segments.turns[-1]) is not None:
-        return abs(math.degrees(closing.angle_rad)) <= seen.ideal_deg + CORNER_OFF_DEG
+    if (closing := seen.driven.segments.turns[-1]) is not None:
+        return abs(math.degrees(closing.angle_rad)) <= seen.ideal_deg + SAME_DEG
     return figure.sides_m[-1] <= max(figure.sides_m[:-1])
 
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:
-    repeated = seen.figure is not None and seen.figure.repeated
-    overrun = seen.figure is not None and seen.figure.overrun
-    if overrun or (not repeated and (seen.drive.moving_at_end or seen.drive.commanded_at_end)):
+    """What was driven before and after a figure that may be right."""
+    drive, figure = seen.driven.drive, seen.driven.figure
+    if figure is not None and figure.approach_m > 0.0:
+        text = say("mistake.approach", distance=number(figure.approach_m, "m"))
+        yield Mistake("approach", text, ("gap_pct",))
+    repeated, overrun = (figure.repeated, figure.overrun) if figure is not None else (False, False)
+    if (overrun and drive.cut_short) or (not repeated and (drive.moving_at_end or drive.commanded_at_end)):
         yield Mistake("never_stops", say("mistake.never_stops"), ("settled", "sides", "gap_pct"))
+    elif figure is not None and overrun:
+        after_m = float(drive.path.along_m[-1] - drive.path.along_m[figure.end])
+        text = say("mistake.drove_on", distance=number(after_m, "m"))
+        yield Mistake("drove_on", text, ("settled", "gap_pct"))
+    elif seen.driven.turned_on and (turn := seen.driven.segments.turns[-1]) is not None:
+        turned = _degree(seen.driven.sense * math.degrees(turn.angle_rad))
+        text = say("mistake.turned_on", turned=turned, ideal=_degree(seen.ideal_deg))
+        yield Mistake("turned_on", text, ("settled",))
 
 
 def _degree(value: float) -> str:

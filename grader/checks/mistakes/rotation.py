@@ -3,47 +3,51 @@
 import math
 from collections.abc import Iterator, Mapping
 
+import numpy as np
+
+from grader.checks.credit import fits
 from grader.checks.drive import Drive
 from grader.checks.measure import UNMEASURED, Measure, Mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import number
+from grader.contracts.assignment import Assignment
 from grader.contracts.verdict import Run
 from grader.geometry.segmentation import segment
 from grader.messages import say
 
-FULL_TURN_DEG = 355.0
 SAME_DEG = 4.0
-STRAYED_M = 0.1
 MIN_TURN_DEG = 3.0
 
 
 def rotation_mistakes(
-    run: Run, topic: str, drive: Drive | None, measures: Mapping[str, Measure]
+    assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure]
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong while turning."""
     found = [*script_mistakes(run.outcome)]
     if drive is None:
         return tuple(found)
-    turned = measures.get("turned_deg", UNMEASURED).value
+    path = drive.path
+    turned = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))  # on whatever way
+    short = fits(assignment, "turned_deg", turned) is False
     drift = measures.get("drift_m", UNMEASURED).value
-    if drift > STRAYED_M:
-        found.append(_strayed(turned, drift, drive))
-    found += command_mistakes(run, topic)
-    if MIN_TURN_DEG < turned < FULL_TURN_DEG:
+    if fits(assignment, "drift_m", drift) is False:
+        found.append(_strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg")))
+    found += command_mistakes(run, assignment.world.cmd_vel_topic)
+    if short and turned > MIN_TURN_DEG:
         found += _short_turn(turned, drive)
     return tuple(found)
 
 
-def _strayed(turned: float, drift: float, drive: Drive) -> Mistake:
+def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...]) -> Mistake:
     """Say how the car left its place: without turning, on straight runs, or in a circle."""
     distance = number(drift, "m")
     if not turned > MIN_TURN_DEG:
         return Mistake("only_drove", say("mistake.only_drove", distance=distance))
     if segment(drive.path).runs:
-        return Mistake("left_place", say("mistake.left_place", drift=distance), ("drift_m",))
+        return Mistake("left_place", say("mistake.left_place", drift=distance), spoilt)
     radius = number(float(drive.path.along_m[-1]) / math.radians(turned), "m")
-    return Mistake("circling", say("mistake.circling", radius=radius, drift=distance), ("drift_m",))
+    return Mistake("circling", say("mistake.circling", radius=radius, drift=distance), spoilt)
 
 
 def _short_turn(turned: float, drive: Drive) -> Iterator[Mistake]:

@@ -35,9 +35,60 @@ def test_the_last_turn_is_optional(sides: int) -> None:
     assert score(graded(POLYGONS[sides], drive(polygon_legs(sides, last_turn=False)))) == 100
 
 
-def test_a_wrong_last_turn_is_not() -> None:
-    verdict = graded("square", drive(polygon_legs(4, corners_deg=[90, 90, 90, 60])))
-    assert item(verdict, "angles").status is ItemStatus.FAILED
+@pytest.mark.parametrize("sense", [1.0, -1.0])
+@pytest.mark.parametrize("turned_deg", [60, 96, 180, 270, 450 - 24])
+def test_a_wrong_last_turn_costs_the_rest_only(turned_deg: float, sense: float) -> None:
+    legs = polygon_legs(4, corners_deg=[90, 90, 90, turned_deg], w_radps=sense)
+    verdict = graded("square", drive(legs))
+    assert score(verdict) == 95
+    assert verdict.mistakes == ("turned_on",)
+    assert item(verdict, "rest").hint == verdict.hint
+    assert f"turned by {turned_deg:g}°" in verdict.hint.en
+
+
+@pytest.mark.parametrize("turned_deg", [92, 360, 450, 720, -270])
+def test_a_right_last_turn_with_whole_turns_is_right(turned_deg: float) -> None:
+    assert score(graded("square", drive(polygon_legs(4, corners_deg=[90, 90, 90, turned_deg])))) == 100
+
+
+def test_an_approach_costs_the_way_back_only_and_the_more_the_longer_it_is() -> None:
+    earned = []
+    for approach_m in (0.1, 0.3, 0.5, 0.8, 1.2, 2.0):
+        legs: list[Leg] = [(approach_m, 1.0, 0.0), (math.radians(45), 0.0, -1.0), *polygon_legs(4)]
+        verdict = graded("square", drive(legs))
+        earned.append(score(verdict))
+        assert all(each.earned == each.points for each in verdict.items if each.id != "closed")
+        assert verdict.mistakes == (("approach",) if earned[-1] < 100 else ())
+    assert earned == sorted(earned, reverse=True)
+    assert earned[0] == 100
+    assert earned[-1] == 85
+
+
+def test_what_follows_the_figure_costs_the_more_the_longer_it_is() -> None:
+    earned = []
+    for after_m in (0.1, 0.3, 0.5, 0.8, 1.2, 1.6, 1.8, 1.9, 2.0):
+        verdict = graded("square", drive([*polygon_legs(4), (after_m, 1.0, 0.0)]))
+        earned.append(score(verdict))
+        assert verdict.mistakes in ((), ("drove_on",), ("sides_extra", "unequal_sides"), ("sides_extra",))
+    assert earned[0] == 100
+    assert earned[-1] == 77.5
+    assert earned[:-2] == sorted(earned[:-2], reverse=True)
+
+
+def test_a_walk_after_the_figure_is_told() -> None:
+    walk: list[Leg] = [(math.radians(135), 0.0, -1.0), (1.5, 1.0, 0.0)]
+    verdict = graded("square", drive([*polygon_legs(4), *walk]))
+    assert verdict.mistakes == ("drove_on",)
+    assert score(verdict) == 80
+    assert "1.5 m" in verdict.hint.en
+
+
+@pytest.mark.parametrize("sides", [4, 3])
+def test_sides_driven_forward_and_backing_up_in_turn_are_right(sides: int) -> None:
+    turn = math.radians(360 / sides - 180)
+    legs = [leg for i in range(sides) for leg in ((2.0, (-1.0) ** i, 0.0), (abs(turn), 0.0, -1.0))]
+    verdict = graded(POLYGONS[sides], drive(legs[:-1]))
+    assert score(verdict) == 100
 
 
 def test_turning_before_each_side_is_right() -> None:

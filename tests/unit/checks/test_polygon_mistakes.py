@@ -50,6 +50,7 @@ def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
         ("octagon", polygon_legs(8, 1.0, corners_deg=[54] * 8), "turns_too_far"),  # ticks of a 10 Hz timer
         ("triangle", polygon_legs(3, corners_deg=[60] * 3), "interior_angle"),
         ("pentagon", polygon_legs(5, corners_deg=[108] * 5), "interior_angle"),
+        ("hexagon", polygon_legs(6, corners_deg=[120] * 6), "interior_angle"),
         ("square", polygon_legs(4, laps=0.75), "sides_missing"),
         ("square", polygon_legs(4, laps=1.25), "sides_extra"),
         ("square", polygon_legs(4, corners_deg=[97] * 4), "turns_too_far"),
@@ -60,6 +61,7 @@ def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
         ("square", polygon_legs(4, corners_deg=[90, -90, 90, -90]), "zigzag"),
         ("square", [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)] * 4, "arcs"),
         ("square", [(2 * math.pi, 1.0, 1.0)], "arcs"),
+        ("square", [(2.0, 1.0, 0.2), (math.pi / 2 - 0.4, 0.0, 1.0)] * 4, "arcs"),  # bent sides
         ("square", [(2.0, 1.0, 0.0)], "no_turns"),
         ("square", [(2.0, 1.0, 0.0), (1.0, 0.0, 90.0)] * 4, "degrees_as_radians"),
         ("square", polygon_legs(5), "other_figure"),
@@ -118,3 +120,14 @@ def test_a_script_that_ends_without_a_stop() -> None:
     moving = Command(t_ns=trajectory.commands[-1].t_ns + 1, v_mps=0.0, w_radps=1.0)
     coasting = Trajectory(**{**values, "commands": (*trajectory.commands, moving)})
     assert graded("square", coasting).mistakes == ("never_stops",)
+
+
+def test_a_corner_within_a_wider_band_is_no_mistake() -> None:
+    """The bands of the rubric say what is wrong, no numbers besides."""
+    legs = polygon_legs(4, corners_deg=[95, 90, 90, 90])
+    assert "one_corner_off" in graded("square", drive(legs)).mistakes
+    assert graded("feedback_square", drive(legs)).mistakes == ()
+    verdict = graded(
+        "feedback_square", drive(polygon_legs(4, corners_deg=[95, 90, 90, 90], lengths_m=[2.2, 2, 2, 2]))
+    )
+    assert verdict.mistakes == ("unequal_sides",)

@@ -38,18 +38,38 @@ def test_too_slow_a_turn() -> None:
     assert verdict.mistakes == ("turn_too_slow",)
 
 
-def test_a_circle_turns_but_does_not_stay() -> None:
+def test_a_circle_is_no_turn_on_the_spot() -> None:
     verdict = graded("spin", drive([(FULL_S, 1.0, 1.0)]))
-    assert item(verdict, "turn").status is ItemStatus.PASSED
+    assert item(verdict, "turn").measured == pytest.approx(180.0, abs=1.0)
+    assert item(verdict, "turn").hint == verdict.hint
     assert item(verdict, "place").status is ItemStatus.FAILED
     assert verdict.mistakes == ("circling",)
     assert "1 m" in verdict.hint.en
 
 
-def test_driving_away_besides_turning() -> None:
+@pytest.mark.parametrize("turns", [1, 4])
+def test_credit_falls_as_the_circle_widens(turns: int) -> None:
+    radii = (0.0, 0.04, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 1.0, 1.5, 3.0)
+    earned = [score(graded("spin", drive([(turns * FULL_S, radius, 1.0)]))) for radius in radii]
+    assert earned == sorted(earned, reverse=True)
+    assert earned[1] == 100
+    assert earned[-1] == 10
+
+
+def test_a_figure_with_corners_is_no_turn_on_the_spot() -> None:
     verdict = graded("spin", drive(polygon_legs(4)))
     assert verdict.mistakes == ("left_place",)
     assert item(verdict, "place").status is ItemStatus.FAILED
+    assert score(verdict) < 40
+
+
+@pytest.mark.parametrize("before", [True, False])
+def test_a_whole_turn_before_or_after_driving_keeps_its_points(before: bool) -> None:
+    turn, walk = (FULL_S, 0.0, -1.0), (3.0, 1.0, 0.0)
+    verdict = graded("spin", drive([turn, walk] if before else [walk, turn]))
+    assert item(verdict, "turn").status is ItemStatus.PASSED
+    assert score(verdict) == 70
+    assert verdict.mistakes == ("left_place",)
 
 
 def test_straight_on_is_no_turn() -> None:

@@ -10,10 +10,10 @@ from grader.geometry.segmentation import segment
 from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs
 
 
-def figure_of(legs: list[Leg], *, cut_short: bool = False, **how: float) -> PolygonFigure:
+def figure_of(legs: list[Leg], *, sides: int = 4, cut_short: bool = False, **how: float) -> PolygonFigure:
     trajectory = drive(legs, **how)  # type: ignore[arg-type]
     path = driven_path(trajectory.x_m, trajectory.y_m, trajectory.heading_rad)
-    figure = measure_polygon(path, segment(path), cut_short=cut_short)
+    figure = measure_polygon(path, segment(path), sides=sides, cut_short=cut_short)
     assert figure is not None
     return figure
 
@@ -22,10 +22,14 @@ def corners(figure: PolygonFigure) -> list[int]:
     return [round(math.degrees(corner)) for corner in figure.corners_rad]
 
 
+def last_turn(figure: PolygonFigure) -> int:
+    return round(math.degrees(figure.last_turn_rad))
+
+
 def test_without_a_straight_run_there_is_no_figure() -> None:
     trajectory = drive([(5.0, 0.0, 1.0)])
     path = driven_path(trajectory.x_m, trajectory.y_m, trajectory.heading_rad)
-    assert measure_polygon(path, segment(path), cut_short=False) is None
+    assert measure_polygon(path, segment(path), sides=4, cut_short=False) is None
 
 
 def test_an_open_figure_is_measured_to_its_end() -> None:
@@ -73,7 +77,8 @@ def test_a_closing_turn_cut_short_is_not_judged() -> None:
 def test_spins_at_a_corner_do_not_end_the_figure() -> None:
     figure = figure_of(polygon_legs(4, 1.0, corners_deg=[450.0] * 4, w_radps=3.0))
     assert len(figure.sides_m) == 4
-    assert corners(figure) == [450] * 4
+    assert corners(figure) == [450] * 3
+    assert last_turn(figure) == 90
 
 
 def test_the_curved_share_is_what_arcs_have_of_the_distance() -> None:
@@ -83,7 +88,9 @@ def test_the_curved_share_is_what_arcs_have_of_the_distance() -> None:
 
 
 def test_right_turns_have_negative_corners() -> None:
-    assert corners(figure_of(polygon_legs(3, w_radps=-1.0))) == [-120] * 3
+    figure = figure_of(polygon_legs(3, w_radps=-1.0))
+    assert corners(figure) == [-120] * 2
+    assert last_turn(figure) == -120
 
 
 def test_perimeter() -> None:
@@ -91,23 +98,93 @@ def test_perimeter() -> None:
 
 
 @pytest.mark.parametrize(
-    ("closing_deg", "seen"),
-    [(90, [90]), (450, [90]), (810, [90]), (360, []), (-720, []), (400, [40]), (180, [180]), (270, [270])],
+    ("turned_deg", "seen"),
+    [(90, 90), (450, 90), (810, 90), (360, 0), (-720, 0), (400, 40), (175, 175), (270, -90)],
 )
-def test_a_pirouette_after_the_figure_is_no_corner(closing_deg: int, seen: list[int]) -> None:
-    turn = (math.radians(abs(closing_deg)), 0.0, math.copysign(1.0, closing_deg))
+def test_the_last_turn_is_no_corner_and_known_but_for_whole_turns(turned_deg: int, seen: int) -> None:
+    turn = (math.radians(abs(turned_deg)), 0.0, math.copysign(1.0, turned_deg))
     figure = figure_of([*polygon_legs(4, 1.0, last_turn=False), turn])
-    assert corners(figure) == [90, 90, 90, *seen]
+    assert corners(figure) == [90, 90, 90]
+    assert last_turn(figure) == seen
+    assert not figure.overrun
 
 
 @pytest.mark.parametrize("sense", [1, -1])
-@pytest.mark.parametrize(("spun_deg", "seen"), [(360, [90]), (720, [90]), (180, [-90]), (355, [95])])
-def test_a_pirouette_the_other_way_round_is_none_either(spun_deg: int, seen: list[int], sense: int) -> None:
+@pytest.mark.parametrize(("spun_deg", "seen"), [(360, 90), (720, 90), (175, -85), (355, 95)])
+def test_a_pirouette_the_other_way_round(spun_deg: int, seen: int, sense: int) -> None:
     legs = polygon_legs(4, 1.0, w_radps=float(sense))
     figure = figure_of([*legs, (math.radians(spun_deg), 0.0, -float(sense))])
-    assert corners(figure) == [sense * corner for corner in (90, 90, 90, *seen)]
+    assert last_turn(figure) == sense * seen
 
 
 def test_a_circle_after_the_figure_is_not_overlooked() -> None:
     figure = figure_of([*polygon_legs(4, 1.0, last_turn=False), (2.0 * math.pi, 0.5, 1.0)])
-    assert corners(figure) == [90, 90, 90, 360]
+    assert last_turn(figure) == 360
+
+
+def test_the_last_turn_of_a_figure_that_lacks_it_is_a_corner() -> None:
+    figure = figure_of(polygon_legs(4, 1.0, laps=0.75))
+    assert corners(figure) == [90, 90, 90]
+    assert last_turn(figure) == 0
+
+
+TURN: Leg = (math.pi / 2, 0.0, 1.0)
+
+
+@pytest.mark.parametrize("sense", [1, -1])
+@pytest.mark.parametrize("turned_deg", [90, -90, 135, -45, 175])
+def test_an_approach_is_no_side(turned_deg: int, sense: int) -> None:
+    turn = (math.radians(abs(turned_deg)), 0.0, math.copysign(1.0, turned_deg))
+    figure = figure_of([(0.5, 1.0, 0.0), turn, *polygon_legs(4, 1.0, w_radps=float(sense))])
+    assert figure.sides_m == pytest.approx([1.0] * 4, abs=0.02)
+    assert corners(figure) == [sense * 90] * 3
+    assert figure.approach_m == pytest.approx(0.5, abs=0.02)
+    assert figure.gap_m == pytest.approx(0.5, abs=0.02)
+
+
+def test_an_approach_from_the_middle_of_the_figure() -> None:
+    figure = figure_of([*[(0.6, 1.0, 0.0), TURN] * 2, *polygon_legs(4, 1.2)])
+    assert figure.sides_m == pytest.approx([1.2] * 4, abs=0.02)
+    assert figure.approach_m == pytest.approx(1.2, abs=0.04)
+    assert figure.gap_m == pytest.approx(0.6 * math.sqrt(2.0), abs=0.02)
+
+
+def test_a_first_side_too_long_is_no_approach() -> None:
+    figure = figure_of(polygon_legs(4, lengths_m=[2.5, 2.0, 2.0, 2.0]))
+    assert figure.approach_m == 0.0
+    assert figure.sides_m[0] == pytest.approx(2.5, abs=0.02)
+
+
+def test_a_triangle_that_closes_by_chance_is_not_the_figure() -> None:
+    figure = figure_of([(2.12, 1.0, 0.0), (math.radians(135), 0.0, 1.0), *polygon_legs(4, 1.5)])
+    assert len(figure.sides_m) == 4
+
+
+@pytest.mark.parametrize(("sides", "repeated"), [(6, False), (7, False), (8, True), (9, True)])
+def test_a_lap_given_up_is_no_repetition(sides: int, repeated: bool) -> None:
+    figure = figure_of(polygon_legs(4, 1.0, laps=sides / 4))
+    assert len(figure.sides_m) == 4
+    assert figure.repeated is repeated
+    assert figure.overrun is not repeated
+
+
+def test_where_the_car_came_to_rest_after_the_figure_is_the_gap() -> None:
+    figure = figure_of([*polygon_legs(4, 1.0), (0.5, 1.0, 0.0)])
+    assert figure.overrun
+    assert figure.gap_m == pytest.approx(0.5, abs=0.02)
+    assert figure.end < figure.rest
+
+
+@pytest.mark.parametrize("turned_deg", [-90, 270])
+def test_sides_driven_forward_and_backing_up_in_turn(turned_deg: int) -> None:
+    turn = (math.radians(abs(turned_deg)), 0.0, math.copysign(1.0, turned_deg))
+    figure = figure_of([leg for v in (1.0, -1.0) * 2 for leg in ((1.0, v, 0.0), turn)])
+    assert corners(figure) == [90, 90, 90]
+    assert last_turn(figure) == 90
+    assert figure.gap_m < 0.03
+
+
+def test_as_many_sides_as_are_wanted_are_one_figure_though_it_comes_round_before() -> None:
+    legs = polygon_legs(8, 1.0, corners_deg=[60.0] * 8)
+    assert len(figure_of(legs, sides=8).sides_m) == 8
+    assert len(figure_of(legs, sides=4).sides_m) == 6

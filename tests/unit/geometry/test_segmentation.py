@@ -80,12 +80,11 @@ def test_going_back_is_a_run_of_its_own_half_a_turn_away() -> None:
 @pytest.mark.parametrize("sides", [3, 4, 5, 6, 8, 12])
 def test_figures_up_to_twelve_sides(sides: int) -> None:
     path = path_of(polygon_legs(sides, 0.8))
-    figure = measure_polygon(path, segment(path), cut_short=False)
+    figure = measure_polygon(path, segment(path), sides=sides, cut_short=False)
     assert figure is not None
     assert len(figure.sides_m) == sides
-    assert [math.degrees(corner) for corner in figure.corners_rad] == pytest.approx(
-        [360 / sides] * sides, abs=0.2
-    )
+    turns = [math.degrees(turn) for turn in (*figure.corners_rad, figure.last_turn_rad)]
+    assert turns == pytest.approx([360 / sides] * sides, abs=0.2)
     assert figure.gap_m < 0.01
     assert not figure.repeated
     assert not figure.overrun
