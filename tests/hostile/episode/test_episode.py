@@ -18,7 +18,7 @@ from grader.slot import Slot, SlotConfig
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
-LIMITS = Limits(cpu_s=1.5, grace_cpu_s=0.3, wall_s=60.0)
+LIMITS = Limits(cpu_s=0.6, grace_cpu_s=0.2, wall_s=60.0)
 WORTHLESS = 0.25
 """Of the points: driving straight ahead, which some attacks do on the way, may earn as much."""
 
@@ -48,11 +48,12 @@ def solution() -> bytes:
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
 def test_attack_earns_nothing_and_disturbs_nobody(slot: Slot, good: bytes, script: Path) -> None:
     source = script.read_bytes()
-    match = re.search(rb"^Expected: (.+)$", source, re.MULTILINE)
+    match = re.search(r"^Expected: (.+)$", source.decode(errors="replace"), re.MULTILINE)
     assert match
+    expected = match[1].split(" or ")
     report = grade(slot, source, script.name)
     status = report.runs[0].outcome.status
-    assert match[1] == b"any" or status in match[1].decode().split(" or "), report.runs[0].outcome
+    assert expected == ["any"] or status in expected, report.runs[0].outcome
     assert status is not RunStatus.INFRASTRUCTURE
     assert report.score is not None
     assert report.score <= WORTHLESS * report.max_score
