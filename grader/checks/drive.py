@@ -11,7 +11,6 @@ from grader.geometry.path import Path, driven_path
 
 MOVING_MPS = 0.02
 MOVING_RADPS = 0.02
-COMMAND_TIMEOUT_NS = 1_000_000_000  # turtlesim drops a command 1.0 s after the last message
 MAX_PAUSE_NS = 1_500_000_000  # a longer rest before the horizon is the end, not a pause
 
 

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from grader.contracts.trajectory import Command, Floats, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajectory
 
-COMMAND_HOLD_NS = 1_000_000_000  # turtlesim drops a command 1.0 s after the last message
 _PERIOD_NS = 16_666_667
 _MOVING = 1e-6
 
@@ -17,7 +16,7 @@ def replayed(recorded: Trajectory, commands: Sequence[Command]) -> Trajectory:
     """Return the motion from the recorded start pose under `commands`; the episode lasts at least as long."""
     if not commands:
         return recorded
-    end_ns = max(recorded.end_ns, commands[-1].t_ns + COMMAND_HOLD_NS + _PERIOD_NS)
+    end_ns = max(recorded.end_ns, commands[-1].t_ns + COMMAND_LIFE_NS + _PERIOD_NS)
     starts, v, w = _stretches(commands, end_ns)
     times = np.unique(np.concatenate((np.arange(0, end_ns, _PERIOD_NS), starts, [end_ns])))
     index = np.searchsorted(starts, times[:-1], side="right") - 1
@@ -47,8 +46,8 @@ def _stretches(commands: Sequence[Command], end_ns: int) -> tuple[np.ndarray, Fl
     following = [command.t_ns for command in commands[1:]] + [end_ns]
     for command, next_ns in zip(commands, following, strict=True):
         stretches.append((command.t_ns, command.v_mps, command.w_radps))
-        if next_ns - command.t_ns > COMMAND_HOLD_NS:
-            stretches.append((command.t_ns + COMMAND_HOLD_NS, 0.0, 0.0))
+        if next_ns - command.t_ns > COMMAND_LIFE_NS:
+            stretches.append((command.t_ns + COMMAND_LIFE_NS, 0.0, 0.0))
     columns = list(zip(*stretches, strict=True))
     return np.array(columns[0], dtype=np.int64), np.array(columns[1]), np.array(columns[2])
 

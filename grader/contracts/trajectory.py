@@ -1,12 +1,15 @@
 """What the car did: a time-stamped planar trajectory, recorded on the trusted side."""
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grader.contracts.record import record
+
+COMMAND_LIFE_NS: Final = 1_000_000_000
+"""turtlesim drops a command once more than this has passed since it came."""
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

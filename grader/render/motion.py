@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.axes import Axes
 
-from grader.contracts.trajectory import Command, Floats, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajectory
 from grader.render import palette
 from grader.render.scene import Scene
 
@@ -12,8 +12,6 @@ _SECOND_NS = 1_000_000_000
 _AT_REST_S = 0.05
 """Samples further apart than this enclose a rest (see `grader.contracts.trajectory.Trajectory`)."""
 _LEAST_RANGE = 0.5
-_COMMAND_LIFE_S = 1.0
-"""turtlesim drops a command this long after the last one."""
 
 
 def draw_speed(axes: Axes, scene: Scene) -> None:
@@ -104,10 +102,10 @@ def _time_axis(axes: Axes, scene: Scene) -> None:
 
 
 def _held(commands: tuple[Command, ...], values: list[float], end_ns: int) -> tuple[Floats, Floats]:
-    """Return the step line of a command that holds until the next one, or for `_COMMAND_LIFE_S`."""
+    """Return the step line of a command that holds until the next one, or for its life."""
     starts = np.array([command.t_ns for command in commands]) * _NANO
     nexts = np.append(starts[1:], max(end_ns * _NANO, starts[-1]))
-    ends = np.minimum(nexts, starts + _COMMAND_LIFE_S)
+    ends = np.minimum(nexts, starts + COMMAND_LIFE_NS * _NANO)
     times: list[float] = [0.0, float(starts[0])]
     levels: list[float] = [0.0, 0.0]
     for start, end, until, value in zip(starts, ends, nexts, values, strict=True):

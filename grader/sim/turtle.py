@@ -4,13 +4,11 @@ import math
 from typing import Final
 
 from grader.contracts.assignment import World
-from grader.contracts.trajectory import Command
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
 from grader.sim.bullet import BulletCar
 from grader.sim.car import PlanarPose, clamp_command
 from grader.sim.recorder import Recorder
-from grader.sim.timeline import NS_PER_S, first_step_at, last_step_at, step_time_ns
-
-COMMAND_LIFE_NS: Final = NS_PER_S  # turtlesim drops a command once more than 1.0 s has passed since it came
+from grader.sim.timeline import first_step_at, last_step_at, step_time_ns
 
 _NEVER: Final = 1 << 62
 _LAG_STEPS: Final = 24

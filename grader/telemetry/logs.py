@@ -7,15 +7,13 @@ characters are, and the lines of a traceback are indented behind a bar.
 import logging
 import sys
 from datetime import UTC, datetime
-from typing import Literal, TextIO
+from typing import TextIO
 
 from pythonjsonlogger.json import JsonFormatter
 
 from grader.render.escape import visible, visible_line
+from grader.settings import LogFormat, LogLevel
 from grader.telemetry.context import FIELDS, current
-
-LogFormat = Literal["text", "json"]
-LogLevel = Literal["debug", "info", "warning", "error"]
 
 _CHATTY = (
     "alembic",

@@ -10,7 +10,7 @@ from grader.checks.measure import Mistake
 from grader.checks.mistakes.script import noted
 from grader.checks.quantity import number
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
-from grader.contracts.trajectory import Floats, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Floats, Trajectory
 from grader.contracts.verdict import Run
 from grader.messages import say
 from grader.messages.details import explained

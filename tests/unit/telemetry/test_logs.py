@@ -2,14 +2,16 @@ import io
 import json
 import logging
 import threading
+import unicodedata
 from collections.abc import Iterator
 from contextvars import copy_context
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from grader.contracts.submission import Claim
+from grader.settings import LogFormat
 from grader.telemetry import context, logs
 
 FORGED = "done\r\n2026-01-01T00:00:00+00:00 INFO forged\x1b[2J\u202e\u2028{}"
@@ -22,7 +24,7 @@ def log() -> Iterator[logging.Logger]:
     logger.handlers.clear()
 
 
-def written(log: logging.Logger, log_format: logs.LogFormat) -> io.StringIO:
+def written(log: logging.Logger, log_format: LogFormat) -> io.StringIO:
     stream = io.StringIO()
     log.handlers = [logs.handler(log_format, stream)]
     return stream
@@ -81,13 +83,14 @@ def test_outside_of_a_unit_of_work_nothing_is_noted() -> None:
 
 @pytest.mark.parametrize("log_format", ["text", "json"])
 @given(text=st.one_of(st.text(), st.just(FORGED)), name=st.text())
-def test_nothing_written_can_forge_a_line(log_format: logs.LogFormat, text: str, name: str) -> None:
+@example(text="", name="\xa0")
+def test_nothing_written_can_forge_a_line(log_format: LogFormat, text: str, name: str) -> None:
     log = logging.Logger("grader.test")
     stream = written(log, log_format)
     log.error("%s", text, extra={"route": name})
     output = stream.getvalue()
     assert output.endswith("\n")
-    assert output[:-1].isprintable()
+    assert all(one.isprintable() or unicodedata.category(one) == "Zs" for one in output[:-1])
 
 
 def test_a_traceback_cannot_forge_a_line_either(log: logging.Logger) -> None:
