@@ -29,6 +29,7 @@ def polygon_sketch(
         corners=_corners(points, corners_deg, assignment),
         ideal_m=ideal_polygon(points, figure, wanted),
         gap=_gap(trajectory, figure, assignment),
+        begin_ns=int(trajectory.t_ns[figure.vertices[0]]) if figure.approach_m > 0.0 else 0,
         end_ns=int(trajectory.t_ns[figure.end]),
     )
 

@@ -4,14 +4,16 @@ import math
 
 import numpy as np
 
+from grader.checks.credit import fits
 from grader.checks.drive import drive_of
 from grader.checks.measure import Check, Findings, Measure, MeasureKind
 from grader.checks.mistakes.rotation import rotation_mistakes
 from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
-from grader.contracts.figure import FigureSketch
+from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
 from grader.contracts.verdict import Run
 from grader.geometry.path import Path
+from grader.messages import say
 
 MAX_STARTS = 200  # parts of a path are looked at from so many samples on
 MEASURES = {
@@ -59,9 +61,27 @@ def _on_the_spot(path: Path, spot_m: float) -> float:
 
 
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
-    """Return the view of heading over time with the wanted turn."""
-    item = assignment.item_on("turned_deg")
-    return FigureSketch(view="heading", wanted_turn_deg=None if item is None else item.low)
+    """Return the view of heading over time with the wanted turn, the counted one, and a place left."""
+    item, drive = assignment.item_on("turned_deg"), drive_of(run)
+    wanted_deg = None if item is None else item.low
+    if drive is None:
+        return FigureSketch(view="heading", wanted_turn_deg=wanted_deg)
+    path, measures = drive.path, _rotation(drive.path, _spot_m(assignment))
+    ahead = path.heading_rad - path.heading_rad[0]
+    turned_deg, drift_m = measures["turned_deg"].value, measures["drift_m"].value
+    here = (float(run.trajectory.x_m[0]), float(run.trajectory.y_m[0]))
+    turn = SketchCorner(
+        at_m=here,
+        angle_deg=math.copysign(turned_deg, float(ahead[int(np.argmax(np.abs(ahead)))])),
+        ok=fits(assignment, "turned_deg", turned_deg),
+    )
+    left = SketchLabel(at_m=here, text=say("figure.aside", value=number(drift_m, "m")), ok=False)
+    return FigureSketch(
+        view="heading",
+        corners=(turn,),
+        labels=(left,) if fits(assignment, "drift_m", drift_m) is False else (),
+        wanted_turn_deg=wanted_deg,
+    )
 
 
 CHECK = Check(kind="rotation", measures=MEASURES, examine=examine, sketch=sketch)

@@ -254,6 +254,15 @@ def test_the_plot_shows_sides_corners_and_the_fitted_figure() -> None:
     assert shown.gap.length_m == pytest.approx(0.4, abs=0.02)
 
 
+def test_the_plot_of_an_approach_begins_with_the_figure() -> None:
+    run = run_of(drive([(1.0, 1.0, 0.0), (math.radians(45), 0.0, -1.0), *polygon_legs(4)]))
+    shown = sketch(assignment("square"), run)
+    assert shown.begin_ns == pytest.approx(1e9, rel=0.5)
+    assert len(shown.sides) == 4
+    assert shown.gap is not None
+    assert shown.gap.start_m == pytest.approx((5.54, 5.54), abs=0.02)
+
+
 def test_the_fitted_figure_lies_on_a_right_one() -> None:
     run = run_of(drive(polygon_legs(3, w_radps=-1.0), heading_deg=84))
     shown = sketch(assignment("triangle"), run)

@@ -86,3 +86,12 @@ def test_sketch() -> None:
     shown = sketch(assignment("spin"), run_of(drive([(1.0, 0.0, 1.0)])))
     assert shown.view == "heading"
     assert shown.wanted_turn_deg == 355
+    assert shown.corners[0].angle_deg == pytest.approx(57.3, abs=0.1)
+    assert shown.corners[0].ok is False
+    assert shown.labels == ()
+
+
+def test_sketch_of_a_circle() -> None:
+    shown = sketch(assignment("spin"), run_of(drive([(FULL_S, 1.0, -1.0)])))
+    assert shown.corners[0].angle_deg == pytest.approx(-180.0, abs=1.0)
+    assert shown.labels[0].text.en == "2 m aside"
