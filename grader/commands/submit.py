@@ -72,6 +72,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Hand in and wait; 0 full marks, 1 not, 2 could not be handed in or graded (raised as GraderError)."""
+    _check_address(arguments.server)
     source = read_source(arguments.file)
     assignment = arguments.assignment or _guess(arguments.file.name)
     headers = {"Accept-Language": arguments.lang, **_authorization(arguments)}
@@ -178,10 +179,9 @@ def _asked(client: httpx.Client, method: str, url: str, **content: Any) -> httpx
         except httpx.TransportError as error:
             if attempt == _TRIES - 1:
                 raise InfrastructureError(
-                    f"{client.base_url} does not answer: {error}", f"{client.base_url} 没有回应：{error}"
+                    f"{client.base_url} does not answer ({error}): is the address right, the service running?",
+                    f"{client.base_url} 没有回应（{error}）：地址对不对？服务在运行吗？",
                 ) from error
-        except (httpx.InvalidURL, httpx.UnsupportedProtocol) as error:
-            raise SubmissionError("server", f"--server {client.base_url}: {error}") from error
         else:
             wait = response.headers.get("Retry-After", "")
             if response.status_code not in (429, 503) or attempt == _TRIES - 1:
@@ -199,7 +199,9 @@ def _accepted(response: httpx.Response) -> httpx.Response:
         problem = response.json()
         code, title, detail = (str(problem[name]) for name in ("code", "title", "detail"))
         fix = _TOKEN_FIX if code == "unauthorized" else Text(zh=problem["fix"], en=problem["fix"])
+        allowed = ", ".join(str(one) for one in problem.get("allowed") or ())
         lines = [title, detail if detail != title else "", problem.get("text") or ""]
+        lines.append(f"allowed: {allowed}" if allowed else "")
     except (ValueError, KeyError, TypeError):
         raise InfrastructureError(
             f"{response.url} answered {response.status_code}: is --server the address of a grader?",
@@ -207,6 +209,20 @@ def _accepted(response: httpx.Response) -> httpx.Response:
         ) from None
     zh, en = ("\n".join(visible(str(one)) for one in (*lines, fix.get(lang)) if one) for lang in LANGUAGES)
     raise SubmissionError(code, en, zh)
+
+
+def _check_address(server: str) -> None:
+    try:
+        url = httpx.URL(server)
+        usable = url.scheme in ("http", "https") and url.host != ""
+    except httpx.InvalidURL:
+        usable = False
+    if not usable:
+        raise SubmissionError(
+            "server",
+            f"--server {server}: this is no address such as https://grader.example.org",
+            f"--server {server}：不是服务器地址，例如 https://grader.example.org",
+        )
 
 
 def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
@@ -236,8 +252,10 @@ def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
 def _guess(file_name: str) -> str:
     guess = Catalog().guess_assignment(file_name)
     if guess is None:
+        name = visible_line(file_name, 100)
+        known = ", ".join(assignment.id for assignment in Catalog().all())
         raise UnknownAssignmentError(
-            f"the file name {visible_line(file_name, 100)} does not tell the assignment; say it with --assignment",
-            f"从文件名 {visible_line(file_name, 100)} 看不出是哪个作业；请用 --assignment 指明",
+            f"the file name {name} does not tell the assignment; say it with --assignment, one of: {known}",
+            f"从文件名 {name} 看不出是哪个作业；请用 --assignment 指明，可选：{known}",
         )
     return guess
