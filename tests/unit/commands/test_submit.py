@@ -177,6 +177,19 @@ def test_a_server_that_is_not_there(submit, monkeypatch: pytest.MonkeyPatch) -> 
     assert "没有回应" in errors
 
 
+@pytest.mark.parametrize("address", ["127.0.0.1:8080", "http://", "http://[::"])
+def test_what_is_no_address_is_told(submit, address: str) -> None:
+    status, _, errors = submit("good", "--server", address)
+    assert status == 2
+    assert "不是服务器地址" in errors
+
+
+def test_an_unknown_assignment_is_answered_with_those_there_are(submit) -> None:
+    status, _, errors = submit("good", "--student", "s1", "-a", "sqare")
+    assert status == 2
+    assert "allowed: straight, square" in errors
+
+
 def test_a_name_that_tells_nothing(submit) -> None:
     status, _, errors = submit("good", "--student", "s1", name="x.py")
     assert status == 2
