@@ -203,13 +203,13 @@ class Settings(BaseSettings):
 
 
 def load(**overrides: Any) -> Settings:
-    """Return the settings of the environment, with `overrides` (of the command line) before them.
+    """Return the settings of the environment, `overrides` (of the command line; None: not given) before them.
 
     Raises:
         SettingsError: a value is refused; the message names the setting and says why.
     """
     try:
-        return Settings(**overrides)
+        return Settings(**{name: value for name, value in overrides.items() if value is not None})
     except ValidationError as error:
         problems = error.errors()
         en, zh = ("\n".join(_sentence(one, language) for one in problems) for language in ("en", "zh"))

@@ -9,7 +9,6 @@ import sys
 from contextlib import nullcontext
 from pathlib import Path
 from types import FrameType
-from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
@@ -40,11 +39,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; running gradings finish first."""
     from grader.api import create_app
+    from grader.commands.storage import database_url
     from grader.service import running
     from grader.settings import load
     from grader.telemetry import logs
 
-    settings = load(**_overrides(arguments))
+    settings = load(
+        host=arguments.host,
+        port=arguments.port,
+        slots=arguments.slots,
+        database_url=database_url(arguments.data),
+    )
     logs.configure(settings.log_format, settings.log_level)
     sys.setswitchinterval(_SWITCH_S)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
@@ -115,16 +120,3 @@ def _listening(host: str, port: int) -> socket.socket:
 def _url(listener: socket.socket) -> str:
     host, port = listener.getsockname()[:2]
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
-
-
-def _overrides(arguments: argparse.Namespace) -> dict[str, Any]:
-    given: dict[str, Any] = {
-        name: getattr(arguments, name)
-        for name in ("host", "port", "slots")
-        if getattr(arguments, name) is not None
-    }
-    if arguments.data is not None:
-        from grader.commands.storage import database_url
-
-        given["database_url"] = database_url(arguments.data)
-    return given

@@ -6,7 +6,6 @@ import signal
 import sys
 import threading
 from pathlib import Path
-from typing import Any
 
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import LANGUAGES
@@ -26,11 +25,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Grade until told to stop; running gradings finish first. A second signal does not wait for them."""
+    from grader.commands.storage import database_url
     from grader.service import running_worker
     from grader.settings import load
     from grader.telemetry import logs
 
-    settings = load(**_overrides(arguments))
+    url = database_url(arguments.data) or arguments.database_url
+    settings = load(database_url=url, slots=arguments.slots)
     if not settings.slots:
         raise SettingsError(
             "slots (GRADER_SLOTS): a worker without slots would grade nothing",
@@ -50,12 +51,3 @@ def run(arguments: argparse.Namespace) -> int:
 def _stop(stopped: threading.Event, received: int) -> None:
     signal.signal(received, signal.SIG_DFL)
     stopped.set()
-
-
-def _overrides(arguments: argparse.Namespace) -> dict[str, Any]:
-    given = {name: getattr(arguments, name) for name in ("database_url", "slots")}
-    if arguments.data is not None:
-        from grader.commands.storage import database_url
-
-        given["database_url"] = database_url(arguments.data)
-    return {name: value for name, value in given.items() if value is not None}
