@@ -8,7 +8,6 @@ from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
-from grader.contracts.text import Text
 from grader.render.labels import (
     GRADE_STATUS,
     ITEM_MARK,
@@ -33,16 +32,20 @@ def fields(sentence: str) -> set[str | None]:
     return {name for _, name, _, _ in Formatter().parse(sentence) if name is not None}
 
 
-@pytest.mark.parametrize("text", ALL.values(), ids=ALL.keys())
-def test_both_languages_say_it(text: Text) -> None:
-    assert text.zh.strip()
-    assert text.en.strip()
-    assert fields(text.zh) == fields(text.en)
+def test_both_languages_say_it() -> None:
+    halves = {
+        name: text
+        for name, text in ALL.items()
+        if not text.zh.strip() or not text.en.strip() or fields(text.zh) != fields(text.en)
+    }
+    assert halves == {}
 
 
-@pytest.mark.parametrize("text", ALL.values(), ids=ALL.keys())
-def test_english_is_english(text: Text) -> None:
-    assert not [character for character in text.en if "\u3000" <= character <= "\uffef"]
+def test_english_is_english() -> None:
+    wide = {
+        name: text.en for name, text in ALL.items() if any("\u3000" <= one <= "\uffef" for one in text.en)
+    }
+    assert wide == {}
 
 
 def test_every_status_has_its_words() -> None:

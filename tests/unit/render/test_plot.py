@@ -99,10 +99,8 @@ PLOTS = {
 def test_the_same_bytes_twice(case: tuple[Trajectory | None, FigureSketch | None]) -> None:
     motion, sketch = case
     arguments = (assignment(), square_report(), motion, sketch)
-    png, svg = plot(*arguments), plot(*arguments, form="svg")
-    assert png == plot(*arguments)
+    svg = plot(*arguments, form="svg")
     assert svg == plot(*arguments, form="svg")
-    assert png.startswith(b"\x89PNG\r\n\x1a\n")
     assert svg.startswith(b"<?xml")
     assert b"<dc:date>" not in svg
     assert b"Matplotlib" not in svg
@@ -126,22 +124,19 @@ def test_the_same_bytes_in_another_process() -> None:
     assert there.strip() == here
 
 
-def test_size() -> None:
+def test_a_png_has_its_size_and_is_the_same_twice() -> None:
     motion, sketch = figure_of("square")
-    png = plot(assignment(), report(), motion, sketch)
+    png = plot(assignment(), square_report(), motion, sketch)
+    assert png == plot(assignment(), square_report(), motion, sketch)
+    assert png.startswith(b"\x89PNG\r\n\x1a\n")
     assert (int.from_bytes(png[16:20]), int.from_bytes(png[20:24])) == (1440, 810)
 
 
-def test_settings_of_the_process_are_left_alone() -> None:
+def test_a_users_settings_do_not_show_and_are_left_alone() -> None:
+    motion, sketch = figure_of("square")
     before = dict(matplotlib.rcParams)
-    motion, sketch = figure_of("square")
-    plot(assignment(), report(), motion, sketch)
-    assert dict(matplotlib.rcParams) == before
-
-
-def test_a_users_settings_do_not_show() -> None:
-    motion, sketch = figure_of("square")
     plain = plot(assignment(), report(), motion, sketch)
+    assert dict(matplotlib.rcParams) == before
     with matplotlib.rc_context({"font.size": 30, "axes.grid": True, "lines.linewidth": 9}):
         assert plot(assignment(), report(), motion, sketch) == plain
 
@@ -171,7 +166,7 @@ def test_turns_to_both_sides_carry_their_sign() -> None:
 
 @pytest.mark.parametrize("name", CIRCLE)
 @pytest.mark.parametrize("wrong", [False, True])
-@pytest.mark.parametrize("heading_deg", [0.0, 20.0, 90.0, 200.0])
+@pytest.mark.parametrize("heading_deg", [0.0, 20.0, 200.0])
 def test_labels_do_not_cover_each_other(name: str, wrong: bool, heading_deg: float) -> None:
     axes = drawn(draw_plan, scene(*figure_of(name, wrong, heading_deg)))
     renderer = axes.figure.canvas.get_renderer()  # type: ignore[attr-defined]

@@ -218,11 +218,11 @@ def test_problems_speak_the_readers_language(upload: Upload) -> None:
     assert upload(b"", headers={"Accept-Language": "en"}).headers["Content-Language"] == "en"
 
 
-@pytest.mark.parametrize("code", PROBLEM_TYPES)
-def test_every_type_is_explained_at_its_address(client: httpx.Client, code: str) -> None:
-    document = client.get(f"/api/v1/problems/{code}", params={"lang": "en"}).json()
-    assert document["title"] == PROBLEM_TYPES[code].title.en
-    assert document["fix"]
+def test_every_type_is_explained_at_its_address(client: httpx.Client) -> None:
+    for code, type_ in PROBLEM_TYPES.items():
+        document = client.get(f"/api/v1/problems/{code}", params={"lang": "en"}).json()
+        assert document["title"] == type_.title.en
+        assert document["fix"], code
 
 
 def test_an_unknown_type(client: httpx.Client) -> None:
