@@ -1,5 +1,6 @@
 """Taking a file in: bounded while it arrives, then checked before anything is stored."""
 
+import logging
 import re
 from collections.abc import Callable, Coroutine
 from datetime import datetime
@@ -19,6 +20,7 @@ from grader.routes.bodies import media_type, too_large, with_file
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services
 
+_log = logging.getLogger(__name__)
 _LONGEST_NAME = 100
 _LONGEST_LINE = 200
 
@@ -123,7 +125,8 @@ def check_content(services: Services, source: bytes, file_name: str, kind: Input
         return
     try:
         problem = services.preflight.check(source, file_name)
-    except (InfrastructureError, SandboxError):
+    except (InfrastructureError, SandboxError) as error:
+        _log.warning("a file was taken without a look at its syntax: %s", error)
         return  # no fault of the file: grading will look at it again
     if problem is not None:
         raise _syntax_error(problem)

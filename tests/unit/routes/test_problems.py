@@ -79,10 +79,11 @@ def test_an_address_that_hides_something_is_quoted_escaped(client: httpx.Client)
 
 @pytest.mark.parametrize("fault", [InfrastructureError("it died"), SandboxError("no zygote")])
 def test_a_failing_preflight_is_no_fault_of_the_file(
-    upload: Upload, services: Services, fault: Exception
+    upload: Upload, services: Services, fault: Exception, caplog: pytest.LogCaptureFixture
 ) -> None:
     services.preflight.fault = fault
     assert upload(b"good").status_code == 202
+    assert f"without a look at its syntax: {fault}" in caplog.text
 
 
 @pytest.mark.parametrize(
