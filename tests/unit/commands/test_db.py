@@ -3,6 +3,7 @@
 import os
 import re
 import sqlite3
+import tempfile
 import threading
 from pathlib import Path
 
@@ -14,25 +15,26 @@ from grader.settings import Settings
 from grader.store.columns import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import in_use
-from grader.store.schema import migrate
 from grader.store.submissions import Submissions
 from grader.store.workers import presence
+from tests.conftest import on_sqlite
 from tests.fakes.grading import FakePreflight
 from tests.fakes.postgres import PostgresServer
 
 
 @pytest.fixture
-def database(tmp_path: Path):
-    opened = Database(f"sqlite:///{tmp_path / 'grader.db'}")
-    migrate(opened)
+def database(database_url: str):
+    opened = Database(database_url)
     yield opened
     opened.close()
 
 
 @pytest.fixture
-def db(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    def run(action: str, file: Path, status: int = 0) -> str:
-        assert cli.run(["db", action, str(file), "--data", str(tmp_path), "--lang", "en"]) == status
+def db(database_url: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("GRADER_DATABASE_URL", database_url)
+
+    def run(action: str, *arguments: str | Path, status: int = 0) -> str:
+        assert cli.run(["db", action, *map(str, arguments), "--lang", "en"]) == status
         return capsys.readouterr().err
 
     return run
@@ -72,6 +74,7 @@ def test_a_backup_of_a_database_in_use_is_whole(database: Database, db, tmp_path
     assert (tmp_path / "backup.db").stat().st_mode & 0o077 == 0
 
 
+@on_sqlite
 def test_a_restored_database_is_as_it_was(database: Database, db, tmp_path: Path) -> None:
     first = add(database, "a")
     db("backup", tmp_path / "backup.db")
@@ -85,6 +88,7 @@ def test_a_restored_database_is_as_it_was(database: Database, db, tmp_path: Path
     assert count(tmp_path / "grader.db.before-restore") == 2
 
 
+@on_sqlite
 def test_a_database_is_its_owners_only_and_stays_whose_it_is(database: Database, db, tmp_path: Path) -> None:
     add(database, "a")
     files = [tmp_path / name for name in ("grader.db", "grader.db-wal", "backup.db")]
@@ -96,6 +100,7 @@ def test_a_database_is_its_owners_only_and_stays_whose_it_is(database: Database,
     assert oct(files[0].stat().st_mode & 0o777) == "0o640"
 
 
+@on_sqlite
 def test_a_backup_does_not_take_the_place_of_the_database(database: Database, db, tmp_path: Path) -> None:
     before = (tmp_path / "grader.db").stat().st_ino
     (tmp_path / "link.db").symlink_to("grader.db")
@@ -104,6 +109,7 @@ def test_a_backup_does_not_take_the_place_of_the_database(database: Database, db
     assert (tmp_path / "grader.db").stat().st_ino == before
 
 
+@on_sqlite
 def test_under_a_running_service_nothing_is_restored(database: Database, db, tmp_path: Path) -> None:
     add(database, "a")
     db("backup", tmp_path / "backup.db")
@@ -113,7 +119,7 @@ def test_under_a_running_service_nothing_is_restored(database: Database, db, tmp
 
 
 def test_what_is_no_backup_changes_nothing(database: Database, db, tmp_path: Path) -> None:
-    add(database, "a")
+    kept = add(database, "a")
     (tmp_path / "text").write_text("hello" * 500)
     empty = sqlite3.connect(tmp_path / "empty")
     empty.execute("CREATE TABLE x (y)")
@@ -123,11 +129,12 @@ def test_what_is_no_backup_changes_nothing(database: Database, db, tmp_path: Pat
         ("empty", "no database of the grader"),
         ("none", "no such"),
     ):
-        assert why in db("restore", tmp_path / name, status=2)
-    assert count(tmp_path / "grader.db") == 1
+        assert why in db("restore", tmp_path / name, "--replace", status=2)
+    assert Submissions(database, utc_now).source(kept) == b"a"
     assert not (tmp_path / "none").exists()
 
 
+@on_sqlite
 def test_a_service_that_leaves_grading_to_others_is_not_overlooked(
     database: Database, db, tmp_path: Path
 ) -> None:
@@ -150,6 +157,7 @@ def test_the_schema_is_brought_up_to_date(blank_url: str, monkeypatch, capsys) -
     assert "已是最新" in capsys.readouterr().err
 
 
+@on_sqlite
 def test_an_installation_moves_to_postgresql(
     database: Database, postgres_url: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -169,6 +177,7 @@ def test_an_installation_moves_to_postgresql(
     assert "not empty" in capsys.readouterr().err
 
 
+@on_sqlite
 def test_a_move_from_or_to_a_wrong_place_is_refused_in_one_line(
     database: Database, postgres_server: PostgresServer, tmp_path: Path, capsys, monkeypatch
 ) -> None:
@@ -204,7 +213,11 @@ def test_postgresql_is_backed_up_and_restored(
     database = Database(postgres_url)
     first = add(database, "a")
     backup = str(tmp_path / "backup.db")
-    assert cli.run(["db", "backup", backup]) == 0
+    with pytest.MonkeyPatch.context() as full:
+        full.setattr(tempfile, "tempdir", "/no/such/folder")
+        assert cli.run(["db", "backup", "/no/such/folder/backup.db"]) == 2
+        assert cli.run(["db", "backup", backup]) == 0
+    assert list(tmp_path.iterdir()) == [tmp_path / "backup.db"]
     second = add(database, "b")
     assert cli.run(["db", "restore", backup, "--lang", "en"]) == 2
     assert "not empty" in capsys.readouterr().err
