@@ -257,7 +257,7 @@ def _token(settings: Settings, courses: Courses, announce: Callable[[str], None]
 
 
 def _announce(token: str) -> None:
-    sys.stderr.write(f"instructor token: {token}\n")
+    sys.stderr.write(f"instructor token / 教师令牌: {token}\n")
     sys.stderr.flush()
 
 
