@@ -6,6 +6,7 @@ PREFIX = """
 import time, threading
 import rclpy
 from rclpy.action import *
+from rclpy.action.client import ClientGoalHandle, GoalStatus
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.callback_groups import ReentrantCallbackGroup
 from example_interfaces.action import Fibonacci

@@ -46,6 +46,11 @@ CASES = {
         "TypeError",
         "Expected QoSProfile or int, but received <class 'str'>",
     ),
+    "message for its class": (
+        "other = node.create_publisher(Twist(), 'a', 10)\nother.publish(msg)",
+        "TypeError",
+        "isinstance() arg 2 must be a type, a tuple of types, or a union",
+    ),
     "negative depth": (
         "node.create_publisher(Twist, 'a', -1)",
         "ValueError",
@@ -107,6 +112,12 @@ def test_topic_and_type_in_the_order_of_ros_1(run_script):
     assert run.exit["type"] == "TypeError"
     assert run.exit["message"].startswith("rclpy_resolve_name(): incompatible function arguments.")
     assert run.exit["message"].endswith(">, <class 'geometry_msgs.msg._twist.Twist'>, False, False")
+
+
+def test_a_subscription_takes_a_message_for_its_class(run_script):
+    source = "node.create_subscription(Twist(), '/turtle1/cmd_vel', print, 10)\npublisher.publish(msg)\n"
+    run = run_script(PREFIX + source + "rclpy.spin_once(node)\n")
+    assert run.stdout.startswith("geometry_msgs.msg.Twist(")
 
 
 def test_forgotten_spin_ends_at_once(run_script):

@@ -19,7 +19,7 @@ _SIGNS: Final = tuple(
         (r"TypeError: (?P<owner>Twist|Vector3)\.__init__\(\) takes 1 positional", "fields_by_position"),
         (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
-        (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
+        (r"TypeError: (rclpy_resolve_name\(\)|isinstance\(\) arg 2 must be a type)", "wrong_order"),
         (r"AttributeError: type object '\w+' has no attribute '_TYPE_SUPPORT'", "wrong_order"),
         (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
         (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
@@ -36,6 +36,7 @@ _SIGNS: Final = tuple(
             r"TypeError: \w+\.\w+\(\) (takes \d+ positional arguments? but|missing \d+ required positional)",
             "wrong_parameters",
         ),
+        (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),
         (
             r"(Attribute|Type)Error: .*['\"](builtin_function_or_method|function|method)['\"]",
             "function_not_called",

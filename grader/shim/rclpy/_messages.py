@@ -39,6 +39,11 @@ def interface_name(cls: type) -> str:
     return f"{package}/{kind}/{cls.__name__}"
 
 
+def class_of(msg_type: Any) -> Any:
+    """Return the class of a message that was given instead of it (`Pose()`), as at home serves as well."""
+    return msg_type if isinstance(msg_type, type) else type(msg_type)
+
+
 def interface_class(full_name: str) -> type:
     """Return the message, service or action class of a full name, importing its module.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rclpy._endpoints import PublisherHandle, SubscriptionHandle
+from rclpy._messages import class_of
 from rclpy._names import expand
 from rclpy._node_destruction import DestructionMixin
 from rclpy._service_endpoints import ClientHandle, ServiceHandle
@@ -136,7 +137,7 @@ class EntityMixin(DestructionMixin):
         group = callback_group or self.default_callback_group
         self._prepare_topic(Publisher, topic, qos_profile, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
-        impl = PublisherHandle(self.handle, msg_type, topic, qos_profile.get_c_qos_profile())
+        impl = PublisherHandle(self.handle, class_of(msg_type), topic, qos_profile.get_c_qos_profile())
         return self._add_publisher(
             publisher_class, impl, (msg_type, topic, qos_profile), event_callbacks, group
         )
@@ -182,6 +183,7 @@ class EntityMixin(DestructionMixin):
         group = callback_group or self.default_callback_group
         self._prepare_topic(Subscription, topic, qos_profile, qos_overriding_options)
         check_is_valid_msg_type(msg_type)
+        msg_type = class_of(msg_type)
         impl = SubscriptionHandle(self.handle, msg_type, topic, qos_profile.get_c_qos_profile())
         try:
             subscription = Subscription(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._messages import STRUCTURES
+from rclpy._messages import STRUCTURES, class_of
 from rclpy.exceptions import NoTypeSupportImportedException
 
 TYPE_CHECKING = False
@@ -29,9 +29,9 @@ def check_for_type_support(msg_or_srv_type: Any) -> None:
 
 
 def check_is_valid_msg_type(msg_type: Any) -> None:
-    """Raise AttributeError or RuntimeError unless the argument is a message class."""
+    """Raise AttributeError or RuntimeError unless the argument is a message class, or a message."""
     check_for_type_support(msg_type)
-    if msg_type not in STRUCTURES:
+    if class_of(msg_type) not in STRUCTURES:
         raise RuntimeError(
             f"The message type provided is not valid ({msg_type}), this might be a service or action"
         )

@@ -100,6 +100,11 @@ def error(kind: str, message: str) -> StudentError:
             ("float(",),
         ),
         (error("TypeError", 'can only concatenate str (not "int") to str'), "text_for_number", ("f-string",)),
+        (
+            error("TypeError", "'NoneType' object does not support the context manager protocol"),
+            "with_init",
+            ("with rclpy.init()", "Humble"),
+        ),
         (error("TypeError", ""), "no_response", ("return response",)),
         (
             error("TypeError", "RcutilsLogger.info() takes 2 positional arguments but 3 were given"),

@@ -8,6 +8,7 @@ from rclpy._actions import ABORTED, CANCELED, SUCCEEDED, ActionClientHandle, new
 from rclpy._client_goals import ClientGoalHandle, PendingRequests
 from rclpy._dispatch import await_or_execute
 from rclpy._interfaces import CancelGoal
+from rclpy._interfaces import GoalStatus as GoalStatus  # courses import it from here
 from rclpy._kernel import kernel
 from rclpy.client import POLL_NS, block_on
 from rclpy.qos import QoSProfile, qos_profile_action_status_default, qos_profile_services_default
