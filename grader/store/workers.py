@@ -41,8 +41,12 @@ class Workers:
             session.execute(delete(WorkerRow).where(col(WorkerRow.id) == worker_id))
 
     def alive(self, silent_s: float) -> tuple[WorkerState, ...]:
-        """Return the workers heard of within the last `silent_s` seconds, oldest first."""
-        heard = col(WorkerRow.seen_at) >= self._clock() - timedelta(seconds=silent_s)
+        """Return the workers heard of within the last `silent_s` seconds, oldest first.
+
+        Not those heard of in the future: the clock was ahead, and who lives will be heard of again.
+        """
+        now, silent = self._clock(), timedelta(seconds=silent_s)
+        heard = col(WorkerRow.seen_at).between(now - silent, now + silent)
         statement = select(WorkerRow).where(heard).order_by(col(WorkerRow.started_at), col(WorkerRow.id))
         with self._database.reading() as session:
             return tuple(

@@ -254,6 +254,10 @@ def test_silent_workers_are_not_alive(database: Database, clock: FakeClock) -> N
     assert workers.alive(10.0) == ()
     workers.report(worker(clock()))
     assert len(workers.alive(10.0)) == 1
+    clock.advance(-3_600)  # which was ahead until now
+    assert workers.alive(10.0) == ()
+    workers.report(worker(clock()))
+    assert len(workers.alive(10.0)) == 1
     workers.leave("host:1")
     assert workers.alive(10.0) == ()
 
