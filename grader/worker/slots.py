@@ -148,7 +148,11 @@ class GradingSlot:
             self._parts.observer.given_up()
         elif state is not None:
             self._parts.observer.retried()
-        level = logging.ERROR if state is SubmissionState.INFRASTRUCTURE_ERROR else logging.WARNING
+        ends = {
+            None: logging.INFO,
+            SubmissionState.INFRASTRUCTURE_ERROR: logging.ERROR,
+        }  # None: it is another's
+        level = ends.get(state, logging.WARNING)
         unexpected = error if not isinstance(error, GraderError) else None
         _log.log(level, "%s, try %d: %s", claim.submission_id, claim.tries, error, exc_info=unexpected)
 
