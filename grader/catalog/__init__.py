@@ -131,7 +131,9 @@ class Catalog:
 
     def _folders(self) -> Iterator[Path]:
         if not self.root.is_dir():
-            raise AssignmentError(f"{self.root} is not a folder of assignments")
+            raise AssignmentError(
+                f"{self.root} is not a folder of assignments", f"{self.root} 不是作业文件夹"
+            )
         return (path.parent for path in sorted(self.root.glob(f"*/{SPEC_NAME}")))
 
     def _named(self, assignment_id: str) -> "Document":

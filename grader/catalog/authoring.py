@@ -6,6 +6,7 @@ from string import Template
 
 from grader.catalog import Catalog
 from grader.contracts.errors import AssignmentError
+from grader.contracts.text import trouble
 
 _SKELETON = Path(__file__).with_name("skeleton")
 _TEMPLATE_SUFFIX = ".txt"  # of scripts, which are no part of the grader's own source
@@ -19,10 +20,16 @@ def create(catalog: Catalog, name: str) -> Path:
         AssignmentError: the name does not do or is taken, or the folder cannot be written.
     """
     if not _NAME.fullmatch(name):
-        raise AssignmentError(f"{name!r}: use small letters, digits and _, beginning with a letter")
+        raise AssignmentError(
+            f"{name!r}: use small letters, digits and _, beginning with a letter",
+            f"{name!r}：用小写英文字母、数字和 _，以字母开头",
+        )
     folder = catalog.root / name
     if folder.exists():
-        raise AssignmentError(f"{folder} exists already; choose another name or edit it")
+        raise AssignmentError(
+            f"{folder} exists already; choose another name or edit it",
+            f"已经有 {folder}：换一个名字，或者直接改它",
+        )
     order = max((assignment.order for assignment in catalog.all()), default=0) + 1
     try:
         for source in sorted(path for path in _SKELETON.rglob("*") if path.is_file()):
@@ -33,5 +40,6 @@ def create(catalog: Catalog, name: str) -> Path:
                 text = Template(text).substitute(id=name, order=order)
             target.write_text(text, encoding="utf-8")
     except OSError as error:
-        raise AssignmentError(f"{folder}: cannot be written: {error.strerror}") from error
+        told = trouble(error)
+        raise AssignmentError(f"{folder}: {told.en}", f"{folder}：{told.zh}") from error
     return folder

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from grader.catalog import Catalog
 from grader.contracts.errors import AssignmentError
-from grader.contracts.numerals import written
 from grader.contracts.text import LANGUAGES
 from grader.render.terminal import console
 
@@ -56,20 +55,9 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:
-    from rich.table import Table
+    from grader.render.rubric import render_list
 
-    table = Table(box=None)
-    for heading in ("", "id", "", "", ""):
-        table.add_column(heading)
-    for assignment in catalog.all():
-        table.add_row(
-            str(assignment.order),
-            assignment.id,
-            assignment.title.get(arguments.lang),
-            written(assignment.max_score),
-            assignment.brief.get(arguments.lang),
-        )
-    console().print(table)
+    console().print(render_list(catalog.all(), language=arguments.lang))
     return 0
 
 

@@ -1,6 +1,6 @@
-"""The rubric as a student reads it before submitting: `grader assignments show`."""
+"""What a student reads before submitting: `grader assignments list` and `show`."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from rich import box
 from rich.console import Group, RenderableType
@@ -22,6 +22,19 @@ _WANTED_COLUMNS = 24
 def render_rubric(assignment: Assignment, rubric: PublishedRubric, *, language: Language) -> RenderableType:
     """Return title, task, one row for each rubric item, and how the motion is looked at."""
     return Group(*_parts(assignment, rubric, language))
+
+
+def render_list(assignments: Sequence[Assignment], *, language: Language) -> RenderableType:
+    """Return one row for each assignment: id, title with the task, points."""
+    table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False)
+    table.add_column("id", no_wrap=True)
+    table.add_column(word("assignment", language), ratio=1)
+    table.add_column(word("points", language), justify="right", no_wrap=True)
+    for one in assignments:
+        title = Prose(visible_line(one.title.get(language)), style="bold")
+        title.append(f"\n{visible(one.brief.get(language)).strip()}", style="not bold dim")
+        table.add_row(one.id, title, quantity.score(one.max_score))
+    return table
 
 
 def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) -> Iterator[RenderableType]:
