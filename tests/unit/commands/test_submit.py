@@ -8,6 +8,7 @@ from datetime import timedelta
 from pathlib import Path
 
 import pytest
+from fastapi import FastAPI
 
 from grader import cli
 from grader.contracts.grading import GradingJob
@@ -42,6 +43,7 @@ def services(database_url: str) -> Iterator[Services]:
 @pytest.fixture
 def submit(
     services: Services,
+    running: tuple[FastAPI, str],
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
@@ -50,18 +52,18 @@ def submit(
     stop = threading.Event()
     worker = threading.Thread(target=work, args=(services, stop))
     worker.start()
+    app, address = running
+    app.state.services = services
 
-    with server.serving(server.application(services)) as client:
+    def run(source: str, *arguments: str, name: str = "square_mover.py") -> tuple[int, str, str]:
+        path = tmp_path / name
+        path.write_text(source)
+        status = cli.run(["submit", str(path), "--server", address, *arguments])
+        return (status, *capsys.readouterr())
 
-        def run(source: str, *arguments: str, name: str = "square_mover.py") -> tuple[int, str, str]:
-            path = tmp_path / name
-            path.write_text(source)
-            status = cli.run(["submit", str(path), "--server", str(client.base_url), *arguments])
-            return (status, *capsys.readouterr())
-
-        yield run
-        stop.set()
-        worker.join()
+    yield run
+    stop.set()
+    worker.join()
 
 
 def test_full_marks(submit) -> None:

@@ -1,5 +1,6 @@
+import shutil
 from collections.abc import Callable, Iterator
-from datetime import timedelta
+from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 from typing import Any
@@ -9,11 +10,11 @@ import pytest
 from fastapi import FastAPI
 
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.identity import Role, RosterEntry
 from grader.routes.services import Services
 from grader.settings import Settings
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
+from tests.fakes.courses import PreparedCourses
 from tests.fakes.essays import ANSWER, grade_essay, question
 from tests.fakes.grading import grade
 from tests.fakes.server import FakePlotter
@@ -29,36 +30,25 @@ def plotter() -> FakePlotter:
     return FakePlotter()
 
 
-def _services(url: str, clock: FakeClock, plotter: FakePlotter) -> Services:
-    settings = Settings(database_url=url, max_upload_bytes=2048, max_open_submissions=3)
-    return server.services(settings, clock, plotter)
-
-
 @pytest.fixture
 def services(database_url: str, clock: FakeClock, plotter: FakePlotter) -> Iterator[Services]:
-    made = _services(database_url, clock, plotter)
+    settings = Settings(database_url=database_url, max_upload_bytes=2048, max_open_submissions=3)
+    made = server.services(settings, clock, plotter)
     yield made
     made.plots.close()
     made.submissions._database.close()
 
 
 @pytest.fixture(scope="session")
-def running(migrated_file: Path) -> Iterator[tuple[FastAPI, httpx.Client]]:
-    """One server for all tests; each test puts its own services in."""
-    made = _services(f"sqlite:///{migrated_file}", FakeClock(), FakePlotter())
-    app = server.application(made)
-    with server.serving(app) as client:
-        client.get("/healthz")
-        yield app, client
-    made.plots.close()
-    made.submissions._database.close()
+def connected(running: tuple[FastAPI, str]) -> Iterator[httpx.Client]:
+    with httpx.Client(base_url=running[1], timeout=30.0, trust_env=False, verify=False) as client:
+        yield client
 
 
 @pytest.fixture
-def client(running: tuple[FastAPI, httpx.Client], services: Services) -> httpx.Client:
-    app, made = running
-    app.state.services = services
-    return made
+def client(running: tuple[FastAPI, str], connected: httpx.Client, services: Services) -> httpx.Client:
+    running[0].state.services = services
+    return connected
 
 
 @pytest.fixture
@@ -103,21 +93,21 @@ def graded(upload: Callable[..., httpx.Response], services: Services) -> Callabl
     return run
 
 
-class School:
+@pytest.fixture(scope="session")
+def courses(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> PreparedCourses:
     """A course with people and their tokens, beside another course."""
+    path = shutil.copy(migrated_file, tmp_path_factory.mktemp("courses") / "grader.db")
+    ros = {"li": "student", "han": "student", "ta": "assistant", "wang": "instructor"}
+    return PreparedCourses(
+        f"sqlite:///{path}", {"ros": ros, "other": {"li2": "student", "zhao": "instructor"}}
+    )
 
-    def __init__(self, services: Services) -> None:
-        self.services = services
-        self.tokens: dict[str, str] = {}
-        self._open("ros", {"li": "student", "han": "student", "ta": "assistant", "wang": "instructor"})
-        self._open("other", {"li2": "student", "zhao": "instructor"})
 
-    def _open(self, course: str, people: dict[str, str]) -> None:
-        self.services.courses.create(course, course, "Asia/Shanghai", "test")
-        entries = [RosterEntry(id=one, name=one, role=Role(role)) for one, role in people.items()]
-        self.services.courses.import_roster(course, entries, "test")
-        for one in people:
-            _, self.tokens[one] = self.services.tokens.issue(course, one, timedelta(days=1), "test")
+@dataclass(frozen=True)
+class School:
+    """The courses, and who may ask there."""
+
+    tokens: dict[str, str]
 
     def as_(self, person: str) -> dict[str, str]:
         """Return the headers that `person` sends."""
@@ -125,8 +115,9 @@ class School:
 
 
 @pytest.fixture
-def school(services: Services, client: httpx.Client) -> School:
-    return School(services)
+def school(services: Services, client: httpx.Client, courses: PreparedCourses) -> School:
+    courses.put_into(services.submissions._database)
+    return School(dict(courses.tokens))
 
 
 def work(services: Services, grade: Callable[[GradingJob], GradingResult]) -> int:

@@ -137,7 +137,7 @@ def test_who_may_see_the_measurements(client: httpx.Client, school: Any) -> None
 
 
 def test_a_scraper_has_a_token_of_its_own(
-    running: tuple[FastAPI, httpx.Client], client: httpx.Client, services: Services
+    running: tuple[FastAPI, str], client: httpx.Client, services: Services
 ) -> None:
     own = SecretStr("the-scraper-has-this-one")
     settings = services.settings.model_copy(update={"metrics_token": own})

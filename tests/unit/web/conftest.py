@@ -1,7 +1,7 @@
 import re
+import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from datetime import timedelta
 from pathlib import Path
 
 import httpx
@@ -11,12 +11,12 @@ from fastapi import FastAPI
 from grader.catalog import Catalog
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.grading import AssignmentSource, GradingJob, GradingResult
-from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission
 from grader.routes.services import Services
 from grader.settings import Settings
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
+from tests.fakes.courses import PreparedCourses
 from tests.fakes.grading import grade
 
 PAGE = {"Accept": "text/html,application/xhtml+xml"}
@@ -67,32 +67,13 @@ def shipped() -> AssignmentSource:
     return Shipped()
 
 
-def _services(url: str, shipped: AssignmentSource) -> Services:
-    settings = Settings(database_url=url, max_upload_bytes=4096)
-    return replace(server.services(settings, FakeClock()), assignments=shipped)
-
-
-def _close(services: Services) -> None:
-    services.plots.close()
-    services.submissions._database.close()
-
-
 @pytest.fixture
 def services(database_url: str, shipped: AssignmentSource) -> Iterator[Services]:
-    made = _services(database_url, shipped)
+    settings = Settings(database_url=database_url, max_upload_bytes=4096)
+    made = replace(server.services(settings, FakeClock()), assignments=shipped)
     yield made
-    _close(made)
-
-
-@pytest.fixture(scope="session")
-def running(migrated_file: Path, shipped: AssignmentSource) -> Iterator[tuple[FastAPI, str]]:
-    """One server for all tests; each test puts its own services in."""
-    made = _services(f"sqlite:///{migrated_file}", shipped)
-    app = server.application(made)
-    with server.serving(app) as client:
-        client.get("/healthz")
-        yield app, str(client.base_url)
-    _close(made)
+    made.plots.close()
+    made.submissions._database.close()
 
 
 @pytest.fixture
@@ -160,11 +141,15 @@ def grade_waiting(services: Services) -> Callable[..., None]:
     return grade_all
 
 
+@pytest.fixture(scope="session")
+def courses(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> PreparedCourses:
+    path = shutil.copy(migrated_file, tmp_path_factory.mktemp("courses") / "grader.db")
+    people = {"li": "student", "han": "student", "ta": "assistant", "wang": "instructor"}
+    return PreparedCourses(f"sqlite:///{path}", {"ros": people})
+
+
 @pytest.fixture
-def tokens(services: Services) -> dict[str, str]:
+def tokens(services: Services, courses: PreparedCourses) -> dict[str, str]:
     """Open a course; return its people's tokens."""
-    people = {"li": Role.STUDENT, "han": Role.STUDENT, "ta": Role.ASSISTANT, "wang": Role.INSTRUCTOR}
-    services.courses.create("ros", "ROS", "Asia/Shanghai", "test")
-    entries = [RosterEntry(id=one, name=one, role=role) for one, role in people.items()]
-    services.courses.import_roster("ros", entries, "test")
-    return {one: services.tokens.issue("ros", one, timedelta(days=1), "test")[1] for one in people}
+    courses.put_into(services.submissions._database)
+    return dict(courses.tokens)
