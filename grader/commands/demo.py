@@ -70,7 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
         wanted = {"lang": arguments.lang}
         dashboard = client.get("/api/v1/dashboard", params=wanted).raise_for_status().json()
     output.print(render_dashboard(dashboard, language=arguments.lang))
-    output.print(word("demo_kept", arguments.lang, plots=plots, data=arguments.output), soft_wrap=True)
+    output.print(word("demo_plots", arguments.lang, plots=plots), soft_wrap=True)
+    output.print(word("demo_pages", arguments.lang, data=arguments.output), soft_wrap=True)
     return 0
 
 
