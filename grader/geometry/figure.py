@@ -250,7 +250,7 @@ def _figure(
 
 def _bent_m(run: Run) -> float:
     """Return how much of a side counts as driven while turning: the more it bends, from a corner's least on."""
-    return run.length_m * min(max(abs(run.bend_rad) / MIN_TURN_RAD - 1.0, 0.0), 1.0)
+    return run.length_m * min(max(run.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
 
 
 def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:

@@ -14,7 +14,8 @@ import numpy as np
 from grader.contracts.record import positional_record
 from grader.geometry.path import Floats, Path
 
-HEADING_TOLERANCE_RAD = math.radians(10.0)  # wobble of a steering loop that still counts as straight
+HEADING_TOLERANCE_RAD = math.radians(10.0)
+WOBBLE_RAD = math.radians(12.0)  # of a steering loop that still counts as straight, to either side
 DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent
 MIN_TURN_RAD = math.radians(15.0)  # below this, or in an arc wider than the path, a run is bent, not a corner
 MIN_RUN_SHARE = 0.06  # of the extent: shorter straight bits inside a corner belong to it
@@ -29,7 +30,7 @@ class Run:
 
     Attributes:
         direction_rad: mean continuous direction of travel over its middle part.
-        bend_rad: by how much that direction changes from its start to its end, wobble aside.
+        bend_rad: by how much that direction changes from its start to its end, wobble aside (not negative).
         length_m: distance travelled.
     """
 
@@ -81,7 +82,7 @@ def segment(path: Path) -> Segments:
     corners = _simplify(
         path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
     )
-    pieces = _classify(path, corners, extent_m)
+    pieces = _classify(path, _without_wobble(path, corners), extent_m)
     return _assemble(path, _join(path, pieces))
 
 
@@ -103,6 +104,24 @@ def _simplify(across: Floats, up: Floats) -> list[int]:
             kept.add(middle)
             stack += [(first, middle), (middle, last)]
     return sorted(kept)
+
+
+def _without_wobble(path: Path, corners: list[int]) -> list[int]:
+    """Drop the vertices between swings to and fro that are no wider than wobble."""
+    kept: list[int] = []
+    for corner in corners:
+        kept.append(corner)
+        while len(kept) > 2 and _swings(path, *kept[-3:]):
+            del kept[-2]
+    return kept
+
+
+def _swings(path: Path, first: int, middle: int, last: int) -> bool:
+    """Whether the direction swings out at `middle` and about back, not further than wobble does."""
+    there_rad = float(path.travel_rad[middle] - path.travel_rad[first])
+    back_rad = float(path.travel_rad[last] - path.travel_rad[middle])
+    wide = max(abs(there_rad), abs(back_rad)) > 2.0 * WOBBLE_RAD
+    return there_rad * back_rad < 0.0 and abs(there_rad + back_rad) <= MIN_TURN_RAD and not wide
 
 
 def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
@@ -147,8 +166,8 @@ def _line(path: Path, piece: _Piece) -> tuple[float, float]:
     direction = float(np.dot(steps, middle) / np.sum(steps))
     ahead = ahead - float(np.dot(steps, ahead) / np.sum(steps))
     spread = float(np.dot(steps, ahead * ahead))
-    bend = length * float(np.dot(steps, ahead * (middle - direction))) / spread if spread > 0.0 else 0.0
-    return direction, bend
+    slope = float(np.dot(steps, ahead * (middle - direction))) / spread if spread > 0.0 else 0.0
+    return direction, min(length * abs(slope), abs(float(travel[-1] - travel[0])))
 
 
 def _assemble(path: Path, pieces: list[_Piece]) -> Segments:

@@ -88,3 +88,31 @@ def test_figures_up_to_twelve_sides(sides: int) -> None:
     assert figure.gap_m < 0.01
     assert not figure.repeated
     assert not figure.overrun
+
+
+@pytest.mark.parametrize("swing_deg", [4, 7, 10])
+@pytest.mark.parametrize("waves", [1, 2, 4])
+@pytest.mark.parametrize("sides", [3, 4, 6])
+def test_steering_that_weaves_along_is_straight(sides: int, waves: int, swing_deg: int) -> None:
+    """As steering by the sign of the error does: to and fro about the wanted direction."""
+    swing, quarter = math.radians(swing_deg), 1.5 / waves / 4
+    wave = [(quarter, 1.0, sign * swing / quarter) for sign in (1.0, -1.0, -1.0, 1.0)]
+    path = path_of([*wave * waves, (math.tau / sides, 0.0, 1.0)] * sides)
+    figure = measure_polygon(path, segment(path), sides=sides, cut_short=False)
+    assert figure is not None
+    assert len(figure.sides_m) == sides
+    assert figure.curved_share < 0.25
+
+
+def test_corners_to_and_fro_are_no_wobble() -> None:
+    left, right = (math.radians(30), 0.0, 1.0), (math.radians(30), 0.0, -1.0)
+    segments = segment(path_of([*[(1.0, 1.0, 0.0), left, (1.0, 1.0, 0.0), right] * 2, (1.0, 1.0, 0.0)]))
+    assert len(segments.runs) == 5
+
+
+def test_a_side_that_bends_is_a_run_unless_its_arc_is_narrower_than_the_path() -> None:
+    gentle = segment(path_of([(2.0, 1.0, 0.2), (math.pi / 2, 0.0, 1.0), (2.0, 1.0, 0.2)]))
+    assert [round(math.degrees(run.bend_rad)) for run in gentle.runs] == [23, 23]
+    narrow = segment(path_of([(2.0, 1.0, 0.0), (1.0, 1.0, 1.0), (2.0, 1.0, 0.0)]))
+    assert len(narrow.runs) == 2
+    assert all(run.bend_rad < 0.05 for run in narrow.runs)
