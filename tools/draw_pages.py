@@ -30,28 +30,29 @@ def main() -> None:
     """Draw the pages named on the command line, or all."""
     OUT.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder, school(Path(folder)) as opened:
-        pages = dict(_pages(opened))
+        pages = {name: (person, address) for name, person, address in _pages(opened)}
         programs = (shutil.which("chromium") or "chromium", shutil.which("chromedriver") or "chromedriver")
         with chromium(programs, Path(folder) / "profile", opened.address) as browser:
             browser.command("Emulation.setScrollbarsHidden", hidden=True)
-            browser.enter("token", opened.tokens["wang"])
             for page in sys.argv[1:] or pages:
+                person, address = pages[page]
+                browser.enter("token", opened.tokens[person])
                 for device in DEVICES:
                     for language in ("zh", "en"):
-                        _draw(browser, pages[page], device, language, f"web-{page}-{device}-{language}.png")
+                        _draw(browser, address, device, language, f"web-{page}-{device}-{language}.png")
 
 
-def _pages(opened: School) -> Iterator[tuple[str, str]]:
-    """Yield every page's name and address."""
+def _pages(opened: School) -> Iterator[tuple[str, str, str]]:
+    """Yield every page's name, who looks at it, and its address."""
     submissions = opened.services.submissions
     first = submissions.of_student("20260101", SQUARE, COURSE)[-1].id
     answer = submissions.of_student("20260101", ESSAY, COURSE)[0].id
-    yield "result", f"/submissions/{first}"
-    yield "class", "/class"
-    yield "gradebook", "/class/gradebook"
-    yield "rules", f"/class/rules/{SQUARE}"
-    yield "points", f"/class/judgements/{answer}?item=timer"
-    yield "regrade", f"/class/regrades/{_trial(opened).id}"
+    yield "result", "20260101", f"/submissions/{first}"
+    yield "class", "wang", "/class"
+    yield "gradebook", "wang", "/class/gradebook"
+    yield "rules", "wang", f"/class/rules/{SQUARE}"
+    yield "points", "wang", f"/class/judgements/{answer}?item=timer"
+    yield "regrade", "wang", f"/class/regrades/{_trial(opened).id}"
 
 
 def _trial(opened: School) -> Regrade:
