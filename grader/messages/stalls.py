@@ -18,6 +18,8 @@ _REASONS = {
     re.compile(r"the end of the program waits for the other threads"): "threads",
     re.compile(r"(?P<call>\S+) waits for ever"): "call",
 }
+_MAIN = "main thread"
+_MAIN_THREAD = Text(zh="主线程", en=_MAIN)
 _SEPARATOR = Text(zh="；", en="; ")
 
 
@@ -31,9 +33,10 @@ def _clause(text: str) -> Text:
     if match is None:
         return Text(zh=text, en=text)
     reason = _reason(match["reason"])
+    thread = _MAIN_THREAD if match["thread"] == _MAIN else match["thread"]
     if match["line"] is None:
-        return say("stall.thread", thread=match["thread"], reason=reason)
-    return say("stall.place", thread=match["thread"], line=match["line"], reason=reason)
+        return say("stall.thread", thread=thread, reason=reason)
+    return say("stall.place", thread=thread, line=match["line"], reason=reason)
 
 
 def _reason(text: str) -> Text:

@@ -93,6 +93,10 @@ EXPECTED = {
     "log_file_asctime": Expectation(
         plan=drive(0.0, *[(1.0, 1.0, 0.0), (1.0, 0.0, 1.5708)] * 4), stdout="8 INFO v=1.0 w=0.00\n"
     ),
+    # Saved by Windows' editor: a byte order mark, and lines that end in CR LF.
+    "log_beside_the_script": Expectation(
+        plan=drive(0.0, (2.0, 1.0, 0.0), (pi / 2, 0.0, 1.0), (1.0, 1.0, 0.0)), stdout="2 处\n"
+    ),
     "clear_screen_menu": Expectation(
         plan=(Leg(0.0, 2.5, 0.8),),
         stdout="\x1b[32m海龟直行\x1b[0m\n" + "".join(f"\r进度 {n}/10" for n in range(1, 11)) + "\n",

@@ -29,6 +29,10 @@ EXPECTED = {
     "pose_until_x": Expectation(
         plan=(Leg(0.016, 8.0 - X0, 1.0),), status=INTERRUPTED, horizon_s=5.0, says=("到达 x=8.0",)
     ),
+    # At 0.5 rad/s every 0.1 s, -pi/2 is first seen at the tick of 3.3 s.
+    "pose_object_as_type": Expectation(
+        plan=(Leg(0.1, 3.2, 0.0, -0.5),), status=INTERRUPTED, horizon_s=6.0, says=("右转完成",)
+    ),
     "pose_until_heading": Expectation(
         plan=(Leg(0.02, pi / 2 / 0.5, 0.0, 0.5),), says=("90 degrees",), exit_code=0
     ),

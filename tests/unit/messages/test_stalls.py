@@ -13,7 +13,7 @@ RATE = "rate.sleep() waits for a timer of its node, but nothing spins that node 
 @pytest.mark.parametrize(
     ("detail", "chinese"),
     [
-        (f"MainThread, line 12: {RATE}", "MainThread 第 12 行：rate.sleep() 在等"),
+        (f"main thread, line 12: {RATE}", "主线程 第 12 行：rate.sleep() 在等"),
         (f"T, line 3: Client.call() {ANSWER}",
          "Client.call() 在等服务的回应"),
         ("MainThread, line 5: spin_once() waits for a timer, a message or a request, but nothing of that can come",
