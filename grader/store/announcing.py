@@ -12,6 +12,7 @@ from typing import Protocol
 
 from sqlmodel import Session
 
+from grader.contracts.submission import Claim
 from grader.store.tables import SubmissionRow
 
 
@@ -44,8 +45,11 @@ class Announcer(Protocol):
         """
         ...
 
-    def claimed(self, session: Session, now: datetime) -> None:
-        """Take one announcement away: this transaction claimed a row that nobody was told of."""
+    def claimed(self, session: Session, claim: Claim) -> None:
+        """Take the announcement of a row away that this transaction claimed without having been told of one.
+
+        May be sent `together`.
+        """
         ...
 
     def mend(self, session: Session, now: datetime) -> int:
@@ -63,7 +67,7 @@ class Unannounced:
     def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
         """Do nothing."""
 
-    def claimed(self, session: Session, now: datetime) -> None:
+    def claimed(self, session: Session, claim: Claim) -> None:
         """Do nothing."""
 
     def mend(self, session: Session, now: datetime) -> int:

@@ -6,9 +6,10 @@ reads afterwards is what the transaction before it left, and no two can wait for
 """
 
 import hashlib
+from functools import cache
 from typing import Any
 
-from sqlalchemy import Connection, bindparam, func, select
+from sqlalchemy import Connection, Insert, bindparam, func, select
 from sqlalchemy.dialects import postgresql, sqlite
 from sqlmodel import Session, SQLModel
 
@@ -34,5 +35,10 @@ def one_at_a_time(transaction: Session | Connection, *what: str | None) -> None:
 def add_once(session: Session, table: type[SQLModel], **values: Any) -> None:
     """Add a row unless one of its primary key is there, or is being added by another transaction."""
     connection = session.connection()
-    insert = sqlite.insert if connection.dialect.name == "sqlite" else postgresql.insert
-    connection.execute(insert(table_of(table)).on_conflict_do_nothing(), values)
+    connection.execute(_unless_there(table, connection.dialect.name), values)
+
+
+@cache
+def _unless_there(table: type[SQLModel], dialect: str) -> Insert:
+    insert = sqlite.insert if dialect == "sqlite" else postgresql.insert
+    return insert(table_of(table)).on_conflict_do_nothing()

@@ -254,7 +254,7 @@ class Queue:
         graded = None if assignment is None else self._remembered.values(assignment)
         grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
         details = detail_values(grading, result)
-        with self._database.writing() as session:
+        with self._database.writing(quick=True) as session:
             connection = session.connection()
             current = claim_rows.change(connection, claim, _outcome(claim, result, grading))
             stored = current or claim_rows.stored_already(connection, grading)
@@ -268,7 +268,7 @@ class Queue:
                 if current:
                     insert_grading(connection, grading, details)
                 if taken is not None:
-                    self._database.announcer.claimed(session, now)
+                    self._database.announcer.claimed(session, taken)
         return stored, known or taken
 
     def _take(self, connection: Connection, worker: str) -> Claim | None:

@@ -40,6 +40,17 @@ def test_who_goes_on_without_a_permit_uses_one_up(permits: PostgresEngine) -> No
     assert claim is None
 
 
+def test_who_goes_on_with_a_row_takes_its_permit_from_nobody_else(permits: PostgresEngine) -> None:
+    permits.upload("a")
+    claim = permits.taken()
+    waits, first = permits.upload("b"), permits.upload("c")
+    permits.change(f"UPDATE submission SET priority = -1 WHERE id = '{first}'")
+    _, following = permits.finish_and_claim(claim)
+    assert following is not None
+    assert following.submission_id == first
+    assert permits.jobs(f"queueing_lock = 'sub-{waits}-0'") == permits.jobs("status = 'todo'") == 1
+
+
 def test_going_on_waits_for_nobody_who_takes_a_permit_at_this_moment(permits: PostgresEngine) -> None:
     permits.upload("a")
     claim = permits.taken()

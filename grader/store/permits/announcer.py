@@ -6,10 +6,10 @@ from datetime import datetime, timedelta
 from sqlalchemy import ColumnElement, exists, func, select, text
 from sqlmodel import Session, col
 
-from grader.contracts.submission import SubmissionState
+from grader.contracts.submission import Claim, SubmissionState
 from grader.store.announcing import Waiting
 from grader.store.claim_rows import WAITING, waiting
-from grader.store.permits.jobs import JOBS, QUEUE, defer, lock_of_row
+from grader.store.permits.jobs import JOBS, QUEUE, defer, lock_of, lock_of_row
 from grader.store.tables import SubmissionRow
 
 _LATE_S = 5.0  # a row due for so long should have met a permit, if permits are not scarce
@@ -35,9 +35,8 @@ _PERMITS = text(
 )
 
 _USE_UP = text(
-    "DELETE FROM procrastinate_jobs WHERE id = (SELECT id FROM procrastinate_jobs WHERE queue_name = :queue"
-    " AND status = 'todo' AND (scheduled_at IS NULL OR scheduled_at <= :now)"
-    " ORDER BY priority DESC, id LIMIT 1 FOR UPDATE SKIP LOCKED)"
+    "DELETE FROM procrastinate_jobs WHERE id = (SELECT id FROM procrastinate_jobs"
+    " WHERE queueing_lock = :lock AND status = 'todo' FOR UPDATE SKIP LOCKED)"
 )
 
 
@@ -48,9 +47,12 @@ class PermitAnnouncer:
         """Defer a permit for each row."""
         defer(session, waiting, now)
 
-    def claimed(self, session: Session, now: datetime) -> None:
-        """Use up the permit that would be taken next, if there is one that nobody is taking at this moment."""
-        session.execute(_USE_UP, {"queue": QUEUE, "now": now})
+    def claimed(self, session: Session, claim: Claim) -> None:
+        """Use up the row's own permit, unless somebody took it already, or is doing so at this moment.
+
+        Who took it found another row, or nothing to do. So there are never fewer permits than rows that wait.
+        """
+        session.connection().execute(_USE_UP, {"lock": lock_of(claim.submission_id, claim.attempt - 1)})
 
     def mend(self, session: Session, now: datetime) -> int:
         """Sweep, unless another worker does so at this moment.

@@ -4,6 +4,7 @@ import asyncio
 import logging
 import threading
 from collections.abc import Callable
+from concurrent.futures import Future
 from typing import Any
 
 import psycopg
@@ -21,7 +22,8 @@ from grader.store.work import attempted
 _log = logging.getLogger(__name__)
 _HEARTBEAT_S = 2.0
 _STALLED_S = 10.0
-_LOOK_S = 0.1  # how often to ask whether to take permits
+_LOOK_S = 0.1  # how often to ask whether permits may be taken
+_LOOK_AGAIN_S = 1.0  # how often to ask whether they still may: what came meanwhile was given back
 _PAUSES_S = (0.2, 0.5, 1.0, 2.0)  # before each next try to reach the database
 _CONNECT_S = 5
 _END_S = 10.0
@@ -48,7 +50,7 @@ class PermitLoop:
         self._clock = clock
         self._poll_s = poll_s
         self._exchange = Exchange()
-        self._stopping = threading.Event()
+        self._stopping: Future[None] = Future()
         self._thread: threading.Thread | None = None
 
     def start(self, slots: int, ready: Callable[[], bool]) -> None:
@@ -66,7 +68,8 @@ class PermitLoop:
 
     def drain(self) -> None:
         """Take no more permits; what slots grade goes on."""
-        self._stopping.set()
+        if not self._stopping.done():
+            self._stopping.set_result(None)
         self._exchange.close()
 
     def close(self) -> None:
@@ -76,7 +79,7 @@ class PermitLoop:
 
     async def _take_permits(self, slots: int, ready: Callable[[], bool]) -> None:
         failures = 0
-        while not self._stopping.is_set():
+        while not self._stopping.done():
             if not ready():
                 await asyncio.sleep(_LOOK_S)
                 continue
@@ -113,8 +116,9 @@ class PermitLoop:
                     install_signal_handlers=False,
                 )
             )
-            while not worker.done() and ready() and not self._stopping.is_set():
-                await asyncio.wait([worker], timeout=_LOOK_S)
+            ends = [worker, asyncio.wrap_future(self._stopping)]
+            while ready() and not any(one.done() for one in ends):
+                await asyncio.wait(ends, timeout=_LOOK_AGAIN_S, return_when=asyncio.FIRST_COMPLETED)
             worker.cancel()  # which lets the jobs under way end first
             await asyncio.wait([worker])
             if not worker.cancelled() and (error := worker.exception()) is not None:
