@@ -43,7 +43,10 @@ COMMANDS: dict[str, list[list[str]]] = {
 def main() -> int:
     """Run the command named on the command line; return its exit code."""
     if sys.version_info < (3, 11):
-        return _fail(f"Python 3.11 or later is needed; this is {sys.version.split()[0]}.")
+        return _fail(
+            f"Python 3.11 or later is needed; this is {sys.version.split()[0]}. On Ubuntu 22.04: sudo apt install "
+            "python3.11 python3.11-venv, then make demo PYTHON=python3.11"
+        )
     name = sys.argv[1] if len(sys.argv) > 1 else ""
     if name not in COMMANDS:
         return _fail(f"Say one of: {', '.join(COMMANDS)}.")
