@@ -15,10 +15,10 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.submission import QueueState, SubmissionState
 from grader.contracts.text import Language
 from grader.routes.health import QueueView, WorkerView
+from grader.routes.submission_views import SUBMISSIONS
 
 _BINS = 10
-_PATH = "/api/v1/submissions/"
-_STUCK_ATTEMPTS = 3
+STUCK_ATTEMPTS = 3
 
 
 class CellView(BaseModel):
@@ -38,6 +38,11 @@ class CellView(BaseModel):
     )
     counted_submission: str | None = Field(description="Address of that attempt.")
     latest_submission: str
+
+    @property
+    def stuck(self) -> bool:
+        """Whether the student tried often and has not passed."""
+        return not self.passed and not self.waits_for_person and self.attempts >= STUCK_ATTEMPTS
 
 
 class StudentView(BaseModel):
@@ -201,7 +206,7 @@ def _at_risk(students: Mapping[str, Mapping[str, CellView]], roster: Sequence[st
         RiskView(student=student, reason="stuck", assignment=assignment, attempts=cell.attempts)
         for student, cells in students.items()
         for assignment, cell in cells.items()
-        if not cell.passed and not cell.waits_for_person and cell.attempts >= _STUCK_ATTEMPTS
+        if cell.stuck
     ]
     return idle + stuck
 
@@ -240,12 +245,12 @@ def _cell(progress: Progress, pass_fraction: float) -> CellView:
         best_submission=_address(progress.best_submission),
         counted_score=progress.counted_score,
         counted_submission=_address(progress.counted_submission),
-        latest_submission=_PATH + progress.latest_submission,
+        latest_submission=SUBMISSIONS + progress.latest_submission,
     )
 
 
 def _address(submission: str | None) -> str | None:
-    return None if submission is None else _PATH + submission
+    return None if submission is None else SUBMISSIONS + submission
 
 
 def _passed(progress: Progress, pass_fraction: float) -> bool:

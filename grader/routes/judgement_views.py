@@ -13,9 +13,8 @@ from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Language
 from grader.routes.numbers import Number
+from grader.routes.submission_views import SUBMISSIONS
 from grader.store.judgements import Waiting, tag
-
-_PATH = "/api/v1/submissions/"
 
 
 class JudgementBody(BaseModel):
@@ -119,7 +118,7 @@ def manual_items(
     submission: Submission, stored: StoredReport, machine: GradeReport, language: Language
 ) -> ManualItemsView:
     """Return what people judge of a submission; `machine` is its report without their points."""
-    own = _PATH + submission.id
+    own = SUBMISSIONS + submission.id
     return ManualItemsView(
         submission=own,
         source=f"{own}/source",
@@ -159,9 +158,9 @@ def waiting_list(
         ],
         waiting=[
             WaitingView(
-                submission=_PATH + one.submission,
-                source=f"{_PATH}{one.submission}/source",
-                judgement=f"{_PATH}{one.submission}/judgements/{one.item}",
+                submission=SUBMISSIONS + one.submission,
+                source=f"{SUBMISSIONS}{one.submission}/source",
+                judgement=f"{SUBMISSIONS}{one.submission}/judgements/{one.item}",
                 student=None if anonymous else one.student,
                 assignment=one.assignment,
                 item=one.item,

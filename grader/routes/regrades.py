@@ -14,13 +14,13 @@ from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError, responses
 from grader.routes.published import require_published
 from grader.routes.services import Services, ServicesDep
+from grader.routes.submission_views import SUBMISSIONS
 from grader.routes.submissions import SIGHT, SubmissionId
 from grader.store.audit import Signature
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
 history = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
 RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]
-_PATH = "/api/v1/submissions/"
 _MOST = 100_000
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
 _CODES = {
@@ -256,7 +256,7 @@ def _summary(regrade: Regrade) -> RegradeSummary:
 def _change(change: ScoreChange) -> ScoreChangeView:
     items = [ItemChangeView(item=one.item, before=one.before, after=one.after) for one in change.items]
     return ScoreChangeView(
-        submission=_PATH + change.submission,
+        submission=SUBMISSIONS + change.submission,
         student=change.student,
         before=change.before,
         after=change.after,

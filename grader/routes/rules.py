@@ -26,6 +26,7 @@ from grader.routes.rule_views import (
     policy_from,
 )
 from grader.routes.services import Services, ServicesDep
+from grader.routes.submission_views import SUBMISSIONS
 from grader.store.audit import Signature
 from grader.store.policies import ANY_STATE, Rules, tag
 
@@ -33,7 +34,6 @@ router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
 AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
 _KNOWN = (*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request")
 _CHANGING = ("forbidden", "malformed_body", "too_large", "no_course", "changed_meanwhile")
-_PATH = "/api/v1/submissions/"
 _ETAG = {
     "ETag": {"description": "Of the rules; for assistants and instructors.", "schema": {"type": "string"}}
 }
@@ -161,6 +161,6 @@ def _standing(services: Services, caller: Caller, known: Rules, assignment_id: s
         your_due=rules.due_for(policy, extension),
         attempts_used=sum(one.costs for one in attempts),
         attempts_left=rules.attempts_left(policy, extension, attempts),
-        counted_submission=None if counted is None or hiding else _PATH + counted.attempt.id,
+        counted_submission=None if counted is None or hiding else SUBMISSIONS + counted.attempt.id,
         counted_score=None if counted is None or hiding else counted.score,
     )

@@ -21,16 +21,18 @@ from grader.store.policies import Rules
 _STREAM_CHARACTERS = 16_384
 _LOG_RECORDS = 200
 _ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
-_PATH = "/api/v1/submissions/"
+SUBMISSIONS = "/api/v1/submissions/"
 
 
 class Links(BaseModel):
     """Where the rest of a submission is."""
 
-    self: str = Field(description="This document.", examples=[_PATH + _ID])
-    report: str = Field(description="The graded report, byte for byte.", examples=[f"{_PATH}{_ID}/report"])
-    trajectory: str = Field(description="What the car did.", examples=[f"{_PATH}{_ID}/trajectory"])
-    plot: str = Field(description="The same as a picture.", examples=[f"{_PATH}{_ID}/plot.png"])
+    self: str = Field(description="This document.", examples=[SUBMISSIONS + _ID])
+    report: str = Field(
+        description="The graded report, byte for byte.", examples=[f"{SUBMISSIONS}{_ID}/report"]
+    )
+    trajectory: str = Field(description="What the car did.", examples=[f"{SUBMISSIONS}{_ID}/trajectory"])
+    plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{_ID}/plot.png"])
 
 
 class Receipt(BaseModel):
@@ -39,7 +41,7 @@ class Receipt(BaseModel):
     id: str = Field(examples=[_ID])
     status: SubmissionState = Field(examples=["queued"])
     status_url: str = Field(
-        description="Ask here how it went; the same as in Location.", examples=[_PATH + _ID]
+        description="Ask here how it went; the same as in Location.", examples=[SUBMISSIONS + _ID]
     )
     assignment: str = Field(examples=["square"])
     student: str = Field(examples=["20260123"])
@@ -185,7 +187,7 @@ def receipt(submission: Submission, *, repeated: bool) -> Receipt:
     return Receipt(
         id=submission.id,
         status=submission.state,
-        status_url=_PATH + submission.id,
+        status_url=SUBMISSIONS + submission.id,
         assignment=submission.assignment,
         student=submission.student,
         sha256=submission.sha256,
@@ -232,7 +234,7 @@ def view(
         graded_at=None if stored is None else stored.finished_at,
         grader_version=report.get("grader_version"),
         assignment_version=report.get("assignment_version"),
-        links=_links(_PATH + submission.id),
+        links=_links(SUBMISSIONS + submission.id),
     )
 
 

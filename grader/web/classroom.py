@@ -8,13 +8,13 @@ from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
 from grader.routes import dashboard, health
-from grader.routes.dashboard_views import DashboardView
+from grader.routes.dashboard_views import STUCK_ATTEMPTS, DashboardView
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
 from grader.web import access
 from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.comparison import compare
-from grader.web.matrix import SHOWS, STUCK_ATTEMPTS, MatrixQuery, matrix
+from grader.web.matrix import SHOWS, MatrixQuery, matrix
 from grader.web.pages import language_of, page
 from grader.web.roster import names, person
 

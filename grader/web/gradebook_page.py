@@ -1,13 +1,11 @@
 """The gradebook as a page: the points that count, for everybody, and as files for other systems."""
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Annotated
-from urllib.parse import urlencode
 
 from fastapi import APIRouter, Depends, Query, Request, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import Progress
@@ -15,27 +13,19 @@ from grader.contracts.identity import Member
 from grader.routes import gradebook
 from grader.routes.gradebook import Format
 from grader.routes.gradebook_tables import Scores
-from grader.routes.numbers import QueryWhole
 from grader.routes.services import ServicesDep
 from grader.web.access import StaffDep, require_staff
 from grader.web.pages import language_of, page
+from grader.web.paging import PageQuery, cut
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
-_PAGE_STUDENTS = 100
 _CENT = 2
 
 
-class BookQuery(BaseModel):
+class BookQuery(PageQuery):
     """Which students are shown: those whose id or name contains `search`, one page of them."""
 
-    model_config = ConfigDict(frozen=True)
-
     search: str = Field(default="", max_length=100)
-    page: QueryWhole = Field(default=1, ge=1, le=100_000)
-
-    def address(self, **changes: object) -> str:
-        """Return the query string of this view with some fields changed."""
-        return "?" + urlencode({**self.model_dump(), **changes})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -65,16 +55,14 @@ def book_page(
     """Return the page of the gradebook that `query` asks for; beyond the last page, the last."""
     wanted = query.search.strip().lower()
     fitting = [one for one in members if wanted in one.id.lower() or wanted in one.name.lower()]
-    pages = max(1, math.ceil(len(fitting) / _PAGE_STUDENTS))
-    number = min(query.page, pages)
-    shown = fitting[(number - 1) * _PAGE_STUDENTS : number * _PAGE_STUDENTS]
+    shown, query, pages = cut(fitting, query)
     return Book(
         lines=tuple(_line(one, scores, assignments) for one in shown),
         means=tuple(_mean(one.id, members, scores) for one in assignments),
         found=len(fitting),
         all=len(members),
         pages=pages,
-        query=query.model_copy(update={"page": number}),
+        query=query,
     )
 
 

@@ -1,6 +1,5 @@
 """Points by a person, as pages: what waits, and one answer after the other to one question."""
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
@@ -9,14 +8,13 @@ from urllib.parse import urlencode
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, Field, ValidationError
 
 from grader.contracts.judgement import LONGEST_COMMENT
 from grader.contracts.numerals import decimal, written
 from grader.contracts.submission import Submission
 from grader.routes import judgements
 from grader.routes.judgement_views import JudgementBody, ManualItemsView, ManualItemView
-from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError
 from grader.routes.published import published
 from grader.routes.services import Services, ServicesDep
@@ -26,6 +24,7 @@ from grader.web import access
 from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
+from grader.web.paging import PageQuery, pages_of
 from grader.web.roster import named, names
 
 HOME = "/class/judgements"
@@ -35,20 +34,12 @@ _CENT = 2  # decimals of points
 _MOST_WAITING = 100_000
 
 
-class WaitingQuery(BaseModel):
+class WaitingQuery(PageQuery):
     """Which waiting answers are listed."""
-
-    model_config = ConfigDict(frozen=True)
 
     assignment: str = Field(default="", max_length=64)
     item: str = Field(default="", max_length=128)
     anonymous: bool = False
-    page: QueryWhole = Field(default=1, ge=1, le=100_000)
-
-    def address(self, **changes: object) -> str:
-        """Return the query string of this view with some fields changed."""
-        fields = {**self.model_dump(), "anonymous": int(self.anonymous), **changes}
-        return "?" + urlencode(fields)
 
 
 class PointsForm(BaseModel):
@@ -92,7 +83,7 @@ def read_waiting(
         "judgements.html",
         listed=listed,
         query=query,
-        pages=max(1, math.ceil(listed.total / _PAGE)),
+        pages=pages_of(listed.total, _PAGE),
         names=names(services, visitor.caller),
         named=named,
     )

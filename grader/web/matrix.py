@@ -1,28 +1,24 @@
 """The class matrix as its page shows it: searched, filtered, sorted, one page of it. Pure functions."""
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any, Literal, get_args
-from urllib.parse import urlencode
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
 from grader.contracts.submission import SubmissionState
 from grader.routes.dashboard_views import AssignmentStatistics, CellView, DashboardView, StudentView
-from grader.routes.numbers import QueryWhole
+from grader.web.paging import PageQuery, cut
 from grader.web.roster import named
 
 Show = Literal["all", "at_risk", "unfinished", "not_begun", "stuck", "waiting", "judge", "fault"]
 SHOWS: tuple[Show, ...] = get_args(Show)
-STUCK_ATTEMPTS = 3
-_PAGE_STUDENTS = 100
 _NEVER = datetime.min.replace(tzinfo=UTC)
 _WAITING = (SubmissionState.QUEUED, SubmissionState.RUNNING)
 
 
-class MatrixQuery(BaseModel):
+class MatrixQuery(PageQuery):
     """What the instructor asked for.
 
     Attributes:
@@ -31,19 +27,11 @@ class MatrixQuery(BaseModel):
         sort: ``student``, ``total``, ``activity`` or the id of an assignment.
     """
 
-    model_config = ConfigDict(frozen=True)
-
     search: str = Field(default="", max_length=100)
     show: Show = "all"
     assignment: str = Field(default="", max_length=64)
     sort: str = Field(default="student", max_length=64)
     descending: bool = False
-    page: QueryWhole = Field(default=1, ge=1, le=100_000)
-
-    def address(self, **changes: object) -> str:
-        """Return the query string of this view with some fields changed."""
-        fields = {**self.model_dump(), "descending": int(self.descending), **changes}
-        return "?" + urlencode(fields)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -92,16 +80,14 @@ def matrix(dashboard: DashboardView, query: MatrixQuery, names: Mapping[str, str
         and _fits(student, judged, query.show)
     ]
     students.sort(key=_sort_key(query.sort), reverse=query.descending)
-    pages = max(1, math.ceil(len(students) / _PAGE_STUDENTS))
-    page = min(max(query.page, 1), pages)
-    shown = students[(page - 1) * _PAGE_STUDENTS : page * _PAGE_STUDENTS]
+    shown, query, pages = cut(students, query)
     return Matrix(
         assignments=dashboard.assignments,
         rows=tuple(_row(student, ids, named(names, student.student)) for student in shown),
         found=len(students),
         all=len(everybody),
         pages=pages,
-        query=query.model_copy(update={"page": page}),
+        query=query,
     )
 
 
@@ -138,14 +124,10 @@ def _fits(student: StudentView, judged: Sequence[str], show: Show) -> bool:
     return any(_CONDITIONS[show](student.assignments.get(one)) for one in judged)
 
 
-def _stuck(cell: CellView) -> bool:
-    return not cell.passed and not cell.waits_for_person and cell.attempts >= STUCK_ATTEMPTS
-
-
 _CONDITIONS: Mapping[Show, Callable[[CellView | None], bool]] = {
     "unfinished": lambda cell: cell is None or not cell.passed,
     "not_begun": lambda cell: cell is None,
-    "stuck": lambda cell: cell is not None and _stuck(cell),
+    "stuck": lambda cell: cell is not None and cell.stuck,
     "waiting": lambda cell: cell is not None and cell.status in _WAITING,
     "judge": lambda cell: cell is not None and cell.waits_for_person,
     "fault": lambda cell: cell is not None and cell.status is SubmissionState.INFRASTRUCTURE_ERROR,

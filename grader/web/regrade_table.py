@@ -1,37 +1,25 @@
 """What a re-grade changes as its page shows it: by student and by rubric item. Pure functions."""
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import Literal, get_args
-from urllib.parse import urlencode
-
-from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.text import Language
-from grader.routes.numbers import QueryWhole
 from grader.routes.regrades import ItemChangeView, ScoreChangeView
+from grader.web.paging import PageQuery, cut
 from grader.web.roster import item_title, named
 
 Part = Literal["all", "gain", "lose", "moved"]
 PARTS: tuple[Part, ...] = get_args(Part)
-_PAGE_LINES = 100
 
 
-class ChangesQuery(BaseModel):
+class ChangesQuery(PageQuery):
     """Which changes are shown. `part`: all; those who gain, who lose; or whose points only move between items."""
 
-    model_config = ConfigDict(frozen=True)
-
     part: Part = "all"
-    page: QueryWhole = Field(default=1, ge=1, le=100_000)
-
-    def address(self, **changes: object) -> str:
-        """Return the query string of this view with some fields changed."""
-        return "?" + urlencode({**self.model_dump(), **changes})
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -89,16 +77,13 @@ def changes(
     """Return the page of what `moved` that `query` asks for; beyond the last page, the last."""
     titles = partial(item_title, assignment, language)
     fitting = {part: [one for one in moved if _FITS[part](_by(one))] for part in PARTS}
-    shown = fitting[query.part]
-    pages = max(1, math.ceil(len(shown) / _PAGE_LINES))
-    page = min(query.page, pages)
-    lines = shown[(page - 1) * _PAGE_LINES : page * _PAGE_LINES]
+    lines, query, pages = cut(fitting[query.part], query)
     return Changes(
         lines=tuple(_line(one, names, titles) for one in lines),
         totals=tuple(_totals(moved, titles)),
         counts={part: len(found) for part, found in fitting.items()},
         pages=pages,
-        query=query.model_copy(update={"page": page}),
+        query=query,
     )
 
 
