@@ -186,16 +186,9 @@ class EntityMixin(DestructionMixin):
         msg_type = class_of(msg_type)
         impl = SubscriptionHandle(self.handle, msg_type, topic, qos_profile.get_c_qos_profile())
         try:
-            subscription = Subscription(
-                impl,
-                msg_type,
-                topic,
-                callback,
-                group,
-                qos_profile,
-                raw,
-                event_callbacks=event_callbacks or SubscriptionEventCallbacks(),
-            )
+            callbacks = event_callbacks or SubscriptionEventCallbacks()
+            identity = (impl, msg_type, topic, callback, group, qos_profile, raw)
+            subscription = Subscription(*identity, event_callbacks=callbacks)
         except Exception:
             impl.destroy_when_not_in_use()
             raise
