@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 from zoneinfo import ZoneInfo
 
-from sqlalchemy import ColumnElement, Select, and_, bindparam, delete, insert, select
+from sqlalchemy import ColumnElement, Select, and_, bindparam, delete, insert, select, update
 from sqlmodel import Session, col
 
 from grader import policy as rules
@@ -61,6 +61,7 @@ _SUBMISSION, _KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyR
 _FORGET = delete(table_of(UploadKeyRow)).where(
     _key.owner == bindparam("of"), _key.at < bindparam("before", type_=UtcDateTime())
 )
+_MOVE = update(table_of(SubmissionRow)).where(_row.id == bindparam("moved")).values(turn_at=bindparam("turn"))
 
 
 def _asking(of_course: ColumnElement[bool]) -> Select[Any]:
@@ -184,7 +185,6 @@ def _under_key(upload: NewSubmission, digest: str, known: _Known) -> str | None:
 
 def _put(session: Session, upload: NewSubmission, row: SubmissionRow, announcer: Announcer) -> None:
     """Insert a new row and what belongs to it, and announce it, all sent at once."""
-    session.flush()  # other rows' turns, whose answers are looked at
     connection = session.connection()
     with together(connection):
         add_once(session, SourceRow, sha256=row.source_sha256, content=upload.source)
@@ -224,20 +224,23 @@ def _turn(session: Session, upload: NewSubmission, own: Sequence[_Own], now: dat
     """
     if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in own):
         return now
-    statement = select(SubmissionRow).where(
-        col(SubmissionRow.assignment) == upload.assignment,
-        col(SubmissionRow.student) == upload.student,
-        col(SubmissionRow.course) == upload.course,
-        col(SubmissionRow.state) == SubmissionState.QUEUED.value,
-        col(SubmissionRow.priority) == 0,
+    statement = select(_row.id, _row.turn_at).where(
+        _row.assignment == upload.assignment,
+        _row.student == upload.student,
+        _row.course == upload.course,
+        _row.state == SubmissionState.QUEUED.value,
+        _row.priority == 0,
     )
-    in_order = statement.order_by(col(SubmissionRow.turn_at), col(SubmissionRow.id))
-    waiting = list(session.execute(in_order.with_for_update()).scalars())  # none is claimed meanwhile
+    connection = session.connection()
+    in_order = statement.order_by(_row.turn_at, _row.id)
+    waiting = connection.execute(in_order.with_for_update()).all()  # none is claimed meanwhile
     turns: list[datetime] = [*(row.turn_at for row in waiting), now]
     for index, (before, after) in enumerate(pairwise(turns), start=1):
         turns[index] = max(after, before + _TICK)
-    for row, turn in zip(waiting, turns[1:], strict=True):
-        row.turn_at = turn
+    moves = [{"moved": row.id, "turn": turn} for row, turn in zip(waiting, turns[1:], strict=True)]
+    if moves:
+        with together(connection):
+            connection.execute(_MOVE, moves)
     return turns[0]
 
 
