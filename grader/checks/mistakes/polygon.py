@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.checks.credit import fits
+from grader.checks.drive import MOVING_MPS, MOVING_RADPS
 from grader.checks.driven_polygon import DrivenPolygon
 from grader.checks.measure import Mistake
 from grader.checks.mistakes.commands import command_mistakes
@@ -15,6 +16,7 @@ from grader.checks.quantity import listed, number
 from grader.checks.wanted_polygon import FULL_TURN_DEG, WantedPolygon
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
+from grader.contracts.trajectory import Command
 from grader.contracts.verdict import Run
 from grader.geometry.figure import PolygonFigure
 from grader.messages import say
@@ -114,17 +116,23 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
             yield Mistake("arcs", say("mistake.arcs", share="100 %"), _SHAPE)
         return
     if figure.curved_share > MOSTLY_ROUND_SHARE:
-        yield _arcs(figure)
+        yield _arcs(seen, figure)
     yield from _angles(seen, figure)
     yield from _count(seen, figure)
     if figure.curved_share <= MOSTLY_ROUND_SHARE and seen.loses("curved_pct", 100.0 * figure.curved_share):
-        yield _arcs(figure)
+        yield _arcs(seen, figure)
     yield from _sides(seen, figure) if seen.wanted.lengths_m is None else _lengths(seen, figure)
 
 
-def _arcs(figure: PolygonFigure) -> Mistake:
-    share = number(100.0 * figure.curved_share, "%")
-    return Mistake("arcs", say("mistake.arcs", share=share), ("curved_pct", *_LENGTHS, "gap_pct"))
+def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
+    """Say how much was driven in arcs: as commanded, or because the car slips."""
+    code = "arcs" if any(map(_is_arc, seen.run.trajectory.commands)) else "slipped"
+    text = say(f"mistake.{code}", share=number(100.0 * figure.curved_share, "%"))
+    return Mistake(code, text, ("curved_pct", *_LENGTHS, "gap_pct"))
+
+
+def _is_arc(command: Command) -> bool:
+    return abs(command.v_mps) > MOVING_MPS and abs(command.w_radps) > MOVING_RADPS
 
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:

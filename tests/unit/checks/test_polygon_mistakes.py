@@ -1,6 +1,7 @@
 """Mistakes recognised from the shape of a polygon's motion, and from when it ended."""
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -120,6 +121,13 @@ def test_a_script_that_ends_without_a_stop() -> None:
     moving = Command(t_ns=trajectory.commands[-1].t_ns + 1, v_mps=0.0, w_radps=1.0)
     coasting = Trajectory(**{**values, "commands": (*trajectory.commands, moving)})
     assert graded("square", coasting).mistakes == ("never_stops",)
+
+
+def test_a_car_that_slips_is_not_told_to_stop_turning() -> None:
+    bent = drive([(2.0, 1.0, 0.25), (math.pi / 2 - 0.5, 0.0, 1.0)] * 4)
+    commands = tuple(each._replace(w_radps=0.0) if each.v_mps else each for each in bent.commands)
+    assert graded("square", bent).mistakes[0] == "arcs"
+    assert graded("square", replace(bent, commands=commands)).mistakes[0] == "slipped"
 
 
 def test_a_corner_within_a_wider_band_is_no_mistake() -> None:
