@@ -29,7 +29,10 @@ COLOURS = 128  # flat pages: nobody sees the difference, and the files are a thi
 def main() -> None:
     """Draw the pages named on the command line, or all."""
     OUT.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as folder, school(Path(folder)) as opened:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        school(f"sqlite:///{folder}/grader.db", Path(folder)) as opened,
+    ):
         pages = {name: (person, address) for name, person, address in _pages(opened)}
         programs = (shutil.which("chromium") or "chromium", shutil.which("chromedriver") or "chromedriver")
         with chromium(programs, Path(folder) / "profile", opened.address) as browser:

@@ -79,12 +79,15 @@ class School:
 
 
 @contextmanager
-def school(folder: Path, work: tuple[tuple[str, str, str], ...] = WORK) -> Iterator[School]:
-    """Open a course under `folder`, let everybody hand in their `work` and grade it."""
+def school(url: str, folder: Path, work: tuple[tuple[str, str, str], ...] = WORK) -> Iterator[School]:
+    """Open a course in the database at `url`, let everybody hand in their `work` and grade it.
+
+    Its assignments are copied to `folder`.
+    """
     files = folder / "assignments"
     for name in ASSIGNMENTS:
         shutil.copytree(default_root() / name, files / name)
-    settings = Settings(database_url=f"sqlite:///{folder / 'grader.db'}")
+    settings = Settings(database_url=url)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("grader.catalog.default_root", lambda: files)
         patch.setattr("grader.service._FRESH_S", 0.0)  # an edited assignment is seen at once

@@ -1,5 +1,6 @@
 """The instructor's whole way through a course in a real headless Chromium, and what students of it see."""
 
+import os
 from collections.abc import Iterator
 from typing import Any
 
@@ -9,6 +10,7 @@ import pytest
 from grader.routes import regrades
 from tests.e2e.chromium import PHONE, Browser
 from tests.e2e.school import ESSAY, School, school
+from tests.fakes.postgres import PostgresServer
 
 pytestmark = pytest.mark.browser
 _READ = regrades.read
@@ -24,9 +26,14 @@ WORK = (
 
 
 @pytest.fixture(scope="module")
-def course(programs: tuple[str, str], tmp_path_factory: pytest.TempPathFactory) -> Iterator[School]:
-    with school(tmp_path_factory.mktemp("school"), WORK) as opened:
+def course(
+    programs: tuple[str, str], postgres_server: PostgresServer, tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[School]:
+    """On PostgreSQL: `test_browser` is on SQLite, and a browser cannot tell."""
+    name = f"school_{os.getpid()}"
+    with school(postgres_server.create(name), tmp_path_factory.mktemp("school"), WORK) as opened:
         yield opened
+    postgres_server.drop(name)
 
 
 @pytest.fixture(scope="module")

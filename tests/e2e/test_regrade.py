@@ -1,4 +1,7 @@
-"""Grading again with everything real: a trial after one tolerance was tightened."""
+"""Grading again with everything real: a trial after one tolerance was tightened.
+
+On SQLite; `test_browser_course` does the same on PostgreSQL, through the pages.
+"""
 
 import time
 from pathlib import Path
@@ -19,25 +22,27 @@ WORK = (
 )
 
 
-def scores(files: Path) -> dict[str, float | None]:
+def scores(slot: Slot, files: Path) -> dict[str, float | None]:
     """Return what each student's latest script earns under the assignment as it is now, by the core alone."""
     assignment = Catalog(files).get(SQUARE)
-    with Slot(SlotConfig()) as slot:
-        return {
-            student: slot.grade(
-                GradingJob(
-                    file_name="a.py", source=(files / SQUARE / file).read_bytes(), assignment=assignment
-                )
-            ).report.score
-            for student, _, file in WORK
-        }
+    latest = {student: (files / SQUARE / file).read_bytes() for student, _, file in WORK}
+    return {
+        student: slot.grade(GradingJob(file_name="a.py", source=source, assignment=assignment)).report.score
+        for student, source in latest.items()
+    }
 
 
-def test_a_trial_after_tightening_one_tolerance_lists_exactly_those_it_hits(tmp_path: Path) -> None:
-    with school(tmp_path, WORK) as course, course.client("wang") as wang:
-        before = scores(course.files)
+def test_a_trial_after_tightening_one_tolerance_lists_exactly_those_it_hits(
+    sqlite_url: str, tmp_path: Path
+) -> None:
+    with (
+        school(sqlite_url, tmp_path, WORK) as course,
+        course.client("wang") as wang,
+        Slot(SlotConfig()) as slot,
+    ):
+        before = scores(slot, course.files)
         course.tighten()
-        after = scores(course.files)
+        after = scores(slot, course.files)
         started = wang.post("/api/v1/regrades", json={"assignment": SQUARE, "which": "latest"})
         while (trial := wang.get(started.headers["Location"]).raise_for_status().json())["waiting"]:
             time.sleep(0.05)

@@ -25,14 +25,15 @@ BUSY = "number = 0\nwhile True:\n    number += 1  # {}\n"
 
 
 @pytest.fixture
-def process(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
+def process(database_url: str) -> Iterator[subprocess.Popen[str]]:
     settings = {
+        "GRADER_DATABASE_URL": database_url,
         "GRADER_INSTRUCTOR_TOKEN": TOKEN,
         "GRADER_LOG_FORMAT": "json",
         "GRADER_DRAIN_S": "0.1",
         "GRADER_POLL_S": "0.1",
     }
-    with _started(["serve", "--port", "0", "--slots", "1", "--data", str(tmp_path)], **settings) as started:
+    with _started(["serve", "--port", "0", "--slots", "1"], **settings) as started:
         yield started
 
 
@@ -49,7 +50,7 @@ def _started(arguments: list[str], **settings: str) -> Iterator[subprocess.Popen
 
 
 def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
-    process: subprocess.Popen[str], tmp_path: Path
+    process: subprocess.Popen[str], database_url: str
 ) -> None:
     assert process.stderr is not None
     address = json.loads(process.stderr.readline())["message"].removeprefix("listening on ")
@@ -69,7 +70,7 @@ def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
             assert list(others) is not None
     records = [json.loads(line) for line in process.stderr]
     assert process.wait(PATIENCE_S) == 0
-    _all_wait(tmp_path, ids)
+    _all_wait(database_url, ids)
     assert {one["submission"] for one in records if "back to the queue" in one["message"]} == {ids[0]}
     uploads = [one for one in records if one.get("code") == "accepted"]
     assert [(one["submission"], one["route"], one["status"]) for one in uploads] == [
@@ -78,10 +79,15 @@ def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
     assert TOKEN not in str(records)
 
 
-@pytest.mark.parametrize("command", [["serve", "--port", "0"], ["worker"]])
-def test_told_to_stop_while_it_waits_for_the_database_it_stops(command: list[str], tmp_path: Path) -> None:
-    database = Database(f"sqlite:///{tmp_path / 'grader.db'}")
-    with alone(database), _started([*command, "--slots", "1", "--data", str(tmp_path)]) as waiting:
+@pytest.mark.parametrize(
+    ("command", "database_url"),
+    [(["serve", "--port", "0"], "sqlite_url"), (["worker"], "postgres_url")],
+    indirect=["database_url"],
+    ids=["serve on sqlite", "worker on postgresql"],
+)
+def test_told_to_stop_while_it_waits_for_the_database_it_stops(command: list[str], database_url: str) -> None:
+    database = Database(database_url)
+    with alone(database), _started([*command, "--slots", "1"], GRADER_DATABASE_URL=database_url) as waiting:
         assert waiting.stderr is not None
         while "waiting until that has ended" not in waiting.stderr.readline():
             pass
@@ -100,8 +106,8 @@ def _upload(client: httpx.Client, number: int) -> str:
     return str(response.json()["id"])
 
 
-def _all_wait(folder: Path, ids: list[str]) -> None:
-    database = Database(f"sqlite:///{folder / 'grader.db'}")
+def _all_wait(url: str, ids: list[str]) -> None:
+    database = Database(url)
     try:
         found = [Submissions(database, utc_now).get(id_) for id_ in ids]
     finally:
@@ -109,9 +115,9 @@ def _all_wait(folder: Path, ids: list[str]) -> None:
     assert [(one.state, one.tries) for one in found] == [(SubmissionState.QUEUED, 0)] * len(ids)
 
 
-def test_another_server_of_the_application_ends_streams_first_as_well(tmp_path: Path) -> None:
+def test_another_server_of_the_application_ends_streams_first_as_well(sqlite_url: str) -> None:
     settings = {
-        "GRADER_DATABASE_URL": f"sqlite:///{tmp_path / 'grader.db'}",
+        "GRADER_DATABASE_URL": sqlite_url,
         "GRADER_INSTRUCTOR_TOKEN": TOKEN,
         "GRADER_SLOTS": "0",
     }
