@@ -34,7 +34,7 @@ def main(arguments: list[str]) -> int:
         sandbox = build_sandbox(config)
     except GraderError as error:
         return _refuse(channel, error)
-    with sandbox:
+    with sandbox, suppress(BrokenPipeError):  # the parent is gone, and so is the reason to be here
         _serve(channel, sandbox)
     return 0
 

@@ -18,7 +18,7 @@ from grader.contracts.limits import Limits
 from grader.contracts.text import EMPTY
 from grader.launch import Child
 from grader.slot import Slot, SlotConfig
-from tests.fakes.waiting import wait_until
+from tests.fakes.waiting import PATIENCE_S, wait_until
 
 ASSIGNMENT = Assignment(
     id="demo",
@@ -235,6 +235,17 @@ def test_the_whole_group_ends_with_the_slot(children: list[str], tmp_path: Path)
         grandchild = int(note.read_text())
         os.kill(grandchild, 0)
     assert _ends(grandchild)
+
+
+def test_a_child_whose_parent_is_gone_ends_without_a_word(capfd: pytest.CaptureFixture[str]) -> None:
+    with Slot(SlotConfig(mode="dev")) as one:
+        assert one._channel is not None
+        assert one._process is not None
+        one._channel.send(slot._request(JOB), PATIENCE_S)
+        one._channel.close()
+        one._channel = None
+        assert one._process.last_words(PATIENCE_S) == 0
+    assert capfd.readouterr().err == ""
 
 
 def test_nothing_stays_open_and_no_child_is_left(children: list[str]) -> None:
