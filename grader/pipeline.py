@@ -18,6 +18,7 @@ from grader.contracts.report import (
     Measurements,
     status_of,
 )
+from grader.contracts.rubric import summed
 from grader.contracts.verdict import Run, Verdict
 from grader.outcome import INTERRUPTED_NOTE, is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox
@@ -125,7 +126,7 @@ def _report(
 ) -> GradeReport:
     assignment: Assignment = job.assignment
     status = status_of(verdict.items, [run.outcome for run in runs])
-    score = round(sum(item.earned for item in verdict.items), 2)
+    score = summed(item.earned for item in verdict.items)
     return GradeReport(
         submission_sha256=hashlib.sha256(job.source).hexdigest(),
         assignment=assignment.id,

@@ -5,6 +5,7 @@ from typing import Final, Literal
 
 from grader.contracts.limits import Limits
 from grader.contracts.record import record
+from grader.contracts.rubric import summed
 from grader.contracts.services import ServiceCall
 from grader.contracts.text import EMPTY, Language, Text
 
@@ -139,7 +140,7 @@ class Assignment:
     @property
     def max_score(self) -> float:
         """Sum of the items' points over all cases."""
-        return sum(item.points for item in self.items)
+        return summed(item.points for item in self.items)
 
     def item_on(self, measure: str) -> ItemSpec | None:
         """Return the first item that judges `measure`, or None."""

@@ -11,14 +11,13 @@ from datetime import datetime
 from grader.contracts.codec import from_plain
 from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport, status_of
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Text
 
 LONGEST_COMMENT = 2_000
 """Characters of a comment for the student."""
 
-_CENT = 2  # scores are rounded to 1e-2, as rubric items are
 _JUDGED = Text(zh="已人工评分。", en="A person has graded this.")
 
 
@@ -71,7 +70,7 @@ def settled(items: Iterable[ItemScore], judgements: Sequence[Judgement]) -> tupl
 
 def total(items: Sequence[ItemScore]) -> float | None:
     """Return the sum of what the items earned; None while one waits for a person."""
-    return None if to_judge(items) else round(sum(item.earned for item in items), _CENT)
+    return None if to_judge(items) else summed(item.earned for item in items)
 
 
 def to_judge(items: Iterable[ItemScore | RubricItem]) -> int:

@@ -1,5 +1,6 @@
 """Rubric items: what was asked, what was measured, what it earned."""
 
+from collections.abc import Iterable
 from enum import StrEnum
 
 from grader.contracts.record import record
@@ -77,3 +78,8 @@ class PublishedRubric:
     max_score: float
     items: tuple[PublishedItem, ...]
     remarks: Text = EMPTY
+
+
+def summed(points: Iterable[float]) -> float:
+    """Return the sum of points to the hundredth, as each of them is: a sum of floats is a little off."""
+    return round(sum(points), 2)

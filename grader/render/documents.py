@@ -2,7 +2,7 @@
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.report import GradeReport, GradeStatus
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Language
 from grader.render import quantity
 from grader.render.escape import visible
@@ -90,7 +90,7 @@ def _prairielearn_test(item: RubricItem, language: Language) -> dict[str, object
 
 def _share(report: GradeReport) -> float:
     """Return the score as a share in [0, 1]; items judged so far count while a person has still to grade."""
-    judged = round(sum(item.earned for item in report.items), 2)
+    judged = summed(item.earned for item in report.items)
     score = judged if report.score is None else report.score
     return min(max(score / report.max_score, 0.0), 1.0) if report.max_score > 0 else 0.0
 

@@ -6,6 +6,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, View
 from grader.contracts.outcome import RunOutcome
 from grader.contracts.report import GradeReport
+from grader.contracts.rubric import summed
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Trajectory
 from grader.render import quantity
@@ -80,8 +81,8 @@ def compose(  # noqa: PLR0913, PLR0917
     if len(report.runs) > 1:
         title = f"{title} · {_case_title(assignment, run.case, language)}"
         own = [item for item in report.items if item.id.startswith(f"{run.case}/")]
-        earned = None if report.score is None else round(sum(item.earned for item in own), 2)
-        points = round(sum(item.points for item in own), 2)
+        earned = None if report.score is None else summed(item.earned for item in own)
+        points = summed(item.points for item in own)
     return Scene(
         language=language,
         title=title,

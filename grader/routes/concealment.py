@@ -15,12 +15,11 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.identity import Caller, Role
 from grader.contracts.judgement import judged, to_judge
 from grader.contracts.report import GradeStatus
-from grader.contracts.rubric import ItemStatus
+from grader.contracts.rubric import ItemStatus, summed
 from grader.contracts.submission import StoredReport, Submission
 from grader.routes.services import Services
 
 _EMPTY = {"zh": "", "en": ""}
-_CENT = 2
 
 
 def hidden_from(services: Services, caller: Caller, assignment_id: str) -> frozenset[str]:
@@ -87,8 +86,8 @@ def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
     items = [item for item in report["items"] if not rules.is_hidden(item["id"], hidden)]
     waits = _waits(items)
     unknown = waits or (report["score"] is None and not _waits(report["items"]))
-    earned = None if unknown else round(sum(item["earned"] for item in items), _CENT)
-    points = sum(item["points"] for item in items)
+    earned = None if unknown else summed(item["earned"] for item in items)
+    points = summed(item["points"] for item in items)
     about_the_whole: dict[str, Any] = {"summary": _EMPTY, "hint": _EMPTY, "mistakes": []}
     if not unknown and report["status"] == GradeStatus.NEEDS_MANUAL.value:
         about_the_whole["status"] = GradeStatus.GRADED.value  # whoever sees the rest waits for nobody

@@ -12,6 +12,7 @@ from pydantic import BaseModel, Field
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, Progress
 from grader.contracts.report import GradeStatus
+from grader.contracts.rubric import summed
 from grader.contracts.submission import QueueState, SubmissionState
 from grader.contracts.text import Language
 from grader.routes.health import QueueView, WorkerView
@@ -228,8 +229,8 @@ def _mean_attempts_to_pass(progress: Iterable[Progress], pass_fraction: float) -
 
 
 def _student(student: str, cells: dict[str, CellView]) -> StudentView:
-    total = sum(cell.counted_score for cell in cells.values() if cell.counted_score is not None)
-    return StudentView(student=student, total_score=round(total, 2), assignments=cells)
+    total = summed(cell.counted_score for cell in cells.values() if cell.counted_score is not None)
+    return StudentView(student=student, total_score=total, assignments=cells)
 
 
 def _cell(progress: Progress, pass_fraction: float) -> CellView:

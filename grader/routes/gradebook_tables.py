@@ -12,10 +12,10 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
 from grader.contracts.numerals import written
+from grader.contracts.rubric import summed
 from grader.contracts.text import BYTE_ORDER_MARK, Language
 
 _FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠", "\t", "\r", "\n")
-_CENT = 2  # decimals of points: sums of floats are off by less
 Scores = Mapping[tuple[str, str], Progress]
 
 
@@ -26,12 +26,12 @@ def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: 
         head += [f"{assignment.id} ({written(assignment.max_score)})", f"{assignment.id} attempts"]
     rows: list[list[str]] = [[*head, "total"]]
     for member in members:
-        cells, total = [_text(member.id), _text(member.name)], 0.0
-        for assignment in assignments:
-            progress = scores.get((member.id, assignment.id))
-            total += (progress.counted_score or 0.0) if progress else 0.0
+        cells = [_text(member.id), _text(member.name)]
+        reached = [scores.get((member.id, assignment.id)) for assignment in assignments]
+        for progress in reached:
             cells += [_points(progress), "0" if progress is None else str(progress.attempts)]
-        rows.append([*cells, written(round(total, _CENT))])
+        total = summed(one.counted_score or 0.0 for one in reached if one is not None)
+        rows.append([*cells, written(total)])
     return BYTE_ORDER_MARK + _written(rows)
 
 

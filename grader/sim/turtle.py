@@ -8,7 +8,7 @@ from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
 from grader.sim.bullet import BulletCar
 from grader.sim.car import PlanarPose, clamp_command
 from grader.sim.recorder import Recorder
-from grader.sim.timeline import first_step_at, last_step_at, step_time_ns
+from grader.sim.timeline import first_step_at, last_step_at
 
 _NEVER: Final = 1 << 62
 _LAG_STEPS: Final = 24
@@ -124,11 +124,6 @@ class Turtle:
         """Take the last sample; `end_ns` is when the episode ended."""
         self.advance(end_ns)
         self._car.observe()
-
-    @property
-    def now_ns(self) -> int:
-        """Instant of the step the car stands at."""
-        return step_time_ns(self._car.step)
 
     @property
     def steps_run(self) -> int:

@@ -10,6 +10,7 @@ from pydantic import Field
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
+from grader.contracts.rubric import summed
 from grader.routes import gradebook
 from grader.routes.gradebook import Format
 from grader.routes.gradebook_tables import Scores
@@ -19,7 +20,6 @@ from grader.web.pages import language_of, page
 from grader.web.paging import PageQuery, cut
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
-_CENT = 2
 
 
 class BookQuery(PageQuery):
@@ -95,7 +95,7 @@ def download(
 def _line(member: Member, scores: Scores, assignments: Sequence[Assignment]) -> BookLine:
     cells = tuple(scores.get((member.id, one.id)) for one in assignments)
     counted = [one.counted_score for one in cells if one is not None and one.counted_score is not None]
-    return BookLine(member=member, total=round(sum(counted), _CENT), cells=cells)
+    return BookLine(member=member, total=summed(counted), cells=cells)
 
 
 def _mean(assignment_id: str, members: Sequence[Member], scores: Scores) -> float | None:
