@@ -16,7 +16,7 @@ SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's exte
 CLOSED_SHARE = 0.04  # of the perimeter: a figure whose end is this near to its start has closed
 SAME_SHARE = 0.04  # by how much a side too many may differ from the first
 ALIKE_RAD = math.radians(15.0)  # by how much corners of a figure with equal corners may differ
-MAX_APPROACH_RUNS = 2  # from the middle of the figure to one of its sides, and along that to a corner
+MAX_APPROACH_RUNS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
 @positional_record
