@@ -57,7 +57,7 @@ class Problem(BaseModel):
                     "type": "/api/v1/problems/syntax_error",
                     "title": "This is not valid Python",
                     "status": 422,
-                    "detail": "'(' was never closed",
+                    "detail": "Line 12 has a syntax error ('(' was never closed), so nothing ran. …",
                     "instance": "urn:uuid:0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f",
                     "code": "syntax_error",
                     "field": "file",

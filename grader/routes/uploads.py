@@ -13,8 +13,10 @@ from grader.contracts.assignment import SUFFIXES, Input
 from grader.contracts.errors import InfrastructureError, SandboxError, SubmissionError
 from grader.contracts.grading import SyntaxProblem
 from grader.contracts.identity import Caller, is_person_id
+from grader.contracts.outcome import StudentError
 from grader.contracts.text import Text
 from grader.contracts.upload import check_source
+from grader.messages.exceptions import meaning
 from grader.render.escape import visible_line
 from grader.routes.bodies import media_type, too_large, with_file
 from grader.routes.problems import ProblemError
@@ -133,12 +135,12 @@ def check_content(services: Services, source: bytes, file_name: str, kind: Input
 
 
 def _syntax_error(problem: SyntaxProblem) -> ProblemError:
-    where = "" if problem.line is None else f"line {problem.line}: "
-    where_zh = "" if problem.line is None else f"第 {problem.line} 行："
-    message = visible_line(problem.message, _LONGEST_LINE)
+    kind, _, message = visible_line(problem.message, _LONGEST_LINE).partition(": ")
+    error = StudentError(type=kind, message=message or kind, line=problem.line, traceback="")
+    _, text = meaning(error, "syntax_error")
     return ProblemError(
         "syntax_error",
-        Text(zh=where_zh + message, en=where + message),
+        text,
         field="file",
         line=problem.line,
         column=problem.column,

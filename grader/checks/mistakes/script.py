@@ -1,10 +1,10 @@
 """Mistakes told by how the script ended."""
 
 from grader.checks.measure import Mistake
-from grader.checks.mistakes.exceptions import code_of
-from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
+from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.messages import say
 from grader.messages.details import explained
+from grader.messages.exceptions import meaning
 
 _ENDINGS = {
     RunStatus.STALLED: "stalled",
@@ -20,9 +20,9 @@ def script_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
     """Return the mistake that ended the script, or one of its threads, before its time, if any."""
     error = outcome.error
     if outcome.status is RunStatus.CRASHED:
-        return (_exception(error, "crashed") if error is not None else _killed(outcome),)
+        return (Mistake(*meaning(error, "crashed")) if error is not None else _killed(outcome),)
     if outcome.status is RunStatus.SYNTAX_ERROR and error is not None:
-        return (_exception(error, "syntax_error"),)
+        return (Mistake(*meaning(error, "syntax_error")),)
     if outcome.status in _ENDINGS:
         code = _ENDINGS[outcome.status]
         text = say(f"mistake.{code}", detail=explained(outcome.status, outcome.detail))
@@ -39,14 +39,3 @@ def noted(outcome: RunOutcome, code: str) -> str | None:
 
 def _killed(outcome: RunOutcome) -> Mistake:
     return Mistake("killed", say("mistake.killed", signal=outcome.signal or "?"))
-
-
-def _exception(error: StudentError, otherwise: str) -> Mistake:
-    code, values = code_of(error) or (otherwise, {})
-    problem = _first_line(error.message)
-    text = say(f"mistake.{code}", line=error.line or "?", type=error.type, problem=problem, **values)
-    return Mistake(code, text)
-
-
-def _first_line(message: str) -> str:
-    return message.strip().splitlines()[0][:200] if message.strip() else ""

@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import _ast
 
-from rclpy._encoding import require_utf8
-
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from types import CodeType
@@ -33,7 +31,6 @@ def compile_script(source: bytes, file_name: str) -> CodeType:
     Raises:
         SyntaxError, ValueError, RecursionError, MemoryError, OverflowError: as `compile` does.
     """
-    require_utf8(source, file_name)
     if not any(word in source for word in _WORDS):
         return _compile(source, file_name)
     try:

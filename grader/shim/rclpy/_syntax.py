@@ -10,7 +10,6 @@ import os
 
 from rclpy import _report, _wire
 from rclpy._channel import Descriptor
-from rclpy._encoding import require_utf8
 from rclpy._link import link
 
 TYPE_CHECKING = False
@@ -29,7 +28,6 @@ def run(channel: int = 3) -> NoReturn:
 
 def _ending(source: bytes, file_name: str) -> _wire.Exit:
     try:
-        require_utf8(source, file_name)
         compile(source, file_name, "exec", dont_inherit=True)
     except BaseException as error:
         kind, message, line = type(error).__name__, _report.message_of(error), _report.line_of(error)

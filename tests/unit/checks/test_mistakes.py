@@ -12,6 +12,7 @@ from grader.checks import evaluate, mistakes
 from grader.contracts.outcome import Endpoint, Note, RunOutcome, RunStatus, Stream, StudentError
 from grader.contracts.trajectory import Trajectory
 from grader.contracts.verdict import Run, Verdict
+from grader.messages import exceptions
 from tests.unit.checks.ideal_turtle import drive, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, score
 from tests.unit.messages.catalogs import catalog_texts
@@ -176,8 +177,6 @@ def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]
         ("SyntaxError", "'(' was never closed", "syntax_error"),
         ("SyntaxError", "invalid character '（' (U+FF08)", "foreign_character"),
         ("SyntaxError", "invalid non-printable character U+00A0", "foreign_character"),
-        ("SyntaxError", "Non-UTF-8 code starting with '\\xd0' in file a.py on line 1, but ...", "not_utf8"),
-        ("SyntaxError", "'gbk' codec can't decode byte 0xff in position 33", "not_utf8"),
         ("TabError", "inconsistent use of tabs and spaces in indentation", "indentation"),
     ],
 )
@@ -317,9 +316,10 @@ def test_the_hint_of_an_item_is_the_mistake_that_spoilt_it() -> None:
 
 def codes_in_source() -> set[str]:
     """Every string in the recognisers that has a text ``mistake.<string>``."""
+    files = [*Path(mistakes.__file__).parent.glob("*.py"), Path(exceptions.__file__)]
     strings = {
         node.value
-        for path in Path(mistakes.__file__).parent.glob("*.py")
+        for path in files
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     }

@@ -41,6 +41,7 @@ def test_a_file_that_is_not_python(upload: Upload, services: Services) -> None:
     assert (document["line"], document["column"]) == (2, 11)
     assert document["text"] == "print(def broken("
     assert "never closed" in document["detail"]
+    assert "括号" in document["detail"]  # not only what the compiler says
     assert nothing_stored(services)
 
 

@@ -1,14 +1,18 @@
-"""Mistakes told by the exception that ended a script, or kept it from being compiled: its type and its text."""
+"""What an exception that ended a script, or kept it from being compiled, says to a beginner.
+
+Known by its type and its text; what it means is told in the catalogs' words, ``mistake.<code>``.
+"""
 
 import re
 from typing import Final
 
 from grader.contracts.outcome import StudentError
+from grader.contracts.text import Text
+from grader.messages import say
 
 _SIGNS: Final = tuple(
     (re.compile(pattern), code)
     for pattern, code in (
-        (r"SyntaxError: (Non-UTF-8 code|.*codec can't decode)", "not_utf8"),
         (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
         (r"(IndentationError|TabError): ", "indentation"),
         (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
@@ -71,10 +75,14 @@ _SIGNS: Final = tuple(
 """What ``Type: message`` begins with (the traceback follows) and the code for it; the first that fits counts."""
 
 
-def code_of(error: StudentError) -> tuple[str, dict[str, str]] | None:
-    """Return the code that fits an exception and the values its text needs beside line, type and problem."""
+def meaning(error: StudentError, otherwise: str) -> tuple[str, Text]:
+    """Return the code that fits an exception, else `otherwise`, and its sentence."""
     told = f"{error.type}: {error.message}\n{error.traceback}"
-    for sign, code in _SIGNS:
-        if (found := sign.match(told)) is not None:
-            return code, found.groupdict()
-    return None
+    known = ((code, sign.match(told)) for sign, code in _SIGNS)
+    code, values = next(((code, found.groupdict()) for code, found in known if found), (otherwise, {}))
+    problem = _first_line(error.message)
+    return code, say(f"mistake.{code}", line=error.line or "?", type=error.type, problem=problem, **values)
+
+
+def _first_line(message: str) -> str:
+    return message.strip().splitlines()[0][:200] if message.strip() else ""
