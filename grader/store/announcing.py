@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Protocol
 
+from sqlalchemy import Connection
 from sqlmodel import Session
 
 from grader.contracts.submission import Claim
@@ -36,7 +37,7 @@ def waiting_as(row: SubmissionRow) -> Waiting:
 
 
 class Announcer(Protocol):
-    """Makes workers look for rows that wait. Every method belongs to the transaction of `session`."""
+    """Makes workers look for rows that wait. Every method belongs to the transaction that it is given."""
 
     def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
         """Announce rows that this transaction makes ``queued``; those announced already stay so.
@@ -45,7 +46,7 @@ class Announcer(Protocol):
         """
         ...
 
-    def claimed(self, session: Session, claim: Claim) -> None:
+    def claimed(self, connection: Connection, claim: Claim) -> None:
         """Take the announcement of a row away that this transaction claimed without having been told of one.
 
         May be sent `together`.
@@ -67,7 +68,7 @@ class Unannounced:
     def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
         """Do nothing."""
 
-    def claimed(self, session: Session, claim: Claim) -> None:
+    def claimed(self, connection: Connection, claim: Claim) -> None:
         """Do nothing."""
 
     def mend(self, session: Session, now: datetime) -> int:

@@ -120,6 +120,16 @@ class Database:
             yield session
 
     @contextmanager
+    def changing(self) -> Iterator[Connection]:
+        """Do what `writing` does, for statements of tables: without a session, which keeps account of objects."""
+        with (
+            self._turn() if self.is_sqlite else nullcontext(),
+            _explained(),
+            self._engine.begin() as connection,
+        ):
+            yield connection
+
+    @contextmanager
     def reading(self) -> Iterator[Session]:
         """One transaction that only reads, on one consistent snapshot. Raises as `writing` does."""
         with self._transaction(self._reading) as session:
@@ -154,16 +164,22 @@ class Database:
 
     @contextmanager
     def _transaction(self, engine: Engine) -> Iterator[Session]:
-        try:
-            with Session(engine, expire_on_commit=False) as session, session.begin():
-                yield session
-        except DBAPIError as error:
-            if isinstance(error, _OF_STATEMENTS) and not error.connection_invalidated:
-                raise
-            reason = " ".join(str(error.orig).split())
-            raise _no_answer(reason, reason) from error
-        except PoolTimeoutError as error:
-            raise _no_answer("every connection is busy", "全部连接都在使用") from error
+        with _explained(), Session(engine, expire_on_commit=False) as session, session.begin():
+            yield session
+
+
+@contextmanager
+def _explained() -> Iterator[None]:
+    """Raise InfrastructureError for what is no fault of a statement."""
+    try:
+        yield
+    except DBAPIError as error:
+        if isinstance(error, _OF_STATEMENTS) and not error.connection_invalidated:
+            raise
+        reason = " ".join(str(error.orig).split())
+        raise _no_answer(reason, reason) from error
+    except PoolTimeoutError as error:
+        raise _no_answer("every connection is busy", "全部连接都在使用") from error
 
 
 def _no_answer(en: str, zh: str) -> InfrastructureError:

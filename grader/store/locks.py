@@ -22,7 +22,7 @@ _LOCK = select(func.pg_advisory_xact_lock(bindparam("key")))
 
 def one_at_a_time(transaction: Session | Connection, *what: str | None) -> None:
     """Wait until no other transaction that named the same `what` is under way."""
-    connection = transaction.connection() if isinstance(transaction, Session) else transaction
+    connection = _connection(transaction)
     if connection.dialect.name == "sqlite":
         return
     digest = hashlib.sha256(repr(what).encode()).digest()
@@ -32,10 +32,14 @@ def one_at_a_time(transaction: Session | Connection, *what: str | None) -> None:
         connection.execute(_LOCK, {"key": key})
 
 
-def add_once(session: Session, table: type[SQLModel], **values: Any) -> None:
+def add_once(transaction: Session | Connection, table: type[SQLModel], **values: Any) -> None:
     """Add a row unless one of its primary key is there, or is being added by another transaction."""
-    connection = session.connection()
+    connection = _connection(transaction)
     connection.execute(_unless_there(table, connection.dialect.name), values)
+
+
+def _connection(transaction: Session | Connection) -> Connection:
+    return transaction.connection() if isinstance(transaction, Session) else transaction
 
 
 @cache

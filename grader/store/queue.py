@@ -254,21 +254,20 @@ class Queue:
         graded = None if assignment is None else self._remembered.values(assignment)
         grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
         details = detail_values(grading, result)
-        with self._database.writing(quick=True) as session:
-            connection = session.connection()
+        with self._database.changing() as connection:
             current = claim_rows.change(connection, claim, _outcome(claim, result, grading))
             stored = current or claim_rows.stored_already(connection, grading)
             known = None
             if worker is not None and stored and not current:  # the answer to an earlier commit got lost
                 known = claim_rows.resume(connection, worker, self._clock(), self._policy.lease_s)
             taken = None if worker is None or known else self._take(connection, worker)
-            with together(connection):
+            with together(connection, last=True):
                 if current and graded is not None:
-                    add_once(session, GradedAssignmentRow, **graded)
+                    add_once(connection, GradedAssignmentRow, **graded)
                 if current:
                     insert_grading(connection, grading, details)
                 if taken is not None:
-                    self._database.announcer.claimed(session, taken)
+                    self._database.announcer.claimed(connection, taken)
         return stored, known or taken
 
     def _take(self, connection: Connection, worker: str) -> Claim | None:

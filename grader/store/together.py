@@ -17,10 +17,14 @@ _UNANSWERED = "grader_unanswered"
 
 
 @contextmanager
-def together(connection: Connection) -> Iterator[None]:
+def together(connection: Connection, *, last: bool = False) -> Iterator[None]:
     """Send what is executed within at once, and wait for all of it at the end; in `one_go`, not even then.
 
     Within, no result may be looked at, not even how many rows a statement changed.
+
+    Args:
+        connection: in a transaction.
+        last: nothing else is executed in the transaction: its commit goes along.
 
     Raises:
         InfrastructureError: the database does not answer. Other errors of statements come as the driver's.
@@ -32,6 +36,8 @@ def together(connection: Connection) -> Iterator[None]:
     if _PIPELINE not in about:
         with _pipeline(connection):
             yield
+            if last:
+                _driver(connection).commit()  # so SQLAlchemy's own commit finds nothing to do
         return
     about[_UNANSWERED] = True
     try:

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from datetime import datetime, timedelta
 
-from sqlalchemy import ColumnElement, exists, func, select, text
+from sqlalchemy import ColumnElement, Connection, exists, func, select, text
 from sqlmodel import Session, col
 
 from grader.contracts.submission import Claim, SubmissionState
@@ -47,12 +47,12 @@ class PermitAnnouncer:
         """Defer a permit for each row."""
         defer(session, waiting, now)
 
-    def claimed(self, session: Session, claim: Claim) -> None:
+    def claimed(self, connection: Connection, claim: Claim) -> None:
         """Use up the row's own permit, unless somebody took it already, or is doing so at this moment.
 
         Who took it found another row, or nothing to do. So there are never fewer permits than rows that wait.
         """
-        session.connection().execute(_USE_UP, {"lock": lock_of(claim.submission_id, claim.attempt - 1)})
+        connection.execute(_USE_UP, {"lock": lock_of(claim.submission_id, claim.attempt - 1)})
 
     def mend(self, session: Session, now: datetime) -> int:
         """Sweep, unless another worker does so at this moment.
