@@ -75,12 +75,15 @@ _SIGNS: Final = tuple(
 """What ``Type: message`` begins with (the traceback follows) and the code for it; the first that fits counts."""
 
 
+_WITHOUT_WORDS: Final = Text(zh="没有更多说明", en="without a word")
+
+
 def meaning(error: StudentError, otherwise: str) -> tuple[str, Text]:
     """Return the code that fits an exception, else `otherwise`, and its sentence."""
     told = f"{error.type}: {error.message}\n{error.traceback}"
     known = ((code, sign.match(told)) for sign, code in _SIGNS)
     code, values = next(((code, found.groupdict()) for code, found in known if found), (otherwise, {}))
-    problem = _first_line(error.message)
+    problem = _first_line(error.message) or _WITHOUT_WORDS
     return code, say(f"mistake.{code}", line=error.line or "?", type=error.type, problem=problem, **values)
 
 

@@ -21,7 +21,10 @@ TERMINAL = (80, 24)
 NO_DISPLAY = "no display name and no $DISPLAY environment variable"
 _ENVIRONMENT = {
     name.encode(): value.encode()
-    for name, value in (("HOME", HOME), ("LOGNAME", USER), ("PWD", WORK), ("USER", USER))
+    for name, value in (
+        *(("HOME", HOME), ("LOGNAME", USER), ("PWD", WORK), ("USER", USER)),
+        *(("ROS_DISTRO", "humble"), ("ROS_PYTHON_VERSION", "3"), ("ROS_VERSION", "2")),
+    )
 }
 UNAME = os.uname_result(("Linux", HOST, "5.15.0-91-generic", "#101-Ubuntu SMP", "x86_64"))
 """Ubuntu 22.04, on which Humble runs."""
@@ -32,7 +35,10 @@ _get_terminal_size = os.get_terminal_size
 
 
 def set_environment() -> None:
-    """Let the script see what a login sets; the C library's copy, which only a new process would get, stays."""
+    """Let the script see what a login and ROS's setup file set.
+
+    The C library's copy, which only a new process would get, stays.
+    """
     names: Any = os.environ
     names._data.update(_ENVIRONMENT)
 

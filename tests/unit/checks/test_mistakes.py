@@ -161,6 +161,7 @@ def error(kind: str, message: str) -> StudentError:
         (error("OSError", "[Errno 22] Invalid argument"), "crashed", ("OSError",)),
         (error("error", "(25, 'Inappropriate ioctl for device')"), "no_terminal", ("7",)),
         (error("TclError", "no display name and no $DISPLAY environment variable"), "no_display", ("17",)),
+        (error("ValueError", ""), "crashed", ("ValueError: ",)),
         (error("ZeroDivisionError", "division by zero"), "crashed", ("ZeroDivisionError", "17")),
         (None, "killed", ("SIGSEGV",)),
     ],
