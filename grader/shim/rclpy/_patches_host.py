@@ -5,6 +5,7 @@ from __future__ import annotations
 import _random
 import errno
 import os
+import sys
 
 from rclpy._entries import HOME, UID, USER, WORK
 from rclpy._kernel import kernel
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 PID = 4242
 CPUS = 4
 HOST = "ubuntu"
+PYTHON = "/usr/bin/python3"
 TERMINAL = (80, 24)
 NO_DISPLAY = "no display name and no $DISPLAY environment variable"
 _ENVIRONMENT = {
@@ -41,6 +43,7 @@ def set_environment() -> None:
     """
     names: Any = os.environ
     names._data.update(_ENVIRONMENT)
+    sys.executable = PYTHON
 
 
 def seed_entropy(seed: int) -> None:
