@@ -1,8 +1,11 @@
 """Statements that are sent together are one transaction with the others, on both engines, also when they fail."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import psycopg
 import pytest
-from sqlalchemy import event, text
+from sqlalchemy import Connection, event, text
 
 from grader.contracts.errors import InfrastructureError
 from grader.store.together import together
@@ -15,12 +18,23 @@ def trouble(engine: Engine) -> set[str]:
 
 
 QUICK = pytest.mark.parametrize("quick", [False, True], ids=["", "quick"])
+WAYS = pytest.mark.parametrize("way", ["", "quick", "last"])
 
 
-def change(engine: Engine, quick: bool, *statements: str) -> None:
-    with engine.database.writing(quick=quick) as session, together(session.connection()):
+@contextmanager
+def changing(engine: Engine, way: str) -> Iterator[Connection]:
+    if way == "last":
+        with engine.database.changing() as connection, together(connection, last=True):
+            yield connection
+    else:
+        with engine.database.writing(quick=way == "quick") as session, together(session.connection()):
+            yield session.connection()
+
+
+def change(engine: Engine, way: str, *statements: str) -> None:
+    with changing(engine, way) as connection:
         for statement in statements:
-            session.execute(text(statement))
+            connection.execute(text(statement))
 
 
 @QUICK
@@ -34,9 +48,10 @@ def test_what_was_sent_together_is_there(engine: Engine, quick: bool) -> None:
     assert trouble(engine) == {"one two"}
 
 
-def test_what_was_sent_last_is_committed_and_nobody_elses_work(engine: Engine) -> None:
+@pytest.mark.parametrize("way", ["quick", "last"])
+def test_what_was_sent_last_is_committed_and_nobody_elses_work(engine: Engine, way: str) -> None:
     engine.upload()
-    change(engine, True, "UPDATE submission SET trouble = 'one'")
+    change(engine, way, "UPDATE submission SET trouble = 'one'")
     for quick in (True, False):
         with pytest.raises(ZeroDivisionError), engine.database.writing(quick=quick) as session:  # noqa: PT012
             session.execute(text("UPDATE submission SET trouble = 'lost'"))
@@ -71,7 +86,7 @@ def test_an_upload_costs_few_statements_and_two_ways_to_the_server(
     assert len(waited) == (0 if engine.database.is_sqlite else 1)  # the other way is the commit
 
 
-@QUICK
+@WAYS
 @pytest.mark.parametrize(
     "mishap",
     [
@@ -82,21 +97,21 @@ def test_an_upload_costs_few_statements_and_two_ways_to_the_server(
     ids=["connection ended", "too slow", "idle for too long"],
 )
 def test_a_server_that_fails_meanwhile_is_said_not_to_answer(
-    permits: PostgresEngine, mishap: tuple[str, ...], quick: bool
+    permits: PostgresEngine, mishap: tuple[str, ...], way: str
 ) -> None:
     permits.upload()
     with pytest.raises(InfrastructureError, match="does not answer"):
-        change(permits, quick, "UPDATE submission SET trouble = 'lost'", *mishap)
+        change(permits, way, "UPDATE submission SET trouble = 'lost'", *mishap)
     assert trouble(permits) == {""}
 
 
-@QUICK
-def test_a_statement_that_is_wrong_undoes_the_others(permits: PostgresEngine, quick: bool) -> None:
+@WAYS
+def test_a_statement_that_is_wrong_undoes_the_others(permits: PostgresEngine, way: str) -> None:
     permits.upload()
     with pytest.raises(psycopg.errors.CheckViolation):
         change(
             permits,
-            quick,
+            way,
             "UPDATE submission SET trouble = 'lost'",
             "UPDATE submission SET state = 'elsewhere'",
         )
