@@ -288,6 +288,14 @@ def test_notes(note: Note, changes: dict[str, object], code: str) -> None:
     assert verdict.mistakes[0] == code
 
 
+def test_what_ended_a_thread_is_explained_as_well() -> None:
+    text = "Thread-1 (go), line 9: AssertionError: The 'x' field must be of type 'float'"
+    hint = silent(notes=(Note(code="thread_exception", text=text),)).hint
+    assert text in hint.zh
+    assert "第 9 行：字段 x 必须是浮点数" in hint.zh
+    assert ". Line 9: the field x must be a float" in hint.en
+
+
 def test_sideways() -> None:
     assert graded("square", AT_REST, notes=(Note(code="lateral_command"),)).mistakes == ("sideways",)
 
