@@ -17,7 +17,7 @@ class ProblemType:
 _RETRY = Text(zh="稍等片刻再试。", en="Wait a moment and try again.")
 _ASK = Text(
     zh="请把 instance 告诉助教或管理员。",
-    en="Tell the instance to an assistant or the operator of the service.",
+    en="Give the instance to an assistant or the operator of the service.",
 )
 
 PROBLEM_TYPES: dict[str, ProblemType] = {
@@ -111,7 +111,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     ),
     "item_not_found": ProblemType(
         status=404,
-        title=Text(zh="没有这个人工评分的项目", en="No person judges such a rubric item"),
+        title=Text(zh="没有这个人工评分的项目", en="There is no such rubric item for people to judge"),
         fix=Text(zh="使用 allowed 中的项目之一。", en="Use one of the items in allowed."),
     ),
     "problem_not_found": ProblemType(
@@ -195,17 +195,17 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     ),
     "regrade_running": ProblemType(
         status=409,
-        title=Text(zh="试评还没有全部完成", en="Not every trial grading is made yet"),
+        title=Text(zh="试评还没有全部完成", en="Not every trial grading is done yet"),
         fix=Text(zh="等 waiting 变成 0 再试。", en="Try again when `waiting` is 0."),
     ),
     "regrade_decided": ProblemType(
         status=409,
-        title=Text(zh="这次重评已经采用或放弃", en="The re-grade was applied or discarded already"),
+        title=Text(zh="这次重评已经采用或放弃", en="The re-grade has already been applied or discarded"),
         fix=Text(zh="需要时新开一次重评。", en="Start another one if need be."),
     ),
     "nothing_to_regrade": ProblemType(
         status=422,
-        title=Text(zh="没有符合条件的提交", en="No submission fits"),
+        title=Text(zh="没有符合条件的提交", en="No submission matches"),
         fix=Text(zh="放宽 which 或 students。", en="Widen `which` or `students`."),
     ),
     "no_course": ProblemType(
@@ -217,7 +217,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     ),
     "invalid_rules": ProblemType(
         status=422,
-        title=Text(zh="规则之间有矛盾", en="The rules make no sense together"),
+        title=Text(zh="规则之间有矛盾", en="The rules contradict each other"),
         fix=Text(zh="改正 detail 所说的规则。", en="Correct the rule that detail names."),
     ),
     "unknown_student": ProblemType(

@@ -52,7 +52,7 @@ def start(browser: Browser, **order: str) -> str:
 def test_a_trial_shows_its_progress(wang: Browser, handed_in: dict[str, str]) -> None:
     page = start(wang)
     text = wang.get(page).text
-    assert "0 of 2 made" in text
+    assert "0 of 2 done" in text
     assert 'src="/static/trial.js"' in text
     assert 'http-equiv="refresh"' not in text  # it would lose the reason that is being written
     assert f'<noscript><p><a href="{page}">' in text
@@ -135,7 +135,7 @@ def test_a_decision_needs_a_reason(
     ("order", "field", "words"),
     [
         ({"assignment": "nothing"}, "assignment", "There is no such assignment"),
-        ({"assignment": "hello"}, "students", "No submission fits"),
+        ({"assignment": "hello"}, "students", "No submission matches"),
         ({"students": "li, nobody; 12<34"}, "students", "Nobody has these ids: nobody, 12&lt;34"),
         ({"students": "ta"}, "students", "Nobody has these ids: ta"),  # staff hands nothing in
     ],

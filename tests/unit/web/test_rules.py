@@ -170,7 +170,7 @@ def test_a_student_sees_when_it_is_due_and_what_lateness_leaves(
     assert "Handed in after" not in shown
     assert f"<time>{handed_in:%Y-%m-%d %H:%M}</time>" in shown
     assert "instants.js" not in shown
-    assert "Times are on the clock of the course, Asia/Shanghai." in shown
+    assert "time zone, Asia/Shanghai." in shown
     earlier = replace(policy, due=services.clock() - timedelta(hours=25))
     services.policies.set("square", earlier, signed)
     assert "80 % is kept, 4 points" in browser.get(result).text
