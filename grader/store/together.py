@@ -84,8 +84,14 @@ def _pipeline(connection: Connection) -> Iterator[Any]:
             yield pipeline
     except (errors.OperationalError, errors.InterfaceError, errors.InternalError) as error:
         # the last: such as a transaction that the server ended because it was idle for too long
-        reason = " ".join(str(error).split())
+        connection.invalidate()  # nothing can be asked on it, not even to roll back
+        reason = " ".join(str(_first(error)).split())
         raise InfrastructureError(f"the database does not answer: {reason}") from error
+
+
+def _first(error: BaseException) -> BaseException:
+    """Return what went wrong first: a pipeline that is left because of it says something else."""
+    return error if error.__context__ is None else _first(error.__context__)
 
 
 def _driver(connection: Connection) -> Any:

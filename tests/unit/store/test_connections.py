@@ -2,6 +2,7 @@
 
 import sys
 from traceback import format_exception
+from typing import NoReturn
 
 import psycopg
 import pytest
@@ -11,6 +12,7 @@ from grader.store import liveness
 from grader.store.database import Database
 from grader.store.permits import loop
 from grader.store.submissions import Submissions
+from grader.store.together import together
 from tests.fakes.clock import FakeClock
 from tests.fakes.postgres import PostgresServer
 
@@ -107,6 +109,30 @@ def test_a_connection_that_breaks_in_a_transaction_is_an_infrastructure_fault(
             session.connection().exec_driver_sql("SELECT 1")
     assert "psycopg" not in caplog.text  # one error says it all
     assert Submissions(postgres_database, FakeClock()).get("none") is None
+
+
+def _lose_the_server() -> NoReturn:
+    try:
+        raise psycopg.OperationalError("shut down")
+    finally:
+        raise psycopg.OperationalError("busy")
+
+
+@pytest.mark.parametrize("quick", [False, True])
+def test_a_connection_that_broke_while_much_was_under_way_is_not_used_again(
+    postgres_database: Database, *, quick: bool
+) -> None:
+    """What broke it is told: psycopg says afterwards that it is busy, and refuses even to roll back."""
+    pids = []
+    for _ in range(2):
+        with (  # noqa: PT012
+            pytest.raises(InfrastructureError, match="shut down"),
+            postgres_database.writing(quick=quick) as session,
+            together(session.connection()),
+        ):
+            pids.append(session.connection().connection.driver_connection.info.backend_pid)
+            _lose_the_server()
+    assert pids[0] != pids[1]
 
 
 def test_a_process_has_as_many_connections_as_it_may(postgres_url: str) -> None:
