@@ -4,6 +4,8 @@ import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from functools import cache
+from typing import Any
 
 import httpx
 import uvicorn
@@ -55,6 +57,12 @@ def services(
 def application(made: Services) -> FastAPI:
     """Return the application around services that somebody else closes."""
     return create_app(lambda: nullcontext(made))
+
+
+@cache
+def openapi_document() -> dict[str, Any]:
+    """The OpenAPI document; making it takes a second."""
+    return create_app(nullcontext).openapi()
 
 
 @contextmanager

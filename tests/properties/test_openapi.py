@@ -7,7 +7,6 @@ SQLite and on PostgreSQL, and always the same. ``GRADER_OPENAPI_EXAMPLES`` asks 
 import os
 import shutil
 from collections.abc import Iterator
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from itertools import chain, count
@@ -22,7 +21,6 @@ from schemathesis.checks import not_a_server_error
 from schemathesis.python.asgi import get_client
 from schemathesis.specs.openapi import checks
 
-from grader.api import create_app
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
@@ -35,7 +33,7 @@ from tests.fakes.postgres import PostgresServer
 
 EXAMPLES = int(os.environ.get("GRADER_OPENAPI_EXAMPLES", "2"))
 ROLES = ("anybody", "operator", "student", "instructor")
-DOCUMENT = create_app(nullcontext).openapi()
+DOCUMENT = server.openapi_document()
 OPERATIONS = [(path, method) for path, methods in DOCUMENT["paths"].items() for method in methods]
 CHECKS = [
     not_a_server_error,

@@ -1,22 +1,18 @@
 """Every endpoint of the OpenAPI document as every role: a new endpoint without a line here fails."""
 
 from collections.abc import Callable
-from contextlib import nullcontext
 from datetime import timedelta
 from typing import Any
 
 import httpx
 import pytest
 
-from grader.api import create_app
 from grader.routes.services import Services
 from tests.fakes.clock import FakeClock
-from tests.fakes.server import TOKEN
+from tests.fakes.server import TOKEN, openapi_document
 
 OPERATIONS = sorted(
-    f"{method} {path}"
-    for path, methods in create_app(nullcontext).openapi()["paths"].items()
-    for method in methods
+    f"{method} {path}" for path, methods in openapi_document()["paths"].items() for method in methods
 )
 
 # in a course; `classmate` is another student of it, `outsider` and `stranger` are of another course
