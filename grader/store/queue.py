@@ -30,6 +30,7 @@ from grader.store.together import together
 _TROUBLE_CHARACTERS = 2_000
 _MOST_DOUBLINGS = 60  # as many make an hour of any pause
 _LATEST = 100  # gradings whose durations tell the pace
+_ASSIGNMENTS = "grader_assignments"  # what a connection has seen stored: a database that lost it has others
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -255,6 +256,7 @@ class Queue:
         grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
         details = detail_values(grading, result)
         with self._database.changing() as connection:
+            known_there: set[str] = connection.info.setdefault(_ASSIGNMENTS, set())
             current = claim_rows.change(connection, claim, _outcome(claim, result, grading))
             stored = current or claim_rows.stored_already(connection, grading)
             known = None
@@ -262,12 +264,14 @@ class Queue:
                 known = claim_rows.resume(connection, worker, self._clock(), self._policy.lease_s)
             taken = None if worker is None or known else self._take(connection, worker)
             with together(connection, last=True):
-                if current and graded is not None:
+                if current and graded is not None and graded["sha256"] not in known_there:
                     add_once(connection, GradedAssignmentRow, **graded)
                 if current:
                     insert_grading(connection, grading, details)
                 if taken is not None:
                     self._database.announcer.claimed(connection, taken)
+        if current and graded is not None:
+            known_there.add(graded["sha256"])
         return stored, known or taken
 
     def _take(self, connection: Connection, worker: str) -> Claim | None:
