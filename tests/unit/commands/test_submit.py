@@ -142,7 +142,7 @@ def test_as_json_it_is_the_stored_report(submit, services: Services) -> None:
 def test_a_refusal_says_what_to_do(submit) -> None:
     status, _, errors = submit("x = 1\ndef broken(\n", "--student", "s1", "--lang", "en")
     assert status == 2
-    assert "line 2" in errors
+    assert "Line 2" in errors
     assert "def broken(" in errors
     assert "Traceback" not in errors
 
