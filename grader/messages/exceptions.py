@@ -75,6 +75,8 @@ _SIGNS: Final = tuple(
 """What ``Type: message`` begins with (the traceback follows) and the code for it; the first that fits counts."""
 
 
+_LONGEST: Final = 200
+_MODULE_PATH: Final = re.compile(r" \(/\S+\)$")
 _WITHOUT_WORDS: Final = Text(zh="没有更多说明", en="without a word")
 
 
@@ -88,4 +90,6 @@ def meaning(error: StudentError, otherwise: str) -> tuple[str, Text]:
 
 
 def _first_line(message: str) -> str:
-    return message.strip().splitlines()[0][:200] if message.strip() else ""
+    """Return it without the colon before further lines and the path of a module behind it."""
+    line = message.strip().partition("\n")[0].rstrip(":")
+    return _MODULE_PATH.sub("", line)[:_LONGEST]

@@ -70,7 +70,7 @@ def error(kind: str, message: str) -> StudentError:
             ("17",),
         ),
         (
-            error("InvalidTopicNameException", "Invalid topic name: must not\n 'a b'\n   ^"),
+            error("InvalidTopicNameException", "Invalid topic name: must not:\n 'a b'\n   ^"),
             "bad_name",
             ("must not",),
         ),
@@ -123,9 +123,9 @@ def error(kind: str, message: str) -> StudentError:
             ("Pose",),
         ),
         (
-            error("ImportError", "cannot import name 'twist' from 'geometry_msgs.msg' (x)"),
+            error("ImportError", "cannot import name 'twist' from 'geometry_msgs.msg' (/opt/ros/a.py)"),
             "missing_module",
-            ("Twist",),
+            ("'twist' from 'geometry_msgs.msg'",),
         ),
         (error("IndexError", "list index out of range"), "crashed", ("IndexError",)),
         (
@@ -170,6 +170,8 @@ def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]
     verdict = silent(RunStatus.CRASHED, error=problem, signal="SIGSEGV")
     assert verdict.mistakes[0] == code
     assert all(word in verdict.hint.zh and word in verdict.hint.en for word in words)
+    assert "/opt/ros" not in verdict.hint.zh  # where a module stands tells a student nothing
+    assert ":）" not in verdict.hint.zh
 
 
 @pytest.mark.parametrize(
