@@ -53,18 +53,17 @@ def run(arguments: argparse.Namespace) -> int:
     logs.configure(settings.log_format, settings.log_level)
     sys.setswitchinterval(_SWITCH_S)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
-    with _listening(settings.host, settings.port) as listener:
+    with _listening(settings.host, settings.port) as listener, running(settings) as services:
+        app = create_app(lambda: nullcontext(services))
+        server = _Server(app, most_connections(settings.max_streams))
+        # uvicorn raises the signal once more when it has stopped; to be told is no failure
+        signal.signal(signal.SIGTERM, server.stop)
         if settings.log_format == "json":
             _log.info("listening on %s", _url(listener))
         else:
             sys.stderr.write(f"grader: {_url(listener)}/\n")
             sys.stderr.flush()
-        with running(settings) as services:
-            app = create_app(lambda: nullcontext(services))
-            server = _Server(app, most_connections(settings.max_streams))
-            # uvicorn raises the signal once more when it has stopped; to be told is no failure
-            signal.signal(signal.SIGTERM, server.stop)
-            server.run(sockets=[listener])
+        server.run(sockets=[listener])
     return 0 if server.started else EXIT_COULD_NOT
 
 
