@@ -5,8 +5,8 @@ import shlex
 from pathlib import Path
 
 from grader.catalog import Catalog
+from grader.commands.options import add_language_option
 from grader.contracts.errors import AssignmentError
-from grader.contracts.text import LANGUAGES
 from grader.render.terminal import console
 
 
@@ -30,7 +30,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     new = actions.add_parser("new", help="start a new assignment from a working example / 从例子新建一个作业")
     new.add_argument("name", help="its id, e.g. heptagon / 作业 id")
     for action in actions.choices.values():
-        action.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+        add_language_option(action)
         action.add_argument(
             "--assignments",
             type=Path,

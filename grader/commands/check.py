@@ -5,18 +5,17 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_grading_options, add_language_option, tell
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import SandboxUnavailableError, SubmissionError, UnknownAssignmentError
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.text import LANGUAGES, Language, Text, trouble
+from grader.contracts.text import Language, trouble
 from grader.slot import Slot, SlotConfig
 
 if TYPE_CHECKING:
     from grader.catalog import Catalog
     from grader.contracts.figure import PictureForm
 
-ASSIGNMENT_HELP = "assignment id, else guessed from the file name / 作业 id，不写就从文件名猜"
-JSON_HELP = "print the whole report as JSON / 以 JSON 输出完整报告"
 EXIT_FULL_MARKS = 0
 EXIT_NOT_FULL = 1
 
@@ -25,9 +24,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("file", type=Path, help="the script or answer to grade / 要评分的脚本或答案")
     parser.add_argument("-a", "--assignment", help=ASSIGNMENT_HELP)
-    parser.add_argument(
-        "--lang", choices=LANGUAGES, default="zh", help="language of the feedback / 反馈的语言 (zh)"
-    )
+    add_language_option(parser)
     parser.add_argument("--json", action="store_true", help=JSON_HELP)
     parser.add_argument(
         "--plot",
@@ -39,23 +36,6 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--logs", action="store_true", help="show the script's logs and output, too / 同时显示日志和输出"
     )
     add_grading_options(parser)
-
-
-def add_grading_options(parser: argparse.ArgumentParser) -> None:
-    """Declare what every command that grades on this machine takes."""
-    parser.add_argument(
-        "--assignments",
-        type=Path,
-        metavar="DIR",
-        help="folder of assignments (default: built in) / 作业文件夹（默认：自带的）",
-    )
-    parser.add_argument(
-        "--isolation",
-        choices=("strict", "best-effort", "dev"),
-        default="strict",
-        help="how much of the sandbox must be active (strict); dev: only for your own code, unprotected / "
-        "沙箱的严格程度（strict）；dev 不加保护，只用于自己的代码",
-    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -184,8 +164,11 @@ def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: 
     )
     if not result.measurements.isolation.startswith("strict"):  # weaker than a grade would be given under
         layers = ", ".join(result.measurements.missing_layers)
-        told = Text(zh=f"隔离不完整，缺少：{layers}", en=f"isolation is incomplete, without: {layers}")
-        sys.stderr.write(f"grader: {told.get(language)}\n")
+        tell(
+            arguments,
+            zh=f"grader: 隔离不完整，缺少：{layers}",
+            en=f"grader: isolation is incomplete, without: {layers}",
+        )
 
 
 def _check_plot_path(path: Path) -> None:

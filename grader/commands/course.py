@@ -4,16 +4,8 @@ import argparse
 import sys
 from pathlib import Path
 
-from grader.commands.storage import (
-    Storage,
-    actor,
-    add_course_option,
-    add_data_option,
-    add_language_option,
-    chosen_course,
-    opened,
-    tell,
-)
+from grader.commands.options import add_language_option, tell
+from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
 from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id

@@ -6,7 +6,8 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from grader.commands.storage import add_data_option, add_language_option, database_url, refuse_missing, tell
+from grader.commands.options import add_language_option, tell
+from grader.commands.storage import add_data_option, database_url, refuse_missing
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import Text
 from grader.settings import load

@@ -17,8 +17,8 @@ from rich.console import Console
 from rich.progress import Progress
 
 from grader.catalog import Catalog
+from grader.commands.options import add_language_option
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.text import LANGUAGES
 from grader.render.dashboard import render_dashboard
 from grader.render.labels import word
 from grader.render.terminal import console
@@ -45,7 +45,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         default=Path("demo-output"),
         help="folder for plots and database (demo-output) / 存放轨迹图和数据库的文件夹",
     )
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+    add_language_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

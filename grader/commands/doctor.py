@@ -4,14 +4,14 @@ import argparse
 import json
 import sys
 
-from grader.contracts.text import LANGUAGES
+from grader.commands.options import add_language_option
 from grader.jail.doctor import run_doctor
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("--json", action="store_true", help="print the findings as JSON / 以 JSON 输出")
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+    add_language_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -13,15 +13,8 @@ from zoneinfo import ZoneInfo
 from pydantic import ValidationError
 
 from grader.catalog import Catalog
-from grader.commands.storage import (
-    actor,
-    add_course_option,
-    add_data_option,
-    add_language_option,
-    chosen_course,
-    opened,
-    tell,
-)
+from grader.commands.options import add_language_option, tell
+from grader.commands.storage import actor, add_course_option, add_data_option, chosen_course, opened
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
 from grader.contracts.numerals import whole

@@ -6,13 +6,14 @@ import re
 import sys
 from pathlib import Path
 
-from grader.commands.check import add_grading_options, read_source
+from grader.commands.check import read_source
+from grader.commands.options import add_grading_options, add_language_option
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, World
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.numerals import decimal
 from grader.contracts.outcome import Blame
-from grader.contracts.text import EMPTY, LANGUAGES
+from grader.contracts.text import EMPTY
 from grader.slot import Slot, SlotConfig
 
 _LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
@@ -38,7 +39,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-walls", action="store_true", help="an open world instead of turtlesim's window / 没有墙"
     )
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+    add_language_option(parser)
     add_grading_options(parser)
 
 

@@ -14,8 +14,9 @@ import uvicorn
 from fastapi import FastAPI
 
 from grader.commands.connections import HEADER_BYTES, BoundedConnection, most_connections
+from grader.commands.options import add_language_option
 from grader.contracts.errors import SettingsError
-from grader.contracts.text import LANGUAGES, trouble
+from grader.contracts.text import trouble
 
 _log = logging.getLogger(__name__)
 EXIT_COULD_NOT = 2
@@ -33,7 +34,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "--data", type=Path, metavar="DIR", help="folder of the database (default: here) / 数据库所在文件夹"
     )
     parser.add_argument("--slots", type=int, help="gradings at once (one per core) / 同时评几份")
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+    add_language_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:

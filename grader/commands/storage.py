@@ -2,7 +2,6 @@
 
 import argparse
 import getpass
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -10,7 +9,7 @@ from pathlib import Path
 
 from grader.contracts.errors import CourseError, SettingsError
 from grader.contracts.identity import no_course
-from grader.contracts.text import LANGUAGES, Text, trouble
+from grader.contracts.text import trouble
 from grader.settings import load
 from grader.store.columns import utc_now
 from grader.store.courses import Courses
@@ -38,16 +37,6 @@ def add_data_option(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="folder of the database (default: GRADER_DATABASE_URL, else here) / 数据库所在文件夹",
     )
-
-
-def add_language_option(parser: argparse.ArgumentParser) -> None:
-    """Declare the language of what is told."""
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
-
-
-def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
-    """Say on standard error what was done, in the language of `add_language_option`."""
-    sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
 
 
 def add_course_option(parser: argparse.ArgumentParser) -> None:

@@ -15,13 +15,8 @@ import httpx
 from rich.console import Console
 
 from grader.catalog import Catalog
-from grader.commands.check import (
-    ASSIGNMENT_HELP,
-    EXIT_FULL_MARKS,
-    EXIT_NOT_FULL,
-    JSON_HELP,
-    read_source,
-)
+from grader.commands.check import EXIT_FULL_MARKS, EXIT_NOT_FULL, read_source
+from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_language_option, tell
 from grader.contracts.codec import from_plain
 from grader.contracts.errors import InfrastructureError, SubmissionError, UnknownAssignmentError
 from grader.contracts.report import GradeReport
@@ -66,7 +61,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="file with your token (default: GRADER_TOKEN) / 存着令牌的文件",
     )
-    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+    add_language_option(parser)
     parser.add_argument("--json", action="store_true", help=JSON_HELP)
 
 
@@ -102,7 +97,7 @@ def _upload(client: httpx.Client, arguments: argparse.Namespace, source: bytes, 
     )
     receipt = response.json()
     if receipt["repeated"]:
-        _tell(
+        tell(
             arguments,
             zh="这个文件之前已经提交过，不再占用次数；下面是那一次的结果。",
             en="This file was handed in before and costs no attempt; this is what became of it then.",
@@ -113,15 +108,11 @@ def _upload(client: httpx.Client, arguments: argparse.Namespace, source: bytes, 
 def _tell_lateness(document: dict[str, Any], arguments: argparse.Namespace) -> None:
     kept = document["kept_score"]
     if kept is not None and kept != document["score"]:
-        _tell(
+        tell(
             arguments,
             zh=f"截止后提交，按规则计 {score(kept)} 分。",
             en=f"Handed in after it was due: {score(kept)} points are kept.",
         )
-
-
-def _tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
-    sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
 
 
 def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dict[str, Any]:

@@ -7,16 +7,8 @@ from collections.abc import Iterable
 from datetime import timedelta
 from io import TextIOWrapper
 
-from grader.commands.storage import (
-    Storage,
-    actor,
-    add_course_option,
-    add_data_option,
-    add_language_option,
-    chosen_course,
-    opened,
-    tell,
-)
+from grader.commands.options import add_language_option, tell
+from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
 from grader.contracts.numerals import whole

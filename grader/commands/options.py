@@ -1,0 +1,37 @@
+"""Options that several commands take, and how they say what was done."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from grader.contracts.text import LANGUAGES, Text
+
+ASSIGNMENT_HELP = "assignment id, else guessed from the file name / 作业 id，不写就从文件名猜"
+JSON_HELP = "print the whole report as JSON / 以 JSON 输出完整报告"
+
+
+def add_language_option(parser: argparse.ArgumentParser) -> None:
+    """Declare the language of what is told."""
+    parser.add_argument("--lang", choices=LANGUAGES, default="zh", help="language / 语言 (zh)")
+
+
+def add_grading_options(parser: argparse.ArgumentParser) -> None:
+    """Declare what every command that grades on this machine takes."""
+    parser.add_argument(
+        "--assignments",
+        type=Path,
+        metavar="DIR",
+        help="folder of assignments (default: built in) / 作业文件夹（默认：自带的）",
+    )
+    parser.add_argument(
+        "--isolation",
+        choices=("strict", "best-effort", "dev"),
+        default="strict",
+        help="how much of the sandbox must be active (strict); dev: only for your own code, unprotected / "
+        "沙箱的严格程度（strict）；dev 不加保护，只用于自己的代码",
+    )
+
+
+def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
+    """Say on standard error what was done, in the language of `add_language_option`."""
+    sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
