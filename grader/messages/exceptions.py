@@ -20,7 +20,11 @@ _SIGNS: Final = tuple(
             r"AttributeError: '(?P<owner>Twist|Vector3)' object has no attribute '(?P<field>\w+)'",
             "unknown_field",
         ),
-        (r"TypeError: (?P<owner>Twist|Vector3)\.__init__\(\) takes 1 positional", "fields_by_position"),
+        (
+            r"TypeError: (?P<owner>Twist|Vector3|Point|Pose|Quaternion|String|Bool|U?Int\d+|Float\d+|Time|Duration|"
+            r"\w+_Request|\w+_Goal)\.__init__\(\) takes 1 positional",
+            "fields_by_position",
+        ),
         (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
         (r"TypeError: (rclpy_resolve_name\(\)|isinstance\(\) arg 2 must be a type)", "wrong_order"),
@@ -37,7 +41,8 @@ _SIGNS: Final = tuple(
         (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
         (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
         (
-            r"TypeError: \w+\.\w+\(\) (takes \d+ positional arguments? but|missing \d+ required positional)",
+            r"TypeError: (?!(Node|Client|Publisher|ActionClient|Rate|Clock)\.)\w+\.\w+\(\) "
+            r"(takes \d+ positional arguments? but|missing \d+ required positional)",
             "wrong_parameters",
         ),
         (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),

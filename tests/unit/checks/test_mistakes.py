@@ -90,6 +90,16 @@ def error(kind: str, message: str) -> StudentError:
         ),
         (error("TypeError", "main() missing 1 required positional argument: 'args'"), "crashed", ("args",)),
         (
+            error("TypeError", "Node.create_timer() missing 1 required positional argument: 'callback'"),
+            "crashed",
+            ("callback",),
+        ),
+        (
+            error("TypeError", "Duration.__init__() takes 1 positional argument but 2 were given"),
+            "fields_by_position",
+            ("seconds=1.0",),
+        ),
+        (
             error("TypeError", "unsupported operand type(s) for -: 'builtin_function_or_method' and 'float'"),
             "function_not_called",
             ("time.time()",),
