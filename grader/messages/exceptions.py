@@ -21,8 +21,8 @@ _SIGNS: Final = tuple(
             "unknown_field",
         ),
         (
-            r"TypeError: (?P<owner>Twist|Vector3|Point|Pose|Quaternion|String|Bool|U?Int\d+|Float\d+|Time|Duration|"
-            r"\w+_Request|\w+_Goal)\.__init__\(\) takes 1 positional",
+            r"TypeError: (?P<owner>Twist|Vector3|Point|Pose|Quaternion|String|Bool|U?Int\d+|Float\d+|Time|"
+            r"Duration|\w+_Request|\w+_Goal)\.__init__\(\) takes 1 positional",
             "fields_by_position",
         ),
         (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
