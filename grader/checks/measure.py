@@ -10,6 +10,7 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.record import positional_record, record
 from grader.contracts.text import Text
 from grader.contracts.verdict import Run
+from grader.messages import say
 
 Option = float | int | str | bool
 Form = Literal["quantity", "count", "flag"]
@@ -56,6 +57,11 @@ class Mistake:
     def explains(self, measure: str) -> bool:
         """Whether an item on `measure` may have failed because of this."""
         return not self.measures or measure in self.measures
+
+
+def mistake(code: str, measures: tuple[str, ...] = (), /, **values: object) -> Mistake:
+    """Return a mistake that spoils `measures`; `values` are what its text names."""
+    return Mistake(code, say(f"mistake.{code}", **values), measures)
 
 
 @positional_record

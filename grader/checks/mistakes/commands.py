@@ -6,13 +6,12 @@ from collections.abc import Iterable
 import numpy as np
 
 from grader.checks.drive import is_motion
-from grader.checks.measure import Mistake
+from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes.script import noted
 from grader.checks.quantity import number
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Floats, Trajectory
 from grader.contracts.verdict import Run
-from grader.messages import say
 from grader.messages.details import explained
 
 TWIST = "geometry_msgs/msg/Twist"
@@ -26,16 +25,16 @@ def command_mistakes(run: Run, topic: str) -> tuple[Mistake, ...]:
     """Return why the car got no commands on `topic`, or stopped obeying them."""
     outcome = run.outcome
     if _teleports(run.trajectory):
-        return (_mistake("teleported", topic=topic),)
+        return (mistake("teleported", topic=topic),)
     if outcome.command_count == 0:
         return _silence(outcome, topic)
     if outcome.nonfinite_commands:
-        return (_mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
+        return (mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
     if noted(outcome, "lateral_command") is not None:
-        return (_mistake("sideways"),)
+        return (mistake("sideways"),)
     commands = run.trajectory.commands
     if commands and not any(is_motion(command) for command in commands):
-        return (_mistake("zero_commands"),)
+        return (mistake("zero_commands"),)
     return _timeouts(run.trajectory, outcome)
 
 
@@ -74,25 +73,25 @@ def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
     if set(right) & set(twists):
         return _unused_publisher(outcome, topic)
     if right:
-        return (_mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
+        return (mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
     if publishers:
-        return (_mistake("wrong_topic", used=_names(twists or publishers), topic=topic),)
+        return (mistake("wrong_topic", used=_names(twists or publishers), topic=topic),)
     if outcome.status not in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         return ()
     if (call := noted(outcome, "forbidden")) is not None:
-        return (_mistake("forbidden", detail=explained(RunStatus.FORBIDDEN, call)),)
+        return (mistake("forbidden", detail=explained(RunStatus.FORBIDDEN, call)),)
     if outcome.exit_code == _USAGE and outcome.stderr.text.startswith("usage: "):
-        return (_mistake("no_arguments"),)
-    return (_mistake("no_publisher", topic=topic) if outcome.nodes else _mistake("nothing_ran"),)
+        return (mistake("no_arguments"),)
+    return (mistake("no_publisher", topic=topic) if outcome.nodes else mistake("nothing_ran"),)
 
 
 def _unused_publisher(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
     if noted(outcome, "incompatible_qos") == topic:
-        return (_mistake("incompatible_qos", topic=topic),)
+        return (mistake("incompatible_qos", topic=topic),)
     if outcome.status is RunStatus.FINISHED:
-        return (_mistake("never_spun", ended=number(outcome.duration_ns / 1e9, "s")),)
+        return (mistake("never_spun", ended=number(outcome.duration_ns / 1e9, "s")),)
     if outcome.status is RunStatus.INTERRUPTED:
-        return (_mistake("never_published"),)
+        return (mistake("never_published"),)
     return ()
 
 
@@ -111,8 +110,4 @@ def _timeouts(trajectory: Trajectory, outcome: RunOutcome) -> tuple[Mistake, ...
     ]
     if not gaps:
         return ()
-    return (_mistake("published_once", times=len(gaps), silence=number(max(gaps) / 1e9, "s")),)
-
-
-def _mistake(code: str, **values: object) -> Mistake:
-    return Mistake(code, say(f"mistake.{code}", **values))
+    return (mistake("published_once", times=len(gaps), silence=number(max(gaps) / 1e9, "s")),)

@@ -7,13 +7,12 @@ import numpy as np
 
 from grader.checks.credit import fits
 from grader.checks.drive import Drive
-from grader.checks.measure import UNMEASURED, Measure, Mistake
+from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.verdict import Run
-from grader.messages import say
 
 MIN_MOTION_M = 0.05
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
@@ -36,18 +35,18 @@ def motion_mistakes(
     if "turned_deg" in lost:
         found.append(_turning(drive, values))
     if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:
-        text = say("mistake.came_back", way_back=number(values["way_back_m"], "m"))
-        found.append(Mistake("came_back", text, ("way_back_m", "advance_m")))
+        found.append(
+            mistake("came_back", ("way_back_m", "advance_m"), way_back=number(values["way_back_m"], "m"))
+        )
     elif "advance_m" in lost and values["advance_m"] > MIN_MOTION_M:
-        text = say("mistake.too_short", distance=number(values["advance_m"], "m"))
-        found.append(Mistake("too_short", text, ("advance_m",)))
+        found.append(mistake("too_short", ("advance_m",), distance=number(values["advance_m"], "m")))
     return tuple(found)
 
 
 def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:
     if advance_m < -MIN_MOTION_M:
         code = "drove_forward" if backward else "drove_backward"
-        yield Mistake(code, say(f"mistake.{code}", distance=number(-advance_m, "m")), ("advance_m",))
+        yield mistake(code, ("advance_m",), distance=number(-advance_m, "m"))
 
 
 def _turned_round(drive: Drive, *, backward: bool) -> bool:
@@ -61,12 +60,11 @@ def _turning(drive: Drive, values: Mapping[str, float]) -> Mistake:
     turned = number(values["turned_deg"], "deg")
     spoilt = ("turned_deg", "lateral_pct", "way_back_m", "advance_m")
     if travelled_m < MIN_MOTION_M:
-        return Mistake("only_turned", say("mistake.only_turned", turned=turned))
+        return mistake("only_turned", turned=turned)
     if _on_the_spot(drive):
-        return Mistake("turned_too", say("mistake.turned_too", turned=turned), spoilt)
+        return mistake("turned_too", spoilt, turned=turned)
     radius_m = travelled_m / math.radians(values["turned_deg"])
-    text = say("mistake.curved", turned=turned, radius=number(radius_m, "m"))
-    return Mistake("curved", text, spoilt)
+    return mistake("curved", spoilt, turned=turned, radius=number(radius_m, "m"))
 
 
 def _on_the_spot(drive: Drive) -> bool:

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 
-from grader.checks.measure import Mistake
+from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import number
 from grader.contracts.outcome import RunOutcome, RunStatus
-from grader.messages import say
 
 INFO = 20
 _LEVELS = {10: "DEBUG", 30: "WARN", 40: "ERROR", 50: "FATAL"}
@@ -17,12 +16,12 @@ def node_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
     found = [*script_mistakes(outcome)]
     if not found and not outcome.nodes:
         code = "init_without_node" if outcome.status is RunStatus.INTERRUPTED else "nothing_ran"
-        found.append(Mistake(code, say(f"mistake.{code}")))
+        found.append(mistake(code))
     elif outcome.nodes:
         found += _logging(outcome)
         if outcome.status is RunStatus.FINISHED:
             ended = number(outcome.duration_ns / 1e9, "s")
-            found.append(Mistake("not_spinning", say("mistake.not_spinning", ended=ended), ("alive",)))
+            found.append(mistake("not_spinning", ("alive",), ended=ended))
     return tuple(found)
 
 
@@ -31,8 +30,8 @@ def _logging(outcome: RunOutcome) -> Iterator[Mistake]:
         return
     if outcome.logs:
         levels = sorted({_LEVELS.get(record.level, str(record.level)) for record in outcome.logs})
-        yield Mistake("wrong_level", say("mistake.wrong_level", levels=", ".join(levels)), ("info_logs",))
+        yield mistake("wrong_level", ("info_logs",), levels=", ".join(levels))
     elif outcome.stdout.text.strip():
-        yield Mistake("printed", say("mistake.printed"), ("info_logs",))
+        yield mistake("printed", ("info_logs",))
     elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
-        yield Mistake("never_logged", say("mistake.never_logged"), ("info_logs",))
+        yield mistake("never_logged", ("info_logs",))

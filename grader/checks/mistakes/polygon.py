@@ -9,7 +9,7 @@ import numpy as np
 from grader.checks.credit import fits
 from grader.checks.drive import MOVING_MPS, MOVING_RADPS
 from grader.checks.driven_polygon import DrivenPolygon
-from grader.checks.measure import Mistake
+from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import listed, number
@@ -66,8 +66,13 @@ def polygon_mistakes(
     found += command_mistakes(run, assignment.world.cmd_vel_topic)
     cut = _cut_at_the_end(seen)
     if cut:
-        text = say("mistake.time_was_up", time=number(run.outcome.duration_ns / 1e9, "s"))
-        found.append(Mistake("time_was_up", text, ("settled", "gap_pct", *_LENGTHS)))
+        found.append(
+            mistake(
+                "time_was_up",
+                ("settled", "gap_pct", *_LENGTHS),
+                time=number(run.outcome.duration_ns / 1e9, "s"),
+            )
+        )
     found += _shape(seen)
     if not cut:
         found += _ending(seen)
@@ -80,10 +85,8 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
     contacts = seen.run.trajectory.contacts
     if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
         wall = contacts[0]
-        yield Mistake(
-            "wall_hit",
-            say("mistake.wall_hit", time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}")),
-            _SHAPE,
+        yield mistake(
+            "wall_hit", _SHAPE, time=number(wall.start_ns / 1e9, "s"), wall=say(f"wall.{wall.wall}")
         )
 
 
@@ -95,13 +98,11 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
     )
     unfinished = seen.driven.figure is None or len(seen.driven.figure.sides_m) < seen.sides
     if fastest >= FAST_TURN_RADPS:
-        text = say("mistake.degrees_as_radians", rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
-        yield Mistake("degrees_as_radians", text, _SHAPE)
+        yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
     elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
-        text = say(
-            "mistake.endless_turn", turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg)
+        yield mistake(
+            "endless_turn", _SHAPE, turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg)
         )
-        yield Mistake("endless_turn", text, _SHAPE)
 
 
 def _circling(seen: _Seen) -> bool:
@@ -113,7 +114,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     figure = seen.driven.figure
     if figure is None:
         if float(seen.driven.drive.path.along_m[-1]) > 0.1 and _circling(seen):
-            yield Mistake("arcs", say("mistake.arcs", share="100 %"), _SHAPE)
+            yield mistake("arcs", _SHAPE, share="100 %")
         return
     if figure.curved_share > MOSTLY_ROUND_SHARE:
         yield _arcs(seen, figure)
@@ -127,8 +128,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
 def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
     """Say how much was driven in arcs: as commanded, or because the car slips."""
     code = "arcs" if any(map(_is_arc, seen.run.trajectory.commands)) else "slipped"
-    text = say(f"mistake.{code}", share=number(100.0 * figure.curved_share, "%"))
-    return Mistake(code, text, ("curved_pct", *_LENGTHS, "gap_pct"))
+    return mistake(code, ("curved_pct", *_LENGTHS, "gap_pct"), share=number(100.0 * figure.curved_share, "%"))
 
 
 def _is_arc(command: Command) -> bool:
@@ -142,29 +142,30 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     values = {"corners": listed(corners, "deg"), "ideal": _degree(ideal), "sides": seen.sides}
     if len(corners) == 0:
         if len(figure.sides_m) == 1:
-            yield Mistake("no_turns", say("mistake.no_turns", **values), _SHAPE)
+            yield mistake("no_turns", _SHAPE, **values)
         return
     mean = float(np.mean(corners))
     uniform = float(np.ptp(corners)) <= 2.0 * SAME_DEG
     off = np.array([seen.loses("corner_deg", corner) for corner in corners.tolist()])
     if bool((corners < 0.0).any()):
-        yield Mistake("zigzag", say("mistake.zigzag", **values), spoilt)
+        yield mistake("zigzag", spoilt, **values)
     elif not off.any():
         return
     elif figure.repeated and _telling_angle(seen, mean) == "interior_angle":
         # a hexagon's interior angle drives a triangle, as often as the loop was meant for the hexagon
-        yield Mistake("interior_angle", say("mistake.interior_angle", mean=_degree(mean), **values), spoilt)
+        yield mistake("interior_angle", spoilt, mean=_degree(mean), **values)
     elif _is_other_figure(seen, figure, mean) and uniform:
         yield _other_figure(seen, figure)
     elif uniform and (telling := _telling_angle(seen, mean)) is not None:
-        yield Mistake(telling, say(f"mistake.{telling}", mean=_degree(mean), **values), spoilt)
+        yield mistake(telling, spoilt, mean=_degree(mean), **values)
     elif bool(off.all()) and abs(int(np.sum(np.sign(corners - ideal)))) == len(corners):
         code = "turns_too_far" if mean > ideal else "turns_too_short"
-        yield Mistake(code, say(f"mistake.{code}", excess=_degree(abs(mean - ideal)), **values), spoilt)
+        yield mistake(code, spoilt, excess=_degree(abs(mean - ideal)), **values)
     else:
         worst = int(np.argmax(np.abs(corners - ideal)))
-        text = say("mistake.one_corner_off", number=worst + 1, angle=_degree(float(corners[worst])), **values)
-        yield Mistake("one_corner_off", text, spoilt)
+        yield mistake(
+            "one_corner_off", spoilt, number=worst + 1, angle=_degree(float(corners[worst])), **values
+        )
 
 
 def _telling_angle(seen: _Seen, mean: float) -> str | None:
@@ -186,15 +187,15 @@ def _is_other_figure(seen: _Seen, figure: PolygonFigure, mean: float) -> bool:
 
 
 def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
-    text = say(
-        "mistake.other_figure",
+    return mistake(
+        "other_figure",
+        _SHAPE,
         count=len(figure.sides_m),
         corners=_degree(float(np.mean(seen.driven.corners_deg))),
         figure=say(seen.wanted.figure),
         sides=seen.sides,
         ideal=_degree(seen.ideal_deg),
     )
-    return Mistake("other_figure", text, _SHAPE)
 
 
 def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
@@ -208,8 +209,7 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         if count < seen.sides
         else "sides_extra"
     )
-    text = say(f"mistake.{code}", count=count, sides=seen.sides)
-    yield Mistake(code, text, ("sides", "gap_pct", "settled"))
+    yield mistake(code, ("sides", "gap_pct", "settled"), count=count, sides=seen.sides)
 
 
 def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
@@ -217,13 +217,13 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     if not seen.loses("side_spread_pct", 100.0 * float(np.ptp(sides)) / float(np.mean(sides))):
         return
     odd = int(np.argmax(np.abs(sides - np.median(sides))))
-    text = say(
-        "mistake.unequal_sides",
+    yield mistake(
+        "unequal_sides",
+        ("side_spread_pct", "gap_pct"),
         number=odd + 1,
         length=number(float(sides[odd]), "m"),
         lengths=listed(sides, "m"),
     )
-    yield Mistake("unequal_sides", text, ("side_spread_pct", "gap_pct"))
 
 
 def _lengths(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
@@ -231,12 +231,12 @@ def _lengths(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     wanted, error_pct = seen.wanted, seen.wanted.side_error_pct(figure.sides_m)
     if len(figure.sides_m) != wanted.sides or not seen.loses("side_error_pct", error_pct):
         return
-    text = say(
-        "mistake.wrong_lengths",
+    yield mistake(
+        "wrong_lengths",
+        ("side_error_pct", "gap_pct"),
         lengths=listed(figure.sides_m, "m"),
         wanted=listed(wanted.aligned(figure.sides_m), "m"),
     )
-    yield Mistake("wrong_lengths", text, ("side_error_pct", "gap_pct"))
 
 
 def _cut_at_the_end(seen: _Seen) -> bool:
@@ -259,19 +259,16 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
     """What was driven before and after a figure that may be right."""
     drive, figure = seen.driven.drive, seen.driven.figure
     if figure is not None and figure.approach_m > 0.0:
-        text = say("mistake.approach", distance=number(figure.approach_m, "m"))
-        yield Mistake("approach", text, ("gap_pct",))
+        yield mistake("approach", ("gap_pct",), distance=number(figure.approach_m, "m"))
     repeated, overrun = (figure.repeated, figure.overrun) if figure is not None else (False, False)
     if (overrun and drive.cut_short) or (not repeated and (drive.moving_at_end or drive.commanded_at_end)):
-        yield Mistake("never_stops", say("mistake.never_stops"), ("settled", "sides", "gap_pct"))
+        yield mistake("never_stops", ("settled", "sides", "gap_pct"))
     elif figure is not None and overrun:
         after_m = float(drive.path.along_m[-1] - drive.path.along_m[figure.end])
-        text = say("mistake.drove_on", distance=number(after_m, "m"))
-        yield Mistake("drove_on", text, ("settled", "gap_pct"))
+        yield mistake("drove_on", ("settled", "gap_pct"), distance=number(after_m, "m"))
     elif seen.driven.turned_on and (turn := seen.driven.segments.turns[-1]) is not None:
         turned = _degree(seen.driven.sense * math.degrees(turn.angle_rad))
-        text = say("mistake.turned_on", turned=turned, ideal=_degree(seen.ideal_deg))
-        yield Mistake("turned_on", text, ("settled",))
+        yield mistake("turned_on", ("settled",), turned=turned, ideal=_degree(seen.ideal_deg))
 
 
 def _degree(value: float) -> str:

@@ -7,14 +7,13 @@ import numpy as np
 
 from grader.checks.credit import fits
 from grader.checks.drive import Drive
-from grader.checks.measure import UNMEASURED, Measure, Mistake
+from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.verdict import Run
 from grader.geometry.segmentation import segment
-from grader.messages import say
 
 SAME_DEG = 4.0
 MIN_TURN_DEG = 3.0
@@ -43,11 +42,11 @@ def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...])
     """Say how the car left its place: without turning, on straight runs, or in a circle."""
     distance = number(drift, "m")
     if not turned > MIN_TURN_DEG:
-        return Mistake("only_drove", say("mistake.only_drove", distance=distance))
+        return mistake("only_drove", distance=distance)
     if segment(drive.path).runs:
-        return Mistake("left_place", say("mistake.left_place", drift=distance), spoilt)
+        return mistake("left_place", spoilt, drift=distance)
     radius = number(float(drive.path.along_m[-1]) / math.radians(turned), "m")
-    return Mistake("circling", say("mistake.circling", radius=radius, drift=distance), spoilt)
+    return mistake("circling", spoilt, radius=radius, drift=distance)
 
 
 def _short_turn(turned: float, drive: Drive) -> Iterator[Mistake]:
@@ -56,7 +55,7 @@ def _short_turn(turned: float, drive: Drive) -> Iterator[Mistake]:
     codes = {math.degrees(1.0): "turned_one_radian", 180.0: "half_turn"}
     for telling, code in codes.items():
         if abs(turned - telling) <= SAME_DEG:
-            yield Mistake(code, say(f"mistake.{code}", turned=angle), ("turned_deg",))
+            yield mistake(code, ("turned_deg",), turned=angle)
             return
     code = "turn_too_slow" if drive.cut_short else "turn_too_short"
-    yield Mistake(code, say(f"mistake.{code}", turned=angle), ("turned_deg",))
+    yield mistake(code, ("turned_deg",), turned=angle)

@@ -2,7 +2,7 @@
 
 import re
 
-from grader.checks.measure import Mistake
+from grader.checks.measure import Mistake, mistake
 from grader.contracts.outcome import RunOutcome, RunStatus, StudentError
 from grader.contracts.text import Text
 from grader.messages import join, say
@@ -31,8 +31,7 @@ def script_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
         return (Mistake(*meaning(error, "syntax_error")),)
     if outcome.status in _ENDINGS:
         code = _ENDINGS[outcome.status]
-        text = say(f"mistake.{code}", detail=explained(outcome.status, outcome.detail))
-        return (Mistake(code, text),)
+        return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
     if (thread := noted(outcome, "thread_exception")) is not None:
         return (Mistake("thread_crashed", _in_thread(thread)),)
     return ()
@@ -55,4 +54,4 @@ def _in_thread(note: str) -> Text:
 
 
 def _killed(outcome: RunOutcome) -> Mistake:
-    return Mistake("killed", say("mistake.killed", signal=outcome.signal or "?"))
+    return mistake("killed", signal=outcome.signal or "?")

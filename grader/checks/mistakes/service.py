@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator
 
-from grader.checks.measure import Mistake
+from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import number
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.services import ServiceResult
 from grader.contracts.verdict import Run
-from grader.messages import say
 
 _OWN_TYPES = (
     "rcl_interfaces/",
@@ -26,7 +25,7 @@ def service_mistakes(run: Run, list_field: str) -> tuple[Mistake, ...]:
         return tuple(found)
     if not outcome.nodes:
         code = "init_without_node" if outcome.status is RunStatus.INTERRUPTED else "nothing_ran"
-        return (_mistake(code),)
+        return (mistake(code),)
     return tuple(_unanswered(run, outcome)) or tuple(_empty(run, list_field))
 
 
@@ -38,9 +37,9 @@ def _unanswered(run: Run, outcome: RunOutcome) -> Iterator[Mistake]:
     if result.sent_ns is None:
         yield _not_offered(result, outcome)
     elif outcome.status is RunStatus.FINISHED:
-        yield _mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
+        yield mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
     else:
-        yield _mistake("service_silent", service=result.call.service)
+        yield mistake("service_silent", service=result.call.service)
 
 
 def _not_offered(result: ServiceResult, outcome: RunOutcome) -> Mistake:
@@ -52,20 +51,15 @@ def _not_offered(result: ServiceResult, outcome: RunOutcome) -> Mistake:
     wanted = result.call
     named = [endpoint for endpoint in own if endpoint.name == wanted.service]
     if named and named[0].type == wanted.type:
-        return _mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
+        return mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
     if named:
-        return _mistake("wrong_service_type", service=wanted.service, type=named[0].type, wanted=wanted.type)
+        return mistake("wrong_service_type", service=wanted.service, type=named[0].type, wanted=wanted.type)
     if own:
         used = ", ".join(f"{endpoint.name} ({endpoint.type})" for endpoint in own[:_MAX_NAMED])
-        return _mistake("wrong_service_name", used=used, service=wanted.service)
-    return _mistake("no_service", service=wanted.service, type=wanted.type)
+        return mistake("wrong_service_name", used=used, service=wanted.service)
+    return mistake("no_service", service=wanted.service, type=wanted.type)
 
 
 def _empty(run: Run, list_field: str) -> Iterator[Mistake]:
     if list_field and any(not (result.values or {}).get(list_field) for result in run.calls):
-        text = say("mistake.empty_answer", field=list_field)
-        yield Mistake("empty_answer", text, ("entries",))
-
-
-def _mistake(code: str, **values: object) -> Mistake:
-    return Mistake(code, say(f"mistake.{code}", **values))
+        yield mistake("empty_answer", ("entries",), field=list_field)
