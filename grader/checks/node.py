@@ -8,7 +8,6 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.verdict import Run
 
-INFO = 20
 MEASURES = {
     "nodes": MeasureKind(form="count"),
     "info_logs": MeasureKind(form="count"),
@@ -19,7 +18,7 @@ MEASURES = {
 def examine(assignment: Assignment, run: Run) -> Findings:
     """Count nodes and INFO messages and see whether the script was still running at the horizon."""
     outcome = run.outcome
-    infos = [record for record in outcome.logs if record.level == INFO]
+    infos = [record for record in outcome.logs if record.level_name == "INFO"]
     return Findings(
         measures={
             "nodes": Measure(float(len(outcome.nodes)), {"names": ", ".join(outcome.nodes[:4]) or "—"}),

@@ -1,5 +1,6 @@
 """What happened when a script ran: how it ended, what it said, what it connected to."""
 
+from collections.abc import Mapping
 from dataclasses import field
 from enum import StrEnum
 
@@ -79,14 +80,22 @@ class Endpoint:
     count: int = 0
 
 
+LOG_LEVELS: Mapping[int, str] = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
+
+
 @record
 class LogRecord:
-    """One message that reached /rosout. `level` is 10, 20, 30, 40 or 50."""
+    """One message that reached /rosout. `level` is a key of `LOG_LEVELS`."""
 
     t_ns: int
     level: int
     name: str
     message: str
+
+    @property
+    def level_name(self) -> str:
+        """The level as rcutils prints it."""
+        return LOG_LEVELS.get(self.level, str(self.level))
 
 
 @record

@@ -70,8 +70,6 @@ SUBMISSION_STATE: Mapping[str, Text] = {
     "infrastructure_error": _t("故障", "fault"),
 }
 
-LOG_LEVEL: Mapping[int, str] = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
-
 WALL: Mapping[str, Text] = {
     "left": _t("左墙", "the left wall"),
     "right": _t("右墙", "the right wall"),

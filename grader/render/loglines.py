@@ -4,7 +4,7 @@ from matplotlib.axes import Axes
 
 from grader.contracts.outcome import Blame, LogRecord
 from grader.render import palette
-from grader.render.labels import LOG_LEVEL, RUN_STATUS
+from grader.render.labels import RUN_STATUS
 from grader.render.scene import Scene
 from grader.render.typeface import clipped, drawable
 
@@ -51,12 +51,11 @@ def _row(axes: Axes, record: LogRecord, y: float, end_s: float) -> None:
     marker, colour = _MARKERS.get(record.level, _SEVERE)
     axes.plot([seconds, seconds], [y, 0.1], color=palette.FAINT, lw=0.9, zorder=1)
     axes.plot([seconds], [y], marker, color=colour, ms=8, mec="white", zorder=4)
-    level = LOG_LEVEL.get(record.level, str(record.level))
-    text = clipped(drawable(f"{seconds:.3f} s  {level}  [{record.name}]  {record.message}"), _TEXT_COLUMNS)
+    text = f"{seconds:.3f} s  {record.level_name}  [{record.name}]  {record.message}"
     left = seconds < 0.4 * end_s
     axes.annotate(
-        text, xy=(seconds, y), xytext=(10 if left else -10, 0), textcoords="offset points", va="center",
-        ha="left" if left else "right", fontsize=10.5, color=palette.INK, zorder=5,
+        clipped(drawable(text), _TEXT_COLUMNS), xy=(seconds, y), xytext=(10 if left else -10, 0),
+        textcoords="offset points", va="center", ha="left" if left else "right", fontsize=10.5, color=palette.INK, zorder=5,
         bbox={"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none"},
     )  # fmt: skip
 

@@ -23,7 +23,7 @@ from grader.contracts.text import Text as Sentence
 from grader.messages.details import explained
 from grader.render import quantity
 from grader.render.escape import visible, visible_line
-from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, LOG_LEVEL, note_sentence, word
+from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, note_sentence, word
 from grader.render.prose import Prose
 
 _STYLE = {
@@ -60,9 +60,10 @@ def render_report(
 
 def log_line(record: LogRecord) -> str:
     """Return one log record as ``[   1.500] [INFO] [node]: message``, escaped, on one line."""
-    level = LOG_LEVEL.get(record.level, str(record.level))
     where = visible_line(record.name, 80)
-    return f"[{record.t_ns * _NANO:8.3f}] [{level}] [{where}]: {visible_line(record.message, 2000)}"
+    return (
+        f"[{record.t_ns * _NANO:8.3f}] [{record.level_name}] [{where}]: {visible_line(record.message, 2000)}"
+    )
 
 
 def _header(report: GradeReport, language: Language, file_name: str, title: Sentence) -> RenderableType:

@@ -14,7 +14,7 @@ from grader.contracts.trajectory import Command, Trajectory
 from grader.messages.details import explained
 from grader.render import quantity
 from grader.render.escape import visible, visible_line
-from grader.render.labels import LOG_LEVEL, RUN_STATUS, WALL, word
+from grader.render.labels import RUN_STATUS, WALL, word
 
 MOST_EVENTS = 200
 _NANO = 1e-9
@@ -48,8 +48,7 @@ def render_timeline(
 
 def _events(outcome: RunOutcome, trajectory: Trajectory | None, language: Language) -> Iterator[Event]:
     for record in outcome.logs:
-        level = LOG_LEVEL.get(record.level, str(record.level))
-        line = f"[{level}] [{visible_line(record.name, 80)}]: {visible_line(record.message, 500)}"
+        line = f"[{record.level_name}] [{visible_line(record.name, 80)}]: {visible_line(record.message, 500)}"
         yield Event(record.t_ns, line, _LEVEL_STYLE.get(record.level, ""))
     if trajectory is not None:
         yield from _command_runs(trajectory.commands, language)

@@ -4,7 +4,7 @@ import re
 from typing import Final
 
 from grader.contracts.errors import ProtocolError
-from grader.contracts.outcome import LogRecord, Note
+from grader.contracts.outcome import LOG_LEVELS, LogRecord, Note
 from grader.sim.cdr import decode
 
 LOG: Final = "rcl_interfaces/msg/Log"
@@ -12,7 +12,6 @@ MAX_LOGS: Final = 2_000
 MAX_NOTES: Final = 100
 MAX_TEXT: Final = 1_000  # characters kept of one message
 
-_LEVELS: Final = (10, 20, 30, 40, 50)
 _CODE: Final = re.compile(r"[a-z][a-z0-9_]{0,63}")
 
 
@@ -45,7 +44,7 @@ class Journal:
             return
         values = decode(LOG, payload)
         level = values["level"]
-        if level not in _LEVELS:
+        if level not in LOG_LEVELS:
             raise ProtocolError(f"log record of level {level}")
         self._logs.append(
             LogRecord(

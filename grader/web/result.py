@@ -17,7 +17,6 @@ from grader.render.labels import (
     GRADE_STATUS,
     ITEM_MARK,
     ITEM_STATUS,
-    LOG_LEVEL,
     RUN_STATUS,
     note_sentence,
     word,
@@ -192,7 +191,7 @@ def _notes(outcome: RunOutcome, language: Language) -> tuple[str, ...]:
 def _log(record: LogRecord) -> LogLine:
     return LogLine(
         seconds=f"{record.t_ns * 1e-9:.3f}",
-        level=LOG_LEVEL.get(record.level, str(record.level)),
+        level=record.level_name,
         severe=record.level >= 40,
         name=record.name,
         message=record.message,

@@ -7,9 +7,6 @@ from grader.checks.mistakes.script import script_mistakes
 from grader.checks.quantity import number
 from grader.contracts.outcome import RunOutcome, RunStatus
 
-INFO = 20
-_LEVELS = {10: "DEBUG", 30: "WARN", 40: "ERROR", 50: "FATAL"}
-
 
 def node_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
     """Return what probably went wrong with a first node."""
@@ -26,10 +23,10 @@ def node_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
 
 
 def _logging(outcome: RunOutcome) -> Iterator[Mistake]:
-    if any(record.level == INFO for record in outcome.logs):
+    if any(record.level_name == "INFO" for record in outcome.logs):
         return
     if outcome.logs:
-        levels = sorted({_LEVELS.get(record.level, str(record.level)) for record in outcome.logs})
+        levels = sorted({record.level_name for record in outcome.logs})
         yield mistake("wrong_level", ("info_logs",), levels=", ".join(levels))
     elif outcome.stdout.text.strip():
         yield mistake("printed", ("info_logs",))
