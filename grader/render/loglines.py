@@ -55,7 +55,8 @@ def _row(axes: Axes, record: LogRecord, y: float, end_s: float) -> None:
     left = seconds < 0.4 * end_s
     axes.annotate(
         clipped(drawable(text), _TEXT_COLUMNS), xy=(seconds, y), xytext=(10 if left else -10, 0),
-        textcoords="offset points", va="center", ha="left" if left else "right", fontsize=10.5, color=palette.INK, zorder=5,
+        textcoords="offset points", va="center", ha="left" if left else "right",
+        fontsize=10.5, color=palette.INK, zorder=5,
         bbox={"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none"},
     )  # fmt: skip
 
