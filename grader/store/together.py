@@ -37,7 +37,7 @@ def together(connection: Connection, *, last: bool = False) -> Iterator[None]:
         with _pipeline(connection):
             yield
             if last:
-                _driver(connection).commit()  # so SQLAlchemy's own commit finds nothing to do
+                _driver(connection).execute("COMMIT")  # SQLAlchemy's own finds nothing to do then
         return
     about[_UNANSWERED] = True
     try:
