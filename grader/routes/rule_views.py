@@ -21,12 +21,13 @@ from grader.contracts.validation_words import OUT_OF_YEARS
 from grader.routes.numbers import Number, Whole
 from grader.routes.problems import ProblemError
 
-_MOST_S = 10 * 366 * 86_400
-_MOST_ATTEMPTS = 10_000
+MOST_S = 10 * 366 * 86_400
+MOST_ATTEMPTS = 10_000
+YEARS = range(2000, 2201)  # near the ends of the calendar arithmetic overflows
 
 
 def _in_our_years(instant: datetime) -> datetime:
-    if not 2000 <= instant.year <= 2200:  # near the ends of the calendar arithmetic overflows
+    if instant.year not in YEARS:
         raise PydanticCustomError(*OUT_OF_YEARS)
     return instant
 
@@ -51,7 +52,7 @@ class LateStepBody(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    after_s: Whole = Field(ge=0, le=_MOST_S, description="Late by more than this.", examples=[86_400])
+    after_s: Whole = Field(ge=0, le=MOST_S, description="Late by more than this.", examples=[86_400])
     keep: Number = Field(ge=0.0, le=1.0, description="Share of the points that is kept.", examples=[0.8])
 
 
@@ -80,15 +81,15 @@ class PolicyBody(BaseModel):
     accept_late_s: Whole | None = Field(
         default=None,
         ge=0,
-        le=_MOST_S,
+        le=MOST_S,
         description="How long after `due`; null: for ever.",
         examples=[172_800],
     )
     attempts: Whole | None = Field(
-        default=None, ge=1, le=_MOST_ATTEMPTS, description="In all; null: any number."
+        default=None, ge=1, le=MOST_ATTEMPTS, description="In all; null: any number."
     )
     attempts_per_day: Whole | None = Field(
-        default=None, ge=1, le=_MOST_ATTEMPTS, description="In a calendar day of the course."
+        default=None, ge=1, le=MOST_ATTEMPTS, description="In a calendar day of the course."
     )
     counts: Counts = Field(default=Counts.BEST, description="Which attempt counts.")
     hidden_items: list[Annotated[str, Field(max_length=128)]] = Field(
@@ -109,7 +110,7 @@ class ExtensionBody(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     due: Instant | None = Field(default=None, description="Later than everybody's, else without effect.")
-    extra_attempts: Whole = Field(default=0, ge=0, le=_MOST_ATTEMPTS)
+    extra_attempts: Whole = Field(default=0, ge=0, le=MOST_ATTEMPTS)
 
 
 class ExtensionChange(ExtensionBody):

@@ -18,8 +18,8 @@ from grader.contracts.text import Language
 from grader.render.escape import visible
 from grader.store.policies import Rules
 
-_STREAM_CHARACTERS = 16_384
-_LOG_RECORDS = 200
+SHOWN_CHARACTERS = 16_384
+SHOWN_LOGS = 200
 _ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
 SUBMISSIONS = "/api/v1/submissions/"
 
@@ -269,7 +269,7 @@ def _item(item: Mapping[str, Any], language: Language) -> RubricItemView:
 def _run(run: Mapping[str, Any]) -> RunView:
     outcome = run["outcome"]
     status = RunStatus(outcome["status"])
-    logs = outcome["logs"][:_LOG_RECORDS]
+    logs = outcome["logs"][:SHOWN_LOGS]
     changed = {
         "case": run["case"],
         "blame": status.blame,
@@ -298,5 +298,5 @@ def _error(error: Mapping[str, Any] | None) -> StudentErrorView | None:
 
 def _stream(stream: Mapping[str, Any]) -> StreamView:
     text = stream["text"]
-    left_out = max(0, len(text) - _STREAM_CHARACTERS)
-    return StreamView(text=visible(text[:_STREAM_CHARACTERS]), dropped=stream["dropped_bytes"] + left_out)
+    left_out = max(0, len(text) - SHOWN_CHARACTERS)
+    return StreamView(text=visible(text[:SHOWN_CHARACTERS]), dropped=stream["dropped_bytes"] + left_out)

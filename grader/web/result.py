@@ -21,9 +21,7 @@ from grader.render.labels import (
     note_sentence,
     word,
 )
-
-_LOG_RECORDS = 200
-_STREAM_CHARACTERS = 16_384
+from grader.routes.submission_views import SHOWN_CHARACTERS, SHOWN_LOGS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,8 +168,8 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
         error=outcome.error,
         detail=explained(outcome.status, outcome.detail).get(language),
         notes=_notes(outcome, language),
-        logs=tuple(_log(record) for record in outcome.logs[:_LOG_RECORDS]),
-        logs_dropped=outcome.logs_dropped + max(0, len(outcome.logs) - _LOG_RECORDS),
+        logs=tuple(_log(record) for record in outcome.logs[:SHOWN_LOGS]),
+        logs_dropped=outcome.logs_dropped + max(0, len(outcome.logs) - SHOWN_LOGS),
         stdout=stream_text(outcome.stdout),
         stderr=stream_text(outcome.stderr),
     )
@@ -200,5 +198,5 @@ def _log(record: LogRecord) -> LogLine:
 
 def stream_text(stream: Stream) -> StreamText:
     """Return captured output as far as a page shows it."""
-    left_out = max(0, len(stream.text) - _STREAM_CHARACTERS)
-    return StreamText(text=stream.text[:_STREAM_CHARACTERS], dropped=stream.dropped_bytes + left_out)
+    left_out = max(0, len(stream.text) - SHOWN_CHARACTERS)
+    return StreamText(text=stream.text[:SHOWN_CHARACTERS], dropped=stream.dropped_bytes + left_out)

@@ -15,11 +15,9 @@ from pydantic import BaseModel, ConfigDict, Field
 from grader.contracts.instants import instant
 from grader.contracts.numerals import decimal, whole, written
 from grader.contracts.policy import AssignmentPolicy, Counts, Extension, LateKind, LateRule, LateStep
+from grader.routes.rule_views import MOST_ATTEMPTS, MOST_S, YEARS
 
 _HOUR_S = 3600
-_MOST_HOURS = 10 * 366 * 24
-_MOST_ATTEMPTS = 10_000
-_YEARS = range(2000, 2201)
 _SPARE_STEPS = 2
 CHANGED_MEANWHILE = "rules.error.meanwhile"
 EXTENDED_MEANWHILE = "rules.error.extended_meanwhile"
@@ -181,7 +179,7 @@ def _instant(text: str, zone: ZoneInfo) -> datetime | None:
         typed = instant(text)
     except ValueError:
         raise FieldError("rules.error.instant") from None
-    if typed.year not in _YEARS:
+    if typed.year not in YEARS:
         raise FieldError("rules.error.years")
     return typed.replace(tzinfo=zone) if typed.tzinfo is None else typed
 
@@ -193,7 +191,7 @@ def _count(text: str, least: Literal[0, 1]) -> int | None:
         number = whole(text.strip())
     except ValueError:
         raise FieldError("rules.error.count") from None
-    if not least <= number <= _MOST_ATTEMPTS:
+    if not least <= number <= MOST_ATTEMPTS:
         raise FieldError(f"rules.error.count_from_{least}")
     return number
 
@@ -221,7 +219,7 @@ def _steps(form: RuleForm) -> LateRule:
 
 
 def _seconds(hours: str) -> int | None:
-    number = _between(hours, _MOST_HOURS, "rules.error.hours")
+    number = _between(hours, MOST_S / _HOUR_S, "rules.error.hours")
     return None if number is None else round(number * _HOUR_S)
 
 
