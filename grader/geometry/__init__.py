@@ -1,4 +1,4 @@
-"""Geometry of a driven path: pure numpy, no contracts, no I/O.
+"""Geometry of a driven path: pure numpy, no I/O.
 
 `path` turns recorded poses into a driven path, `segmentation` cuts it into runs and turns, `figure`
 measures the polygon they make.

@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 REVERSAL_SHARE = 0.06  # a way back shorter than this share of the path's extent is a correction
 MIN_REVERSAL_M = 0.01

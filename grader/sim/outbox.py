@@ -10,16 +10,11 @@ MAX_QUEUED: Final = 2_000
 
 
 class Outbox:
-    """Events for the jail in order of time, and the subscriptions of the script.
-
-    Attributes:
-        dropped: events that found the queue full.
-    """
+    """Events for the jail in order of time, and the subscriptions of the script."""
 
     def __init__(self) -> None:
         self._queue: deque[Event] = deque()
         self._listeners: dict[str, list[int]] = {}
-        self.dropped = 0
 
     def __bool__(self) -> bool:
         return bool(self._queue)
@@ -50,10 +45,8 @@ class Outbox:
         self.add(Event(RESPONSE_EVENT, request.id, request.sequence, t_ns, payload))
 
     def add(self, event: Event) -> None:
-        """Queue `event`, or count it as dropped when the script never fetches what is due."""
-        if len(self._queue) >= MAX_QUEUED:
-            self.dropped += 1
-        else:
+        """Queue `event`, or drop it when the queue is full: the script never fetches what is due."""
+        if len(self._queue) < MAX_QUEUED:
             self._queue.append(event)
 
     def take(self) -> tuple[int, list[Event]]:

@@ -29,7 +29,6 @@ def test_answers_and_queue_are_bounded() -> None:
     outbox = Outbox()
     for _ in range(MAX_QUEUED + 3):
         outbox.add(Event(1, 1, 0, 7, b""))
-    assert outbox.dropped == 3
     taken = 0
     while outbox:
         now_ns, events = outbox.take()
