@@ -4,8 +4,9 @@ What a way costs is not the statement but waiting for a processor, once there an
 is no way, nothing here changes anything.
 """
 
+import socket
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from sqlalchemy import Connection
@@ -34,7 +35,7 @@ def together(connection: Connection, *, last: bool = False) -> Iterator[None]:
         return
     about = connection.info  # cannot be asked for once the connection is lost
     if _PIPELINE not in about:
-        with _pipeline(connection):
+        with _pipeline(connection), _in_one_piece(connection):
             yield
             if last:
                 _driver(connection).execute("COMMIT")  # SQLAlchemy's own finds nothing to do then
@@ -87,6 +88,19 @@ def _pipeline(connection: Connection) -> Iterator[Any]:
         connection.invalidate()  # nothing can be asked on it, not even to roll back
         reason = " ".join(str(_first(error)).split())
         raise InfrastructureError(f"the database does not answer: {reason}") from error
+
+
+@contextmanager
+def _in_one_piece(connection: Connection) -> Iterator[None]:
+    """Keep what is sent until the end. The driver sends each statement by itself, and wakes the server."""
+    with socket.fromfd(_driver(connection).fileno(), socket.AF_INET, socket.SOCK_STREAM) as wire:
+        with suppress(OSError):  # a Unix socket has no cork
+            wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_CORK, 1)
+        try:
+            yield
+        finally:
+            with suppress(OSError):
+                wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_CORK, 0)
 
 
 def _first(error: BaseException) -> BaseException:
