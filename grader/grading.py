@@ -17,11 +17,8 @@ from grader.bootstrap import build_sandbox
 from grader.contracts.errors import GraderError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
-from grader.jail import libc
 from grader.sandbox import Sandbox
 from grader.slot import Channel, SlotConfig, job_from_message, result_message
-
-_SLICE_NS = 5_000_000  # the kernel's own is at most 3 ms
 
 
 def main(arguments: list[str]) -> int:
@@ -45,15 +42,14 @@ def main(arguments: list[str]) -> int:
 def _give_way(niceness: int) -> None:
     """Let everybody else go before this process, and before whatever it will start.
 
-    Beside the niceness: a process of the batch class does not interrupt others when it wakes up (sched(7)). One
-    with a longer time slice than others is interrupted by them at once, whatever it has had of the slice. And
+    Beside the niceness: a process of the batch class does not interrupt others when it wakes up (sched(7)). And
     where the kernel groups processes by session (autogroup), niceness counts only inside a session, unless the
     session gets one, too.
     """
     try:
         os.setpriority(os.PRIO_PROCESS, 0, niceness)
         if sys.platform == "linux":
-            libc.set_schedule(os.SCHED_BATCH, niceness, _SLICE_NS)
+            os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
             with open("/proc/self/autogroup", "w", encoding="ascii") as file:
                 file.write(str(niceness))
     except OSError:

@@ -5,7 +5,6 @@ Standard library only: imported by the zygote.
 
 import ctypes
 import os
-import struct
 from typing import Final
 
 _libc = ctypes.CDLL(None, use_errno=True)
@@ -20,7 +19,6 @@ NR_LANDLOCK_ADD_RULE: Final = 445
 NR_LANDLOCK_RESTRICT_SELF: Final = 446
 NR_SECCOMP: Final = {"x86_64": 317, "aarch64": 277}
 NR_PIVOT_ROOT: Final = {"x86_64": 155, "aarch64": 41}
-NR_SCHED_SETATTR: Final = {"x86_64": 314, "aarch64": 274}
 NR_CAPSET: Final = {"x86_64": 126, "aarch64": 91}
 
 PR_SET_PDEATHSIG: Final = 1
@@ -41,7 +39,6 @@ PERSONALITY_QUERY: Final = 0xFFFFFFFF
 
 _CAPABILITY_VERSION_3: Final = 0x20080522
 CAP_DAC_READ_SEARCH: Final = 2
-_SCHEDULE_BYTES: Final = 48  # of struct sched_attr, first version
 
 
 def _checked(result: int, call: str) -> int:
@@ -94,12 +91,6 @@ def umount_lazily(target: str) -> None:
 def personality(persona: int) -> int:
     """Set the calling thread's execution domain (`PERSONALITY_QUERY`: only ask); return the former one."""
     return _checked(int(_libc.personality(ctypes.c_ulong(persona))), "personality")
-
-
-def set_schedule(policy: int, niceness: int, slice_ns: int) -> None:
-    """Give this process a class, a niceness and, since Linux 6.12, a time slice (sched_setattr(2))."""
-    attributes = struct.pack("=IIQiIQQQ", _SCHEDULE_BYTES, policy, 0, niceness, 0, slice_ns, 0, 0)
-    syscall("sched_setattr", NR_SCHED_SETATTR[MACHINE], 0, attributes, 0)
 
 
 def set_capabilities(mask: int) -> None:
