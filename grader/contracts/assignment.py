@@ -18,6 +18,10 @@ BY_PERSON = "by_person"
 """The measure of rubric items that a person judges. They have no band and earn nothing until then."""
 
 
+WINDOW_M: Final = 499 / 45
+"""Side of turtlesim's window: 500 pixels at 45 pixels per metre (turtlesim's turtle_frame.cpp)."""
+
+
 @record
 class StartPose:
     """Pose of the car at the start of an episode, in turtlesim's frame."""

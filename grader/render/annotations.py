@@ -6,11 +6,12 @@ from itertools import pairwise
 import numpy as np
 from matplotlib.axes import Axes
 
+from grader.contracts.assignment import WINDOW_M
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.render import palette, quantity
 from grader.render.placing import Board, Label
-from grader.render.scene import WINDOW_M, Scene
+from grader.render.scene import Scene
 from grader.render.typeface import drawable
 
 _NANO = 1e-9

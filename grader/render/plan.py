@@ -4,11 +4,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
+from grader.contracts.assignment import WINDOW_M
 from grader.contracts.figure import FigureSketch, SketchSide
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.render import palette
 from grader.render.annotations import annotate, position
-from grader.render.scene import WINDOW_M, Scene
+from grader.render.scene import Scene
 from grader.render.symbols import draw_end, draw_start
 
 _LEAST_EXTENT_M = 1.2

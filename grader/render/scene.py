@@ -12,9 +12,6 @@ from grader.contracts.trajectory import Trajectory
 from grader.render import quantity
 from grader.render.labels import word
 
-WINDOW_M = 499 / 45
-"""Side of turtlesim's window: 500 pixels at 45 pixels per metre (turtlesim's turtle_frame.cpp)."""
-
 _MOVED_M = 0.02
 
 

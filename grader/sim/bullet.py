@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from math import atan2, cos, isfinite, sin
 from typing import Final, Protocol
 
-from grader.contracts.assignment import Profile
+from grader.contracts.assignment import WINDOW_M, Profile
 from grader.contracts.errors import InfrastructureError
 from grader.sim.car import (
     RIDE_HEIGHT_M,
@@ -30,7 +30,6 @@ _get_velocity: Final = _bullet.getBaseVelocity
 
 CAR_MODEL: Final = 1  # raised whenever the same commands may give another trajectory
 SIMULATOR: Final = f"turtle-car {CAR_MODEL}, Bullet {_bullet.getAPIVersion()}"
-AREA_M: Final = 499.0 / 45.0  # turtlesim's window: 500 pixels at 45 pixels to the metre
 
 _GRAVITY_MPS2: Final = -9.81
 _SOLVER_ITERATIONS: Final = 4  # the wheels' and casters' contacts are four points: they converge in three
@@ -189,7 +188,7 @@ class BulletCar:
                 turning, ch, sh, angular = w, cos(_HALF_S * w), sin(_HALF_S * w), (0.0, 0.0, w)
             c, s = qw * qw - qz * qz, 2.0 * qw * qz
             vx, vy = v * (c * ch - s * sh), v * (s * ch + c * sh)
-            if walls and not (0.0 <= x + vx * STEP_S <= AREA_M and 0.0 <= y + vy * STEP_S <= AREA_M):
+            if walls and not (0.0 <= x + vx * STEP_S <= WINDOW_M and 0.0 <= y + vy * STEP_S <= WINDOW_M):
                 vx = self._held(step + 1, x, vx, "left", "right")
                 vy = self._held(step + 1, y, vy, "bottom", "top")
             linear, heading = (vx, vy, 0.0), (qz, qw)
@@ -211,7 +210,7 @@ class BulletCar:
     def _is_free(self, x: float, y: float, v: float) -> bool:
         """Return whether no wall can be reached between two samples."""
         reach = _CLEARANCE_M + abs(v) * SAMPLE_STEPS * STEP_S
-        return not self._walls or (reach <= x <= AREA_M - reach and reach <= y <= AREA_M - reach)
+        return not self._walls or (reach <= x <= WINDOW_M - reach and reach <= y <= WINDOW_M - reach)
 
     def _held(self, step: int, position: float, velocity: float, low: str, high: str) -> float:
         """Return one velocity component that ends within the window; note the wall it leans on."""
@@ -226,7 +225,7 @@ class BulletCar:
     def observe(self) -> None:
         """Hand the watcher the measured state at the present step."""
         x, y, qz, qw = self._x, self._y, self._qz, self._qw
-        if self._walls and not (0.0 <= x <= AREA_M and 0.0 <= y <= AREA_M):
+        if self._walls and not (0.0 <= x <= WINDOW_M and 0.0 <= y <= WINDOW_M):
             x, y = _within(x), _within(y)
         yaw = 2.0 * atan2(qz, qw)
         v = w = 0.0
@@ -258,7 +257,7 @@ def _faults() -> Iterator[None]:
 
 
 def _within(position_m: float) -> float:
-    return min(max(position_m, 0.0), AREA_M)
+    return min(max(position_m, 0.0), WINDOW_M)
 
 
 def _build(client: int) -> int:

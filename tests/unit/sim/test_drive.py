@@ -10,8 +10,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from grader.contracts.assignment import WINDOW_M
 from grader.contracts.trajectory import Trajectory
-from grader.sim.bullet import AREA_M, BulletCar
+from grader.sim.bullet import BulletCar
 from grader.sim.recorder import Recorder
 from grader.sim.timeline import STEPS_PER_S, first_step_at, step_time_ns
 from tests.fakes.ideal_turtle import drive as ideal_drive
@@ -143,12 +144,12 @@ def test_huge_commands_stay_within_numbers(car: BulletCar) -> None:
 
 def test_a_wall_stops_what_runs_into_it_squarely(car: BulletCar) -> None:
     path = drive(car, [(8.0, 1.0, 0.0)], walls=True)
-    assert path.x_m.max() == path.x_m[-1] == pytest.approx(AREA_M, abs=1e-12)
+    assert path.x_m.max() == path.x_m[-1] == pytest.approx(WINDOW_M, abs=1e-12)
     assert np.ptp(path.y_m) < 1e-9
     assert abs(turned_deg(path)) < 1e-9
     (contact,) = path.contacts
     assert contact.wall == "right"
-    assert contact.start_ns / 1e9 == pytest.approx(AREA_M - CENTRE, abs=0.03)
+    assert contact.start_ns / 1e9 == pytest.approx(WINDOW_M - CENTRE, abs=0.03)
     assert contact.end_ns / 1e9 == pytest.approx(8.0, abs=0.2)
     pushing = (path.t_ns > 6_000_000_000) & (path.t_ns < 8_000_000_000)
     assert np.abs(path.v_mps[pushing]).max() < 1e-9
@@ -157,7 +158,7 @@ def test_a_wall_stops_what_runs_into_it_squarely(car: BulletCar) -> None:
 def test_a_car_slides_along_a_wall_without_turning(car: BulletCar) -> None:
     path = drive(car, [(7.0, 1.0, 0.0)], walls=True, heading_deg=60.0)
     # turtlesim clamps y and leaves x alone: it goes on at cos(60 degrees).
-    assert path.y_m[-1] == pytest.approx(AREA_M, abs=1e-12)
+    assert path.y_m[-1] == pytest.approx(WINDOW_M, abs=1e-12)
     assert path.x_m[-1] - CENTRE == pytest.approx(7.0 * 0.5, abs=1e-3)
     assert abs(turned_deg(path)) < 1e-6
     assert [contact.wall for contact in path.contacts] == ["top"]
@@ -177,7 +178,7 @@ def test_walls_hold(car: BulletCar, segments: list[Segment]) -> None:
     path = drive(car, segments, walls=True)
     for column in (path.x_m, path.y_m):
         assert column.min() >= 0.0
-        assert column.max() <= AREA_M
+        assert column.max() <= WINDOW_M
     for contact in path.contacts:
         assert contact.start_ns <= contact.end_ns
 

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from grader.contracts.assignment import World
-from grader.sim.bullet import AREA_M, BulletCar
+from grader.contracts.assignment import WINDOW_M, World
+from grader.sim.bullet import BulletCar
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink, Script
@@ -64,7 +64,7 @@ def test_teleport_relative_turns_first_and_stays_in_the_window(car: BulletCar) -
     first, second = path.jumps
     assert (path.x_m[first], path.y_m[first]) == pytest.approx((5.544445, 7.544445), abs=1e-6)
     assert path.heading_rad[first] == pytest.approx(math.pi / 2, abs=1e-6)
-    assert path.y_m[second] == AREA_M
+    assert path.y_m[second] == WINDOW_M
 
 
 def test_reset_puts_the_turtle_back_at_rest(car: BulletCar) -> None:
