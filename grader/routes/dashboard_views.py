@@ -34,9 +34,7 @@ class CellView(BaseModel):
     attempts: int = Field(description="Faults of the service do not count.", examples=[3])
     last_activity_at: datetime
     best_submission: str | None = Field(description="Address of the first that reached it.")
-    counted_score: float | None = Field(
-        description="What the rules keep of the attempt that counts.", examples=[8.5]
-    )
+    counted_score: float | None = Field(description="Kept of the attempt that counts.", examples=[8.5])
     counted_submission: str | None = Field(description="Address of that attempt.")
     latest_submission: str
 
@@ -88,9 +86,7 @@ class AssignmentStatistics(BaseModel):
     waiting_for_person: int = Field(description="Students whose newest answer is to be judged.", examples=[0])
     submissions: int = Field(examples=[71])
     passed: int = Field(examples=[21])
-    pass_rate: float | None = Field(
-        description="Of those who have a score; null for nobody.", examples=[0.75]
-    )
+    pass_rate: float | None = Field(description="Of those with a score; null: nobody has.", examples=[0.75])
     mean_score: float | None = Field(description="Of the best scores.", examples=[8.1])
     score_distribution: list[BinView]
     mean_attempts_to_pass: float | None = Field(
@@ -287,9 +283,9 @@ def _statistics(
     )
 
 
-def _failed(failure: ItemFailures, assignment: Assignment | None, language: Language) -> FailedItemView:
-    title = failure.item if assignment is None else assignment.item_title(failure.item, language)
-    return FailedItemView(id=failure.item, title=title, count=failure.ever, still=failure.still)
+def _failed(one: ItemFailures, assignment: Assignment | None, language: Language) -> FailedItemView:
+    title = one.item if assignment is None else assignment.item_title(one.item, language)
+    return FailedItemView(id=one.item, title=title, count=one.ever, still=one.still)
 
 
 def _distribution(progress: Iterable[Progress]) -> list[BinView]:

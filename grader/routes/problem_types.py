@@ -91,10 +91,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     "assignment_not_found": ProblemType(
         status=404,
         title=Text(zh="没有这个作业", en="There is no such assignment"),
-        fix=Text(
-            zh="看看作业清单；程序用 /api/v1/assignments。",
-            en="See the list of assignments; programs: /api/v1/assignments.",
-        ),
+        fix=Text(zh="看作业清单（/api/v1/assignments）。", en="See the list: /api/v1/assignments."),
     ),
     "no_trajectory": ProblemType(
         status=404,

@@ -28,9 +28,7 @@ class Links(BaseModel):
     """Where the rest of a submission is."""
 
     self: str = Field(description="This document.", examples=[SUBMISSIONS + _ID])
-    report: str = Field(
-        description="The graded report, byte for byte.", examples=[f"{SUBMISSIONS}{_ID}/report"]
-    )
+    report: str = Field(description="The report, byte for byte.", examples=[f"{SUBMISSIONS}{_ID}/report"])
     trajectory: str = Field(description="What the car did.", examples=[f"{SUBMISSIONS}{_ID}/trajectory"])
     plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{_ID}/plot.png"])
 
