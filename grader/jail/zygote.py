@@ -39,6 +39,10 @@ _LENGTH_BYTES = 4
 _FDS_PER_FORK = 3
 _FIRST_FREE_FD = policy.CHANNEL_FD + 1
 _NUMBER_OF_FILES = 128
+_BLOCKS_PER_SIZE = 16  # a request needs fewer
+_BYTES_PER_SIZE = range(
+    15, 480, 16
+)  # one of each size from 48 bytes to 512, beyond which Python asks the C library
 
 Entry = Callable[[int], object]
 Json = dict[str, Any]
@@ -199,6 +203,7 @@ def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: l
         sys.stderr = sys.__stderr__ = _text_output(2, "backslashreplace")  # type: ignore[misc]
         for name in [name for name in sys.modules if name == "jail" or name.startswith("jail.")]:
             del sys.modules[name]
+        _kept = _take_up_gaps()
         result = entry(policy.CHANNEL_FD)
         code = result if isinstance(result, int) else 0
         sys.stdout.flush()
@@ -207,6 +212,19 @@ def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: l
         sys.excepthook(*sys.exc_info())
     finally:
         os._exit(code)
+
+
+def _take_up_gaps() -> list[object]:
+    """Return objects that fill the memory which the zygote's requests used and freed.
+
+    Each request leaves the free blocks of a size in another order. For as long as all of them are taken, what a
+    script creates lies at the same addresses in every run, and so sets of its objects have the same order.
+    """
+    gc.collect()  # which also empties what Python keeps of freed lists, tuples and numbers
+    kept: list[object] = []
+    for number in range(_BLOCKS_PER_SIZE):
+        kept += [object(), number + 0.5, *map(bytes, _BYTES_PER_SIZE)]
+    return kept
 
 
 def _text_output(descriptor: int, errors: str) -> TextIOWrapper:

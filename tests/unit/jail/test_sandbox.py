@@ -16,6 +16,8 @@ from tests.unit.jail.running import RUNNER, make, run
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
+NEW_OBJECTS = "[id(new()) for new in (object, list, dict, set, lambda: 2.5 * int('3'))]"
+"""Where objects of several kinds and sizes lie. Among them are those of which Python keeps some for later."""
 ECHO = b"""
 import os
 while True:
@@ -116,7 +118,7 @@ def test_many_runs_leave_nothing_behind(sandbox: Sandbox) -> None:
     run(sandbox, "pass")
     before = len(os.listdir("/proc/self/fd"))
     for n in range(60):
-        source = "import os; os.abort()" if n % 5 == 0 else "print(object(), [i for i in {'p', 'q', 'r'}])"
+        source = "import os; os.abort()" if n % 5 == 0 else f"print({{'p', 'q', 'r'}}, {NEW_OBJECTS})"
         texts.add(run(sandbox, source)[1].stdout.text)
     assert len(os.listdir("/proc/self/fd")) == before
     assert len(texts - {""}) == 1
