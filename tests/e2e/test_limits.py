@@ -12,7 +12,7 @@ from grader.contracts.report import GradeStatus
 from grader.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import catalog
 
-LIMITS = Limits(cpu_s=0.25, grace_cpu_s=0.15, output_bytes=256 * 1024, memory_bytes=192 * MIB)
+LIMITS = Limits(cpu_s=0.5, grace_cpu_s=0.2, output_bytes=256 * 1024, memory_bytes=192 * MIB)
 THREE_SIDES = """\
 import math, os, sys, threading, time
 import rclpy

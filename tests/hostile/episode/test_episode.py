@@ -18,7 +18,7 @@ from grader.slot import Slot, SlotConfig
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
-LIMITS = Limits(cpu_s=0.6, grace_cpu_s=0.2, wall_s=60.0)
+LIMITS = Limits(cpu_s=1.0, grace_cpu_s=0.2, wall_s=60.0)
 WORTHLESS = 0.25
 """Of the points: driving straight ahead, which some attacks do on the way, may earn as much."""
 
