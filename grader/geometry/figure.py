@@ -117,17 +117,14 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     corners = corners[: total - 1]
     lengths = [_chord(path, *_span(path, segments, i)) for i in range(total)]
     lap = _comes_round(corners) or total
-    if _halves(lengths, lap):
+    if _halves(lengths, corners, lap):
         return _Extent(0, total, joined=True)
-    if (closed := _closed(path, segments, corners, lengths)) is not None:
-        first, count = closed
-    else:
-        first, count = 0, lap if cut_short or total % lap == 0 or total >= 2 * lap else total
-    later = lengths[first + count :]
-    if not later:
+    first, count = 0, lap
+    if not _repeats(lengths, corners, lap, cut_short=cut_short):
+        first, count = _closed(path, segments, corners, lengths) or (0, lap)
+    if first + count == total:
         return _Extent(first, count)
-    same = _continues(lengths[first : first + count], later, cut_short=cut_short)
-    repeated = same and (cut_short or len(later) >= count)
+    repeated = _repeats(lengths[first:], corners[first:], count, cut_short=cut_short)
     meant = total == sides or _one_too_many(lengths[first:], corners[first:])
     if meant and not repeated and not cut_short:
         return _Extent(first, total - first)
@@ -177,9 +174,12 @@ def _closed(
     return None
 
 
-def _halves(lengths: list[float], lap: int) -> bool:
-    """Whether the path begins in the middle of a side, which its last run completes."""
+def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
+    """Whether the path begins in the middle of a side, which its last run completes the same way."""
     if len(lengths) != lap + 1 or lap < 3:
+        return False
+    turned = abs(sum(math.remainder(corner, FULL_TURN_RAD) for corner in corners))
+    if abs(turned - FULL_TURN_RAD) > 0.5 * turned / lap:
         return False
     like = [float(np.median(lengths[1:-1]))]
     if lap % 2 == 0:
@@ -258,12 +258,32 @@ def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
     return math.remainder(angle_rad, FULL_TURN_RAD) if on_the_spot else angle_rad
 
 
-def _continues(sides: list[float], later: list[float], *, cut_short: bool) -> bool:
-    """Whether the sides that follow a figure are the same over again, as far as they go."""
+def _repeats(lengths: list[float], corners: list[float], count: int, *, cut_short: bool) -> bool:
+    """Whether the first `count` sides are followed by the same over again: once, or as far as it goes."""
+    sides, later = lengths[:count], lengths[count:]
+    if not later or (len(later) < count and not cut_short):
+        return False
     before = list(itertools.islice(itertools.cycle(sides), len(later)))
     whole = len(later) - 1 if cut_short else len(later)
     same = all(
         abs(length - side) <= REPEAT_TOLERANCE * side
         for length, side in zip(later[:whole], before[:whole], strict=True)
     )
-    return same and later[-1] <= (1.0 + REPEAT_TOLERANCE) * before[-1]
+    return same and later[-1] <= (1.0 + REPEAT_TOLERANCE) * before[-1] and _turns_alike(corners, count)
+
+
+def _turns_alike(corners: list[float], count: int) -> bool:
+    """Whether each lap after the first `count` sides turns as those do, be it the other way round."""
+    inner = _from_its_sense(corners[: count - 1])
+    laps = (corners[i : i + count - 1] for i in range(count, len(corners), count))
+    return all(
+        abs(math.remainder(corner - first, FULL_TURN_RAD)) <= ALIKE_RAD
+        for lap in laps
+        for corner, first in zip(_from_its_sense(lap), inner, strict=False)
+    )
+
+
+def _from_its_sense(corners: list[float]) -> list[float]:
+    """Return the corners of a lap, mirrored if its first one turns right; whole turns aside."""
+    bare = [math.remainder(corner, FULL_TURN_RAD) for corner in corners]
+    return [-corner for corner in bare] if bare and bare[0] < 0.0 else bare

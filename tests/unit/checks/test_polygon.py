@@ -83,6 +83,17 @@ def test_a_walk_after_the_figure_is_told() -> None:
     assert "1.5 m" in verdict.hint.en
 
 
+@pytest.mark.parametrize("corner_deg", [92, 94, 98, 102])
+def test_a_walk_after_a_figure_that_does_not_close_costs_no_more_than_after_one_that_does(
+    corner_deg: float,
+) -> None:
+    legs = polygon_legs(4, corners_deg=[corner_deg] * 4)
+    walk: list[Leg] = [(math.radians(30), 0.0, -1.0), (1.0, 1.0, 0.0), (0.8, 0.0, 1.0), (1.2, 1.0, 0.0)]
+    alone, with_walk = graded("square", drive(legs)), graded("square", drive([*legs, *walk]))
+    assert score(alone) - 20 <= score(with_walk) <= score(alone)
+    assert with_walk.mistakes[-1] == "drove_on"
+
+
 @pytest.mark.parametrize("sides", [4, 3])
 def test_sides_driven_forward_and_backing_up_in_turn_are_right(sides: int) -> None:
     turn = math.radians(360 / sides - 180)

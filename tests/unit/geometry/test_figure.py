@@ -188,3 +188,28 @@ def test_as_many_sides_as_are_wanted_are_one_figure_though_it_comes_round_before
     legs = polygon_legs(8, 1.0, corners_deg=[60.0] * 8)
     assert len(figure_of(legs, sides=8).sides_m) == 8
     assert len(figure_of(legs, sides=4).sides_m) == 6
+
+
+def test_laps_that_do_not_quite_close_are_no_approach_to_each_other() -> None:
+    lap = polygon_legs(4, corners_deg=[102.0, 90.0, 90.0, 90.0])
+    figure = figure_of([*lap, *polygon_legs(4, laps=2)])
+    assert figure.approach_m == 0.0
+    assert figure.repeated
+    assert corners(figure)[0] == 102
+
+
+@pytest.mark.parametrize(("then", "repeated"), [(4, True), (-4, True), (6, False)])
+def test_another_figure_with_sides_as_long_is_no_repetition(then: int, repeated: bool) -> None:
+    after = polygon_legs(abs(then), 1.0, w_radps=math.copysign(1.0, then))
+    figure = figure_of([*polygon_legs(4, 1.0), *after])
+    assert figure.repeated is repeated
+    assert figure.overrun is not repeated
+
+
+def test_a_way_there_and_back_home_is_no_side_begun_in_its_middle() -> None:
+    there: list[Leg] = [(1.0, 1.0, 0.0), (math.radians(45), 0.0, 1.0)]
+    home: list[Leg] = [(math.radians(135), 0.0, 1.0), (1.0, 1.0, 0.0)]
+    figure = figure_of([*there, *polygon_legs(4), *home])
+    assert figure.sides_m == pytest.approx([2.0] * 4, abs=0.02)
+    assert figure.approach_m == pytest.approx(1.0, abs=0.02)
+    assert figure.overrun
