@@ -40,11 +40,11 @@ def together(connection: Connection, *, last: bool = False) -> Iterator[None]:
             if last:
                 _driver(connection).execute("COMMIT")  # SQLAlchemy's own finds nothing to do then
         return
-    about[_UNANSWERED] = True
+    pipeline = about[_UNANSWERED] = about[_PIPELINE]
     try:
         yield
     finally:
-        del about[_UNANSWERED]
+        _forget(about, _UNANSWERED, pipeline)
 
 
 @contextmanager
@@ -68,7 +68,7 @@ def one_go(connection: Connection) -> Iterator[None]:
             yield
             driver.execute("COMMIT")
         finally:
-            del about[_PIPELINE]
+            _forget(about, _PIPELINE, pipeline)
 
 
 def wait_for_answer(connection: Connection, *_executed: Any) -> None:
@@ -88,6 +88,12 @@ def _pipeline(connection: Connection) -> Iterator[Any]:
         connection.invalidate()  # nothing can be asked on it, not even to roll back
         reason = " ".join(str(_first(error)).split())
         raise InfrastructureError(f"the database does not answer: {reason}") from error
+
+
+def _forget(about: dict[Any, Any], key: str, pipeline: object) -> None:
+    """Delete what is known of a connection, unless it was lost: another thread's may be in its place already."""
+    if about.get(key) is pipeline:
+        del about[key]
 
 
 @contextmanager

@@ -1,6 +1,8 @@
 """Connections that cannot be made, break, are too many, or may only read."""
 
 import sys
+import threading
+from concurrent.futures import Future, ThreadPoolExecutor
 from traceback import format_exception
 from typing import NoReturn
 
@@ -15,6 +17,7 @@ from grader.store.submissions import Submissions
 from grader.store.together import together
 from tests.fakes.clock import FakeClock
 from tests.fakes.postgres import PostgresServer
+from tests.fakes.waiting import PATIENCE_S
 
 
 @pytest.mark.parametrize(
@@ -133,6 +136,33 @@ def test_a_connection_that_broke_while_much_was_under_way_is_not_used_again(
             pids.append(session.connection().connection.driver_connection.info.backend_pid)
             _lose_the_server()
     assert pids[0] != pids[1]
+
+
+def test_who_lost_a_connection_leaves_the_one_in_its_place_alone(postgres_url: str) -> None:
+    """Who waited for one has begun before the failure got to its end."""
+    database, begun, ended = Database(postgres_url, connections=1), threading.Event(), threading.Event()
+
+    def ask() -> int:
+        with database.writing(quick=True) as session:
+            begun.set()
+            assert ended.wait(PATIENCE_S)
+            return int(session.connection().exec_driver_sql("SELECT 7").scalar_one())
+
+    def lose(pool: ThreadPoolExecutor) -> None:
+        with database.writing(quick=True) as session:
+            try:
+                session.connection().exec_driver_sql("SELECT pg_terminate_backend(pg_backend_pid())")
+            finally:
+                answers.append(pool.submit(ask))
+                assert begun.wait(PATIENCE_S)
+
+    answers: list[Future[int]] = []
+    with ThreadPoolExecutor() as pool:
+        with pytest.raises(InfrastructureError):
+            lose(pool)
+        ended.set()
+        assert answers[0].result() == 7
+    database.close()
 
 
 def test_a_process_has_as_many_connections_as_it_may(postgres_url: str) -> None:
