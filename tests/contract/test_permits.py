@@ -82,6 +82,17 @@ def test_a_row_in_backoff_is_not_announced_early(permits: PostgresEngine) -> Non
     assert announced_late(permits) == 1
 
 
+def test_a_permit_from_when_the_clock_was_ahead_is_made_due(permits: PostgresEngine) -> None:
+    id_ = permits.upload()
+    permits.queue.fail(permits.taken(), "trouble")
+    permits.clock.advance(-8 * 3_600)
+    assert permits.queue.sweep().announced == 0
+    assert announced_late(permits) == 1
+    assert announced_late(permits) == 0
+    assert permits.graded_in_order() == [id_]
+    assert permits.jobs() == 0
+
+
 def test_as_long_as_there_are_permits_enough_it_does_not_matter_whose(permits: PostgresEngine) -> None:
     first = permits.upload("a")
     second = permits.upload("b")

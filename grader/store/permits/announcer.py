@@ -74,7 +74,7 @@ class PermitAnnouncer:
             return 0
         rows = session.execute(
             select(*WAITING)
-            .where(*late, ~_has_a_permit())
+            .where(*late, ~_has_a_permit(now))
             .order_by(col(SubmissionRow.priority), col(SubmissionRow.turn_at), col(SubmissionRow.id))
             .limit(missing)
         )
@@ -110,5 +110,7 @@ def _late(now: datetime) -> tuple[ColumnElement[bool], ...]:
     )
 
 
-def _has_a_permit() -> ColumnElement[bool]:
-    return exists().where(JOBS.c.queueing_lock == lock_of_row(), JOBS.c.status == text("'todo'"))
+def _has_a_permit(now: datetime) -> ColumnElement[bool]:
+    """Whether a row has a permit of its own that can be taken: not one from a time when the clock was ahead."""
+    due = func.coalesce(JOBS.c.scheduled_at <= now, True)
+    return exists().where(JOBS.c.queueing_lock == lock_of_row(), JOBS.c.status == text("'todo'"), due)

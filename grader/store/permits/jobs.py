@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, DateTime, Integer, String, column, func, table
+from sqlalchemy import ColumnElement, DateTime, Integer, String, column, func, table, text
 from sqlalchemy.dialects.postgresql import JSONB, insert
 from sqlmodel import Session, col
 
@@ -25,7 +25,12 @@ JOBS = table(
     column("status"),
     column("scheduled_at", DateTime(timezone=True)),
 )
-_DEFER = insert(JOBS).on_conflict_do_nothing()
+_NEW = insert(JOBS)
+_DEFER = _NEW.on_conflict_do_update(
+    index_elements=["queueing_lock"],
+    index_where=text("status = 'todo'"),
+    set_={"scheduled_at": _NEW.excluded.scheduled_at},
+)
 
 
 def lock_of(submission_id: str, attempt: int) -> str:
@@ -43,7 +48,7 @@ def lock_of_row() -> ColumnElement[str]:
 
 
 def defer(session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
-    """Defer a permit for each of `waiting` in the transaction of `session`; one that waits already is not doubled.
+    """Defer a permit for each of `waiting` in the transaction of `session`; one that waits already is moved.
 
     Procrastinate's own way does not return before the server has answered, and fails as a whole where one waits.
     """
