@@ -98,8 +98,15 @@ def _forget(about: dict[Any, Any], key: str, pipeline: object) -> None:
 
 @contextmanager
 def _in_one_piece(connection: Connection) -> Iterator[None]:
-    """Keep what is sent until the end. The driver sends each statement by itself, and wakes the server."""
-    with socket.fromfd(_driver(connection).fileno(), socket.AF_INET, socket.SOCK_STREAM) as wire:
+    """Keep what is sent until the end. The driver sends each statement by itself, and wakes the server.
+
+    Not where the driver is still to begin the transaction: it waits for the answer to what would be kept.
+    """
+    driver = _driver(connection)
+    if driver.info.transaction_status.name == "IDLE":
+        yield
+        return
+    with socket.fromfd(driver.fileno(), socket.AF_INET, socket.SOCK_STREAM) as wire:
         with suppress(OSError):  # a Unix socket has no cork
             wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_CORK, 1)
         try:
