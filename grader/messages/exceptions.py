@@ -10,6 +10,9 @@ from grader.contracts.outcome import StudentError
 from grader.contracts.text import Text
 from grader.messages import say
 
+_AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
+"""Before what the line where the exception came up looks like."""
+
 _SIGNS: Final = tuple(
     (re.compile(pattern), code)
     for pattern, code in (
@@ -27,13 +30,14 @@ _SIGNS: Final = tuple(
         ),
         (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
-        (r"TypeError: (rclpy_resolve_name\(\)|isinstance\(\) arg 2 must be a type)", "wrong_order"),
+        (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
+        (r"TypeError: isinstance\(\) arg 2 must be a type.*" + _AT + r".*\.publish\(", "wrong_order"),
         (r"AttributeError: type object '\w+' has no attribute '_TYPE_SUPPORT'", "wrong_order"),
         (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
         (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
         (
-            r"AttributeError: '\w+' object has no attribute '_(clock|default_callback_group|logger|parameters|"
-            r"parameter_overrides|publishers|rate_group|Node__\w+)'",
+            r"AttributeError: '\w+' object has no attribute '(_(clock|default_callback_group|logger|parameters|"
+            r"parameter_overrides|publishers|rate_group|Node__\w+))'(?!.*" + _AT + r".*\.\1\b)",
             "no_super_init",
         ),
         (r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: ", "bad_name"),
@@ -47,7 +51,8 @@ _SIGNS: Final = tuple(
         ),
         (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),
         (
-            r"(Attribute|Type)Error: .*['\"](builtin_function_or_method|function|method)['\"]",
+            r"(AttributeError: (?=')|TypeError: (?!.*(keyword|positional) argument))"
+            r"(?:(?! attribute ).)*['\"](builtin_function_or_method|function|method)['\"]",
             "function_not_called",
         ),
         (
@@ -57,7 +62,11 @@ _SIGNS: Final = tuple(
         ),
         (r"TypeError: \n", "no_response"),  # what a service's server raises at home, without a word
         (r"AttributeError: 'NoneType' object has no attribute ", "still_none"),
-        (r"AttributeError: property '(?P<name>\w+)' of '\w+' object has no setter", "name_taken"),
+        (
+            r"AttributeError: property '(?P<name>clients|context|default_callback_group|guards|handle|publishers|"
+            r"services|subscriptions|timers|waitables)' of '\w+' object has no setter",
+            "name_taken",
+        ),
         (r"AttributeError: ", "unknown_attribute"),
         (r"NameError: ", "unknown_name"),
         (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
@@ -68,7 +77,7 @@ _SIGNS: Final = tuple(
         (r"(ModuleNotFound|Import)Error: ", "missing_module"),
         (r"NotInitializedException: ", "not_initialized"),
         (r"EOFError: ", "no_input"),
-        (r"IndexError: list index out of range\n(.*\n)*.*sys\.argv\[", "no_arguments"),
+        (r"IndexError: list index out of range" + _AT + r".*\bsys\.argv\[", "no_arguments"),
         (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
         (r"TclError: ", "no_display"),
         (r"FileNotFoundError: ", "missing_file"),

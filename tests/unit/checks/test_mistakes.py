@@ -33,8 +33,12 @@ def publisher(name: str = "/turtle1/cmd_vel", kind: str = TWIST) -> Endpoint:
     return Endpoint(kind="publisher", node="/mover", name=name, type=kind)
 
 
-def error(kind: str, message: str) -> StudentError:
-    return StudentError(type=kind, message=message, line=17, traceback="")
+def error(kind: str, message: str, *lines: str) -> StudentError:
+    frames = "".join(f'  File "a.py", line 17, in f\n{line}\n         ^^^^^\n' for line in lines)
+    return StudentError(type=kind, message=message, line=17, traceback=f"T\n{frames}{kind}: {message}\n")
+
+
+NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
 
 
 @pytest.mark.parametrize(
@@ -139,10 +143,29 @@ def error(kind: str, message: str) -> StudentError:
         ),
         (error("IndexError", "list index out of range"), "crashed", ("IndexError",)),
         (
-            replace(error("IndexError", "list index out of range"), traceback="T\n  x = sys.argv[1]\n"),
+            error("IndexError", "list index out of range", "    main(sys.argv)", "    x = sys.argv[1]"),
             "no_arguments",
             ("argparse",),
         ),
+        (
+            error("IndexError", "list index out of range", "    main(sys.argv[1:])", "    x = sides[4]"),
+            "crashed",
+            ("IndexError",),
+        ),
+        (
+            error("AttributeError", "'Car' object has no attribute '_logger'", "    self._logger.info('')"),
+            "unknown_attribute",
+            ("_logger",),
+        ),
+        (error("AttributeError", "'Car' object has no attribute 'method'"), "unknown_attribute", ("17",)),
+        (
+            error("AttributeError", "property 'speed' of 'Car' object has no setter"),
+            "unknown_attribute",
+            ("speed",),
+        ),
+        (error("TypeError", "f() got an unexpected keyword argument 'method'"), "crashed", ("'method'",)),
+        (error("TypeError", NO_TYPE, "    self.pub.publish(msg)"), "wrong_order", ("17",)),
+        (error("TypeError", NO_TYPE, "    if isinstance(x, 'int'):"), "crashed", ("isinstance()",)),
         (error("OperationalError", "unable to open database file"), "no_real_file", ("np.save",)),
         (
             replace(error("OSError", "[Errno 9] Bad file descriptor"), traceback="T\n  a.tofile('a')\n"),
