@@ -7,6 +7,7 @@ from pydantic.fields import FieldInfo
 
 from grader.contracts.errors import SettingsError
 from grader.settings import Settings, is_loopback, load
+from grader.store.claim_rows import LONGEST_PAUSE
 
 
 @pytest.fixture(autouse=True)
@@ -92,7 +93,13 @@ def test_a_heartbeat_slower_than_the_lease_allows_is_refused() -> None:
 
 @pytest.mark.parametrize(
     ("field", "value"),
-    [("max_tries", 0), ("lease_s", float("nan")), ("slots", -1), ("database_connections", 2)],
+    [
+        ("max_tries", 0),
+        ("lease_s", float("nan")),
+        ("lease_s", LONGEST_PAUSE.total_seconds()),
+        ("slots", -1),
+        ("database_connections", 2),
+    ],
 )
 def test_values_out_of_range_are_refused_by_name(field: str, value: float) -> None:
     with pytest.raises(SettingsError, match=field):
@@ -132,7 +139,9 @@ def accepted(field: FieldInfo) -> str:
     least = [f"{one.ge:g}" for one in field.metadata if isinstance(one, Ge)]
     above = [f"more than {one.gt:g}" for one in field.metadata if isinstance(one, Gt)]
     most = [f"{one.le:.10g}" for one in field.metadata if isinstance(one, Le)]
-    return " to ".join(least + most) if most else "".join([*above, *(f"{one} or more" for one in least)])
+    if least and most:
+        return " to ".join(least + most)
+    return ", ".join([*above, *(f"{one} or more" for one in least), *(f"at most {one}" for one in most)])
 
 
 def test_the_service_page_lists_every_setting_as_it_is() -> None:
