@@ -32,7 +32,7 @@ Values = dict[str, Any]
 _GRADINGS, _ITEMS, _MISTAKES, _TRAJECTORIES = (
     insert(table_of(row)) for row in (GradingRow, GradedItemRow, GradedMistakeRow, TrajectoryRow)
 )
-_GZIP_LEVEL = 4  # four times smaller than plain; one level more takes 40 % longer and gains 2 %
+_GZIP_LEVEL = 1  # four and a half times smaller than plain in 0.2 ms; level 4 takes 0.5 ms and gains 6 %
 
 
 def grading_values(
