@@ -98,11 +98,8 @@ class _ReplacedError(InfrastructureError):
 @contextmanager
 def _sharing(database: Database, who: str) -> Iterator[None]:
     """Let every new connection share the lock; close those that do at the end."""
-    sharing = True
 
     def share(connection: Any, _record: Any) -> None:
-        if not sharing:
-            return
         connection.autocommit = True
         connection.execute("SELECT set_config('application_name', %s, false)", (_name(who),))
         ((granted,),) = connection.execute("SELECT pg_try_advisory_lock_shared(%s, %s)", _LOCK).fetchall()
@@ -116,7 +113,7 @@ def _sharing(database: Database, who: str) -> Iterator[None]:
     try:
         yield
     finally:
-        sharing = False
+        event.remove(database.engine, "connect", share)
         database.engine.dispose()
 
 

@@ -83,3 +83,14 @@ def test_one_at_a_time_may_be_alone(postgres_database: Database, administrator: 
         alone(administrator),
     ):
         pass
+
+
+def test_who_worked_with_a_database_leaves_nothing_behind_for_its_next_connections(
+    postgres_database: Database,
+) -> None:
+    """Else who waits overnight for an upgrade would look ever more slowly."""
+    before = len(postgres_database.engine.pool.dispatch.connect)
+    for _ in range(2):
+        with in_use(postgres_database):
+            pass
+    assert len(postgres_database.engine.pool.dispatch.connect) == before
