@@ -11,6 +11,7 @@ printing when a clock ended it. The trajectory of such a script is kept, because
 import json
 import os
 import re
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -62,10 +63,14 @@ _REFUSED: Final = re.compile(r"\[Errno (?:1|13|30)\]")
 _THREAD_OUT_OF_MEMORY: Final = re.compile(r".*, line \d+: MemoryError(?::|$)")
 _ADDRESS: Final = re.compile(r" at 0x[0-9a-f]+>")
 _MASKED: Final = " at 0x…>"
+_ZIPPED: Final = os.path.join(
+    os.path.dirname(standard_library()), "python{}{}.zip".format(*sys.version_info[:2])
+)
 _MODULES: Final = (
     (str(Path(__file__).resolve().parent / "shim"), "/opt/ros/humble/local/lib/python3.10/dist-packages"),
     (os.path.dirname(os.path.dirname(np.__file__)), "/usr/lib/python3/dist-packages"),
     (standard_library(), "/usr/lib/python3.10"),
+    (_ZIPPED, "/usr/lib/python310.zip"),
 )
 """Folders of modules here and at home: ``cannot import name 'Node' from 'rclpy' (…)`` names one."""
 

@@ -44,7 +44,7 @@ def test_the_host_is_the_same_ubuntu_everywhere(run_bare: RunScript) -> None:
     run = run_bare(
         "import getpass, os, platform, shelve, shutil, socket, sys\n"
         "print(getpass.getuser(), os.getlogin(), os.getuid(), os.getgroups())\n"
-        "print(os.environ['HOME'], os.getenv('ROS_DISTRO'), sys.executable)\n"
+        "print(os.environ['HOME'], os.getenv('ROS_DISTRO'), *sys.orig_argv)\n"
         "print(socket.gethostname(), platform.system(), platform.node(), platform.machine())\n"
         "print(os.get_terminal_size().columns, shutil.get_terminal_size().lines, os.getloadavg())\n"
         "with shelve.open('kept') as shelf: shelf['laps'] = 3\n"
@@ -52,7 +52,7 @@ def test_the_host_is_the_same_ubuntu_everywhere(run_bare: RunScript) -> None:
     )
     assert run.stdout.splitlines() == [
         "student student 1000 [1000]",
-        "/home/student humble /usr/bin/python3",
+        "/home/student humble /usr/bin/python3 student.py",
         "ubuntu Linux ubuntu x86_64",
         "80 24 (0.0, 0.0, 0.0)",
         "{'laps': 3}",

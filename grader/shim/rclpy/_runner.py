@@ -117,6 +117,7 @@ def _prepare(start: dict[str, Any], source: bytes) -> ModuleType:
     _patches.begin(start["seed"])
     storage.place_script(start["file_name"], source)
     sys.argv = [start["file_name"], *start["args"]]
+    sys.orig_argv = [sys.executable, *sys.argv]
     sys.path.insert(0, WORK)
     _open_stdin(start["stdin"])
     _output.budget.limit(start.get("output_bytes"), _end_at_output_limit)
