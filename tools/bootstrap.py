@@ -1,7 +1,8 @@
 """Set up .venv from the lock file and run one of the project's commands in it.
 
-Needs only Python 3.11 or later. Debian and Ubuntu split `venv` into a package of its own; when it is missing
-and we may install packages, it is installed, otherwise the message says what to type.
+Needs only Python 3.11 or later. Debian and Ubuntu split `venv` into a package of its own, and for Python 3.12 and
+later PyBullet is offered as source only, which takes a compiler. What is missing is installed when we may install
+packages, otherwise the message says what to type.
 """
 
 from __future__ import annotations
@@ -11,11 +12,13 @@ import os
 import shutil
 import subprocess
 import sys
+import sysconfig
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 VENV = ROOT / ".venv"
 PYTHON = VENV / "bin" / "python"
+_PACKAGE = f"python{sys.version_info.major}.{sys.version_info.minor}"
 STAMP = VENV / ".lock-digest"
 LOCKS = (ROOT / "requirements-postgres.lock", ROOT / "requirements-dev.lock")
 SHIM = ROOT / "grader" / "shim"
@@ -80,20 +83,25 @@ def _create_venv() -> None:
         import ensurepip  # noqa: F401  (only asks whether this Python can make a venv with pip)
         import venv  # noqa: F401
     except ImportError:
-        _install_venv_package()
+        _install(f"{_PACKAGE}-venv")
+    if sys.version_info >= (3, 12):
+        header = Path(sysconfig.get_path("include"), "Python.h")
+        missing = {"g++": shutil.which("g++"), f"{_PACKAGE}-dev": header.exists()}
+        if packages := [package for package, there in missing.items() if not there]:
+            _install(*packages)
+        _say("PyBullet is compiled for this Python, which takes some minutes ...")
     subprocess.check_call([sys.executable, "-m", "venv", VENV])
 
 
-def _install_venv_package() -> None:
-    package = f"python{sys.version_info.major}.{sys.version_info.minor}-venv"
+def _install(*packages: str) -> None:
+    """Install packages of Debian or Ubuntu, or say that they are needed."""
+    needed = " ".join(packages)
     sudo = [] if os.geteuid() == 0 else ["sudo"]
     if not shutil.which("apt-get") or (sudo and not shutil.which("sudo")):
-        raise SystemExit(
-            f"bootstrap: this Python has no `venv`; install the package {package} and try again."
-        )
-    _say(f"This Python has no `venv`: installing {package} ...")
+        raise SystemExit(f"bootstrap: install {needed} and try again.")
+    _say(f"Installing {needed} ...")
     subprocess.check_call([*sudo, "apt-get", "update", "-qq"])
-    subprocess.check_call([*sudo, "apt-get", "install", "-y", "-qq", package])
+    subprocess.check_call([*sudo, "apt-get", "install", "-y", "-qq", "--no-install-recommends", *packages])
 
 
 def _say(text: str) -> None:
