@@ -14,6 +14,7 @@ MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middl
 REPEAT_TOLERANCE = 0.15  # by how much a later side may differ when the figure is repeated
 SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
 CLOSED_SHARE = 0.04  # of the perimeter: a figure whose end is this near to its start has closed
+NEARLY_CLOSED_SHARE = 0.16  # from here on a gap earns nothing, and says nothing of what was meant
 SAME_SHARE = 0.04  # by how much a side too many may differ from the first
 ALIKE_RAD = math.radians(15.0)  # by how much corners of a figure with equal corners may differ
 MAX_APPROACH_RUNS = 3  # to one of its sides, perhaps round something, and along that to a corner
@@ -121,7 +122,7 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
         return _Extent(0, total, joined=True)
     first, count = 0, lap
     if not _repeats(lengths, corners, lap, cut_short=cut_short):
-        first, count = _closed(path, segments, corners, lengths) or (0, lap)
+        first, count = _closed(path, segments, corners, lengths, sides) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
     repeated = _repeats(lengths[first:], corners[first:], count, cut_short=cut_short)
@@ -158,20 +159,24 @@ def _alike(corners: list[float]) -> bool:
 
 
 def _closed(
-    path: Path, segments: Segments, corners: list[float], lengths: list[float]
+    path: Path, segments: Segments, corners: list[float], lengths: list[float], sides: int
 ) -> tuple[int, int] | None:
     """Return first run and number of runs of the first figure of equal corners that closes, or None.
 
-    What is driven before it is an approach.
+    What is driven before it is an approach. Where none closes, one of `sides` that nearly does is taken.
     """
+    nearly = None
     for first in range(min(MAX_APPROACH_RUNS + 1, len(lengths))):
         count = _comes_round(corners[first:])
         if count is None or count < 3 or not _alike(corners[first : first + count - 1]):
             continue
         start, end = _span(path, segments, first)[0], _span(path, segments, first + count - 1)[1]
-        if _chord(path, start, end) <= CLOSED_SHARE * sum(lengths[first : first + count]):
+        gap = _chord(path, start, end) / sum(lengths[first : first + count])
+        if gap <= CLOSED_SHARE:
             return first, count
-    return None
+        if nearly is None and count == sides and gap <= NEARLY_CLOSED_SHARE:
+            nearly = first, count
+    return nearly
 
 
 def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:

@@ -94,6 +94,20 @@ def test_a_walk_after_a_figure_that_does_not_close_costs_no_more_than_after_one_
     assert with_walk.mistakes[-1] == "drove_on"
 
 
+@pytest.mark.parametrize("turned_deg", [45, -45, 135])
+def test_an_approach_to_a_figure_that_does_not_quite_close_is_no_side_either(turned_deg: float) -> None:
+    turn: Leg = (math.radians(abs(turned_deg)), 0.0, math.copysign(1.0, turned_deg))
+    earned = []
+    for corner_deg in (90, 93, 94, 96, 98):
+        legs: list[Leg] = [(0.8, 1.0, 0.0), turn, *polygon_legs(4, corners_deg=[corner_deg] * 4)]
+        verdict = graded("square", drive(legs))
+        assert item(verdict, "sides").measured == 4
+        assert verdict.mistakes[-1] == "approach"
+        earned.append(score(verdict))
+    assert earned == sorted(earned, reverse=True)
+    assert earned[-1] > 70
+
+
 @pytest.mark.parametrize("sides", [4, 3])
 def test_sides_driven_forward_and_backing_up_in_turn_are_right(sides: int) -> None:
     turn = math.radians(360 / sides - 180)
