@@ -3,6 +3,7 @@
 import argparse
 import os
 import secrets
+import shutil
 import socket
 import subprocess
 import sys
@@ -71,8 +72,15 @@ def run(arguments: argparse.Namespace) -> int:
         dashboard = client.get("/api/v1/dashboard", params=wanted).raise_for_status().json()
     output.print(render_dashboard(dashboard, language=arguments.lang))
     output.print(word("demo_plots", arguments.lang, plots=plots), soft_wrap=True)
-    output.print(word("demo_pages", arguments.lang, data=arguments.output), soft_wrap=True)
+    pages = word("demo_pages", arguments.lang, program=_program(), data=arguments.output)
+    output.print(pages, soft_wrap=True)
     return 0
+
+
+def _program() -> str:
+    """Return what to type for the grader: where it was installed by `make`, it is on no path."""
+    beside = Path(sys.executable).with_name("grader")
+    return "grader" if shutil.which("grader") else os.path.relpath(beside)
 
 
 def _save_plots(client: httpx.Client, location: str, stem: Path, language: str) -> None:

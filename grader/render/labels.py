@@ -156,7 +156,9 @@ WORDS: Mapping[str, Text] = {
     "submissions": _t("提交", "Submissions"),
     "demo_graded": _t("{count} 份提交，评完用了 {seconds} 秒", "{count} submissions, graded in {seconds} s"),
     "demo_plots": _t("轨迹图：{plots}/", "plots: {plots}/"),
-    "demo_pages": _t("看网页：grader serve --data {data}", "look at the pages: grader serve --data {data}"),
+    "demo_pages": _t(
+        "看网页：{program} serve --data {data}", "look at the pages: {program} serve --data {data}"
+    ),
     "matrix_marks": _t(
         "✓ 满分  ✗ 不到 {share}  ×n 提交次数", "✓ full marks  ✗ less than {share}  ×n attempts"
     ),
