@@ -39,7 +39,7 @@ _LENGTH_BYTES = 4
 _FDS_PER_FORK = 3
 _FIRST_FREE_FD = policy.CHANNEL_FD + 1
 _NUMBER_OF_FILES = 128
-_BLOCKS_PER_SIZE = 16  # a request needs fewer
+_BLOCKS_PER_SIZE = 24  # a request needs fewer
 _BYTES_PER_SIZE = range(
     15, 480, 16
 )  # one of each size from 48 bytes to 512, beyond which Python asks the C library
@@ -72,22 +72,27 @@ def _answer_all(control: _socket.socket) -> None:
 
 def _serve(control: _socket.socket, layers: Layers, entry: Entry) -> None:
     while True:
-        request, descriptors = _receive(control)
-        if request["do"] == "reap":
-            _send(control, _reap(request["pid"]))
-            continue
-        try:
-            pid = os.fork()
-        except OSError as error:
-            _send(control, {"error": str(error)})
-            pid = -1
-        if pid == 0:
-            start = inside.report if request["prove"] else entry
-            _become_student(layers, Budget(*request["budget"]), start, descriptors)
-        if pid > 0:
-            _announce(control, pid)
-        for descriptor in descriptors:
-            os.close(descriptor)
+        _serve_one(control, layers, entry)
+
+
+def _serve_one(control: _socket.socket, layers: Layers, entry: Entry) -> None:
+    """Obey one request and keep nothing of it, not even until the next one has come (see `_take_up_gaps`)."""
+    request, descriptors = _receive(control)
+    if request["do"] == "reap":
+        _send(control, _reap(request["pid"]))
+        return
+    try:
+        pid = os.fork()
+    except OSError as error:
+        _send(control, {"error": str(error)})
+        pid = -1
+    if pid == 0:
+        start = inside.report if request["prove"] else entry
+        _become_student(layers, Budget(*request["budget"]), start, descriptors)
+    if pid > 0:
+        _announce(control, pid)
+    for descriptor in descriptors:
+        os.close(descriptor)
 
 
 def _announce(control: _socket.socket, pid: int) -> None:
@@ -100,13 +105,9 @@ def _announce(control: _socket.socket, pid: int) -> None:
 
 
 def _reap(pid: int) -> Json:
-    _, status, usage = os.wait4(pid, 0)
+    status, cpu_ns, peak = libc.wait(pid)
     peak_unit_bytes = 1 if sys.platform == "darwin" else 1024
-    return {
-        "status": status,
-        "cpu_ns": int((usage.ru_utime + usage.ru_stime) * 1e9),
-        "peak_bytes": usage.ru_maxrss * peak_unit_bytes,
-    }
+    return {"status": status, "cpu_ns": cpu_ns, "peak_bytes": peak * peak_unit_bytes}
 
 
 # -------------------------------------------------------------------------------------------- preparation
