@@ -2,6 +2,7 @@
 
 import re
 import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -205,6 +206,8 @@ def test_ignored_exceptions_are_told_as_by_python_without_our_frames(
     assert run.returncode == 0
     python, shim = (_ADDRESS.sub("0x", text).splitlines() for text in (own.stderr, run.stderr))
     assert "Traceback" in own.stderr
+    if sys.version_info >= (3, 13):  # which marks no places in these tracebacks
+        shim = [line for line in shim if line.strip(" ~^")]
     assert shim == [line.replace(f"{tmp_path}/", "") for line in python]
 
 

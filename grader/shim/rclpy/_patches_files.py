@@ -9,6 +9,7 @@ from __future__ import annotations
 import errno
 import os
 import stat as modes
+import sys
 
 from rclpy import _descriptors, _open_files
 from rclpy._entries import Directory, fail
@@ -100,7 +101,8 @@ def utime(
     ns: tuple[int, int] | None = None,
     follow_symlinks: bool = True,
 ) -> None:
-    entry = storage.find(parts, None)  # the error names no file, as Python's does not
+    named = path if sys.version_info >= (3, 13) else None  # the error names no file, as Python's did not
+    entry = storage.find(parts, named)
     if ns is None:
         now = kernel.epoch_ns + kernel.now_ns
         ns = (now, now) if times is None else (int(times[0] * 1e9), int(times[1] * 1e9))

@@ -1,7 +1,7 @@
 import sqlite3
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, closing, suppress
 from datetime import UTC, datetime, timedelta, timezone
 from pathlib import Path
 
@@ -61,7 +61,8 @@ def test_a_checkpoint_empties_the_log_into_the_file(sqlite_database: Database, t
     checkpoint(sqlite_database)
     alone = tmp_path / "alone.db"
     alone.write_bytes(Path(sqlite_database.name).read_bytes())  # without the log
-    assert [one.id for one in Courses(Database(f"sqlite:///{alone}"), FakeClock()).all()] == ["ros2"]
+    with closing(Database(f"sqlite:///{alone}")) as database:
+        assert [one.id for one in Courses(database, FakeClock()).all()] == ["ros2"]
 
 
 def test_checkpoints_are_made_while_the_database_is_open(sqlite_database: Database, tmp_path: Path) -> None:
