@@ -250,9 +250,17 @@ def _programs(folder: Path) -> Path:
     try:
         subprocess.run([installed / "postgres", "--version"], check=True, capture_output=True, **_identity())
     except PermissionError:
-        shutil.copytree(installed.parent, folder / "installed")
-        return folder / "installed" / "bin"
+        return _copied(installed, folder / "installed")
     return installed
+
+
+def _copied(programs: Path, folder: Path) -> Path:
+    """Copy PostgreSQL's programs, with the libraries that they look for beside their package."""
+    package = programs.parent.parent
+    for kept in (programs.parent, package.with_name(f"{package.name}.libs")):
+        if kept.exists():
+            shutil.copytree(kept, folder / kept.relative_to(package.parent))
+    return folder / programs.relative_to(package.parent)
 
 
 def _identity() -> dict[str, Any]:

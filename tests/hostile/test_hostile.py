@@ -60,9 +60,11 @@ def test_every_script_states_attack_and_verdict() -> None:
 
 def interpreter_for(uid: int | None) -> str:
     """An interpreter that the user may start."""
-    own = os.path.realpath(sys.executable)
-    if uid is None or layout.reachable_by_others([own]):
+    if uid is None:
         return sys.executable
+    own = os.path.realpath(sys.executable)  # a link to it may lie where the user may not look
+    if layout.reachable_by_others([own]):
+        return own
     for path in INTERPRETERS:
         check = [path, "-c", "import sys, ctypes; sys.exit(sys.version_info < (3, 11))"]
         if os.path.exists(path) and subprocess.run(check, check=False).returncode == 0:
