@@ -231,7 +231,8 @@ async def _on_unavailable(request: Request, error: Exception) -> JSONResponse:
 
 
 async def _on_bug(request: Request, error: Exception) -> JSONResponse:
-    answer = _answer(request, "internal_error", None)
+    # the server ends the connection after such an answer, and who asks next on it would get no answer
+    answer = _answer(request, "internal_error", None, headers={"Connection": "close"})
     _log.error(
         "%s %s failed: %s", request.method, request.url.path, bytes(answer.body).decode(), exc_info=error
     )

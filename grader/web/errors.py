@@ -31,7 +31,7 @@ def _for_people(handler: _Handler) -> _Handler:
         said = await handler(spoken, error)
         problem: dict[str, Any] = json.loads(bytes(said.body))
         shown = page(request, "problem.html", status=said.status_code, problem=problem)
-        for name in ("retry-after", "allow"):
+        for name in ("retry-after", "allow", "connection"):
             if name in said.headers:
                 shown.headers[name] = said.headers[name]
         return shown

@@ -198,6 +198,7 @@ def test_a_bug_is_a_problem_too(
     response = client.get("/api/v1/assignments")
     document = problem(response, 500, "internal_error")
     assert "secret" not in response.text
+    assert response.headers["connection"] == "close"
     assert any(document["instance"] in record.getMessage() for record in caplog.records)
 
 
