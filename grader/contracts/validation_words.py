@@ -44,7 +44,7 @@ _WORDS: Mapping[str, Text] = {
     "datetime_type": _INSTANT,
     "datetime_parsing": _INSTANT,
     "datetime_from_date_parsing": _INSTANT,
-    "out_of_years": Text(zh="年份要在 2000 到 2200 之间。", en="Use a year from 2000 to 2200."),
+    OUT_OF_YEARS[0]: Text(zh="年份要在 2000 到 2200 之间。", en=OUT_OF_YEARS[1]),
     "list_type": Text(zh="要填一个列表。", en="This is no list."),
     "dict_type": _OBJECT,
     "model_type": _OBJECT,

@@ -26,9 +26,9 @@ from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, NotSupportedEr
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
 from sqlmodel import Session, create_engine
 
-from grader.contracts.errors import InfrastructureError, SettingsError
+from grader.contracts.errors import SettingsError
 from grader.store.announcing import Announcer, Unannounced
-from grader.store.liveness import check_before_use
+from grader.store.liveness import check_before_use, no_answer
 from grader.store.together import one_go, wait_for_answer
 
 _LOCK_TIMEOUT_MS = 30_000
@@ -156,7 +156,7 @@ class Database:
     @contextmanager
     def _turn(self) -> Iterator[None]:
         if not self._writer.acquire(timeout=_LOCK_TIMEOUT_MS / 1_000):
-            raise _no_answer("another writer is at it", "另一个写操作一直没有结束")
+            raise no_answer("another writer is at it", "另一个写操作一直没有结束")
         try:
             yield
         finally:
@@ -177,13 +177,9 @@ def _explained() -> Iterator[None]:
         if isinstance(error, _OF_STATEMENTS) and not error.connection_invalidated:
             raise
         reason = " ".join(str(error.orig).split())
-        raise _no_answer(reason, reason) from error
+        raise no_answer(reason, reason) from error
     except PoolTimeoutError as error:
-        raise _no_answer("every connection is busy", "全部连接都在使用") from error
-
-
-def _no_answer(en: str, zh: str) -> InfrastructureError:
-    return InfrastructureError(f"the database does not answer: {en}", f"数据库没有回应：{zh}")
+        raise no_answer("every connection is busy", "全部连接都在使用") from error
 
 
 def _engine(url: URL, connections: int) -> Engine:
@@ -206,9 +202,8 @@ def _engine(url: URL, connections: int) -> Engine:
             "PostgreSQL needs a driver that is not installed: pip install 'grader[postgres]'",
             "没有安装 PostgreSQL 的驱动：pip install 'grader[postgres]'",
         ) from None
-    logging.getLogger("psycopg").setLevel(
-        logging.ERROR
-    )  # it warns of what fails after the error that it raised
+    # it warns of what fails after the error that it raised
+    logging.getLogger("psycopg").setLevel(logging.ERROR)
     event.listen(engine, "connect", _configure_postgresql)
     check_before_use(engine)
     return engine

@@ -11,6 +11,8 @@ from typing import Any
 from sqlalchemy import Engine, event
 from sqlalchemy.exc import InvalidatePoolError
 
+from grader.contracts.errors import InfrastructureError
+
 _LONG_IDLE_S = 5.0
 _SINCE = "grader_idle_since_s"
 
@@ -33,6 +35,11 @@ def check_before_use(engine: Engine) -> None:
 
     event.listen(engine, "checkin", rest)
     event.listen(engine, "checkout", wake)
+
+
+def no_answer(en: str, zh: str) -> InfrastructureError:
+    """Return the error of a database that does not answer, for the reason given."""
+    return InfrastructureError(f"the database does not answer: {en}", f"数据库没有回应：{zh}")
 
 
 def _something_to_read(connection: Any) -> bool:

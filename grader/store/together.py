@@ -11,7 +11,7 @@ from typing import Any
 
 from sqlalchemy import Connection
 
-from grader.contracts.errors import InfrastructureError
+from grader.store.liveness import no_answer
 
 _PIPELINE = "grader_pipeline"
 _UNANSWERED = "grader_unanswered"
@@ -87,7 +87,7 @@ def _pipeline(connection: Connection) -> Iterator[Any]:
         # the last: such as a transaction that the server ended because it was idle for too long
         connection.invalidate()  # nothing can be asked on it, not even to roll back
         reason = " ".join(str(_first(error)).split())
-        raise InfrastructureError(f"the database does not answer: {reason}") from error
+        raise no_answer(reason, reason) from error
 
 
 def _forget(about: dict[Any, Any], key: str, pipeline: object) -> None:

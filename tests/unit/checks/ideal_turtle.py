@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
+from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.trajectory import Command, Trajectory
 from grader.contracts.verdict import Run
 
@@ -141,3 +141,9 @@ def outcome_of(
 
 def run_of(trajectory: Trajectory, status: RunStatus = RunStatus.FINISHED, **changes: object) -> Run:
     return Run(trajectory=trajectory, outcome=outcome_of(trajectory, status, **changes))
+
+
+def error(kind: str, message: str, *lines: str) -> StudentError:
+    """Return an exception whose traceback shows `lines`, each in a frame of its own."""
+    frames = "".join(f'  File "a.py", line 17, in f\n{line}\n         ^^^^^\n' for line in lines)
+    return StudentError(type=kind, message=message, line=17, traceback=f"T\n{frames}{kind}: {message}\n")

@@ -5,11 +5,11 @@ from functools import cache
 from grader.catalog import Catalog
 from grader.checks import evaluate
 from grader.contracts.assignment import Assignment
-from grader.contracts.outcome import RunStatus
+from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import RubricItem
 from grader.contracts.trajectory import Trajectory
-from grader.contracts.verdict import Verdict
-from tests.unit.checks.ideal_turtle import run_of
+from grader.contracts.verdict import Run, Verdict
+from tests.unit.checks.ideal_turtle import drive, run_of
 
 POLYGONS = {3: "triangle", 4: "square", 5: "pentagon"}
 
@@ -31,3 +31,11 @@ def score(verdict: Verdict) -> float:
 
 def item(verdict: Verdict, name: str) -> RubricItem:
     return next(each for each in verdict.items if each.id == name)
+
+
+def silent(status: RunStatus = RunStatus.FINISHED, **changes: object) -> Verdict:
+    """Return the verdict on a run to `square` without any motion."""
+    values: dict[str, object] = {"status": status, "duration_ns": 1_000, "nodes": ("/mover",), **changes}
+    trajectory = drive([], horizon_s=2.0)
+    outcome = RunOutcome(**values)  # type: ignore[arg-type]
+    return evaluate(assignment("square"), [Run(trajectory=trajectory, outcome=outcome)])

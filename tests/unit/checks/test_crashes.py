@@ -1,0 +1,194 @@
+"""Mistakes recognised from what ended a script."""
+
+from dataclasses import replace
+
+import pytest
+
+from grader.contracts.outcome import RunStatus, StudentError
+from tests.unit.checks.ideal_turtle import error
+from tests.unit.checks.shipped import silent
+
+TWIST_CLASS = "<class 'geometry_msgs.msg._twist.Twist'>"
+NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
+
+
+@pytest.mark.parametrize(
+    ("problem", "code", "words"),
+    [
+        (
+            error("AssertionError", "The 'x' field must be of type 'float'"),
+            "int_in_float",
+            ("17", "x", "1.0"),
+        ),
+        (error("AttributeError", "'Twist' object has no attribute 'liner'"), "unknown_field", ("liner",)),
+        (
+            error("TypeError", "Vector3.__init__() takes 1 positional argument but 4 were given"),
+            "fields_by_position",
+            ("x=1.0",),
+        ),
+        (error("AttributeError", "'Car' object has no attribute 'pub'"), "unknown_attribute", ("'pub'",)),
+        (
+            error("AttributeError", "module 'rclpy' has no attribute 'sleep'"),
+            "unknown_attribute",
+            ("17", "'sleep'"),
+        ),
+        (error("AttributeError", "'NoneType' object has no attribute 'theta'"), "still_none", ("is None",)),
+        (
+            error("AttributeError", "property 'timers' of 'Car' object has no setter"),
+            "name_taken",
+            ("my_timers",),
+        ),
+        (error("AttributeError", "'Car' object has no attribute '_logger'"), "no_super_init", ("super()",)),
+        (
+            error("TypeError", "Node.__init__() missing 1 required positional argument: 'node_name'"),
+            "no_super_init",
+            ("17",),
+        ),
+        (
+            error("InvalidTopicNameException", "Invalid topic name: must not:\n 'a b'\n   ^"),
+            "bad_name",
+            ("must not",),
+        ),
+        (error("TypeError", "'NoneType' object is not callable"), "callback_called", ("create_timer",)),
+        (error("TypeError", "'property' object is not iterable"), "class_for_object", ("Twist()",)),
+        (error("AttributeError", "'property' object has no attribute 'x'"), "class_for_object", ("Twist()",)),
+        (
+            error("TypeError", f"Expected {TWIST_CLASS}, got {TWIST_CLASS.replace('.T', '.Metaclass_T')}"),
+            "class_for_object",
+            ("17",),
+        ),
+        (error("TypeError", f"Expected {TWIST_CLASS}, got <class 'str'>"), "crashed", ("str",)),
+        (
+            error("TypeError", "Car.tick() takes 0 positional arguments but 1 was given"),
+            "wrong_parameters",
+            ("self",),
+        ),
+        (error("TypeError", "main() missing 1 required positional argument: 'args'"), "crashed", ("args",)),
+        (
+            error("TypeError", "Node.create_timer() missing 1 required positional argument: 'callback'"),
+            "crashed",
+            ("callback",),
+        ),
+        (
+            error("TypeError", "Duration.__init__() takes 1 positional argument but 2 were given"),
+            "fields_by_position",
+            ("seconds=1.0",),
+        ),
+        (
+            error("TypeError", "unsupported operand type(s) for -: 'builtin_function_or_method' and 'float'"),
+            "function_not_called",
+            ("time.time()",),
+        ),
+        (error("AttributeError", "'method' object has no attribute 'now'"), "function_not_called", ("17",)),
+        (
+            error("TypeError", "unsupported operand type(s) for /: 'str' and 'float'"),
+            "text_for_number",
+            ("float(",),
+        ),
+        (error("TypeError", 'can only concatenate str (not "int") to str'), "text_for_number", ("f-string",)),
+        (
+            error("TypeError", "'NoneType' object does not support the context manager protocol"),
+            "with_init",
+            ("with rclpy.init()", "Humble"),
+        ),
+        (error("TypeError", ""), "no_response", ("return response",)),
+        (
+            error("TypeError", "RcutilsLogger.info() takes 2 positional arguments but 3 were given"),
+            "log_not_text",
+            ("{x}",),
+        ),
+        (
+            error("TypeError", "rclpy_resolve_name(): incompatible function arguments."),
+            "wrong_order",
+            ("17",),
+        ),
+        (
+            error("TypeError", "Expected QoSProfile or int, but received <class 'method'>"),
+            "wrong_order",
+            ("Pose",),
+        ),
+        (
+            error("ImportError", "cannot import name 'twist' from 'geometry_msgs.msg' (/opt/ros/a.py)"),
+            "missing_module",
+            ("'twist' from 'geometry_msgs.msg'",),
+        ),
+        (error("IndexError", "list index out of range"), "crashed", ("IndexError",)),
+        (
+            error("IndexError", "list index out of range", "    main(sys.argv)", "    x = sys.argv[1]"),
+            "no_arguments",
+            ("argparse",),
+        ),
+        (
+            error("IndexError", "list index out of range", "    main(sys.argv[1:])", "    x = sides[4]"),
+            "crashed",
+            ("IndexError",),
+        ),
+        (
+            error("AttributeError", "'Car' object has no attribute '_logger'", "    self._logger.info('')"),
+            "unknown_attribute",
+            ("_logger",),
+        ),
+        (error("AttributeError", "'Car' object has no attribute 'method'"), "unknown_attribute", ("17",)),
+        (
+            error("AttributeError", "property 'speed' of 'Car' object has no setter"),
+            "unknown_attribute",
+            ("speed",),
+        ),
+        (error("TypeError", "f() got an unexpected keyword argument 'method'"), "crashed", ("'method'",)),
+        (error("TypeError", NO_TYPE, "    self.pub.publish(msg)"), "wrong_order", ("17",)),
+        (error("TypeError", NO_TYPE, "    if isinstance(x, 'int'):"), "crashed", ("isinstance()",)),
+        (error("OperationalError", "unable to open database file"), "no_real_file", ("np.save",)),
+        (
+            replace(error("OSError", "[Errno 9] Bad file descriptor"), traceback="T\n  a.tofile('a')\n"),
+            "no_real_file",
+            ("np.tofile",),
+        ),
+        (error("OSError", "[Errno 9] Bad file descriptor"), "crashed", ("OSError",)),
+        (
+            error("TypeError", "create_publisher() missing 1 required positional argument: 'qos_profile'"),
+            "missing_qos",
+            ("17", "10"),
+        ),
+        (error("NotInitializedException", "('rclpy.init() ...')"), "not_initialized", ("rclpy.init()",)),
+        (error("EOFError", "EOF when reading a line"), "no_input", ("input()",)),
+        (error("NameError", "name 'Twst' is not defined"), "unknown_name", ("Twst",)),
+        (error("ModuleNotFoundError", "No module named 'rospy'"), "ros_1", ("rospy", "ROS 2")),
+        (error("ModuleNotFoundError", "No module named 'cv2'"), "missing_module", ("cv2",)),
+        (error("ModuleNotFoundError", "No module named 'pynput'"), "no_terminal", ("17",)),
+        (error("TypeError", "got an unexpected keyword argument 'queue_size'"), "missing_qos", ("17", "10")),
+        (
+            error("FileNotFoundError", "[Errno 2] No such file or directory: 'a.csv'"),
+            "missing_file",
+            ("a.csv",),
+        ),
+        (error("OSError", "[Errno 28] No space left on device"), "disk_full", ("16 MiB",)),
+        (error("OSError", "[Errno 22] Invalid argument"), "crashed", ("OSError",)),
+        (error("error", "(25, 'Inappropriate ioctl for device')"), "no_terminal", ("7",)),
+        (error("TclError", "no display name and no $DISPLAY environment variable"), "no_display", ("17",)),
+        (error("ValueError", ""), "crashed", ("ValueError: ",)),
+        (error("ZeroDivisionError", "division by zero"), "crashed", ("ZeroDivisionError", "17")),
+        (None, "killed", ("SIGSEGV",)),
+    ],
+)
+def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]) -> None:
+    verdict = silent(RunStatus.CRASHED, error=problem, signal="SIGSEGV")
+    assert verdict.mistakes[0] == code
+    assert all(word in verdict.hint.zh and word in verdict.hint.en for word in words)
+    assert "/opt/ros" not in verdict.hint.zh  # where a module stands tells a student nothing
+    assert ":）" not in verdict.hint.zh
+
+
+@pytest.mark.parametrize(
+    ("kind", "message", "code"),
+    [
+        ("SyntaxError", "'(' was never closed", "syntax_error"),
+        ("SyntaxError", "invalid character '（' (U+FF08)", "foreign_character"),
+        ("SyntaxError", "invalid non-printable character U+00A0", "foreign_character"),
+        ("TabError", "inconsistent use of tabs and spaces in indentation", "indentation"),
+    ],
+)
+def test_what_is_not_python(kind: str, message: str, code: str) -> None:
+    verdict = silent(RunStatus.SYNTAX_ERROR, error=error(kind, message))
+    assert verdict.mistakes == (code,)
+    assert "17" in verdict.hint.zh
+    assert "17" in verdict.hint.en
