@@ -17,6 +17,7 @@ from grader.bootstrap import build_sandbox
 from grader.contracts.errors import GraderError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
+from grader.jail.spawn import yield_session
 from grader.sandbox import Sandbox
 from grader.slot import Channel, SlotConfig, job_from_message, result_message
 
@@ -42,18 +43,15 @@ def main(arguments: list[str]) -> int:
 def _give_way(niceness: int) -> None:
     """Let everybody else go before this process, and before whatever it will start.
 
-    Beside the niceness: a process of the batch class does not interrupt others when it wakes up (sched(7)). And
-    where the kernel groups processes by session (autogroup), niceness counts only inside a session, unless the
-    session gets one, too.
+    Beside the niceness: a process of the batch class does not interrupt others when it wakes up (sched(7)).
     """
     try:
         os.setpriority(os.PRIO_PROCESS, 0, niceness)
         if sys.platform == "linux":
             os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
-            with open("/proc/self/autogroup", "w", encoding="ascii") as file:
-                file.write(str(niceness))
     except OSError:
-        return  # this kernel does not group
+        return  # niceness can be forbidden, too
+    yield_session(os.getpid(), niceness)
 
 
 def _serve(channel: Channel, sandbox: Sandbox) -> None:

@@ -1,5 +1,6 @@
 """Connections that cannot be made, break, are too many, or may only read."""
 
+import socket
 import sys
 import threading
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -150,8 +151,13 @@ def test_who_lost_a_connection_leaves_the_one_in_its_place_alone(postgres_url: s
 
     def lose(pool: ThreadPoolExecutor) -> None:
         with database.writing(quick=True) as session:
+            driver = session.connection().connection.driver_connection
+            with socket.fromfd(driver.fileno(), socket.AF_INET, socket.SOCK_STREAM) as wire:
+                wire.shutdown(
+                    socket.SHUT_RDWR
+                )  # the server's own end could be noticed later than its last words
             try:
-                session.connection().exec_driver_sql("SELECT pg_terminate_backend(pg_backend_pid())")
+                session.connection().exec_driver_sql("SELECT 1")
             finally:
                 answers.append(pool.submit(ask))
                 assert begun.wait(PATIENCE_S)
