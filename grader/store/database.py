@@ -199,8 +199,8 @@ def _engine(url: URL, connections: int) -> Engine:
         )
     except ImportError:
         raise SettingsError(
-            "PostgreSQL needs a driver that is not installed: pip install 'grader[postgres]'",
-            "没有安装 PostgreSQL 的驱动：pip install 'grader[postgres]'",
+            "PostgreSQL needs packages that are not installed: install the grader with its extra 'postgres'",
+            "没有安装 PostgreSQL 所需的软件包：安装 grader 时请带上附加项 'postgres'",
         ) from None
     # it warns of what fails after the error that it raised
     logging.getLogger("psycopg").setLevel(logging.ERROR)

@@ -144,8 +144,8 @@ def accepted(field: FieldInfo) -> str:
     return ", ".join([*above, *(f"{one} or more" for one in least), *(f"at most {one}" for one in most)])
 
 
-def test_the_service_page_lists_every_setting_as_it_is() -> None:
-    page = (Path(__file__).resolve().parents[2] / "docs" / "service.md").read_text()
+def test_the_operators_guide_lists_every_setting_as_it_is() -> None:
+    page = (Path(__file__).resolve().parents[2] / "docs" / "operator.md").read_text()
     lines = [line for line in page.splitlines() if line.startswith("| `GRADER_")]
     rows = [[cell.strip() for cell in line.strip()[1:-1].split("|")] for line in lines]
     listed = {name: (default, values, meaning) for name, default, values, meaning in rows}
