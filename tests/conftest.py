@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from grader.store import database as store_database
 from grader.store.database import Database
@@ -18,7 +18,9 @@ from grader.store.schema import migrate
 from tests.fakes import postgres
 
 # The same examples every time, and no deadline: a loaded machine must not fail a test.
-settings.register_profile("project", deadline=None, derandomize=True)
+settings.register_profile(
+    "project", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.load_profile("project")
 
 _ALIVE = pytest.StashKey[int]()

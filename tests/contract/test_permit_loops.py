@@ -11,6 +11,7 @@ from sqlalchemy import text
 from grader.contracts.submission import SubmissionState
 from grader.store.permits.loop import PermitLoop
 from tests.fakes.engines import PostgresEngine
+from tests.fakes.postgres import PostgresServer
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
 
@@ -59,13 +60,12 @@ def test_an_upload_wakes_an_idle_worker(permits: PostgresEngine) -> None:
         wait_until(lambda: permits.state(id_) is SubmissionState.GRADED)
 
 
-def test_a_worker_survives_losing_every_connection(permits: PostgresEngine) -> None:
+def test_a_worker_survives_losing_every_connection(
+    permits: PostgresEngine, postgres_server: PostgresServer
+) -> None:
     with Running(permits, poll_s=0.05):
         wait_until(lambda: listens(permits))
-        permits.change(
-            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity "
-            "WHERE datname = current_database() AND pid <> pg_backend_pid()"
-        )
+        postgres_server.disconnect()
         id_ = permits.upload()
         wait_until(lambda: permits.state(id_) is SubmissionState.GRADED)
 

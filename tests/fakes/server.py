@@ -70,7 +70,9 @@ def serving(app: FastAPI) -> Iterator[httpx.Client]:
     """Yield a client of a running server; the server has stopped when the context ends."""
     listener = socket.create_server(("127.0.0.1", 0))
     listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    server = uvicorn.Server(uvicorn.Config(app, log_config=None, ws="none"))
+    # so long that a connection never ends at the moment of the next request
+    config = uvicorn.Config(app, log_config=None, ws="none", timeout_keep_alive=3_600)
+    server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()
     try:

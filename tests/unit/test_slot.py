@@ -1,5 +1,6 @@
 """The parent's side of a grading process, with small children that answer, die, hang or babble."""
 
+import gc
 import json
 import os
 import signal
@@ -87,16 +88,23 @@ def children(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return programs
 
 
+def children_of(task: Path) -> list[str]:
+    """What a thread started; nothing where it has just ended."""
+    try:
+        return (task / "children").read_text().split()
+    except (FileNotFoundError, ProcessLookupError):
+        return []
+
+
 def offspring() -> set[str]:
     """Every child of this process, those that nobody waited for included."""
     tasks = Path("/proc/self/task").glob("*")  # none where there is no /proc
-    return {child for task in tasks for child in (task / "children").read_text().split()}
+    return {child for task in tasks for child in children_of(task)}
 
 
 def family(pid: str) -> set[str]:
     """A process and all it started that still run."""
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return {pid}.union(*map(family, children))
+    return {pid}.union(*map(family, children_of(Path(f"/proc/{pid}/task/{pid}"))))
 
 
 def descriptors() -> set[str]:
@@ -217,12 +225,11 @@ def test_a_host_that_cannot_isolate_is_told_apart(children: list[str]) -> None:
 
 
 def test_abort_from_another_thread_ends_a_grading_under_way(children: list[str]) -> None:
-    children += ["receive(); time.sleep(600)", "serve()"]
+    children += ["receive(); send({'kind': 'running'}); time.sleep(600)", "serve()"]
     with Slot(SlotConfig()) as one:
-        killer = threading.Timer(0.1, one.abort)
-        killer.start()
+        killer = threading.Thread(target=one.abort)
         with pytest.raises(InfrastructureError, match="exit code -9"):
-            one.grade(JOB)
+            one.grade(JOB, killer.start)
         killer.join()
         one.abort()  # nothing runs: no matter
         assert one.grade(JOB).report.score == 1.0
@@ -237,7 +244,7 @@ def test_the_whole_group_ends_with_the_slot(children: list[str], tmp_path: Path)
         one.grade(JOB)
         grandchild = int(note.read_text())
         os.kill(grandchild, 0)
-    assert _ends(grandchild)
+    wait_until(lambda: _has_ended(grandchild))
 
 
 def test_a_child_whose_parent_is_gone_ends_without_a_word(capfd: pytest.CaptureFixture[str]) -> None:
@@ -253,6 +260,7 @@ def test_a_child_whose_parent_is_gone_ends_without_a_word(capfd: pytest.CaptureF
 
 def test_nothing_stays_open_and_no_child_is_left(children: list[str]) -> None:
     children += ["receive(); sys.exit(1)", "receive(); write(b'\\4\\0\\0\\0nope')", "serve()"]
+    gc.collect()  # what other tests left open is not closed meanwhile
     before = descriptors(), offspring()
     with Slot(SlotConfig()) as one:
         for _ in range(2):
@@ -292,14 +300,9 @@ def _hurried() -> Assignment:
     )
 
 
-def _ends(pid: int) -> bool:
-    """Wait for a process that is not our child: gone, or a zombie nobody reaps."""
-    for _ in range(2_000):
-        try:
-            state = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0]
-        except (FileNotFoundError, ProcessLookupError):
-            return True
-        if state == "Z":
-            return True
-        threading.Event().wait(0.005)
-    return False
+def _has_ended(pid: int) -> bool:
+    """Whether a process that is not our child is gone, or a zombie nobody reaps."""
+    try:
+        return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] == "Z"
+    except (FileNotFoundError, ProcessLookupError):
+        return True

@@ -12,6 +12,7 @@ from grader.contracts.errors import SandboxError
 from grader.contracts.limits import MIB, Limits
 from grader.jail import landlock, policy
 from grader.sandbox import Sandbox, Verdict
+from tests.fakes.waiting import wait_until
 from tests.unit.jail.running import RUNNER, make, run
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
@@ -173,11 +174,7 @@ def test_killing_the_grading_process_ends_everything(without: tuple[str, ...]) -
         assert len(pids) == 2
         assert all(is_alive(pid) for pid in pids)
         grading.kill()
-    for _ in range(1000):
-        if not any(is_alive(pid) for pid in pids):
-            return
-        time.sleep(0.01)
-    pytest.fail("a process outlived the grading process")
+    wait_until(lambda: not any(is_alive(pid) for pid in pids))
 
 
 def is_alive(pid: str) -> bool:

@@ -122,6 +122,21 @@ def test_claims_and_uploads_in_each_others_way(
     assert len(taken) == count(database, "submission") == 16
 
 
+def test_a_sweep_waits_for_nobody(postgres_database: Database, clock: FakeClock) -> None:
+    """It changes rows in no order; an upload, which holds some in order, could wait for it in turn."""
+    queue = Queue(postgres_database, clock, RetryPolicy())
+    submissions = Submissions(postgres_database, clock)
+    held, free = (submissions.add(new(student)).id for student in ("li", "wang"))
+    clock.advance(-3_600)
+    with postgres_database.writing() as session:
+        session.execute(text(f"SELECT FROM submission WHERE id = '{held}' FOR UPDATE"))
+        queue.sweep()
+        assert queue.claim("w").submission_id == free
+        assert queue.claim("w") is None
+    queue.sweep()
+    assert queue.claim("w").submission_id == held
+
+
 def test_one_result_of_many_is_stored(database: Database, queue: Queue, submissions: Submissions) -> None:
     submissions.add(new())
     claim = queue.claim("w")
@@ -202,8 +217,8 @@ def test_a_frozen_process_gives_its_locks_back(postgres_database: Database, cloc
     """Its transaction ends on the server's side; whatever it does afterwards fails."""
     added = Submissions(postgres_database, clock).add(new())
     with pytest.raises(Exception, match="does not answer"), postgres_database.writing() as session:  # noqa: PT012
-        session.execute(text("SET LOCAL idle_in_transaction_session_timeout = 1"))
         session.execute(text("UPDATE submission SET trouble = 'mine'"))
+        session.execute(text("SET LOCAL idle_in_transaction_session_timeout = 1"))
         gone = text(
             "SELECT count(*) FROM pg_stat_activity WHERE datname = current_database() AND state LIKE 'idle in%'"
         )

@@ -75,14 +75,15 @@ def test_checkpoints_go_on_after_every_connection_was_busy(
     sqlite_database: Database, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(sqlite_database.engine.pool, "_timeout", 0.001)
-    with ExitStack() as busy, checkpoints(sqlite_database, every_s=0.001):
+    with ExitStack() as busy:
         with suppress(PoolTimeoutError):
             while True:
                 busy.callback(sqlite_database.engine.raw_connection().close)
-        wait_until(lambda: "was not emptied" in caplog.text)
-        busy.close()
-        Courses(sqlite_database, FakeClock()).create("ros2", "ROS 2", "UTC", "wang")
-        wait_until(lambda: b"course.create" in Path(sqlite_database.name).read_bytes())
+        with checkpoints(sqlite_database, every_s=0.001):
+            wait_until(lambda: "was not emptied" in caplog.text)
+            busy.close()
+            Courses(sqlite_database, FakeClock()).create("ros2", "ROS 2", "UTC", "wang")
+            wait_until(lambda: b"course.create" in Path(sqlite_database.name).read_bytes())
 
 
 def shown(session: Session, name: str) -> object:
