@@ -12,7 +12,8 @@ from grader.contracts.report import GradeStatus
 from grader.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import catalog
 
-LIMITS = Limits(cpu_s=0.5, grace_cpu_s=0.2, output_bytes=256 * 1024, memory_bytes=192 * MIB)
+LIMITS = Limits(grace_cpu_s=0.2, output_bytes=256 * 1024, memory_bytes=192 * MIB)
+BRIEF = replace(LIMITS, cpu_s=0.5)
 THREE_SIDES = """\
 import math, os, sys, threading, time
 import rclpy
@@ -35,12 +36,19 @@ pub.publish(Twist())
 node.get_logger().info('three sides')
 print('nearly done', object())
 """
+SEEN = """
+from turtlesim.msg import Pose
+listener = node.create_subscription(Pose, '/turtle1/pose', lambda pose: None, 10)
+for _ in range(200):
+    rclpy.spin_once(node)
+node.destroy_subscription(listener)
+"""  # what was printed has been read by then, however long the grader is kept waiting from there on
 FIRST_LINE = THREE_SIDES.count("\n") + 1
 
 # name -> (what follows, status, words of the hint in Chinese and in English)
 ENDINGS = {
-    "loops": ("while True:\n    pass\n", RunStatus.CPU_LIMIT, ("计算时间", "computing time")),
-    "counts": ("sum(range(10**12))\n", RunStatus.CPU_LIMIT, ("计算时间", "computing time")),
+    "loops": (SEEN + "while True:\n    pass\n", RunStatus.CPU_LIMIT, ("计算时间", "computing time")),
+    "counts": (SEEN + "sum(range(10**12))\n", RunStatus.CPU_LIMIT, ("计算时间", "computing time")),
     "prints": (
         "while True:\n    print('x' * 100)\n",
         RunStatus.OUTPUT_LIMIT,
@@ -123,7 +131,8 @@ def grade(slot: Slot, ending: str, limits: Limits = LIMITS) -> GradingResult:
 @pytest.mark.parametrize("name", ENDINGS)
 def test_three_sides_and_then(slot: Slot, part: float, name: str) -> None:
     ending, status, (zh, en) = ENDINGS[name]
-    first, second = grade(slot, ending), grade(slot, ending)
+    limits = BRIEF if status is RunStatus.CPU_LIMIT else LIMITS
+    first, second = grade(slot, ending, limits), grade(slot, ending, limits)
     report = first.report
     (run,) = report.runs
     assert run.outcome.status is status
@@ -154,7 +163,7 @@ def test_three_sides_and_then(slot: Slot, part: float, name: str) -> None:
 def test_what_a_script_was_printing_when_it_was_ended_stands_beside_the_report(
     slot: Slot, ending: str, status: GradeStatus, words: str
 ) -> None:
-    first, second = grade(slot, ending), grade(slot, ending)
+    first, second = grade(slot, ending, BRIEF), grade(slot, ending, BRIEF)
     assert first.report.canonical_bytes() == second.report.canonical_bytes()
     assert first.report.status is status
     assert first.report.runs[0].outcome.stdout.text == ""
@@ -175,4 +184,4 @@ def test_a_script_that_ignores_ctrl_c_has_only_its_grace(slot: Slot) -> None:
     ending = head + "        while True:\n            pass\n"
     result = grade(slot, ending, replace(LIMITS, cpu_s=60.0))
     assert result.report.runs[0].outcome.status is RunStatus.INTERRUPTED
-    assert result.measurements.jail_cpu_s < 10.0
+    assert result.measurements.jail_cpu_s < 30.0

@@ -89,8 +89,8 @@ def test_told_to_stop_while_it_waits_for_the_database_it_stops(command: list[str
     database = Database(database_url)
     with alone(database), _started([*command, "--slots", "1"], GRADER_DATABASE_URL=database_url) as waiting:
         assert waiting.stderr is not None
-        while "waiting until that has ended" not in waiting.stderr.readline():
-            pass
+        while "waiting until that has ended" not in (line := waiting.stderr.readline()):
+            assert line
         waiting.send_signal(signal.SIGTERM)
         assert waiting.wait(PATIENCE_S) == 0
     database.close()

@@ -23,7 +23,7 @@ from grader.jail import libc, policy, seccomp  # noqa: E402
 from grader.jail.report import JailReport  # noqa: E402
 from grader.sandbox import Layer, Sandbox  # noqa: E402
 
-LIMITS = Limits(cpu_s=0.6, wall_s=20.0, memory_bytes=256 * MIB, output_bytes=1 * MIB, threads=24)
+LIMITS = Limits(cpu_s=5.0, memory_bytes=256 * MIB, output_bytes=1 * MIB, threads=24)
 SHORT = replace(LIMITS, cpu_s=0.15)
 WATCHED = ("/tmp", "/var/tmp", "/dev/shm", "/run/lock", "/dev/mqueue", str(HERE), str(HERE / "runner"))
 GOOD = b"print(object(), sorted({'a', 'b'}), {'x', 'y', 'z'})\nframe(b'pose')\n"
