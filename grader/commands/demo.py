@@ -9,7 +9,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -26,6 +26,9 @@ from grader.render.terminal import console
 
 _START_S = 60.0
 _GRADING_S = 300.0
+_LOWEST_PORT, _PORTS = 20_000, 10_000
+_LIMITS = httpx.Limits(max_keepalive_connections=0)
+"""A connection that rests may end at the very moment at which the next request is sent."""
 _OPEN_STATES = ("queued", "running")
 
 
@@ -120,21 +123,34 @@ def serving(output: Path) -> Iterator[httpx.Client]:
     """Run `grader serve` on a free port with an empty database; yield a client with the instructor's token."""
     for old in output.glob("grader.db*"):
         old.unlink()
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
+    port = _free_port()
     token = secrets.token_urlsafe(24)
     command = [sys.executable, "-m", "grader", "serve", "--port", str(port), "--data", str(output)]
     environment = {"GRADER_LOG_LEVEL": "warning", **os.environ, "GRADER_INSTRUCTOR_TOKEN": token}
     server = subprocess.Popen(command, env=environment)
     headers = {"Authorization": f"Bearer {token}"}
     try:
-        with httpx.Client(base_url=f"http://127.0.0.1:{port}", headers=headers, timeout=60.0) as client:
+        with httpx.Client(
+            base_url=f"http://127.0.0.1:{port}",
+            headers=headers,
+            timeout=60.0,
+            trust_env=False,
+            limits=_LIMITS,
+        ) as client:
             _await_start(client, server)
             yield client
     finally:
         server.terminate()
         server.wait()
+
+
+def _free_port() -> int:
+    """Return a port that nobody has, of those that no system gives to whoever asks for any."""
+    while True:
+        port = _LOWEST_PORT + secrets.randbelow(_PORTS)
+        with socket.socket() as probe, suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 def _await_start(client: httpx.Client, server: subprocess.Popen[bytes]) -> None:
