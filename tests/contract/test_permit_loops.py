@@ -54,7 +54,7 @@ def listens(permits: PostgresEngine) -> bool:
 
 
 def test_an_upload_wakes_an_idle_worker(permits: PostgresEngine) -> None:
-    with Running(permits):  # which would look by itself after half a minute
+    with Running(permits):  # which would look by itself after a minute
         wait_until(lambda: listens(permits))
         id_ = permits.upload()
         wait_until(lambda: permits.state(id_) is SubmissionState.GRADED)

@@ -13,6 +13,7 @@ import subprocess
 import tempfile
 from contextlib import contextmanager
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
 
 from grader.store.database import Database
@@ -155,17 +156,20 @@ class PostgresServer:
         import psycopg
 
         return psycopg.connect(
-            host=str(self._folder), user="postgres", dbname=database, autocommit=True, connect_timeout=10
+            host=str(self._folder), user="postgres", dbname=database, autocommit=True, connect_timeout=60
         )
 
 
 def begin_run() -> int:
     """Say that a run of the tests begins, for all processes it will have; return what `end_run` wants."""
-    os.environ[_RUN] = str(os.getpid())
+    # not the number alone: another container's processes, or those before a restart, had the same ones
+    os.environ[_RUN] = f"{os.getpid()}-{token_hex(4)}"
     folder = _root() / os.environ[_RUN]
-    folder.mkdir(parents=True, exist_ok=True)
-    alive = os.open(folder / "alive", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    folder.mkdir(parents=True)
+    locking, locked = folder / "locking", folder / "alive"
+    alive = os.open(locking, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     fcntl.flock(alive, fcntl.LOCK_EX)
+    locking.rename(locked)  # a run that others see is locked already
     return alive
 
 
@@ -216,7 +220,19 @@ def _start(folder: Path) -> None:
     _run([*initdb, "--no-locale"], folder)
     options = " ".join(f"-c {name}='{value}'" for name, value in _OPTIONS.items())
     _run(
-        [programs / "pg_ctl", "-D", data, "-w", "-l", data / "log", "-o", f"{options} -k {folder}", "start"],
+        [
+            programs / "pg_ctl",
+            "-D",
+            data,
+            "-w",
+            "-t",
+            "180",
+            "-l",
+            data / "log",
+            "-o",
+            f"{options} -k {folder}",
+            "start",
+        ],
         folder,
     )
 

@@ -3,7 +3,7 @@
 import threading
 from collections.abc import Callable
 
-PATIENCE_S = 30.0  # only ever waited for in full when a test fails
+PATIENCE_S = 60.0  # only ever waited for in full when a test fails
 _PAUSE_S = 0.01
 
 

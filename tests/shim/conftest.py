@@ -44,7 +44,7 @@ _BARE = (
 PYTHON = os.environ.get("SHIM_PYTHON", sys.executable)
 """Interpreter of the scripts; to try the shim on another version of Python."""
 
-HANG_S = 10.0
+HANG_S = 120.0
 """A script that still runs after this long is blocked outside virtual time: a bug of the shim."""
 
 Feed = Sequence[tuple[int, str, bytes]]
