@@ -1,7 +1,4 @@
-# The grading service and its workers, for an ordinary unprivileged container (docs/container.md).
-#   docker build -t grader .
-#   docker run --rm --read-only --tmpfs /tmp --cap-drop ALL --security-opt no-new-privileges \
-#       --memory 2g --pids-limit 512 -p 127.0.0.1:8080:8080 -v grader-data:/data grader
+# The grading service and its workers, for an ordinary unprivileged container; docs/container.md says how to run it.
 # The image holds Python, the libraries it is linked with, the grader, and nothing else: no shell, no package
 # manager, no pip. BASE is any image of Debian 12.
 ARG BASE=debian:bookworm-slim
@@ -67,7 +64,8 @@ COPY --from=build /rootfs /
 COPY --from=build /opt/grader /opt/grader
 USER 1000:1000
 WORKDIR /data
-ENV PATH=/opt/grader/bin:/usr/bin LANG=C.UTF-8 PYTHONDONTWRITEBYTECODE=1 HOME=/data
+# FORWARDED_ALLOW_IPS: the proxy in front has an address of the engine's choice, and is to be believed that it has TLS.
+ENV PATH=/opt/grader/bin:/usr/bin LANG=C.UTF-8 PYTHONDONTWRITEBYTECODE=1 HOME=/data FORWARDED_ALLOW_IPS=*
 VOLUME /data
 EXPOSE 8080
 HEALTHCHECK --interval=10s --timeout=5s --start-period=30s \
