@@ -187,6 +187,10 @@ def _check_plot_path(path: Path) -> None:
 
 
 def _plot(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
+    import logging
+
+    # on a new machine it would tell of its search for fonts, none of which is used
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from grader.plots import draw
 
     out: Path = arguments.plot

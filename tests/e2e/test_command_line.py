@@ -160,7 +160,10 @@ def test_a_text_answers_a_question(tmp_path: Path) -> None:
     assert ".py" in refused.stderr
 
 
-def test_a_plot_that_cannot_be_written_is_no_lost_mark(tmp_path: Path) -> None:
+def test_a_plot_that_cannot_be_written_is_no_lost_mark(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("MPLCONFIGDIR", "/proc/none")  # what matplotlib says to that is not shown
     (tmp_path / "out.PNG").mkdir()
     done = grader("check", LESSON / "square_mover.py", "--plot", "out.PNG", cwd=tmp_path)
     assert done.returncode == 2
