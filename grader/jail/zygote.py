@@ -39,7 +39,7 @@ _LENGTH_BYTES = 4
 _FDS_PER_FORK = 3
 _FIRST_FREE_FD = policy.CHANNEL_FD + 1
 _NUMBER_OF_FILES = 128
-_BLOCKS_PER_SIZE = 24  # a request needs fewer
+_BLOCKS_PER_SIZE = 48  # of each size a request needs fewer
 _BYTES_PER_SIZE = range(
     15, 480, 16
 )  # one of each size from 48 bytes to 512, beyond which Python asks the C library

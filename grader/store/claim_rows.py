@@ -148,11 +148,16 @@ def lease_ended(now: datetime) -> ColumnElement[bool]:
 
 
 def bring_forward(session: Session, now: datetime) -> None:
-    """Make due what waits for an instant that no pause reaches: the clock was ahead when it was queued."""
+    """Make due what waits for an instant that no pause reaches: the clock was ahead when it was queued.
+
+    Rows that another transaction holds are left to the next time: two could wait for each other in a circle.
+    """
     row = SubmissionRow
     ahead = or_(col(row.tries) == 0, col(row.not_before) > now + LONGEST_PAUSE)
     waits = col(row.state) == SubmissionState.QUEUED.value
-    statement = update(row).where(waits, col(row.not_before) > now, ahead).values(not_before=now)
+    found = select(col(row.id)).where(waits, col(row.not_before) > now, ahead)
+    ids = found.with_for_update(skip_locked=True)
+    statement = update(row).where(col(row.id).in_(ids)).values(not_before=now)
     session.execute(statement, execution_options={"synchronize_session": False})
 
 

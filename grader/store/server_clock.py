@@ -25,7 +25,7 @@ _log = logging.getLogger(__name__)
 
 def _elapsed_s() -> float:
     """Seconds that nobody sets, and that go on while the machine sleeps."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME)
+    return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))  # macOS: does so itself
 
 
 class ServerClock:

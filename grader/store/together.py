@@ -107,12 +107,12 @@ def _in_one_piece(connection: Connection) -> Iterator[None]:
         yield
         return
     with socket.fromfd(driver.fileno(), socket.AF_INET, socket.SOCK_STREAM) as wire:
-        with suppress(OSError):  # a Unix socket has no cork
+        with suppress(OSError, AttributeError):  # a Unix socket has no cork, nor has macOS
             wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_CORK, 1)
         try:
             yield
         finally:
-            with suppress(OSError):
+            with suppress(OSError, AttributeError):
                 wire.setsockopt(socket.IPPROTO_TCP, socket.TCP_CORK, 0)
 
 

@@ -104,6 +104,15 @@ def test_nothing_is_kept_back_that_an_answer_is_waited_for(
         assert wire.setsockopt.mock_calls == kept
 
 
+def test_what_a_system_cannot_keep_back_is_sent_at_once(
+    permits: PostgresEngine, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(socket, "TCP_CORK")  # as on macOS
+    with permits.database.writing() as session:
+        one_at_a_time(session, "first")
+        one_at_a_time(session, "second")
+
+
 @WAYS
 @pytest.mark.parametrize(
     "mishap",

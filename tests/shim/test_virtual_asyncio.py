@@ -29,6 +29,17 @@ def test_asyncio_sleeps_virtually(run_bare: RunScript, preload: tuple[str, ...])
     assert run.exit["reason"] == 0
 
 
+def test_where_there_is_neither_epoll_nor_linux_clocks(run_bare: RunScript) -> None:
+    """As on macOS, whose kqueue would wait in real time."""
+    run = run_bare(
+        CLOCK + "asyncio.run(asyncio.sleep(3600)); print(now())\n"
+        "print(time.clock_gettime(time.CLOCK_MONOTONIC) - time.monotonic() < 1)\n",
+        horizon_s=4000,
+        preload=("select, time; del select.epoll, time.CLOCK_BOOTTIME; import asyncio",),
+    )
+    assert lines(run) == ["3600.0", "True"]
+
+
 def test_asyncio_beside_threads(run_bare: RunScript) -> None:
     run = run_bare(
         CLOCK + "async def main():\n    loop = asyncio.get_running_loop(); done = asyncio.Event()\n"

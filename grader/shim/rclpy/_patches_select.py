@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from types import ModuleType
     from typing import Any
 
-_select, _poll, _epoll = select.select, select.poll, select.epoll
+_select, _poll = select.select, select.poll
+_epoll: Any = getattr(select, "epoll", None)  # Linux only
 
 
 def _await(ask: Callable[[], list[Any]], timeout: float | None, why: str) -> list[Any]:
@@ -91,12 +92,16 @@ def patch_select(module: ModuleType) -> None:
     target: Any = module
     target.select = virtual_select
     target.poll = VirtualPoll
-    target.epoll = VirtualEpoll
+    if _epoll is not None:
+        target.epoll = VirtualEpoll
 
 
 def patch_selectors(module: ModuleType) -> None:
     """Renew what the selector classes took from `select` when they were defined."""
     target: Any = module
     target.PollSelector._selector_cls = VirtualPoll
-    target.EpollSelector._selector_cls = VirtualEpoll
     target.SelectSelector._select = staticmethod(virtual_select)
+    if _epoll is not None:
+        target.EpollSelector._selector_cls = VirtualEpoll
+    else:
+        target.DefaultSelector = target.PollSelector  # kqueue would wait in real time

@@ -72,7 +72,7 @@ def clock_gettime_ns(clock: int, /) -> int:
         return time_ns()
     if clock in (time.CLOCK_PROCESS_CPUTIME_ID, time.CLOCK_THREAD_CPUTIME_ID):
         return process_time_ns()
-    if clock in (time.CLOCK_MONOTONIC, time.CLOCK_MONOTONIC_RAW, time.CLOCK_BOOTTIME):
+    if clock in (time.CLOCK_MONOTONIC, time.CLOCK_MONOTONIC_RAW, getattr(time, "CLOCK_BOOTTIME", -1)):
         return monotonic_ns()
     return _clock_gettime_ns(clock)
 

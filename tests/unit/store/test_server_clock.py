@@ -1,5 +1,6 @@
 """Instants come from the database's server, whatever the machine's own clock says."""
 
+import time
 from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
@@ -41,6 +42,14 @@ def test_on_postgresql_the_machines_own_does_not_matter(
     with clock_of(postgres_database) as clock:
         assert clock().tzinfo is UTC
         assert clock() - LONG_AGO > timedelta(days=9_000)
+
+
+def test_a_machine_without_linux_clocks_can_do_without_them(
+    postgres_database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delattr(time, "CLOCK_BOOTTIME")  # as on macOS
+    with clock_of(postgres_database) as clock:
+        assert clock() <= clock()
 
 
 def test_it_counts_on_between_looks(postgres_database: Database) -> None:
