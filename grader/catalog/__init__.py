@@ -29,7 +29,10 @@ def default_root() -> Path:
     for root in (package / "assignments", package.parent / "assignments"):
         if root.is_dir():
             return root
-    raise AssignmentError("the assignments are missing from this installation; reinstall the grader")
+    raise AssignmentError(
+        "the assignments are missing from this installation; reinstall the grader",
+        "安装里缺少作业：请重新安装 grader",
+    )
 
 
 class Catalog:
@@ -81,10 +84,13 @@ class Catalog:
         """
         document = self._named(assignment_id)
         attempts = document.wrong_attempts()
-        for attempt in attempts:
+        for i, attempt in enumerate(attempts):
             path = self.folder(assignment_id) / "wrong" / attempt.file
             if not path.is_file():
-                raise AssignmentError(f"{document.path}: wrong: no file {path}; add it or remove the entry")
+                raise AssignmentError(
+                    f"{document.place(f'wrong.{i}.file')}: no file {path}; add it or remove the entry",
+                    f"{document.place(f'wrong.{i}.file')}: 没有文件 {path}：补上，或者删掉这一项",
+                )
         return attempts
 
     def guess_assignment(self, file_name: str) -> str | None:
@@ -111,7 +117,7 @@ class Catalog:
         """
         path = self.folder(assignment.id) / (name + SUFFIXES[assignment.input][0])
         if not path.is_file():
-            raise AssignmentError(f"{path}: this file is missing; add it")
+            raise AssignmentError(f"{path}: this file is missing; add it", f"{path}：缺少这个文件：请补上")
         return path
 
     def folder(self, assignment_id: str) -> Path:

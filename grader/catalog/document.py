@@ -7,28 +7,33 @@ from typing import Any
 import yaml
 from pydantic import ValidationError
 
+from grader.catalog.misfits import WrongKeyError, misfit, refusals, unparsable
 from grader.catalog.schema import AssignmentModel
 from grader.contracts.assignment import Assignment, WrongAttempt
-from grader.contracts.errors import AssignmentError
+from grader.contracts.text import Text, trouble
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times faster where libyaml is there
-
-_FIXES = {
-    "extra_forbidden": "unknown field; check its spelling or remove it",
-    "missing": "this field is required; add it",
-}
+_NOT_UTF8 = Text(zh="不是 UTF-8 编码：请另存为 UTF-8", en="this is not UTF-8; save it as UTF-8")
+_NO_FIELDS = Text(
+    zh="最外层要写字段，例如 id: square", en="expected fields such as `id: square` at the top; add them"
+)
 
 
 class _StrictLoader(_Loader):  # type: ignore[misc]
-    """Refuses a key given twice, which YAML forbids and PyYAML ignores."""
+    """Refuses a key given twice, which YAML forbids and PyYAML ignores, and one that is no text."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[str] = set()
         for key, _ in node.value:
+            if not isinstance(key, yaml.ScalarNode):
+                told = Text(zh="字段名要写成一个词", en="a field's name is one word; write it so")
+                raise WrongKeyError(told, key.start_mark)
             if key.value in seen:
-                raise yaml.constructor.ConstructorError(
-                    None, None, f"the field {key.value!r} is given twice; remove one", key.start_mark
+                zh, en = (
+                    f"字段 {key.value!r} 写了两次：删掉一个",
+                    f"the field {key.value!r} is given twice; remove one",
                 )
+                raise WrongKeyError(Text(zh=zh, en=en), key.start_mark)
             seen.add(key.value)
         mapping: dict[Any, Any] = super().construct_mapping(node, deep=deep)
         return mapping
@@ -52,15 +57,17 @@ class Document:
         try:
             text = path.read_text(encoding="utf-8")
             data = yaml.load(text, Loader=_StrictLoader)  # noqa: S506  (a safe loader)
-        except (OSError, UnicodeDecodeError) as error:
-            raise AssignmentError(f"{path}: cannot be read: {error}") from error
+        except OSError as error:
+            raise refusals([(str(path), trouble(error))]) from error
+        except UnicodeDecodeError as error:
+            raise refusals([(str(path), _NOT_UTF8)]) from error
         except yaml.MarkedYAMLError as error:
             line = error.problem_mark.line + 1 if error.problem_mark is not None else "?"
-            raise AssignmentError(f"{path}:{line}: not valid YAML: {error.problem}") from error
+            raise refusals([(f"{path}:{line}", unparsable(error))]) from error
         except yaml.YAMLError as error:
-            raise AssignmentError(f"{path}: not valid YAML: {error}") from error
+            raise refusals([(str(path), unparsable(yaml.MarkedYAMLError(problem=str(error))))]) from error
         if not isinstance(data, dict):
-            raise AssignmentError(f"{path}:1: expected fields such as `id: square` at the top")
+            raise refusals([(f"{path}:1", _NO_FIELDS)])
         return cls(path, text, data)
 
     @property
@@ -112,12 +119,13 @@ class Document:
         try:
             model = AssignmentModel.model_validate(self.data)
         except ValidationError as error:
-            raise AssignmentError("\n".join(self._problem(each) for each in error.errors())) from error
-        if model.id != self.path.parent.name:
-            raise AssignmentError(
-                f"{self.path}:{self.line_of(('id',))}: id: {model.id!r} must be the folder's name "
-                f"{self.path.parent.name!r}"
+            raise refusals(self._problem(each) for each in error.errors()) from error
+        if model.id != (name := self.path.parent.name):
+            told = Text(
+                zh=f"{model.id!r} 要和文件夹名 {name!r} 一样",
+                en=f"{model.id!r} must be the folder's name {name!r}",
             )
+            raise refusals([(self.place("id"), told)])
         return model
 
     def place(self, field: str) -> str:
@@ -125,7 +133,6 @@ class Document:
         steps = tuple(int(step) if step.isdecimal() else step for step in field.split("."))
         return f"{self.path}:{self.line_of(steps)}: {field}"
 
-    def _problem(self, error: Any) -> str:
-        field = ".".join(map(str, error["loc"])) or "assignment"
-        fix = _FIXES.get(error["type"], error["msg"].removeprefix("Value error, "))
-        return f"{self.place(field)}: {fix}"
+    def _problem(self, error: Any) -> tuple[str, Text]:
+        field, told = misfit(error)
+        return self.place(".".join(map(str, field)) or "assignment"), told

@@ -14,6 +14,20 @@ from pydantic import (
     model_validator,
 )
 
+from grader.catalog.misfits import (
+    BAND_MISSING,
+    CENTS,
+    ID_PATTERN,
+    INTERFACE_PATTERN,
+    NO_BAND,
+    SCORE,
+    WRONG_FILE_PATTERN,
+    MisfitError,
+    swapped,
+    twice,
+    unknown_item,
+    wrong_ending,
+)
 from grader.contracts.assignment import (
     BY_PERSON,
     SUFFIXES,
@@ -32,9 +46,9 @@ from grader.contracts.limits import MIB, Limits
 from grader.contracts.services import ServiceCall
 from grader.contracts.text import Text
 
-Id = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]{0,39}$")]
+Id = Annotated[str, Field(pattern=ID_PATTERN)]
 Topic = Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")]
-Interface = Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$")]
+Interface = Annotated[str, Field(pattern=INTERFACE_PATTERN)]
 Options = dict[str, StrictBool | StrictInt | StrictFloat | StrictStr]
 MAX_HORIZON_S = 600.0
 
@@ -56,7 +70,7 @@ class TextModel(_Model):
 
 def _in_cents(points: float) -> float:
     if points != round(points, 2):
-        raise ValueError("use at most two decimals: points are counted in hundredths")
+        raise MisfitError(CENTS)
     return points
 
 
@@ -76,11 +90,11 @@ class ItemModel(_Model):
     def _has_band(self) -> Self:
         if self.measure == BY_PERSON:
             if self.low is not None or self.high is not None or self.ramp:
-                raise ValueError(f"a person judges {BY_PERSON!r}: remove low, high and ramp")
+                raise MisfitError(NO_BAND)
         elif self.low is None and self.high is None:
-            raise ValueError("give low, high or both: the band of full credit")
+            raise MisfitError(BAND_MISSING)
         if self.low is not None and self.high is not None and self.low > self.high:
-            raise ValueError(f"low ({self.low}) is above high ({self.high}); swap them")
+            raise MisfitError(swapped(self.low, self.high))
         return self
 
     def to_contract(self) -> ItemSpec:
@@ -179,7 +193,7 @@ class AnswerModel(_Model):
 class WrongModel(_Model):
     """A wrong file and the verdict it must get."""
 
-    file: Annotated[str, Field(pattern=r"^[a-z][a-z0-9_]*\.(py|txt|md)$")]
+    file: Annotated[str, Field(pattern=WRONG_FILE_PATTERN)]
     score: tuple[float, float]
     fails: str
     mistake: str = ""
@@ -187,7 +201,7 @@ class WrongModel(_Model):
     @model_validator(mode="after")
     def _score_is_a_band(self) -> Self:
         if not 0.0 <= self.score[0] <= self.score[1]:
-            raise ValueError("score must be [low, high] with 0 <= low <= high")
+            raise MisfitError(SCORE, "score")
         return self
 
     def to_contract(self) -> WrongAttempt:
@@ -220,20 +234,20 @@ class AssignmentModel(_Model):
     @model_validator(mode="after")
     def _names_fit(self) -> Self:
         seen: set[str] = set()
-        for item in self.items:
+        for i, item in enumerate(self.items):
             if item.id in seen:
-                raise ValueError(f"two items have the id {item.id!r}; rename one")
-            if missing := set(item.needs) - seen:
-                raise ValueError(f"item {item.id!r} needs {sorted(missing)[0]!r}, which is no earlier item")
+                raise MisfitError(twice(item.id), "items", i, "id")
+            if missing := sorted(set(item.needs) - seen):
+                raise MisfitError(unknown_item(missing[0]), "items", i, "needs")
             seen.add(item.id)
-        if len({case.id for case in self.cases}) < len(self.cases):
-            raise ValueError("two cases have the same id; rename one")
-        for wrong in self.wrong:
+        for i, case in enumerate(self.cases):
+            if case.id in {earlier.id for earlier in self.cases[:i]}:
+                raise MisfitError(twice(case.id), "cases", i, "id")
+        for i, wrong in enumerate(self.wrong):
             if wrong.fails not in seen:
-                raise ValueError(f"wrong/{wrong.file}: fails names no item: {wrong.fails!r}")
-            if not wrong.file.endswith(SUFFIXES[self.input]):
-                endings = " or ".join(SUFFIXES[self.input])
-                raise ValueError(f"wrong/{wrong.file}: with input {self.input} its name ends in {endings}")
+                raise MisfitError(unknown_item(wrong.fails), "wrong", i, "fails")
+            if not wrong.file.endswith(endings := SUFFIXES[self.input]):
+                raise MisfitError(wrong_ending(self.input, endings), "wrong", i, "file")
         return self
 
     def to_contract(self) -> Assignment:

@@ -5,18 +5,20 @@ will be looked for, `sketch` what a plot should show, and `problems` what is wro
 its check.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from grader.checks import essay, motion, node, number, polygon, rotation, service
+from grader.checks.fit import misfits
 from grader.checks.judge import WHOLE, Portion, judge
-from grader.checks.measure import Check, Findings, Kind, Options, TextCheck
+from grader.checks.measure import Check, Findings, Kind, TextCheck
 from grader.checks.rubric_text import published
 from grader.checks.summary import summarise, summarise_text
-from grader.contracts.assignment import BY_PERSON, Assignment
+from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.rubric import PublishedRubric
+from grader.contracts.text import Text
 from grader.contracts.verdict import Run, Verdict
 
 CHECKS: Mapping[str, Check] = {
@@ -80,49 +82,14 @@ def published_rubric(assignment: Assignment) -> PublishedRubric:
     return published(KINDS[assignment.check], assignment)
 
 
-def problems(assignment: Assignment) -> tuple[tuple[str, str], ...]:
+def problems(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     """Return (field, problem) for all that does not fit the assignment's check; empty when it fits."""
     check = KINDS.get(assignment.check)
     if check is None:
-        return (("check", f"unknown check {assignment.check!r}; use one of {', '.join(KINDS)}"),)
-    return tuple(_problems(assignment, check))
-
-
-def _problems(assignment: Assignment, check: Kind) -> Iterator[tuple[str, str]]:
-    wanted = "script" if assignment.check in CHECKS else "text"
-    if assignment.input != wanted:
-        yield "input", f"the check {check.kind!r} judges a {wanted}; write `input: {wanted}`"
-    for i, case in enumerate(assignment.cases):
-        options = {**assignment.options, **case.options}
-        where = "options" if not case.options else f"cases.{i}.options"
-        yield from _option_problems(check, options, where)
-    for i, item in enumerate(assignment.items):
-        if item.measure not in check.measures and item.measure != BY_PERSON:
-            known = ", ".join((*check.measures, BY_PERSON))
-            yield (
-                f"items.{i}.measure",
-                f"{item.measure!r} is no measure of {check.kind!r}; use one of {known}",
-            )
-    if assignment.calls and "offered" not in check.measures:
-        yield "calls", f"the check {check.kind!r} calls no services; remove them or use 'service'"
-    if assignment.answers and "correct" not in check.measures:
-        yield "answers", f"the check {check.kind!r} compares no numbers; remove them or use 'number'"
-    yield from check.consult(assignment)
-
-
-def _option_problems(
-    check: Kind, options: Mapping[str, float | int | str | bool], where: str
-) -> Iterator[tuple[str, str]]:
-    known: Options = {**check.options, **check.optional}
-    for name in options:
-        if name not in known:
-            yield f"{where}.{name}", "not an option of this check; remove it"
-    for name, problem_with in known.items():
-        if name in options:
-            if (problem := problem_with(options[name])) is not None:
-                yield f"{where}.{name}", problem
-        elif name in check.options:
-            yield f"{where}.{name}", f"missing; the check {check.kind!r} needs it"
+        name, known = repr(assignment.check), ", ".join(KINDS)
+        told = Text(zh=f"没有 {name} 这种检查，可用：{known}", en=f"unknown check {name}; use one of {known}")
+        return (("check", told),)
+    return tuple(misfits(assignment, check))
 
 
 def _in_case(assignment: Assignment, case_id: str) -> Assignment:
@@ -140,4 +107,6 @@ def _script_check(assignment: Assignment) -> Check:
 
 def _raise_problem(assignment: Assignment) -> None:
     for field, problem in problems(assignment):
-        raise AssignmentError(f"{assignment.id}: {field}: {problem}")
+        raise AssignmentError(
+            f"{assignment.id}: {field}: {problem.en}", f"{assignment.id}: {field}：{problem.zh}"
+        )

@@ -1,7 +1,7 @@
 """What a check is made of: named measures, options, and findings in one run."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import field
 from typing import Literal
 
@@ -76,8 +76,14 @@ class Findings:
     mistakes: tuple[Mistake, ...] = ()
 
 
-Options = Mapping[str, Callable[[Option], str | None]]
+Options = Mapping[str, Callable[[Option], Text | None]]
 """Names of options, with what is wrong about a value (or None)."""
+
+
+def one_of(names: Iterable[str]) -> Text:
+    """Return what is wrong about a value that is none of `names`."""
+    known = ", ".join(names)
+    return Text(zh=f"只能是这些值之一：{known}", en=f"must be one of {known}")
 
 
 @record
@@ -93,7 +99,7 @@ class Kind:
     measures: Mapping[str, MeasureKind]
     options: Options = field(default_factory=dict)
     optional: Options = field(default_factory=dict)
-    consult: Callable[[Assignment], tuple[tuple[str, str], ...]] = lambda assignment: ()
+    consult: Callable[[Assignment], tuple[tuple[str, Text], ...]] = lambda assignment: ()
 
 
 @record

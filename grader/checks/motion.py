@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from grader.checks.credit import fits
 from grader.checks.drive import Drive, drive_of
-from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
+from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option, one_of
 from grader.checks.mistakes.motion import motion_mistakes
 from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
+from grader.contracts.text import Text
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.contracts.verdict import Run
 from grader.messages import say
@@ -115,8 +116,8 @@ def _departures(
             yield SketchLabel(at_m=at_m, text=text, ok=False)
 
 
-def _problem_with_direction(value: Option) -> str | None:
-    return None if value in DIRECTIONS else f"must be one of {', '.join(DIRECTIONS)}"
+def _problem_with_direction(value: Option) -> Text | None:
+    return None if value in DIRECTIONS else one_of(DIRECTIONS)
 
 
 CHECK = Check(

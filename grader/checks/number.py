@@ -1,11 +1,11 @@
 """Check ``number``: a question whose answer is a number with a unit."""
 
-from grader.checks.measure import UNMEASURED, Findings, Measure, MeasureKind, Option, TextCheck
+from grader.checks.measure import UNMEASURED, Findings, Measure, MeasureKind, Option, TextCheck, one_of
 from grader.checks.mistakes.number import number_mistakes
 from grader.checks.quantity import plain
 from grader.checks.spoken_quantity import UNITS, SpokenQuantity, quantities
 from grader.contracts.assignment import Answer, Assignment
-from grader.contracts.text import EMPTY
+from grader.contracts.text import EMPTY, Text
 
 MEASURES = {"correct": MeasureKind(form="flag"), "with_unit": MeasureKind(form="flag")}
 _DECIMALS = 3
@@ -45,14 +45,15 @@ def _known(assignment: Assignment, value: float) -> Answer | None:
     return min(near, key=lambda answer: not answer.right, default=None)
 
 
-def _problem_with_unit(value: Option) -> str | None:
-    return None if value in UNITS else f"must be one of {', '.join(UNITS)}"
+def _problem_with_unit(value: Option) -> Text | None:
+    return None if value in UNITS else one_of(UNITS)
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, str], ...]:
+def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     if any(answer.right for answer in assignment.answers):
         return ()
-    return (("answers", "missing; give at least one with `right: true`"),)
+    told = Text(zh="缺少：至少写一个 `right: true`", en="missing; give at least one with `right: true`")
+    return (("answers", told),)
 
 
 CHECK = TextCheck(

@@ -12,6 +12,7 @@ from grader.checks.quantity import listed, number
 from grader.checks.wanted_polygon import WantedPolygon, wanted_polygon
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
+from grader.contracts.text import Text
 from grader.contracts.verdict import Run
 from grader.geometry.figure import PolygonFigure
 
@@ -108,26 +109,34 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     return polygon_sketch(assignment, run.trajectory, driven.figure, driven.sense * driven.corners_deg)
 
 
-def _problem_with_sides(value: Option) -> str | None:
+_ONLY_RECTANGLES = Text(
+    zh="只用于 4 条边，和 side_m 一起：请删掉", en="only for 4 sides, beside side_m; remove it"
+)
+_NO_SIDE = Text(
+    zh="缺少：测量值 'side_error_pct' 要和它比较", en="missing; the measure 'side_error_pct' compares with it"
+)
+
+
+def _problem_with_sides(value: Option) -> Text | None:
     if isinstance(value, bool) or not isinstance(value, int) or not 3 <= value <= 12:
-        return "must be a whole number from 3 to 12"
+        return Text(zh="要填 3 到 12 的整数", en="must be a whole number from 3 to 12")
     return None
 
 
-def _problem_with_length(value: Option) -> str | None:
+def _problem_with_length(value: Option) -> Text | None:
     if isinstance(value, bool) or not isinstance(value, int | float) or not 0.1 <= value <= 10.0:
-        return "must be a length from 0.1 to 10 m"
+        return Text(zh="要填 0.1 到 10 米的长度", en="must be a length from 0.1 to 10 m")
     return None
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, str], ...]:
+def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     found = []
     for case in assignment.cases:
         options = {**assignment.options, **case.options}
         if "other_side_m" in options and (options.get("sides") != 4 or "side_m" not in options):
-            found.append(("options.other_side_m", "only for 4 sides, beside side_m; remove it"))
+            found.append(("options.other_side_m", _ONLY_RECTANGLES))
         if "side_m" not in options and assignment.item_on("side_error_pct") is not None:
-            found.append(("options.side_m", "missing; the measure 'side_error_pct' compares with it"))
+            found.append(("options.side_m", _NO_SIDE))
     return tuple(found)
 
 

@@ -10,6 +10,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import RunStatus
 from grader.contracts.services import ServiceResult
+from grader.contracts.text import Text
 from grader.contracts.verdict import Run
 
 MEASURES = {
@@ -60,15 +61,22 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     return FigureSketch(view="log")
 
 
-def _problem_with_list_field(value: Option) -> str | None:
-    return None if isinstance(value, str) and value.isidentifier() else "must be the name of a field"
+def _problem_with_list_field(value: Option) -> Text | None:
+    good = isinstance(value, str) and value.isidentifier()
+    return None if good else Text(zh="要填一个字段名", en="must be the name of a field")
 
 
-def _consult(assignment: Assignment) -> tuple[tuple[str, str], ...]:
+_NO_FIELD = Text(
+    zh="缺少：测量值 'entries' 数的是这个字段的项数",
+    en="missing; the measure 'entries' counts the entries of this field",
+)
+
+
+def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     if not assignment.calls:
-        return (("calls", "missing; say which services are called"),)
+        return (("calls", Text(zh="缺少：写明要调用哪些服务", en="missing; say which services are called")),)
     if assignment.item_on("entries") is not None and "list_field" not in assignment.options:
-        return (("options.list_field", "missing; the measure 'entries' counts the entries of this field"),)
+        return (("options.list_field", _NO_FIELD),)
     return ()
 
 

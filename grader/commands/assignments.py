@@ -51,7 +51,7 @@ def run(arguments: argparse.Namespace) -> int:
     from grader.commands.validation import validate
 
     ids = arguments.ids or [each.id for each in catalog.all()]
-    return validate(catalog, ids, details=bool(arguments.ids))
+    return validate(catalog, ids, arguments.lang, details=bool(arguments.ids))
 
 
 def _list(catalog: Catalog, arguments: argparse.Namespace) -> int:

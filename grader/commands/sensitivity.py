@@ -8,6 +8,7 @@ from grader.checks import evaluate
 from grader.commands.replay import motion_of, replayed
 from grader.contracts.assignment import Assignment
 from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.text import Text
 from grader.contracts.trajectory import Command, Trajectory
 from grader.contracts.verdict import Run
 
@@ -28,7 +29,7 @@ class Perturbation:
         applies: whether a motion of these kinds of stretches can be spoilt this way.
     """
 
-    name: str
+    name: Text
     spoil: Spoil
     full: float
     unit: str
@@ -59,7 +60,7 @@ def sensitivities(assignment: Assignment, run: Run) -> list[Sensitivity]:
     return found
 
 
-def lax(assignment: Assignment, run: Run) -> list[str]:
+def lax(assignment: Assignment, run: Run) -> list[Text]:
     """Return a sentence for each gross error in the solution's motion that would cost nothing."""
     problems = []
     for perturbation in _applicable(run.trajectory):
@@ -68,7 +69,12 @@ def lax(assignment: Assignment, run: Run) -> list[str]:
             _full(_judged(assignment, run, perturbation, sign * error)) for sign in (1.0, -1.0)
         ):
             size = f"{error * perturbation.full:g} {perturbation.unit}"
-            problems.append(f"lax: {perturbation.name} off by {size} costs nothing; narrow a band")
+            problems.append(
+                Text(
+                    zh=f"太宽松：{perturbation.name.zh}差 {size} 也不扣分；把某个范围收窄",
+                    en=f"lax: {perturbation.name.en} off by {size} costs nothing; narrow a band",
+                )
+            )
     return problems
 
 
@@ -175,17 +181,46 @@ def _longer_rests(commands: Commands, error: float) -> list[Command]:
 
 PERTURBATIONS = (
     Perturbation(
-        "every run", _scaled("run", only_first=False), 100.0, "%", None, lambda kinds: "run" in kinds
+        Text(zh="每段直行", en="every run"),
+        _scaled("run", only_first=False),
+        100.0,
+        "%",
+        None,
+        lambda kinds: "run" in kinds,
     ),
     Perturbation(
-        "one run", _scaled("run", only_first=True), 100.0, "%", 0.25, lambda kinds: kinds.count("run") > 1
+        Text(zh="其中一段直行", en="one run"),
+        _scaled("run", only_first=True),
+        100.0,
+        "%",
+        0.25,
+        lambda kinds: kinds.count("run") > 1,
     ),
     Perturbation(
-        "every turn", _scaled("turn", only_first=False), 100.0, "%", 0.25, lambda kinds: "turn" in kinds
+        Text(zh="每次转弯", en="every turn"),
+        _scaled("turn", only_first=False),
+        100.0,
+        "%",
+        0.25,
+        lambda kinds: "turn" in kinds,
     ),
     Perturbation(
-        "one turn", _scaled("turn", only_first=True), 100.0, "%", 0.25, lambda kinds: kinds.count("turn") > 1
+        Text(zh="其中一次转弯", en="one turn"),
+        _scaled("turn", only_first=True),
+        100.0,
+        "%",
+        0.25,
+        lambda kinds: kinds.count("turn") > 1,
     ),
-    Perturbation("heading of runs", _veering, 90.0, "deg", 1.0 / 3.0, lambda kinds: "run" in kinds),
-    Perturbation("rests", _longer_rests, 100.0, "%", None, lambda kinds: "rest" in kinds[:-1]),
+    Perturbation(
+        Text(zh="直行的方向", en="heading of runs"),
+        _veering,
+        90.0,
+        "deg",
+        1.0 / 3.0,
+        lambda kinds: "run" in kinds,
+    ),
+    Perturbation(
+        Text(zh="停顿", en="rests"), _longer_rests, 100.0, "%", None, lambda kinds: "rest" in kinds[:-1]
+    ),
 )

@@ -4,28 +4,45 @@ from collections.abc import Iterable, Iterator
 from contextlib import closing
 from dataclasses import dataclass, field
 
+from rich import text as styled
 from rich.table import Table
-from rich.text import Text
 
 from grader.catalog import Catalog
+from grader.catalog.misfits import refusals
 from grader.checks import problems as check_problems
 from grader.commands.sensitivity import Sensitivity, lax, replayable, sensitivities
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment, ItemSpec, WrongAttempt
-from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.text import EMPTY, Language, Text
 from grader.contracts.verdict import Run
+from grader.messages import join
 from grader.render.progress import followed
 from grader.render.terminal import console
 from grader.slot import Slot, SlotConfig
 
+_AND = Text(zh="；", en="; ")
+_GIFT = Text(zh="起始文件已经满分", en="the starter already has full marks")
+_ASSIGNMENT = Text(zh="作业", en="assignment")
+_SCRIPT = Text(zh="脚本", en="script")
+_SCORE = Text(zh="得分", en="score")
+_PROBLEM = Text(zh="问题", en="problem")
+_ITEM = Text(zh="评分项", en="item")
+_SOLUTION = Text(zh="答案", en="solution")
+_MARGIN = Text(zh="余量", en="margin")
+_INSIDE = Text(zh="：答案离满分范围的边还有多远", en=": how far the solution lies inside each band")
+_ERROR_IN = Text(zh="哪里有误差", en="error in")
+_COSTS = Text(zh="开始扣分", en="costs from")
+_NOTHING_LEFT = Text(zh="扣完", en="nothing left at")
+_WHICH_COSTS = Text(zh="：答案的动作差多少就扣多少", en=": which error in the solution's motion costs what")
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """What one of an assignment's own files got. `problem` is empty when that is what it must get.
+    """What one of an assignment's own files got. `problem` is `EMPTY` when that is what it must get.
 
     Attributes:
         score: None while a person has still to grade.
@@ -35,7 +52,7 @@ class Finding:
     script: str
     score: float | None
     max_score: float
-    problem: str
+    problem: Text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -61,7 +78,9 @@ class Examination:
     sensitivity: dict[str, list[Sensitivity]] = field(default_factory=dict)
 
 
-def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool = False) -> int:
+def validate(
+    catalog: Catalog, assignment_ids: Iterable[str], language: Language, *, details: bool = False
+) -> int:
     """Run the files of the assignments and print what each got; 0 when all is as it must be.
 
     On a terminal, standard error shows meanwhile how far it has come.
@@ -69,9 +88,10 @@ def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool =
     Args:
         catalog: where the assignments are.
         assignment_ids: those to look at.
+        language: of what is printed.
         details: print the solution's margins and the rubric's sensitivity as well.
     """
-    table = _table("", "assignment", "script", "score", "problem")
+    table = _table(language, EMPTY, _ASSIGNMENT, _SCRIPT, _SCORE, _PROBLEM)
     examinations: dict[str, Examination] = {}
     with Slot(SlotConfig()) as slot, closing(followed(list(assignment_ids))) as under_way:
         for assignment_id in under_way:
@@ -79,17 +99,17 @@ def validate(catalog: Catalog, assignment_ids: Iterable[str], *, details: bool =
     findings = [finding for each in examinations.values() for finding in each.findings]
     for finding in findings:
         table.add_row(
-            "✗" if finding.problem else "✓",
+            "✗" if finding.problem != EMPTY else "✓",
             finding.assignment,
             finding.script,
             f"{'—' if finding.score is None else written(finding.score)}/{written(finding.max_score)}",
-            Text(finding.problem, style="red"),
+            styled.Text(finding.problem.get(language), style="red"),
         )
     console().print(table)
     if details:
         for assignment_id, examination in examinations.items():
-            _print_details(assignment_id, examination)
-    return 1 if any(finding.problem for finding in findings) else 0
+            _print_details(assignment_id, examination, language)
+    return 1 if any(finding.problem != EMPTY for finding in findings) else 0
 
 
 def fitting(catalog: Catalog, assignment_id: str) -> Assignment:
@@ -100,11 +120,9 @@ def fitting(catalog: Catalog, assignment_id: str) -> Assignment:
         AssignmentError: it does not fit, or its file is wrong; the message names file, line, field and fix.
     """
     assignment = catalog.get(assignment_id)
-    found = [
-        f"{catalog.place(assignment_id, place)}: {problem}" for place, problem in check_problems(assignment)
-    ]
+    found = [(catalog.place(assignment_id, field), told) for field, told in check_problems(assignment)]
     if found:
-        raise AssignmentError("\n".join(found))
+        raise refusals(found)
     return assignment
 
 
@@ -128,7 +146,7 @@ def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: 
     runs = _replayable_runs(assignment, solution)
     problems = [] if _all_passed(report) else [_lost(report)]
     problems += _lax(assignment, runs)
-    findings = [_finding(assignment, path.name, report, "; ".join(problems))]
+    findings = [_finding(assignment, path.name, report, join(problems, _AND))]
     findings += _others(catalog, assignment, grader)
     return Examination(
         findings=findings,
@@ -181,19 +199,20 @@ def _replayable_runs(assignment: Assignment, solution: GradingResult) -> list[Ru
     return [run for run in runs if replayable(assignment, run)]
 
 
-def _lax(assignment: Assignment, runs: list[Run]) -> Iterator[str]:
+def _lax(assignment: Assignment, runs: list[Run]) -> Iterator[Text]:
     """Yield what is lax in each case, with its name when there are several."""
     for run in runs:
-        where = f"case {run.case}: " if len(assignment.cases) > 1 else ""
+        several = len(assignment.cases) > 1
+        where = Text(zh=f"场景 {run.case}：", en=f"case {run.case}: ") if several else EMPTY
         for problem in lax(assignment, run):
-            yield where + problem
+            yield join([where, problem], EMPTY)
 
 
 def _others(catalog: Catalog, assignment: Assignment, grader: Grader) -> Iterator[Finding]:
     path = catalog.own_file(assignment, "starter")
     job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
     starter = grader.grade(job).report
-    gift = "the starter already has full marks" if _all_passed(starter) else ""
+    gift = _GIFT if _all_passed(starter) else EMPTY
     yield _finding(assignment, path.name, starter, gift)
     for attempt in catalog.wrong_attempts(assignment.id):
         path = catalog.folder(assignment.id) / "wrong" / attempt.file
@@ -209,7 +228,7 @@ def _all_passed(report: GradeReport) -> bool:
     return report.score == report.max_score
 
 
-def _finding(assignment: Assignment, script: str, report: GradeReport, problem: str) -> Finding:
+def _finding(assignment: Assignment, script: str, report: GradeReport, problem: Text) -> Finding:
     return Finding(
         assignment=assignment.id,
         script=script,
@@ -219,48 +238,54 @@ def _finding(assignment: Assignment, script: str, report: GradeReport, problem: 
     )
 
 
-def _lost(report: GradeReport) -> str:
-    items = [item.id for item in report.items if item.status is not ItemStatus.PASSED]
-    return f"false fail: loses credit for {', '.join(items)}"
+def _lost(report: GradeReport) -> Text:
+    items = ", ".join(item.id for item in report.items if item.status is not ItemStatus.PASSED)
+    return Text(zh=f"误扣：答案在 {items} 上丢分", en=f"false fail: loses credit for {items}")
 
 
-def _misjudged(attempt: WrongAttempt, report: GradeReport) -> str:
+def _misjudged(attempt: WrongAttempt, report: GradeReport) -> Text:
     score = report.score or 0.0
     problems = []
     if report.score == report.max_score:
-        problems.append("false pass: full marks")
+        problems.append(Text(zh="误给：得了满分", en="false pass: full marks"))
     elif not attempt.low <= score <= attempt.high:
+        band = f"[{written(attempt.low)}, {written(attempt.high)}]"
         problems.append(
-            f"score {written(score)} is outside [{written(attempt.low)}, {written(attempt.high)}]"
+            Text(zh=f"得分 {written(score)} 不在 {band} 内", en=f"score {written(score)} is outside {band}")
         )
     lost = (item for item in report.items if item.status in (ItemStatus.FAILED, ItemStatus.PARTIAL))
     if attempt.fails not in [_plain(item) for item in lost]:
-        problems.append(f"item {attempt.fails} loses nothing")
+        problems.append(Text(zh=f"评分项 {attempt.fails} 没有丢分", en=f"item {attempt.fails} loses nothing"))
     if attempt.mistake and attempt.mistake not in report.mistakes[:1]:
-        problems.append(f"recognised {', '.join(report.mistakes) or 'nothing'} instead of {attempt.mistake}")
-    return "; ".join(problems)
+        seen = ", ".join(report.mistakes)
+        problems.append(
+            Text(
+                zh=f"认出的错误是 {seen or '（无）'}，应当是 {attempt.mistake}",
+                en=f"recognised {seen or 'nothing'} instead of {attempt.mistake}",
+            )
+        )
+    return join(problems, _AND)
 
 
-def _table(*headings: str) -> Table:
+def _table(language: Language, *headings: Text) -> Table:
     table = Table(box=None)
     for heading in headings:
-        table.add_column(heading, overflow="fold")
+        table.add_column(heading.get(language), overflow="fold")
     return table
 
 
-def _print_details(assignment_id: str, examination: Examination) -> None:
-    table = _table("item", "solution", "margin")
+def _print_details(assignment_id: str, examination: Examination, language: Language) -> None:
+    table = _table(language, _ITEM, _SOLUTION, _MARGIN)
     for each in examination.margins:
         table.add_row(each.item, f"{each.measured:g} {each.unit}", f"{each.margin:.3g} {each.unit}")
-    console().print(f"\n{assignment_id}: how far the solution lies inside each band", table)
+    console().print(f"\n{assignment_id}{_INSIDE.get(language)}", table)
     for case, found_ones in examination.sensitivity.items():
-        table = _table("error in", "item", "costs from", "nothing left at")
+        table = _table(language, _ERROR_IN, _ITEM, _COSTS, _NOTHING_LEFT)
         for found in found_ones:
-            table.add_row(
-                found.perturbation.name, found.item, _size(found, found.starts), _size(found, found.zero)
-            )
-        where = f", case {case}" if len(examination.sensitivity) > 1 else ""
-        console().print(f"\n{assignment_id}{where}: which error in the solution's motion costs what", table)
+            name = found.perturbation.name.get(language)
+            table.add_row(name, found.item, _size(found, found.starts), _size(found, found.zero))
+        where = f" ({case})" if len(examination.sensitivity) > 1 else ""
+        console().print(f"\n{assignment_id}{where}{_WHICH_COSTS.get(language)}", table)
 
 
 def _size(found: Sensitivity, error: float | None) -> str:

@@ -12,6 +12,7 @@ _INSTANT = Text(
     zh="要填一个时间，例如 2026-03-20T23:59:59。", en="This is no date and time such as 2026-03-20T23:59:59."
 )
 _ONE_OF = Text(zh="只能是这些值之一：{expected}。", en="Use one of these: {expected}.")
+_LIST = Text(zh="要填一个列表。", en="This is no list.")
 _OBJECT = Text(zh="要填一个 JSON 对象。", en="This is no JSON object.")
 _UNREADABLE = Text(zh="文字里有不能使用的字符。", en="The text has characters that are not accepted.")
 
@@ -45,7 +46,8 @@ _WORDS: Mapping[str, Text] = {
     "datetime_parsing": _INSTANT,
     "datetime_from_date_parsing": _INSTANT,
     OUT_OF_YEARS[0]: Text(zh="年份要在 2000 到 2200 之间。", en=OUT_OF_YEARS[1]),
-    "list_type": Text(zh="要填一个列表。", en="This is no list."),
+    "list_type": _LIST,
+    "tuple_type": _LIST,
     "dict_type": _OBJECT,
     "model_type": _OBJECT,
     "model_attributes_type": _OBJECT,

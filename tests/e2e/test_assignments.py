@@ -10,6 +10,7 @@ from grader.catalog.authoring import create
 from grader.commands import sensitivity
 from grader.commands.validation import examine
 from grader.contracts.grading import Grader
+from grader.contracts.text import EMPTY
 from grader.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
 
@@ -26,7 +27,7 @@ def grader() -> Iterator[Grader]:
 def test_own_scripts_get_what_they_must(grader: Grader, name: str) -> None:
     findings = examine(catalog(), name, grader).findings
     assert len(findings) >= 3
-    assert not [finding for finding in findings if finding.problem]
+    assert not [finding for finding in findings if finding.problem != EMPTY]
 
 
 @pytest.mark.parametrize(
@@ -189,17 +190,17 @@ def test_a_new_assignment_validates_and_mistakes_in_it_are_found(
     authored = Catalog(tmp_path)
     spec = create(authored, "heptagon") / "assignment.yaml"
     good = examine(authored, "heptagon", grader, sensitive=True)
-    assert not [finding for finding in good.findings if finding.problem]
+    assert not [finding for finding in good.findings if finding.problem != EMPTY]
     assert {margin.item for margin in good.margins} == {"sides", "angles", "lengths", "rest"}
     assert all(margin.margin >= 0.0 for margin in good.margins)
     assert {found.item for found in good.sensitivity["default"]} >= {"angles", "lengths"}
 
     text = spec.read_text(encoding="utf-8")
     spec.write_text(text.replace("high: 4\n    ramp: 16", "high: 90\n    ramp: 5"), encoding="utf-8")
-    problems = {finding.script: finding.problem for finding in examine(authored, "heptagon", grader).findings}
+    problems = {found.script: found.problem.en for found in examine(authored, "heptagon", grader).findings}
     assert "lax: one run off by 25 %" in problems["solution.py"]
     assert "false pass" in problems["wrong/side_too_short.py"]
 
     spec.write_text(text.replace("low: 87\n    high: 93", "low: 117\n    high: 123"), encoding="utf-8")
-    problems = {finding.script: finding.problem for finding in examine(authored, "heptagon", grader).findings}
+    problems = {found.script: found.problem.en for found in examine(authored, "heptagon", grader).findings}
     assert "false fail" in problems["solution.py"]

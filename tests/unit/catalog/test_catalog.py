@@ -1,11 +1,13 @@
 """Reading assignments: what is found, what is refused, and how the refusal reads."""
 
 import json
+import re
 from pathlib import Path
 
 import pytest
 
 from grader.catalog import Catalog, default_root
+from grader.commands.validation import fitting
 from grader.contracts.assignment import Assignment
 from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
@@ -102,25 +104,27 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
     [
         ("order: 1", "order: 1\ncolour: red", 4, ("colour", "remove")),
         ("version: 1\n", "", 1, ("version", "required")),
-        ("version: 1", "version: one", 2, ("version", "integer")),
+        ("version: 1", "version: one", 2, ("version", "whole number")),
         ("zh: 演示, ", "", 4, ("title.zh", "required")),
-        ("points: 40", "points: -40", 15, ("items.1.points", "greater than 0")),
+        ("points: 40", "points: -40", 15, ("items.1.points", "more than 0")),
         ("points: 40", "points: .nan", 15, ("items.1.points", "finite")),
         ("points: 40", "points: 33.333", 15, ("items.1.points", "two decimals")),
         ("    low: 1\n    needs", "    needs", 13, ("items.1", "band")),
         ("low: 1\n    needs", "low: 3\n    high: 2\n    needs", 13, ("swap",)),
-        ("needs: [node]", "needs: [mode]", 1, ("'log' needs 'mode'",)),
-        ("id: log", "id: node", 1, ("two items", "rename")),
+        ("needs: [node]", "needs: [mode]", 18, ("items.1.needs", "'mode'", "no earlier item")),
+        ("id: log", "id: node", 13, ("items.1.id", "rename")),
         ("id: demo", "id: other", 1, ("other", "folder")),
-        ("id: log", "id: Log!", 13, ("items.1.id", "pattern")),
+        ("id: log", "id: Log!", 13, ("items.1.id", "small letters")),
         ("order: 1", "order: 1\norder: 2", 4, ("twice", "remove")),
-        ("order: 1", "order: [1", 4, ("not valid YAML",)),
+        ("order: 1", "order: [1", 4, ("not valid YAML", "indent")),
+        ("order: 1", "? [a, b]\n: 1", 3, ("one word",)),
+        ("title: {zh: 演示, en: Demo}", "title: 演示", 4, ("title", "{zh: 标题, en: Title}")),
         ("check: node", "check: node\nhorizon_s: 1e9", 7, ("horizon_s", "600")),
         (
             "check: node",
             "check: node\nwrong:\n  - {file: a.py, score: [0, 5], fails: nothing}",
-            1,
-            ("nothing",),
+            8,
+            ("wrong.0.fails", "nothing"),
         ),
     ],
 )
@@ -133,6 +137,17 @@ def test_errors_name_file_line_field_and_fix(
     message = str(refusal.value)
     assert f"assignment.yaml:{line}:" in message
     assert all(word in message for word in words), message
+    in_chinese = refusal.value.told("zh")
+    assert f"assignment.yaml:{line}:" in in_chinese
+    assert re.search(r"[\u4e00-\u9fff]{2}", in_chinese.partition(f":{line}:")[2]), in_chinese
+
+
+def test_problems_with_the_use_of_a_check_are_told_in_both_languages(tmp_path: Path) -> None:
+    catalog = write(tmp_path, GOOD.replace("measure: info_logs", "measure: logs"))
+    with pytest.raises(AssignmentError) as refusal:
+        fitting(catalog, "demo")
+    assert "assignment.yaml:16: items.1.measure: 'logs' is no measure of 'node'" in str(refusal.value)
+    assert "assignment.yaml:16: items.1.measure: 检查 'node' 没有测量值 'logs'" in refusal.value.told("zh")
 
 
 @pytest.mark.parametrize("text", ["", "- a list", "just words"])
@@ -149,7 +164,7 @@ def test_code_in_yaml_is_refused(tmp_path: Path) -> None:
 def test_not_utf8_is_refused(tmp_path: Path) -> None:
     catalog = write(tmp_path, GOOD)
     (tmp_path / "demo" / "assignment.yaml").write_bytes(GOOD.encode("gbk"))
-    with pytest.raises(AssignmentError, match="cannot be read"):
+    with pytest.raises(AssignmentError, match="save it as UTF-8"):
         catalog.get("demo")
 
 
@@ -160,7 +175,7 @@ def test_an_unknown_name_lists_the_known_ones() -> None:
 
 def test_a_missing_wrong_script_is_named(tmp_path: Path) -> None:
     catalog = write(tmp_path, GOOD + "wrong:\n  - {file: lost.py, score: [0, 5], fails: node}\n")
-    with pytest.raises(AssignmentError, match=r"lost\.py"):
+    with pytest.raises(AssignmentError, match=r"assignment\.yaml:20: wrong\.0\.file: no file .*lost\.py"):
         catalog.wrong_attempts("demo")
 
 

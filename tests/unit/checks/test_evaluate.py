@@ -113,7 +113,8 @@ def spec(measure: str) -> ItemSpec:
 def test_what_does_not_fit_is_named(changes: dict[str, object], field: str, word: str) -> None:
     broken = replace(assignment("square"), **changes)  # type: ignore[arg-type]
     found = dict(problems(broken))
-    assert word in found[field]
+    assert word in found[field].en
+    assert found[field].zh != found[field].en
     with pytest.raises(AssignmentError, match=field):
         evaluate(broken, [run_of(drive(polygon_legs(4)))])
 

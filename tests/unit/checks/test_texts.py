@@ -147,11 +147,11 @@ def test_scripts_and_texts_are_not_mixed_up() -> None:
         evaluate_text(assignment("square"), "12 s")
     with pytest.raises(AssignmentError, match="judges texts"):
         evaluate(TASK, [run_of(drive([]))])
-    assert "input: text" in dict(problems(replace(TASK, input="script")))["input"]
+    assert "input: text" in dict(problems(replace(TASK, input="script")))["input"].en
 
 
 def test_a_question_needs_a_right_answer_and_a_known_unit() -> None:
     wrong = tuple(answer for answer in TASK.answers if not answer.right)
-    assert "right" in dict(problems(replace(TASK, answers=wrong)))["answers"]
+    assert "right" in dict(problems(replace(TASK, answers=wrong)))["answers"].en
     assert "options.unit" in dict(problems(replace(TASK, options={"unit": "furlong"})))
     assert "answers" in dict(problems(replace(assignment("square"), answers=wrong)))

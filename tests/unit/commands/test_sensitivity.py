@@ -41,7 +41,7 @@ def test_a_command_is_held_for_one_second() -> None:
 
 def test_credit_falls_from_the_tolerances_on() -> None:
     found = {
-        (each.perturbation.name, each.item, each.starts > 0): each
+        (each.perturbation.name.en, each.item, each.starts > 0): each
         for each in sensitivities(SQUARE, square_run())
     }
     corner = found["one turn", "angles", True]
@@ -49,7 +49,7 @@ def test_credit_falls_from_the_tolerances_on() -> None:
     assert corner.zero is not None
     assert 0.15 <= corner.zero <= 0.18
     assert found["one run", "lengths", False].starts == pytest.approx(-0.05, abs=0.011)
-    assert not [each for each in found.values() if each.perturbation.name == "rests"]
+    assert not [each for each in found.values() if each.perturbation.name.en == "rests"]
 
 
 def test_the_shipped_square_is_not_lax() -> None:
@@ -71,7 +71,7 @@ def test_a_lax_tolerance_is_caught(measures: tuple[str, ...], band: dict[str, fl
         task = widened(task, measure, **edges)
     if "corner_deg" in measures:
         task = widened(task, "side_spread_pct", high=90.0)
-    assert any(name in problem for problem in lax(task, square_run()))
+    assert any(name in problem.en for problem in lax(task, square_run()))
 
 
 def test_a_motion_that_needs_its_script_is_left_alone() -> None:

@@ -1,0 +1,146 @@
+"""What does not fit in an ``assignment.yaml``, in words: the schema's own rules and pydantic's."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any, Final
+
+import yaml
+
+from grader.contracts.assignment import BY_PERSON
+from grader.contracts.errors import AssignmentError
+from grader.contracts.text import LANGUAGES, Text
+from grader.contracts.validation_words import said
+
+ID_PATTERN: Final = r"^[a-z][a-z0-9_]{0,39}$"
+INTERFACE_PATTERN: Final = r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$"
+WRONG_FILE_PATTERN: Final = r"^[a-z][a-z0-9_]*\.(py|txt|md)$"
+
+_FIXES: Mapping[str, Text] = {
+    "extra_forbidden": Text(
+        zh="没有这个字段：检查拼写，或者删掉", en="unknown field; check its spelling or remove it"
+    ),
+    "missing": Text(zh="缺少这个字段：请加上", en="this field is required; add it"),
+    "model_type": Text(
+        zh="这里要写字段，例如 {zh: 标题, en: Title}", en="write fields here, such as {zh: 标题, en: Title}"
+    ),
+    "too_short": Text(zh="至少要有一项", en="give at least one entry"),
+}
+_FORMS: Mapping[str, Text] = {
+    ID_PATTERN: Text(
+        zh="用小写英文字母、数字和 _，以字母开头，最多 40 个字符",
+        en="use small letters, digits and _, beginning with a letter, at most 40 characters",
+    ),
+    WRONG_FILE_PATTERN: Text(
+        zh="文件名用小写英文字母、数字和 _，以 .py、.txt 或 .md 结尾",
+        en="use small letters, digits and _, ending in .py, .txt or .md",
+    ),
+    INTERFACE_PATTERN: Text(
+        zh="写成 rosclaw_msgs/srv/GetCapabilities 这样的类型",
+        en="write a type such as rosclaw_msgs/srv/GetCapabilities",
+    ),
+}
+_OTHER_FORM: Final = Text(
+    zh="写成 /turtle1/cmd_vel 这样的名字，以 / 开头",
+    en="write a name such as /turtle1/cmd_vel, beginning with /",
+)
+_NOT_YAML: Final = Text(
+    zh="YAML 格式不对（{problem}）。检查这一行和上一行：缩进只用空格、同一层对齐；符号用英文的，冒号后空一格；"
+    "文字里有冒号时，整段加引号",
+    en="not valid YAML: {problem}. Look at this line and the one before: indent by spaces, alike on one level; "
+    "a space behind each colon; quotes around a text that has a colon",
+)
+
+NO_BAND = Text(
+    zh=f"{BY_PERSON!r} 由人评分：删掉 low、high 和 ramp",
+    en=f"a person judges {BY_PERSON!r}: remove low, high and ramp",
+)
+BAND_MISSING = Text(
+    zh="写上 low、high 或两个都写：满分的范围", en="give low, high or both: the band of full credit"
+)
+CENTS = Text(
+    zh="最多两位小数：分数按 0.01 分计", en="use at most two decimals: points are counted in hundredths"
+)
+SCORE = Text(
+    zh="写成 [最低分, 最高分]，0 <= 最低分 <= 最高分",
+    en="must be [low, high] with 0 <= low <= high; correct it",
+)
+
+
+def swapped(low: float, high: float) -> Text:
+    """A band upside down."""
+    return Text(
+        zh=f"low（{low}）大于 high（{high}）：对调", en=f"low ({low}) is above high ({high}); swap them"
+    )
+
+
+def twice(name: str) -> Text:
+    """An id given before."""
+    return Text(zh=f"前面已经有 {name!r}：换一个 id", en=f"an earlier one is {name!r}, too; rename one")
+
+
+def unknown_item(name: str) -> Text:
+    """A name that stands for no rubric item before it."""
+    return Text(
+        zh=f"前面没有 id 是 {name!r} 的评分项：检查拼写",
+        en=f"{name!r} is the id of no earlier item; check its spelling",
+    )
+
+
+def wrong_ending(input_: str, endings: tuple[str, ...]) -> Text:
+    """A file that such an assignment does not take."""
+    return Text(
+        zh=f"input 是 {input_} 时，文件名以 {' 或 '.join(endings)} 结尾",
+        en=f"with input {input_} its name ends in {' or '.join(endings)}",
+    )
+
+
+class MisfitError(ValueError):
+    """A rule of the schema that values break.
+
+    Attributes:
+        told: what is wrong and what to do.
+        field: steps from the model that has the rule to the field it is about.
+    """
+
+    def __init__(self, told: Text, *field: int | str) -> None:
+        super().__init__(told.en)
+        self.told = told
+        self.field = field
+
+
+def misfit(error: Mapping[str, Any]) -> tuple[tuple[int | str, ...], Text]:
+    """Return the field that one of pydantic's `errors()` is about, and what is wrong with it."""
+    place, kind, context = error["loc"], error["type"], error.get("ctx", {})
+    broken = context.get("error")
+    if isinstance(broken, MisfitError):
+        return place + broken.field, broken.told
+    if kind == "string_pattern_mismatch":
+        return place, _FORMS.get(context["pattern"], _OTHER_FORM)
+    if kind in _FIXES:
+        return place, _FIXES[kind]
+    zh, en = (said(error, language).rstrip("。.") for language in LANGUAGES)
+    return place, Text(zh=zh, en=en)
+
+
+class WrongKeyError(yaml.constructor.ConstructorError):
+    """A key that PyYAML would accept, or not survive, and no assignment means."""
+
+    def __init__(self, told: Text, mark: yaml.Mark) -> None:
+        super().__init__(None, None, told.en, mark)
+        self.told = told
+
+
+def unparsable(error: yaml.MarkedYAMLError) -> Text:
+    """Return why a text is not YAML; what the parser itself says stays in English."""
+    if isinstance(error, WrongKeyError):
+        return error.told
+    problem = error.problem or "?"
+    return Text(zh=_NOT_YAML.zh.format(problem=problem), en=_NOT_YAML.en.format(problem=problem))
+
+
+def refusals(found: Iterable[tuple[str, Text]]) -> AssignmentError:
+    """Return the error that says what is wrong where: a line for each (file, line and field; what is wrong)."""
+    lines = list(found)
+    return AssignmentError(
+        "\n".join(f"{place}: {told.en}" for place, told in lines),
+        "\n".join(f"{place}: {told.zh}" for place, told in lines),
+    )

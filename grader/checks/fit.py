@@ -1,0 +1,84 @@
+"""Whether an assignment fits its check: what is wrong with which field, in both languages."""
+
+from collections.abc import Iterator, Mapping
+
+from grader.checks.measure import Check, Kind, Option, Options
+from grader.contracts.assignment import BY_PERSON, Assignment
+from grader.contracts.text import Text
+
+Misfit = tuple[str, Text]
+"""A field (``items.2.measure``), and what is wrong with it and what to do."""
+
+
+def misfits(assignment: Assignment, check: Kind) -> Iterator[Misfit]:
+    """Yield all that does not fit `check`."""
+    wanted = "script" if isinstance(check, Check) else "text"
+    if assignment.input != wanted:
+        yield "input", _other_input(check, wanted)
+    for i, case in enumerate(assignment.cases):
+        options = {**assignment.options, **case.options}
+        where = "options" if not case.options else f"cases.{i}.options"
+        yield from _in_options(check, options, where)
+    for i, item in enumerate(assignment.items):
+        if item.measure not in check.measures and item.measure != BY_PERSON:
+            yield f"items.{i}.measure", _no_measure(check, item.measure)
+    if assignment.calls and "offered" not in check.measures:
+        yield "calls", _unused(check, "service", zh="不调用服务", en="calls no services")
+    if assignment.answers and "correct" not in check.measures:
+        yield "answers", _unused(check, "number", zh="不比较数值", en="compares no numbers")
+    yield from check.consult(assignment)
+
+
+def _in_options(check: Kind, options: Mapping[str, Option], where: str) -> Iterator[Misfit]:
+    known: Options = {**check.options, **check.optional}
+    for name in options:
+        if name not in known:
+            yield f"{where}.{name}", _no_option(check, known)
+    for name, problem_with in known.items():
+        if name in options:
+            if (problem := problem_with(options[name])) is not None:
+                yield f"{where}.{name}", problem
+        elif name in check.options:
+            yield f"{where}.{name}", _missing(check)
+
+
+def _other_input(check: Kind, wanted: str) -> Text:
+    return Text(
+        zh=f"检查 {check.kind!r} 要写 `input: {wanted}`",
+        en=f"the check {check.kind!r} judges a {wanted}; write `input: {wanted}`",
+    )
+
+
+def _no_measure(check: Kind, name: str) -> Text:
+    known = ", ".join((*check.measures, BY_PERSON))
+    return Text(
+        zh=f"检查 {check.kind!r} 没有测量值 {name!r}，可用：{known}",
+        en=f"{name!r} is no measure of {check.kind!r}; use one of {known}",
+    )
+
+
+def _unused(check: Kind, other: str, *, zh: str, en: str) -> Text:
+    return Text(
+        zh=f"检查 {check.kind!r} {zh}：删掉，或者改用 {other!r}",
+        en=f"the check {check.kind!r} {en}; remove them or use {other!r}",
+    )
+
+
+def _no_option(check: Kind, known: Options) -> Text:
+    if not known:
+        return Text(
+            zh=f"检查 {check.kind!r} 没有选项：请删掉",
+            en=f"the check {check.kind!r} has no options; remove it",
+        )
+    names = ", ".join(known)
+    return Text(
+        zh=f"检查 {check.kind!r} 没有这个选项，只有：{names}",
+        en=f"the check {check.kind!r} has only the options {names}; correct it or remove it",
+    )
+
+
+def _missing(check: Kind) -> Text:
+    return Text(
+        zh=f"缺少：检查 {check.kind!r} 需要它，请加上",
+        en=f"missing; the check {check.kind!r} needs it: add it",
+    )
