@@ -8,12 +8,10 @@ from grader.contracts.record import record
 
 
 class Blame(StrEnum):
-    """Whose fault an unsuccessful status is."""
+    """Whose fault the end of a run is. A fault of the grader has no outcome: the script is run again."""
 
     NOBODY = "nobody"
     STUDENT = "student"
-    INSTRUCTOR = "instructor"
-    GRADER = "grader"
 
 
 class RunStatus(StrEnum):
@@ -29,14 +27,11 @@ class RunStatus(StrEnum):
     OUTPUT_LIMIT = "output_limit"
     FORBIDDEN = "forbidden"  # asked for something the sandbox refuses
     PROTOCOL = "protocol"  # tampered with the channel to the simulator
-    INFRASTRUCTURE = "infrastructure_error"  # the grader's own fault; retried, never a low mark
 
     @property
     def blame(self) -> Blame:
         """Whose fault this status is."""
-        if self in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
-            return Blame.NOBODY
-        return Blame.GRADER if self is RunStatus.INFRASTRUCTURE else Blame.STUDENT
+        return Blame.NOBODY if self in (RunStatus.FINISHED, RunStatus.INTERRUPTED) else Blame.STUDENT
 
 
 @record

@@ -17,7 +17,7 @@ SCHEMA_VERSION = 1
 
 
 class GradeStatus(StrEnum):
-    """State of a grading as a whole. Only the last two are not the student's to mend."""
+    """State of a grading as a whole. A fault of an assignment or of the grader makes no report."""
 
     GRADED = "graded"
     NEEDS_MANUAL = "needs_manual"
@@ -29,8 +29,6 @@ class GradeStatus(StrEnum):
     STALLED = "stalled"
     FORBIDDEN = "forbidden"
     PROTOCOL = "protocol"
-    ASSIGNMENT_ERROR = "assignment_error"
-    INFRASTRUCTURE_ERROR = "infrastructure_error"
 
 
 _UNUSUAL = {

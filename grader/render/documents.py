@@ -1,6 +1,5 @@
 """Reports as other platforms read them."""
 
-from grader.contracts.errors import InfrastructureError
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Language
@@ -8,21 +7,13 @@ from grader.render import quantity
 from grader.render.escape import visible
 from grader.render.labels import GRADE_STATUS, ITEM_STATUS, word
 
-_NOT_THE_STUDENTS = frozenset({GradeStatus.ASSIGNMENT_ERROR, GradeStatus.INFRASTRUCTURE_ERROR})
-
 
 def to_gradescope(report: GradeReport, language: Language = "zh") -> dict[str, object]:
     """Return Gradescope's ``results.json`` (gradescope-autograders.readthedocs.io, "Specifications").
 
     While a person has still to grade, the top-level score is left out, and the score of what waits: Gradescope
     then sums what has been judged.
-
-    Raises:
-        InfrastructureError: the grading failed through no fault of the student. Gradescope must show a failed
-            autograder then, which is what it does when no results are written; a score of 0 would be wrong.
     """
-    if report.status in _NOT_THE_STUDENTS:
-        raise InfrastructureError(GRADE_STATUS[report.status].get(language))
     document: dict[str, object] = {
         "output": _overview(report, language),
         "output_format": "text",
@@ -62,12 +53,7 @@ def _gradescope_test(item: RubricItem, position: int, language: Language) -> dic
 
 
 def to_prairielearn(report: GradeReport, language: Language = "zh") -> dict[str, object]:
-    """Return PrairieLearn's ``results.json`` for external grading (PrairieLearn docs/externalGrading.md).
-
-    A grading that failed through no fault of the student is ``gradable: false``, which costs no attempt.
-    """
-    if report.status in _NOT_THE_STUDENTS:
-        return {"gradable": False, "message": GRADE_STATUS[report.status].get(language)}
+    """Return PrairieLearn's ``results.json`` for external grading (PrairieLearn docs/externalGrading.md)."""
     return {
         "gradable": True,
         "score": _share(report),

@@ -41,10 +41,6 @@ GRADE_STATUS: Mapping[GradeStatus, Text] = {
     GradeStatus.STALLED: _t("程序卡住了", "the script waits for ever"),
     GradeStatus.FORBIDDEN: _t("做了不允许的操作", "did something not allowed"),
     GradeStatus.PROTOCOL: _t("干扰了与仿真器的通信", "interfered with the simulator's channel"),
-    GradeStatus.ASSIGNMENT_ERROR: _t(
-        "作业配置有误，请告诉老师", "the assignment is broken: tell the teacher"
-    ),
-    GradeStatus.INFRASTRUCTURE_ERROR: _t("评分系统故障，不算你的错", "fault of the grader, not yours"),
 }
 
 RUN_STATUS: Mapping[RunStatus, Text] = {
@@ -60,7 +56,6 @@ RUN_STATUS: Mapping[RunStatus, Text] = {
     RunStatus.OUTPUT_LIMIT: GRADE_STATUS[GradeStatus.OUTPUT_LIMIT],
     RunStatus.FORBIDDEN: GRADE_STATUS[GradeStatus.FORBIDDEN],
     RunStatus.PROTOCOL: GRADE_STATUS[GradeStatus.PROTOCOL],
-    RunStatus.INFRASTRUCTURE: GRADE_STATUS[GradeStatus.INFRASTRUCTURE_ERROR],
 }
 
 SUBMISSION_STATE: Mapping[str, Text] = {

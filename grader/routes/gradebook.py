@@ -5,14 +5,13 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import JSONResponse
 
-from grader.contracts.errors import InfrastructureError
 from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
 from grader.contracts.report import GradeReport
 from grader.render.documents import to_gradescope, to_prairielearn
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, StaffDep
 from grader.routes.gradebook_tables import Scores, canvas, plain
-from grader.routes.problems import ProblemError, responses
+from grader.routes.problems import responses
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
 
@@ -70,10 +69,7 @@ def read_gradescope(
     services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
 ) -> Response:
     """Return what a Gradescope autograder writes."""
-    try:
-        document = to_gradescope(_report(services, caller, submission_id), language)
-    except InfrastructureError:
-        raise ProblemError("not_graded_yet") from None
+    document = to_gradescope(_report(services, caller, submission_id), language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 

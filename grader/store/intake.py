@@ -23,7 +23,6 @@ from grader.store.policies import ABOUT, ABOUT_FROM, rules_about
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, table_of
 from grader.store.together import together
 
-_FREE_VERDICTS = (GradeStatus.SYNTAX_ERROR.value, GradeStatus.ASSIGNMENT_ERROR.value)
 _KEY_LIFE = timedelta(days=7)
 _EVER = datetime(1970, 1, 1, tzinfo=UTC)
 _TICK = timedelta(microseconds=1)
@@ -134,7 +133,7 @@ def as_attempts(own: Iterable[Any]) -> tuple[Attempt, ...]:
             received_at=one.received_at,
             score=one.score,
             costs=one.state != SubmissionState.INFRASTRUCTURE_ERROR.value
-            and one.verdict not in _FREE_VERDICTS,
+            and one.verdict != GradeStatus.SYNTAX_ERROR.value,
         )
         for one in own
     )

@@ -9,7 +9,6 @@ from itertools import repeat
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Claim, SubmissionState
 from grader.telemetry.context import about
 from grader.worker.parts import Sandbox, WorkerParts
@@ -164,6 +163,4 @@ def _checked(result: GradingResult, claim: Claim) -> GradingResult:
         raise InfrastructureError("the grading process answered with the report of another file")
     if report.assignment != claim.assignment:
         raise InfrastructureError("the grading process graded another assignment")
-    if report.status is GradeStatus.INFRASTRUCTURE_ERROR:
-        raise InfrastructureError(report.summary.en or "the grading process reported a fault of its own")
     return result

@@ -10,7 +10,6 @@ import pytest
 from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
-from grader.contracts.outcome import RunStatus
 from grader.contracts.report import GradeReport
 from grader.jail import landlock
 from grader.slot import Slot, SlotConfig
@@ -54,7 +53,6 @@ def test_attack_earns_nothing_and_disturbs_nobody(slot: Slot, good: bytes, scrip
     report = grade(slot, source, script.name)
     status = report.runs[0].outcome.status
     assert expected == ["any"] or status in expected, report.runs[0].outcome
-    assert status is not RunStatus.INFRASTRUCTURE
     assert report.score is not None
     assert report.score <= WORTHLESS * report.max_score
     assert grade(slot, solution(), "good.py").canonical_bytes() == good

@@ -4,7 +4,6 @@ import json
 
 import pytest
 
-from grader.contracts.errors import InfrastructureError
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.render.documents import to_gradescope, to_prairielearn
@@ -50,16 +49,6 @@ def test_gradescope_sums_the_tests_until_a_person_has_graded() -> None:
     assert "score" not in document
     assert [test.get("score") for test in document["tests"]] == [2.0, None]
     assert "status" not in document["tests"][1]
-
-
-@pytest.mark.parametrize("status", [GradeStatus.INFRASTRUCTURE_ERROR, GradeStatus.ASSIGNMENT_ERROR])
-def test_our_fault_is_no_zero(status: GradeStatus) -> None:
-    failed = report(score=0.0, status=status)
-    with pytest.raises(InfrastructureError):
-        to_gradescope(failed)
-    document = to_prairielearn(failed)
-    assert document["gradable"] is False
-    assert "score" not in document
 
 
 def test_prairielearn_fields() -> None:
