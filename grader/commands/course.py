@@ -57,12 +57,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _create(storage: Storage, arguments: argparse.Namespace) -> None:
-    instructor = RosterEntry(
-        id=checked_id(arguments.instructor, "id of an instructor"),
-        name=arguments.instructor,
-        role=Role.INSTRUCTOR,
-    )
+    teacher = checked_id(arguments.instructor, "id of an instructor")
     listed = () if arguments.roster is None else _read(arguments.roster, arguments)
+    name = next((entry.name for entry in listed if entry.id == teacher), teacher)
+    instructor = RosterEntry(id=teacher, name=name, role=Role.INSTRUCTOR)
     entries = [instructor, *(entry for entry in listed if entry.id != instructor.id)]
     course = storage.courses.create(
         arguments.id, arguments.title or arguments.id, arguments.time_zone, actor()

@@ -12,7 +12,13 @@ from grader.contracts.text import Text
 _REQUIRED = ("id", "name")
 _KNOWN = (*_REQUIRED, "role")
 _COLUMNS = {"学号": "id", "姓名": "name", "角色": "role"}
-_ROLES = {"学生": Role.STUDENT.value, "助教": Role.ASSISTANT.value, "教师": Role.INSTRUCTOR.value}
+_ROLES = {
+    "学生": Role.STUDENT.value,
+    "助教": Role.ASSISTANT.value,
+    "教师": Role.INSTRUCTOR.value,
+    "老师": Role.INSTRUCTOR.value,
+}
+_IN_CHINESE = {column: name for name, column in _COLUMNS.items()}
 _SHORTENED = re.compile(r"[0-9][.,]?[0-9]*e[+][0-9]+", re.IGNORECASE)
 MAX_ROSTER_BYTES = 4 * 1024 * 1024
 
@@ -65,11 +71,11 @@ def _check_header(columns: list[str]) -> None:
     if missing:
         raise CourseError(
             f"line 1: no column {missing[0]!r}: the first line names the columns id,name,role",
-            f"第 1 行：缺少 {missing[0]!r} 列：第一行要写列名 id,name,role",
+            f"第 1 行：缺少“{_IN_CHINESE[missing[0]]}”列：第一行要写列名 学号,姓名,角色，用英文逗号隔开",
         )
     twice = [name for name in _KNOWN if columns.count(name) > 1]
     if twice:
-        raise CourseError(f"line 1: two columns {twice[0]!r}", f"第 1 行：有两个 {twice[0]!r} 列")
+        raise CourseError(f"line 1: two columns {twice[0]!r}", f"第 1 行：有两个“{_IN_CHINESE[twice[0]]}”列")
 
 
 def _entries(reader: "csv.DictReader[str]") -> tuple[RosterEntry, ...]:
@@ -79,6 +85,8 @@ def _entries(reader: "csv.DictReader[str]") -> tuple[RosterEntry, ...]:
     try:
         for row in reader:
             line = reader.line_num
+            if _blank(row):
+                continue
             try:
                 entry = _entry(row)
                 if entry.id in first_line:
@@ -116,6 +124,11 @@ def _checked_student(text: str) -> str:
     return checked_id(text, "id")
 
 
+def _blank(row: dict[str | Any, str | Any]) -> bool:
+    """Whether nothing stands in a line but commas, as spreadsheets leave lines that were emptied."""
+    return not any("".join(cells or ()).strip() for cells in row.values())
+
+
 def _entry(row: dict[str | Any, str | Any]) -> RosterEntry:
     if any(cell.strip() for cell in row.get(None, ())):  # where the reader puts what no column is for
         raise CourseError(
@@ -126,7 +139,7 @@ def _entry(row: dict[str | Any, str | Any]) -> RosterEntry:
     role = _ROLES.get(role, role)
     if role not in list(Role):
         known = ", ".join(Role)
-        raise CourseError(f"{role!r} is no role: use {known}", f"没有角色 {role!r}：只能用 {known}")
+        raise CourseError(f"{role!r} is no role: use {known}", f"没有角色 {role!r}：只能用 学生、助教、教师")
     return RosterEntry(
         id=_checked_student((row["id"] or "").strip()), name=checked_name(row["name"] or ""), role=Role(role)
     )

@@ -50,8 +50,9 @@ def test_one_command_makes_a_database_and_a_course_and_prints_its_tokens(
 ) -> None:
     monkeypatch.setenv("GRADER_DATABASE_URL", blank_url)
     roster = tmp_path / "class.csv"
-    roster.write_text("id,name,role\n1,李雷,\nta,助教,assistant\n")
+    roster.write_text("id,name,role\n1,李雷,\nta,助教,assistant\nwang,王老师,\n")
     output, _ = typed("course", "create", "ros", "--instructor", "wang", "--roster", str(roster))
+    assert "wang,王老师,instructor," in output
     tokens = tokens_of(output)
     assert {person: recognised(token).role for person, token in tokens.items()} == {
         "wang": Role.INSTRUCTOR,

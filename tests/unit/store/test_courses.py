@@ -30,11 +30,12 @@ def entry(person: str, name: str = "x", role: Role = Role.STUDENT) -> RosterEntr
 
 
 def test_a_roster_may_have_its_chinese_names() -> None:
-    content = "学号,姓名,角色\n1,李雷,学生\n2,助教一,助教\n3,王,\n".encode()
+    content = "学号,姓名,角色\n1,李雷,学生\n2,助教一,助教\n3,王,\n4,赵,老师\n".encode()
     assert [(one.id, one.role) for one in read_roster(content)] == [
         ("1", Role.STUDENT),
         ("2", Role.ASSISTANT),
         ("3", Role.STUDENT),
+        ("4", Role.INSTRUCTOR),
     ]
     with pytest.raises(CourseError, match="two columns 'id'"):
         read_roster("学号,id,姓名\n1,2,a\n".encode())
@@ -82,6 +83,20 @@ def test_a_roster_comes_from_a_spreadsheet(encoding: str) -> None:
 
 def test_a_roster_needs_no_roles_and_minds_no_other_columns() -> None:
     assert read_roster(b'Name , ID,class\n"Li, Lei",1,3\n') == (entry("1", "Li, Lei"),)
+
+
+def test_lines_without_anybody_are_skipped() -> None:
+    content = b"id,name,role\r\n,,\r\n\r\n1,a,\r\n , ,\r\n,,,,\r\n"
+    assert read_roster(content) == (entry("1", "a"),)
+
+
+def test_what_is_wrong_with_a_roster_is_told_in_its_own_words() -> None:
+    with pytest.raises(CourseError) as caught:
+        read_roster("姓名\n李雷\n".encode())
+    assert "“学号”列" in caught.value.told("zh")
+    with pytest.raises(CourseError) as caught:
+        read_roster("学号,姓名,角色\n1,李雷,班长\n".encode())
+    assert "学生、助教、教师" in caught.value.told("zh")
 
 
 def test_every_wrong_line_is_named() -> None:
