@@ -3,8 +3,20 @@
 import re
 
 from grader.contracts.errors import SubmissionError
+from grader.contracts.text import Text
 
 MAX_SOURCE_BYTES = 256 * 1024
+_ZIP = Text(zh="压缩包，或者 Word 之类的文档", en="an archive, or a document of Word and the like")
+_OTHER_FILES = {  # what beginners hand in instead, by how it begins
+    b"PK\x03\x04": _ZIP,
+    b"Rar!": _ZIP,
+    b"7z\xbc\xaf": _ZIP,
+    b"\x1f\x8b": _ZIP,
+    b"\xd0\xcf\x11\xe0": Text(zh="旧版 Word 文档", en="an old document of Word"),
+    b"%PDF-": Text(zh=" PDF 文件", en="a PDF"),
+    b"\x89PNG": Text(zh="图片", en="a picture"),
+    b"\xff\xd8\xff": Text(zh="图片", en="a picture"),
+}
 _CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]{1,40})")  # of PEP 263
 
 
@@ -25,6 +37,20 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
             "empty",
             "the file is empty: was it saved before it was handed in?",
             "文件里什么也没有：提交之前保存了吗？",
+        )
+    if source.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise SubmissionError(
+            "not_utf8",
+            "this is UTF-16, which Notepad calls Unicode: save the file as UTF-8",
+            "文件是 UTF-16 编码（记事本里叫 Unicode）：请把文件另存为 UTF-8。",
+        )
+    if (
+        kind := next((kind for head, kind in _OTHER_FILES.items() if source.startswith(head)), None)
+    ) is not None:
+        raise SubmissionError(
+            "contains_nul",
+            f"this is {kind.en}, whatever its name ends in: hand in the script or text itself",
+            f"这是{kind.zh}，改名字没有用：请提交脚本或文字文件本身。",
         )
     if (place := source.find(b"\0")) >= 0:
         raise SubmissionError(

@@ -241,10 +241,10 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     ),
     "contains_nul": ProblemType(
         status=422,
-        title=Text(zh="文件含有 NUL 字节，不是文本", en="The file contains NUL bytes: it is not text"),
+        title=Text(zh="这不是文本文件", en="This is not a text file"),
         fix=Text(
-            zh="上传 .py 源文件，不要上传 .pyc 或 UTF-16 编码的文件。",
-            en="Upload the .py source, not a .pyc file or a file saved as UTF-16.",
+            zh="上传脚本（.py）或文字文件本身，不要上传 Word 文档、压缩包、截图或 .pyc 文件。",
+            en="Upload the script (.py) or text itself, not a document, archive, picture or .pyc file.",
         ),
     ),
     "syntax_error": ProblemType(

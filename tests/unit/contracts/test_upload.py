@@ -29,3 +29,21 @@ def test_a_declared_coding_is_named_where_python_would_heed_it(head: str, advice
 def test_what_is_utf_8_is_accepted_whatever_it_declares() -> None:
     check_source("# coding: gbk\ns = '方'\n".encode())
     check_source(b"\xef\xbb\xbf" + "s = '方'\n".encode())
+
+
+@pytest.mark.parametrize(
+    ("content", "code", "said"),
+    [
+        ("print('方')\n".encode("utf-16"), "not_utf8", "UTF-16"),
+        ("print('方')\n".encode("utf-16-be"), "contains_nul", "NUL"),
+        (b"PK\x03\x04\x14\0\0", "contains_nul", "Word"),
+        (b"%PDF-1.7 all printable", "contains_nul", "PDF"),
+        (b"print(1)\n\0", "contains_nul", "2"),
+    ],
+)
+def test_what_is_no_text_is_named(content: bytes, code: str, said: str) -> None:
+    with pytest.raises(SubmissionError) as refused:
+        check_source(content)
+    assert refused.value.code == code
+    assert said in str(refused.value)
+    assert said in refused.value.zh
