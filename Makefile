@@ -8,7 +8,7 @@ RUN = $(PYTHON) tools/bootstrap.py
 help:     ## this list
 	@sed -n 's/^\([a-z-]*\): *## /\1\t/p' $(firstword $(MAKEFILE_LIST)) | expand -t 12
 demo:     ## grade a small class over HTTP and show the dashboard
-	@$(RUN) demo
+	@$(RUN) demo $(ARGS)
 test:     ## the whole test suite
 	@$(RUN) test $(ARGS)
 image-test: ## build the container image without a daemon and try it as an ordinary container
@@ -21,7 +21,7 @@ load:     ## a class of 300 hands in over HTTP: latencies, throughput, gradebook
 	@$(RUN) load $(ARGS)
 capacity: ## simulate deadline evenings from measured times: docs/capacity.md's table and picture
 	@$(RUN) capacity $(ARGS)
-setup:    ## only create .venv
+setup:    ## create .venv, compile
 	@$(RUN) setup
 messages: ## compile the Chinese and English message catalogs
 	@$(RUN) messages

@@ -24,7 +24,7 @@ LOCKS = (ROOT / "requirements-postgres.lock", ROOT / "requirements-dev.lock")
 SHIM = ROOT / "grader" / "shim"
 
 COMMANDS: dict[str, list[list[str]]] = {
-    "setup": [],
+    "setup": [["-m", "compileall", "-q", "grader"]],  # whoever runs it may not be allowed to write here
     "demo": [["-m", "grader", "demo"]],
     # a module's tests share its servers; the modules that take longest come first by name
     "test": [["-m", "pytest", "-n", "auto", "--dist", "loadfile", "--no-loadscope-reorder"]],
