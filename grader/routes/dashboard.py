@@ -62,17 +62,14 @@ def read_class(  # noqa: PLR0913
     }
     if if_none_match is not None and tag in (one.strip() for one in if_none_match.split(",")):
         return Response(status_code=304, headers=headers)
-    document = selected(_overview(services, caller, state, language), selection).model_dump_json()
+    document = selected(class_overview(services, caller, state, language), selection).model_dump_json()
     return Response(document, media_type="application/json", headers=headers)  # checked when it was made
 
 
-def read(services: Services, caller: Caller, response: Response, language: Language) -> DashboardView:
-    """Return the whole class, for the pages."""
-    response.headers["Content-Language"] = language
-    return _overview(services, caller, services.dashboard.state(caller.course), language)
-
-
-def _overview(services: Services, caller: Caller, state: ClassState, language: Language) -> DashboardView:
+def class_overview(
+    services: Services, caller: Caller, state: ClassState, language: Language
+) -> DashboardView:
+    """Return the whole class in `state`."""
     course = caller.course
     roster = () if course is None else services.courses.members(course, Role.STUDENT)
     return overview(

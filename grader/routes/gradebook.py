@@ -8,6 +8,7 @@ from fastapi.responses import JSONResponse
 from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
 from grader.contracts.report import GradeReport
+from grader.contracts.text import Language
 from grader.render.documents import to_gradescope, to_prairielearn
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, StaffDep
 from grader.routes.gradebook_tables import Scores, canvas, plain
@@ -41,6 +42,11 @@ def read_gradebook(
     format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
 ) -> Response:
     """Return everybody's points; without courses of everybody who handed something in."""
+    return gradebook_file(services, caller, language, format)
+
+
+def gradebook_file(services: Services, caller: Caller, language: Language, format: Format) -> Response:
+    """Return the answer with the gradebook as a file to be saved."""
     members, scores = book(services, caller)
     assignments = services.assignments.all()
     table = (
@@ -69,7 +75,7 @@ def read_gradescope(
     services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
 ) -> Response:
     """Return what a Gradescope autograder writes."""
-    document = to_gradescope(_report(services, caller, submission_id), language)
+    document = to_gradescope(report_of(services, caller, submission_id), language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
@@ -83,7 +89,7 @@ def read_prairielearn(
     services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
 ) -> Response:
     """Return what a PrairieLearn external grader writes."""
-    document = to_prairielearn(_report(services, caller, submission_id), language)
+    document = to_prairielearn(report_of(services, caller, submission_id), language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
@@ -94,7 +100,12 @@ def book(services: Services, caller: Caller) -> tuple[tuple[Member, ...], Scores
     return members, {(one.student, one.assignment): one for one in progress}
 
 
-def _report(services: Services, caller: Caller, submission_id: str) -> GradeReport:
+def report_of(services: Services, caller: Caller, submission_id: str) -> GradeReport:
+    """Return the report of a submission as `caller` may see it, with the points that people gave.
+
+    Raises:
+        ProblemError: there is no such submission, or no grading yet.
+    """
     return judged(graded(services, submission_id, caller))
 
 

@@ -65,10 +65,16 @@ class Health(BaseModel):
 )
 def read(services: ServicesDep, response: Response) -> Health:
     """Return queue, workers and sandbox; 503 when nothing would be graded."""
+    health = health_of(services)
+    response.status_code = 200 if health.status == "ok" else 503
+    response.headers["Cache-Control"] = "no-store"
+    return health
+
+
+def health_of(services: Services) -> Health:
+    """Return queue, workers and sandbox."""
     workers = alive(services)
     ready = [worker for worker in workers if worker.sandbox.ready and worker.slots > 0]
-    response.status_code = 200 if ready else 503
-    response.headers["Cache-Control"] = "no-store"
     state = services.queue.state()
     return Health(
         status="ok" if ready else "degraded",

@@ -8,10 +8,11 @@ from fastapi import APIRouter, Header, Path, Query, Response
 
 from grader.contracts.codec import from_plain
 from grader.contracts.errors import JudgementError
+from grader.contracts.identity import Caller
 from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
-from grader.contracts.text import Text
+from grader.contracts.text import Language, Text
 from grader.routes.access import ENTRY_PROBLEMS, StaffDep
 from grader.routes.judgement_views import (
     JudgementBody,
@@ -76,6 +77,20 @@ def read_waiting(  # noqa: PLR0913
 ) -> WaitingList:
     """Return answers to be judged, question by question, so that one question is judged with one measure."""
     which = WaitingFor(assignment=assignment, item=item, newest=not every)
+    return waiting(services, caller, language, which, offset=offset, limit=limit, anonymous=anonymous)
+
+
+def waiting(  # noqa: PLR0913
+    services: Services,
+    caller: Caller,
+    language: Language,
+    which: WaitingFor,
+    *,
+    offset: int,
+    limit: int,
+    anonymous: bool,
+) -> WaitingList:
+    """Return at most `limit` of what waits in the caller's course, and how much of each question waits."""
     return waiting_list(
         services.judgements.waiting(caller.course, which, offset, limit),
         services.judgements.questions(caller.course, which),
@@ -92,6 +107,15 @@ def read_judgements(
     services: ServicesDep, _caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
 ) -> ManualItemsView:
     """Return the items left to people, with what was given by whom and when."""
+    return items_of(services, language, submission_id)
+
+
+def items_of(services: Services, language: Language, submission_id: str) -> ManualItemsView:
+    """Return what people judge of a submission.
+
+    Raises:
+        ProblemError: there is no such submission, or no grading yet.
+    """
     submission, stored = found(services, submission_id)
     if stored is None:
         stored = graded(services, submission_id)  # says why there is none
@@ -103,9 +127,9 @@ def read_judgements(
     summary="What people judge of one rubric item",
     responses={200: {"headers": _ETAG}, **responses(*_KNOWN, "item_not_found")},
 )
-def read_judgement(  # noqa: PLR0913
+def read_judgement(
     services: ServicesDep,
-    caller: StaffDep,
+    _caller: StaffDep,
     language: LanguageDep,
     response: Response,
     *,
@@ -113,7 +137,13 @@ def read_judgement(  # noqa: PLR0913
     item: ItemId,
 ) -> ManualItemView:
     """Return one item, with its ETag."""
-    items = read_judgements(services, caller, language, submission_id).items
+    return _tagged(services, language, response, submission_id, item)
+
+
+def _tagged(
+    services: Services, language: Language, response: Response, submission_id: str, item: str
+) -> ManualItemView:
+    items = items_of(services, language, submission_id).items
     for one in items:
         if one.item == item:
             response.headers.update({"ETag": one.etag, "Cache-Control": "no-store"})
@@ -146,6 +176,23 @@ def judge(  # noqa: PLR0913
 
     Assistants and instructors may. Once nothing of a submission waits any more, its score is complete.
     """
+    give(services, caller, submission_id, item, body, if_match)
+    return _tagged(services, language, response, submission_id, item)
+
+
+def give(  # noqa: PLR0913, PLR0917
+    services: Services,
+    caller: Caller,
+    submission_id: str,
+    item: str,
+    body: JudgementBody,
+    if_match: str | None,
+) -> None:
+    """Keep what a person gives for an item in the state that `if_match` names.
+
+    Raises:
+        ProblemError: the points do not fit, nobody judges such an item, or somebody judged it meanwhile.
+    """
     if not math.isclose(body.points, round(body.points, 2), abs_tol=1e-9):
         raise ProblemError("invalid_points", field="points")
     given = Given(item=item, points=round(body.points, 2), comment=body.comment.replace("\r\n", "\n"))
@@ -154,7 +201,6 @@ def judge(  # noqa: PLR0913
         services.judgements.judge(submission_id, given, seen(if_match), signed)
     except JudgementError as error:
         raise _problem(services, submission_id, given, error) from None
-    return read_judgement(services, caller, language, response, submission_id=submission_id, item=item)
 
 
 def _problem(services: Services, submission_id: str, given: Given, error: JudgementError) -> ProblemError:

@@ -1,16 +1,17 @@
 """Who the caller is, who is in the course, and what was changed by whom."""
 
+from collections.abc import Sequence
 from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, Field
 
-from grader.contracts.identity import AuditEntry, Role
+from grader.contracts.identity import AuditEntry, Caller, Role
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, StaffDep
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import responses
-from grader.routes.services import ServicesDep
+from grader.routes.services import Services, ServicesDep
 
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100
@@ -117,10 +118,17 @@ def read_audit(
 ) -> AuditPage:
     """Return changes of grades and settings in the caller's course."""
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
+    entries, more = audit_page(services, caller, before, limit)
+    return AuditPage(entries=[_entry(one) for one in entries], next_before=more)
+
+
+def audit_page(
+    services: Services, caller: Caller, before: int | None, limit: int
+) -> tuple[Sequence[AuditEntry], int | None]:
+    """Return `limit` changes older than the id `before`, newest first, and the `before` of the next page."""
     entries = services.audit.entries(caller.course, limit + 1, before)
     page = entries[:limit]
-    more = page[-1].id if len(entries) > limit else None
-    return AuditPage(entries=[_entry(one) for one in page], next_before=more)
+    return page, page[-1].id if len(entries) > limit else None
 
 
 def _entry(entry: AuditEntry) -> AuditView:

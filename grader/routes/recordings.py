@@ -86,6 +86,17 @@ def read_trajectory(
     accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
 ) -> Response:
     """Return what the trusted simulator recorded in one run of the script."""
+    return trajectory(services, submission_id, case, accept_encoding)
+
+
+def trajectory(
+    services: Services, submission_id: str, case: str | None, accept_encoding: str | None
+) -> Response:
+    """Return the answer with a recorded trajectory, compressed if `accept_encoding` takes that.
+
+    Raises:
+        ProblemError: there is no grading, or nothing was recorded in such a run.
+    """
     report = graded(services, submission_id)
     content, sha256 = _recorded(services, report, case)
     headers = {"ETag": f'"{sha256}"', "Vary": "Accept-Encoding"}
@@ -111,7 +122,7 @@ async def read_plot(
     case: CaseQuery = None,
 ) -> Response:
     """Return a PNG with labels in the language asked for."""
-    return await _plot(services, submission_id, caller, language, "png", case)
+    return await picture(services, submission_id, caller, language, "png", case)
 
 
 @router.get(
@@ -129,10 +140,10 @@ async def read_drawing(
     case: CaseQuery = None,
 ) -> Response:
     """Return an SVG, text as outlines, with labels in the language asked for."""
-    return await _plot(services, submission_id, caller, language, "svg", case)
+    return await picture(services, submission_id, caller, language, "svg", case)
 
 
-async def _plot(  # noqa: PLR0913, PLR0917
+async def picture(  # noqa: PLR0913, PLR0917
     services: Services,
     submission_id: str,
     caller: Caller,
@@ -140,18 +151,23 @@ async def _plot(  # noqa: PLR0913, PLR0917
     form: PictureForm,
     case: str | None,
 ) -> Response:
-    assignment, report, trajectory, case_id = await run_in_threadpool(
+    """Return the answer with the picture of one run, as `caller` may see it.
+
+    Raises:
+        ProblemError: there is no grading, nothing was recorded in such a run, or nobody knows the assignment.
+    """
+    assignment, report, recorded, case_id = await run_in_threadpool(
         _drawable, services, submission_id, caller, case
     )
     wish = Wish(case=case_id, language=language, form=form)
-    picture = await services.plots.get(assignment, report, trajectory, wish)
+    drawn = await services.plots.get(assignment, report, recorded, wish)
     headers = {
         "ETag": f'"{report.sha256}-{case_id}-{language}-{form}"',
         "Content-Language": language,
         "Vary": "Accept-Language",
         "Cache-Control": "private, no-cache",
     }
-    return Response(picture, media_type=_MEDIA_TYPES[form], headers=headers)
+    return Response(drawn, media_type=_MEDIA_TYPES[form], headers=headers)
 
 
 def _recorded(services: Services, report: StoredReport, case: str | None) -> tuple[bytes, str]:
@@ -172,7 +188,7 @@ def _drawable(
     submission, _ = found(services, submission_id)
     report = graded(services, submission_id, caller)
     graded_one = services.submissions.graded_assignment(report)
-    drawn = graded_one or require_published(services, submission.assignment)
-    assignment = shown_assignment(services, caller, drawn)
+    known = graded_one or require_published(services, submission.assignment)
+    assignment = shown_assignment(services, caller, known)
     content, _ = _recorded(services, report, case)
     return assignment, report, gzip.decompress(content), _case_id(report, case)

@@ -1,25 +1,24 @@
 """Grading again: first on trial, with what would change, then applied with a reason or discarded."""
 
 from datetime import datetime
-from typing import Annotated
+from typing import Annotated, Literal
 
 from fastapi import APIRouter, Path, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.errors import RegradeError
 from grader.contracts.identity import Caller
-from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, Wanted, Which
+from grader.contracts.regrade import Regrade, RegradeState, ScoreChange, Wanted, Which
 from grader.routes.access import ENTRY_PROBLEMS, InstructorDep, StaffDep
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError, responses
 from grader.routes.published import require_published
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import SUBMISSIONS
-from grader.routes.submissions import SIGHT, SubmissionId
 from grader.store.audit import Signature
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
-history = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
+Ending = Literal["apply", "discard"]
 RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]
 _MOST = 100_000
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
@@ -112,27 +111,6 @@ class RegradeList(BaseModel):
     regrades: list[RegradeSummary]
 
 
-class PastGradingView(BaseModel):
-    """One grading of a submission."""
-
-    attempt: int
-    finished_at: datetime
-    grader_version: str = Field(examples=["0.1.0"])
-    assignment_version: int = Field(examples=[1])
-    verdict: str = Field(examples=["graded"])
-    score: float | None
-    max_score: float
-    report_sha256: str
-    by: str = Field(description="Who applied the re-grade it came from; empty: the upload itself.")
-    reason: str
-
-
-class History(BaseModel):
-    """All gradings of a submission, oldest first; the last one stands."""
-
-    gradings: list[PastGradingView]
-
-
 @router.post(
     "",
     status_code=202,
@@ -145,21 +123,32 @@ def start(
     services: ServicesDep, caller: InstructorDep, response: Response, order: RegradeOrder
 ) -> RegradeView:
     """Queue trial gradings behind all fresh submissions. Nothing changes until they are applied."""
-    require_published(services, order.assignment, field="assignment")
-    wanted = Wanted(assignment=order.assignment, which=order.which, students=tuple(order.students))
+    students = tuple(order.students)
+    wanted = Wanted(assignment=order.assignment, which=order.which, students=students)
+    opened = open_regrade(services, caller, wanted)
+    response.headers["Location"] = f"/api/v1/regrades/{opened.id}"
+    return view(opened)
+
+
+def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
+    """Start a re-grade and tell workers that there is work.
+
+    Raises:
+        ProblemError: the assignment is not published, nothing is to be graded, or a re-grade of it is open.
+    """
+    require_published(services, wanted.assignment, field="assignment")
     try:
         opened = services.regrades.open(wanted, _signed(services, caller))
     except RegradeError as error:
         raise ProblemError(_CODES[error.code]) from None
     services.doorbell.ring()
-    response.headers["Location"] = f"/api/v1/regrades/{opened.id}"
-    return _view(opened)
+    return opened
 
 
 @router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
 def read_all(services: ServicesDep, caller: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
-    return RegradeList(regrades=[_summary(one) for one in services.regrades.all(caller.course)])
+    return RegradeList(regrades=[summary(one) for one in services.regrades.all(caller.course)])
 
 
 @router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
@@ -172,10 +161,20 @@ def read(
     limit: Annotated[QueryWhole | None, Query(ge=1, le=_MOST, description="Most changes; null: all.")] = None,
 ) -> RegradeView:
     """Return how far a re-grade is, who gains and who loses, by which item. Counts are of all changes."""
+    regrade = found(services, caller, regrade_id)
+    return view(regrade, slice(offset, None if limit is None else offset + limit))
+
+
+def found(services: Services, caller: Caller, regrade_id: str) -> Regrade:
+    """Return a re-grade of the caller's course.
+
+    Raises:
+        ProblemError: there is none of that id.
+    """
     regrade = services.regrades.get(regrade_id, caller.course)
     if regrade is None:
         raise ProblemError("regrade_not_found")
-    return _view(regrade, slice(offset, None if limit is None else offset + limit))
+    return regrade
 
 
 @router.post(
@@ -189,10 +188,7 @@ def apply(
     services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
 ) -> RegradeView:
     """Make the trial gradings the submissions' latest; earlier ones stay in their history."""
-    try:
-        return _view(services.regrades.apply(regrade_id, _signed(services, caller), decision.reason))
-    except RegradeError as error:
-        raise ProblemError(_CODES[error.code]) from None
+    return view(decide(services, caller, regrade_id, "apply", decision.reason))
 
 
 @router.post(
@@ -204,33 +200,35 @@ def discard(
     services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
 ) -> RegradeView:
     """Drop the trial gradings; every submission stays as it is."""
+    return view(decide(services, caller, regrade_id, "discard", decision.reason))
+
+
+def decide(services: Services, caller: Caller, regrade_id: str, how: Ending, reason: str) -> Regrade:
+    """Apply or discard a re-grade.
+
+    Raises:
+        ProblemError: there is none of that id, it is decided already, or still running.
+    """
+    act = services.regrades.apply if how == "apply" else services.regrades.discard
     try:
-        return _view(services.regrades.discard(regrade_id, _signed(services, caller), decision.reason))
+        return act(regrade_id, _signed(services, caller), reason)
     except RegradeError as error:
         raise ProblemError(_CODES[error.code]) from None
-
-
-@history.get(
-    "/{submission_id}/gradings",
-    summary="Every grading of a submission",
-    responses=responses(*_KNOWN, "submission_not_found"),
-)
-def read_history(services: ServicesDep, _caller: StaffDep, submission_id: SubmissionId) -> History:
-    """Return when, with which versions and why a submission was graded, and by whom again."""
-    return History(gradings=[_past(one) for one in services.regrades.history(submission_id)])
 
 
 def _signed(services: Services, caller: Caller) -> Signature:
     return Signature(services.clock(), caller.course, caller.signature)
 
 
-def _view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
+def view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
+    """Return a re-grade with the changes in the slice `shown`."""
     return RegradeView(
-        **_summary(regrade).model_dump(), changes=[_change(one) for one in regrade.changes[shown]]
+        **summary(regrade).model_dump(), changes=[_change(one) for one in regrade.changes[shown]]
     )
 
 
-def _summary(regrade: Regrade) -> RegradeSummary:
+def summary(regrade: Regrade) -> RegradeSummary:
+    """Return a re-grade without its changes."""
     moved = [(one.after or 0.0) - (one.before or 0.0) for one in regrade.changes]
     return RegradeSummary(
         id=regrade.id,
@@ -263,19 +261,4 @@ def _change(change: ScoreChange) -> ScoreChangeView:
         items=items,
         kept=list(change.kept),
         void=list(change.void),
-    )
-
-
-def _past(grading: PastGrading) -> PastGradingView:
-    return PastGradingView(
-        attempt=grading.attempt,
-        finished_at=grading.finished_at,
-        grader_version=grading.grader_version,
-        assignment_version=grading.assignment_version,
-        verdict=grading.status,
-        score=grading.score,
-        max_score=grading.max_score,
-        report_sha256=grading.report_sha256,
-        by=grading.by,
-        reason=grading.reason,
     )

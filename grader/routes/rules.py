@@ -57,7 +57,7 @@ def read_policy(
     known = services.policies.rules(caller.course)
     if caller.is_staff:  # a student could find out from a digest which items are hidden
         response.headers["ETag"] = etag(tag(known.policy(assignment_id)))
-    return _standing(services, caller, known, assignment_id)
+    return standing(services, caller, known, assignment_id)
 
 
 @router.put(
@@ -145,11 +145,8 @@ def signature(services: Services, caller: Caller) -> Signature:
     return Signature(services.clock(), caller.course, caller.signature)
 
 
-def _extension(student: str, one: Extension) -> ExtensionView:
-    return ExtensionView(student=student, due=one.due, extra_attempts=one.extra_attempts, etag=etag(tag(one)))
-
-
-def _standing(services: Services, caller: Caller, known: Rules, assignment_id: str) -> StandingView:
+def standing(services: Services, caller: Caller, known: Rules, assignment_id: str) -> StandingView:
+    """Return where `caller` stands under the rules of an assignment; `known` are those of the course."""
     policy, person = known.policy(assignment_id), caller.person
     extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
     attempts = () if person is None else services.submissions.attempts(person, assignment_id, caller.course)
@@ -164,3 +161,7 @@ def _standing(services: Services, caller: Caller, known: Rules, assignment_id: s
         counted_submission=None if counted is None or hiding else SUBMISSIONS + counted.attempt.id,
         counted_score=None if counted is None or hiding else counted.score,
     )
+
+
+def _extension(student: str, one: Extension) -> ExtensionView:
+    return ExtensionView(student=student, due=one.due, extra_attempts=one.extra_attempts, etag=etag(tag(one)))

@@ -7,8 +7,9 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
-from grader.routes import dashboard, health
+from grader.routes.dashboard import class_overview
 from grader.routes.dashboard_views import STUCK_ATTEMPTS, DashboardView
+from grader.routes.health import health_of
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
 from grader.web import access
@@ -103,14 +104,12 @@ def read_comparison(
 @router.get("/service")
 def read_service(request: Request, services: ServicesDep) -> Response:
     """Show queue, workers and sandbox."""
-    state = health.read(services=services, response=Response())
-    return page(request, "service.html", health=state)
+    return page(request, "service.html", health=health_of(services))
 
 
 def _overview(request: Request, services: Services, visitor: Visitor) -> DashboardView:
-    return dashboard.read(
-        services=services, caller=visitor.caller, response=Response(), language=language_of(request)
-    )
+    state = services.dashboard.state(visitor.caller.course)
+    return class_overview(services, visitor.caller, state, language_of(request))
 
 
 def _graded(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport]:

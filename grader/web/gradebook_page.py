@@ -87,9 +87,7 @@ def download(
     request: Request, services: ServicesDep, visitor: StaffDep, format: Annotated[Format, Query()] = "plain"
 ) -> Response:
     """Return the whole gradebook as a file."""
-    return gradebook.read_gradebook(
-        services=services, caller=visitor.caller, language=language_of(request), format=format
-    )
+    return gradebook.gradebook_file(services, visitor.caller, language_of(request), format)
 
 
 def _line(member: Member, scores: Scores, assignments: Sequence[Assignment]) -> BookLine:

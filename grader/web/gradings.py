@@ -3,16 +3,18 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi.responses import JSONResponse
 
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
-from grader.routes import gradebook, regrades
+from grader.render.documents import to_gradescope, to_prairielearn
+from grader.routes.gradebook import report_of
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SubmissionId
 from grader.web import access
-from grader.web.access import StaffDep, require_staff
+from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.comparison import compare
 from grader.web.pages import language_of, page
 from grader.web.roster import names, person
@@ -22,6 +24,7 @@ router = APIRouter(
     include_in_schema=False,
     dependencies=[Depends(require_staff)],
 )
+_PLATFORMS = {"gradescope": to_gradescope, "prairielearn": to_prairielearn}
 _Attempt = Annotated[QueryWhole, Query(ge=0, le=1_000_000)]
 
 
@@ -31,13 +34,12 @@ def read_all(
 ) -> Response:
     """Show when, with which versions and why a submission was graded."""
     submission, _ = access.seen(services, visitor, submission_id)
-    history = regrades.read_history(services=services, _caller=visitor.caller, submission_id=submission.id)
     return page(
         request,
         "gradings.html",
         submission=submission,
         person=person(names(services, visitor.caller), submission.student),
-        gradings=history.gradings,
+        gradings=services.regrades.history(submission.id),
         titles={one.id: one.title for one in services.assignments.all()},
     )
 
@@ -72,14 +74,7 @@ def read_gradescope(
     request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
 ) -> Response:
     """Return the report as a Gradescope autograder writes it, to be saved."""
-    submission, _ = access.seen(services, visitor, submission_id)
-    response = gradebook.read_gradescope(
-        services=services,
-        caller=visitor.caller,
-        language=language_of(request),
-        submission_id=submission.id,
-    )
-    return _saved(response, f"gradescope-{submission.id}.json")
+    return _export(request, services, visitor, submission_id, "gradescope")
 
 
 @router.get("/prairielearn.json")
@@ -87,19 +82,19 @@ def read_prairielearn(
     request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
 ) -> Response:
     """Return the report as a PrairieLearn external grader writes it, to be saved."""
+    return _export(request, services, visitor, submission_id, "prairielearn")
+
+
+def _export(
+    request: Request, services: Services, visitor: Visitor, submission_id: str, platform: str
+) -> Response:
     submission, _ = access.seen(services, visitor, submission_id)
-    response = gradebook.read_prairielearn(
-        services=services,
-        caller=visitor.caller,
-        language=language_of(request),
-        submission_id=submission.id,
-    )
-    return _saved(response, f"prairielearn-{submission.id}.json")
-
-
-def _saved(response: Response, file_name: str) -> Response:
-    response.headers["Content-Disposition"] = f'attachment; filename="{file_name}"'
-    return response
+    report = report_of(services, visitor.caller, submission.id)
+    headers = {
+        "Content-Disposition": f'attachment; filename="{platform}-{submission.id}.json"',
+        "Cache-Control": "no-store",
+    }
+    return JSONResponse(_PLATFORMS[platform](report, language_of(request)), headers=headers)
 
 
 def _grading(services: Services, submission_id: str, attempt: int) -> StoredReport:

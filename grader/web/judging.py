@@ -67,16 +67,15 @@ def read_waiting(
     request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[WaitingQuery, Query()]
 ) -> Response:
     """Show what waits for a person: questions, and the answers to them."""
-    listed = judgements.read_waiting(
-        services=services,
-        caller=visitor.caller,
-        language=language_of(request),
-        assignment=query.assignment or None,
-        item=query.item or None,
-        every=False,
-        anonymous=query.anonymous,
+    which = WaitingFor(assignment=query.assignment or None, item=query.item or None)
+    listed = judgements.waiting(
+        services,
+        visitor.caller,
+        language_of(request),
+        which,
         offset=(query.page - 1) * _PAGE,
         limit=_PAGE,
+        anonymous=query.anonymous,
     )
     return page(
         request,
@@ -115,16 +114,7 @@ def judge(
     body, errors = _read(form)
     if body is not None:
         try:
-            judgements.judge(
-                services=services,
-                caller=visitor.caller,
-                language=language_of(request),
-                response=Response(),
-                submission_id=submission.id,
-                item=form.item,
-                body=body,
-                if_match=form.seen or None,
-            )
+            judgements.give(services, visitor.caller, submission.id, form.item, body, form.seen or None)
         except ProblemError as problem:
             if problem.code not in _AT_FIELDS:
                 raise
@@ -206,7 +196,7 @@ def _desk(  # noqa: PLR0913, PLR0917
 ) -> Response:
     submission, _ = access.seen(services, visitor, submission_id)
     language = language_of(request)
-    judged = judgements.read_judgements(services, visitor.caller, language, submission.id)
+    judged = judgements.items_of(services, language, submission.id)
     item = _chosen(judged, form.item)
     return page(
         request,

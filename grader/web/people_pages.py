@@ -5,8 +5,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
-from grader.routes import people
 from grader.routes.numbers import QueryWhole
+from grader.routes.people import audit_page
 from grader.routes.services import ServicesDep
 from grader.web.access import InstructorDep, StaffDep, require_staff
 from grader.web.audit_lines import Teller
@@ -26,13 +26,12 @@ def read_people(
     search: Annotated[str, Query(max_length=100)] = "",
 ) -> Response:
     """Show the roster."""
-    known = people.read_members(services=services, caller=visitor.caller, response=Response())
-    me = people.read_me(services=services, caller=visitor.caller, response=Response())
+    id_ = visitor.caller.course
+    course = None if id_ is None else services.courses.get(id_)
+    everybody = () if id_ is None else services.courses.members(id_)
     wanted = search.strip().lower()
-    found = [one for one in known.members if wanted in one.id.lower() or wanted in one.name.lower()]
-    return page(
-        request, "people.html", course=me.course, members=found, all=len(known.members), search=search
-    )
+    found = [one for one in everybody if wanted in one.id.lower() or wanted in one.name.lower()]
+    return page(request, "people.html", course=course, members=found, all=len(everybody), search=search)
 
 
 @router.get("/audit")
@@ -43,14 +42,10 @@ def read_audit(
     before: Annotated[QueryWhole | None, Query(ge=0, le=_LARGEST_ID)] = None,
 ) -> Response:
     """Show changes of grades and settings, newest first."""
-    log = people.read_audit(
-        services=services, caller=visitor.caller, response=Response(), before=before, limit=_ENTRIES
-    )
+    entries, more = audit_page(services, visitor.caller, before, _ENTRIES)
     teller = Teller(language_of(request), services.policies.rules(visitor.caller.course).zone)
-    lines = [(one, teller.differences(one.before, one.after), address(one.subject)) for one in log.entries]
-    return page(
-        request, "audit.html", lines=lines, teller=teller, next_before=log.next_before, newest=before is None
-    )
+    lines = [(one, teller.differences(one.before, one.after), address(one.subject)) for one in entries]
+    return page(request, "audit.html", lines=lines, teller=teller, next_before=more, newest=before is None)
 
 
 def address(subject: str) -> str:

@@ -9,12 +9,12 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.identity import is_person_id
 from grader.contracts.judgement import judged
-from grader.contracts.regrade import Which
+from grader.contracts.regrade import Wanted, Which
 from grader.routes import regrades
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.problems import ProblemError
 from grader.routes.published import published
-from grader.routes.regrades import Decision, RegradeId, RegradeOrder, RegradeSummary
+from grader.routes.regrades import RegradeId, RegradeSummary
 from grader.routes.services import Services, ServicesDep
 from grader.web import access
 from grader.web.access import InstructorDep, StaffDep, require_staff
@@ -43,7 +43,7 @@ class Order(BaseModel):
 class Verdict(BaseModel):
     """What an instructor decides about a re-grade, and why."""
 
-    decision: Literal["apply", "discard"]
+    decision: regrades.Ending
     reason: str = Field(default="", max_length=1_000)
 
 
@@ -72,12 +72,8 @@ def start(
     if refusal is not None:
         return _list(request, services, visitor, order, refusal)
     try:
-        started = regrades.start(
-            services=services,
-            caller=visitor.caller,
-            response=Response(),
-            order=RegradeOrder(assignment=order.assignment, which=order.which, students=students),
-        )
+        wanted = Wanted(assignment=order.assignment, which=order.which, students=tuple(students))
+        started = regrades.open_regrade(services, visitor.caller, wanted)
     except ProblemError as problem:
         return _list(request, services, visitor, order, _refusal(request, problem))
     return RedirectResponse(f"/class/regrades/{started.id}", status_code=303)
@@ -98,7 +94,7 @@ def read(
 @router.get("/{regrade_id}/state.json")
 def read_state(services: ServicesDep, visitor: StaffDep, regrade_id: RegradeId) -> Response:
     """Say how far a trial is: what its page asks for again and again."""
-    regrade = regrades.read(services=services, caller=visitor.caller, regrade_id=regrade_id)
+    regrade = regrades.summary(regrades.found(services, visitor.caller, regrade_id))
     document = {"waiting": regrade.waiting, "total": total(regrade), "open": regrade.state == "open"}
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
@@ -115,9 +111,7 @@ def decide(
     if not verdict.reason.strip():
         refusal = Refusal(field="reason", text=say("form.reason_needed", language_of(request)))
         return _one(request, services, visitor, regrade_id, ChangesQuery(), refusal)
-    act = regrades.apply if verdict.decision == "apply" else regrades.discard
-    decision = Decision(reason=verdict.reason.strip())
-    act(services=services, caller=visitor.caller, regrade_id=regrade_id, decision=decision)
+    regrades.decide(services, visitor.caller, regrade_id, verdict.decision, verdict.reason.strip())
     return RedirectResponse(f"/class/regrades/{regrade_id}", status_code=303)
 
 
@@ -126,7 +120,7 @@ def read_change(
     request: Request, services: ServicesDep, visitor: StaffDep, regrade_id: RegradeId, submission_id: str
 ) -> Response:
     """Show a submission's grading before a re-grade and the one made by it, side by side."""
-    regrade = regrades.read(services=services, caller=visitor.caller, regrade_id=regrade_id)
+    regrade = regrades.found(services, visitor.caller, regrade_id)
     submission, _ = access.seen(services, visitor, submission_id)
     first, second = services.past_gradings.around(regrade.id, submission.id)
     if first is None or second is None:
@@ -155,13 +149,12 @@ def _list(
     order: Order,
     refusal: Refusal | None = None,
 ) -> Response:
-    known = regrades.read_all(services=services, caller=visitor.caller)
     assignments = services.assignments.all()
     return page(
         request,
         "regrades.html",
         status=200 if refusal is None else 422,
-        regrades=known.regrades,
+        regrades=[regrades.summary(one) for one in services.regrades.all(visitor.caller.course)],
         total=total,
         titles={one.id: one.title for one in assignments},
         assignments=assignments,
@@ -179,7 +172,7 @@ def _one(  # noqa: PLR0913, PLR0917
     query: ChangesQuery,
     refusal: Refusal | None = None,
 ) -> Response:
-    regrade = regrades.read(services=services, caller=visitor.caller, regrade_id=regrade_id)
+    regrade = regrades.view(regrades.found(services, visitor.caller, regrade_id))
     known, language = names(services, visitor.caller), language_of(request)
     assignment = published(services, regrade.assignment)
     values: dict[str, Any] = {

@@ -122,11 +122,10 @@ def _assignment_page(
 
 def _standing(services: Services, visitor: Visitor, assignment: Assignment) -> StandingView | None:
     """Return dates and attempts for a member of a course."""
-    if visitor.caller.course is None:
+    caller = visitor.caller
+    if caller.course is None:
         return None
-    return rules.read_policy(
-        services=services, caller=visitor.caller, response=Response(), assignment_id=assignment.id
-    )
+    return rules.standing(services, caller, services.policies.rules(caller.course), assignment.id)
 
 
 def _due(services: Services, visitor: Visitor) -> dict[str, datetime | None]:

@@ -81,9 +81,7 @@ def read_trajectory(
 ) -> Response:
     """Return what the car did, as `grader.routes.recordings` does."""
     access.seen(services, visitor, submission_id)
-    response = recordings.read_trajectory(
-        services=services, submission_id=submission_id, case=case, accept_encoding=accept_encoding
-    )
+    response = recordings.trajectory(services, submission_id, case, accept_encoding)
     response.headers["Cache-Control"] = "private, no-cache"
     return response
 
@@ -118,12 +116,8 @@ async def read_plot(
 ) -> Response:
     """Return the picture of one run, for browsers without scripts and for comparing."""
     await run_in_threadpool(access.seen, services, visitor, submission_id)
-    return await recordings.read_plot(
-        services=services,
-        submission_id=submission_id,
-        language=language_of(request),
-        caller=visitor.caller,
-        case=case,
+    return await recordings.picture(
+        services, submission_id, visitor.caller, language_of(request), "png", case
     )
 
 

@@ -2,18 +2,18 @@
 
 import os
 from collections.abc import Iterator
-from typing import Any
 
 import httpx
 import pytest
 
+from grader.contracts.regrade import Regrade
 from grader.routes import regrades
 from tests.e2e.chromium import PHONE, Browser
 from tests.e2e.school import ESSAY, School, school
 from tests.fakes.postgres import PostgresServer
 
 pytestmark = pytest.mark.browser
-_READ = regrades.read
+_VIEW = regrades.view
 
 WORK = (
     ("20260101", "square", "wrong/one_radian.py"),
@@ -48,8 +48,8 @@ def wang(browser: Browser, course: School) -> Browser:
     return browser
 
 
-def _still_running(**arguments: Any) -> regrades.RegradeSummary:
-    return _READ(**arguments).model_copy(update={"waiting": 1})
+def _still_running(regrade: Regrade) -> regrades.RegradeView:
+    return _VIEW(regrade).model_copy(update={"waiting": 1})
 
 
 def test_grading_again_shows_who_loses_and_is_applied(
@@ -78,7 +78,7 @@ def test_grading_again_shows_who_loses_and_is_applied(
     assert "on trial" in wang.says()
     wang.driver.back()
     with monkeypatch.context() as patch:  # as if it were not complete yet
-        patch.setattr("grader.web.regrading.regrades.read", _still_running)
+        patch.setattr("grader.web.regrading.regrades.view", _still_running)
         wang.driver.refresh()
         assert not wang.all("button[value=apply]")
         wang.type("#reason", "sides must be equal")
