@@ -7,11 +7,13 @@ from collections.abc import Callable
 
 from grader.contracts.assignment import Assignment, Case, ItemSpec
 from grader.contracts.errors import InfrastructureError, UnknownAssignmentError
-from grader.contracts.grading import GradingJob, GradingResult, SyntaxProblem
+from grader.contracts.grading import AssignmentSource, GradingJob, GradingResult, SyntaxProblem
 from grader.contracts.outcome import Endpoint, LogRecord, RunOutcome, RunStatus, Stream, StudentError
 from grader.contracts.report import CaseRun, GradeReport, GradeStatus, Measurements
 from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.submission import Claim
 from grader.contracts.text import Text
+from grader.store.queue import Queue
 
 MEASUREMENTS = Measurements(
     wall_s=0.2, jail_cpu_s=0.1, jail_peak_bytes=1 << 20, sim_steps=3840, isolation="strict"
@@ -141,6 +143,28 @@ def grade(job: GradingJob) -> GradingResult:
         mistakes=() if good >= len(specs) else ("turns_too_short", "never_stops"),
     )
     return GradingResult(report=report, trajectories={"default": recorded}, measurements=MEASUREMENTS)
+
+
+def grade_next(
+    queue: Queue, assignments: AssignmentSource, grading: Callable[[GradingJob], GradingResult] = grade
+) -> Claim | None:
+    """Claim what is due next and grade it as a worker does; return its claim, None when nothing waits."""
+    claim = queue.claim("w")
+    if claim is not None:
+        finish(queue, assignments, claim, grading)
+    return claim
+
+
+def finish(
+    queue: Queue,
+    assignments: AssignmentSource,
+    claim: Claim,
+    grading: Callable[[GradingJob], GradingResult] = grade,
+) -> None:
+    """Grade what was claimed and store the result."""
+    assignment = assignments.get(claim.assignment)
+    job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
+    assert queue.finish(claim, grading(job), assignment)
 
 
 class FakeGrader:

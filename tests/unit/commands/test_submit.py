@@ -11,7 +11,6 @@ import pytest
 from fastapi import FastAPI
 
 from grader import cli
-from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.policy import AssignmentPolicy, LateRule
 from grader.routes.services import Services
@@ -19,16 +18,12 @@ from grader.settings import Settings
 from grader.store.audit import Signature
 from tests.fakes import server
 from tests.fakes.clock import START, FakeClock
-from tests.fakes.grading import grade
+from tests.fakes.grading import grade_next
 
 
 def work(services: Services, stop: threading.Event) -> None:
     while not stop.wait(0.02):
-        claim = services.queue.claim("w")
-        if claim is not None:
-            assignment = services.assignments.get(claim.assignment)
-            job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
-            services.queue.finish(claim, grade(job), assignment)
+        if grade_next(services.queue, services.assignments):
             services.doorbell.ring()
 
 

@@ -16,7 +16,7 @@ from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.courses import PreparedCourses
 from tests.fakes.essays import ANSWER, grade_essay, question
-from tests.fakes.grading import grade
+from tests.fakes.grading import grade_next
 from tests.fakes.server import FakePlotter
 
 
@@ -80,14 +80,7 @@ def graded(upload: Callable[..., httpx.Response], services: Services) -> Callabl
 
     def run(*args: object, **kwargs: object) -> str:
         url = upload(*args, **kwargs).headers["Location"]
-        claim = services.queue.claim("w")
-        assert claim is not None
-        job = GradingJob(
-            file_name=claim.file_name,
-            source=claim.source,
-            assignment=services.assignments.get(claim.assignment),
-        )
-        assert services.queue.finish(claim, grade(job))
+        assert grade_next(services.queue, services.assignments)
         return url
 
     return run
@@ -123,10 +116,7 @@ def school(services: Services, client: httpx.Client, courses: PreparedCourses) -
 def work(services: Services, grade: Callable[[GradingJob], GradingResult]) -> int:
     """Let `grade` grade all that waits; return how many it were."""
     done = 0
-    while (claim := services.queue.claim("w")) is not None:
-        assignment = services.assignments.get(claim.assignment)
-        job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
-        assert services.queue.finish(claim, grade(job), assignment)
+    while grade_next(services.queue, services.assignments, grade):
         done += 1
     return done
 

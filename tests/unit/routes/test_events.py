@@ -11,12 +11,10 @@ import httpx
 import pytest
 
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.grading import GradingJob
 from grader.contracts.submission import Claim
 from grader.routes.services import Services
-from tests.fakes import server
+from tests.fakes import grading, server
 from tests.fakes.clock import FakeClock
-from tests.fakes.grading import grade
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
 
@@ -60,9 +58,7 @@ def claimed(services: Services) -> Claim:
 
 
 def finish(services: Services, claim: Claim) -> None:
-    assignment = services.assignments.get(claim.assignment)
-    job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
-    assert services.queue.finish(claim, grade(job))
+    grading.finish(services.queue, services.assignments, claim)
     services.doorbell.ring()
 
 

@@ -5,7 +5,6 @@ from typing import Any
 import pytest
 
 from grader.contracts.errors import RegradeError
-from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.policy import AssignmentPolicy, Counts
 from grader.contracts.regrade import Wanted
@@ -20,7 +19,7 @@ from grader.store.queue import Queue
 from grader.store.regrades import Regrades
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
-from tests.fakes.grading import assignment, grade
+from tests.fakes.grading import FakeAssignments, finish, grade_next
 
 
 class Class:
@@ -43,11 +42,9 @@ class Class:
         self, student: str, source: bytes, assignment_id: str = "square", course: str | None = None
     ) -> str:
         id_ = self.submits(student, source, assignment_id, course)
-        claim = self.queue.claim("w")
+        claim = grade_next(self.queue, FakeAssignments())
         assert claim is not None
         assert claim.submission_id == id_
-        job = GradingJob(file_name="f.py", source=source, assignment=assignment(assignment_id))
-        assert self.queue.finish(claim, grade(job))
         return id_
 
 
@@ -126,8 +123,7 @@ def test_counting_only_what_changed_counts_the_same(school: Class, database: Dat
         if claim is not None and chance.random() < 0.2:
             school.queue.fail(claim, "no")
         elif claim is not None:
-            job = GradingJob(file_name="f.py", source=claim.source, assignment=assignment(claim.assignment))
-            school.queue.finish(claim, grade(job))
+            finish(school.queue, FakeAssignments(), claim)
 
     def hand_in() -> None:
         source = chance.choice([b"x", b"good", b"good good", b"raise good"])

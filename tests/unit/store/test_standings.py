@@ -1,6 +1,5 @@
 from datetime import timedelta
 
-from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.store.courses import Courses
@@ -11,7 +10,7 @@ from grader.store.standings import Standings
 from grader.store.submissions import Submissions
 from grader.store.workers import Workers
 from tests.fakes.clock import FakeClock
-from tests.fakes.grading import FakeAssignments, grade
+from tests.fakes.grading import FakeAssignments, grade_next
 
 
 def upload(submissions: Submissions, clock: FakeClock, student: str, course: str | None = None) -> str:
@@ -22,20 +21,11 @@ def upload(submissions: Submissions, clock: FakeClock, student: str, course: str
     return submissions.add(new).id
 
 
-def grade_next(queue: Queue) -> str:
-    claim = queue.claim("w")
-    assert claim is not None
-    assignment = FakeAssignments().get(claim.assignment)
-    job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
-    assert queue.finish(claim, grade(job), assignment)
-    return claim.submission_id
-
-
 def test_positions_are_those_of_the_queue(
     database: Database, submissions: Submissions, queue: Queue, clock: FakeClock
 ) -> None:
     ids = [upload(submissions, clock, f"s{number % 3}") for number in range(6)]  # quick ones change turns
-    graded = grade_next(queue)
+    graded = grade_next(queue, FakeAssignments()).submission_id
     claim = queue.claim("w")
     assert claim is not None
     found = Standings(database).of([*ids, "nobody"])
@@ -67,7 +57,7 @@ def test_a_class_stands_elsewhere_after_every_change(
     assert look() == (0, 1, 0)
     queue.hand_back(claim)
     assert look() == (1, 0, 0)
-    grade_next(queue)
+    grade_next(queue, FakeAssignments())
     assert look() == (0, 0, 1)
     courses.import_roster("ros", [RosterEntry(id="s1", name="s1", role=Role.STUDENT)], "test")
     look()
@@ -86,7 +76,7 @@ def test_what_operators_measure(
     assert (measures.state().depths, measures.state().oldest_queued_at) == ((), None)
     for student in ("s1", "s2", "s3"):
         upload(submissions, clock, student)
-    grade_next(queue)
+    grade_next(queue, FakeAssignments())
     state = measures.state()
     assert [(one.state, one.priority, one.count) for one in state.depths] == [
         ("graded", 0, 1),

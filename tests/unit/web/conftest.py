@@ -17,7 +17,7 @@ from grader.settings import Settings
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.courses import PreparedCourses
-from tests.fakes.grading import grade
+from tests.fakes.grading import grade, grade_next
 
 PAGE = {"Accept": "text/html,application/xhtml+xml"}
 _TOKEN = re.compile(r'name="form_token" value="([^"]+)"')
@@ -114,14 +114,7 @@ def put(services: Services) -> Callable[..., str]:
         )
         added = services.submissions.add(new)
         if grading is not None:
-            claim = services.queue.claim("w")
-            assert claim is not None
-            job = GradingJob(
-                file_name=claim.file_name,
-                source=claim.source,
-                assignment=services.assignments.get(assignment),
-            )
-            assert services.queue.finish(claim, grading(job))
+            assert grade_next(services.queue, services.assignments, grading)
         services.clock.advance(60.0)
         return f"/submissions/{added.id}"
 
@@ -133,10 +126,8 @@ def grade_waiting(services: Services) -> Callable[..., None]:
     """Grade what waits, with what `change` makes of each job."""
 
     def grade_all(change: Callable[[GradingJob], GradingJob] = lambda job: job) -> None:
-        while (claim := services.queue.claim("w")) is not None:
-            assignment = services.assignments.get(claim.assignment)
-            job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
-            assert services.queue.finish(claim, grade(change(job)))
+        while grade_next(services.queue, services.assignments, lambda job: grade(change(job))):
+            pass
 
     return grade_all
 
