@@ -53,7 +53,8 @@ def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
     process: subprocess.Popen[str], database_url: str
 ) -> None:
     assert process.stderr is not None
-    address = json.loads(process.stderr.readline())["message"].removeprefix("listening on ")
+    said = (json.loads(line)["message"] for line in process.stderr)
+    address = next(one for one in said if one.startswith("listening on ")).removeprefix("listening on ")
     with httpx.Client(base_url=address, timeout=PATIENCE_S, trust_env=False) as client:
         ids = [_upload(client, number) for number in range(2)]
         headers = {"Authorization": f"Bearer {TOKEN}"}
