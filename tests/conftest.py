@@ -5,12 +5,15 @@ import os
 import shutil
 import sys
 import tempfile
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
 from hypothesis import HealthCheck, settings
+from sqlalchemy import URL, Engine
+from sqlalchemy.engine.default import DefaultDialect
 
 from grader.store import database as store_database
 from grader.store.database import Database
@@ -67,6 +70,34 @@ def durably() -> Iterator[Callable[..., None]]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(store_database, "_configure_sqlite", configure)
         yield real
+
+
+@pytest.fixture(scope="session", autouse=True)
+def compiled_once() -> Iterator[dict[str, dict[Any, Any]]]:
+    """Statements become SQL once for all databases of a kind: each test has its own, with the same statements."""
+    real, caches = store_database.create_engine, defaultdict[str, dict[Any, Any]](dict)
+
+    def create_engine(url: URL, **options: Any) -> Engine:
+        shared = {"compiled_cache": caches[url.drivername]}
+        return real(url, **options, execution_options=shared)
+
+    with pytest.MonkeyPatch.context() as patch:
+        # what was compiled is found by the statement and the dialect, of which each engine has its own
+        patch.setattr(DefaultDialect, "__eq__", lambda one, other: type(one) is type(other))
+        patch.setattr(DefaultDialect, "__hash__", lambda one: hash(one.name))
+        patch.setattr(store_database, "create_engine", create_engine)
+        yield caches
+
+
+@pytest.fixture
+def compiled_anew(compiled_once: dict[str, dict[Any, Any]]) -> Iterator[None]:
+    """For tests that change the tables: what was compiled remembers the types of its columns."""
+    caches = compiled_once.values()
+    for cache in caches:
+        cache.clear()
+    yield
+    for cache in caches:
+        cache.clear()
 
 
 @pytest.fixture

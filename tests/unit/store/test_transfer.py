@@ -139,6 +139,7 @@ def test_every_value_matters_to_the_digest(full: Database, other: Database) -> N
             raise ZeroDivisionError
 
 
+@pytest.mark.usefixtures("compiled_anew")
 def test_what_arrived_otherwise_is_not_kept(
     full: Database, postgres_database: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
