@@ -121,7 +121,7 @@ def test_many_runs_leave_nothing_behind(sandbox: Sandbox) -> None:
     for n in range(60):
         source = "import os; os.abort()" if n % 5 == 0 else f"print({{'p', 'q', 'r'}}, {NEW_OBJECTS})"
         texts.add(run(sandbox, source)[1].stdout.text)
-    assert len(os.listdir("/proc/self/fd")) == before
+    assert len(os.listdir("/proc/self/fd")) <= before  # what other tests left open may be closed meanwhile
     assert len(texts - {""}) == 1
 
 
