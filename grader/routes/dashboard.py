@@ -11,7 +11,8 @@ from grader.contracts.dashboard import ClassState
 from grader.contracts.identity import Caller, Role
 from grader.contracts.text import Language
 from grader.routes.access import ENTRY_PROBLEMS, StaffDep
-from grader.routes.dashboard_views import DashboardView, Selection, overview, selected
+from grader.routes.dashboard_document import Selection, overview, selected
+from grader.routes.dashboard_views import DashboardView
 from grader.routes.health import alive
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import responses

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Response
 from pydantic import BaseModel, Field
 
 from grader import __version__
-from grader.contracts.submission import WorkerState
+from grader.contracts.submission import QueueState, WorkerState
 from grader.routes.problems import responses
 from grader.routes.services import Services, ServicesDep
 
@@ -80,11 +80,16 @@ def health_of(services: Services) -> Health:
         status="ok" if ready else "degraded",
         version=__version__,
         sandbox=_sandbox(ready or workers),
-        queue=QueueView(
-            queued=state.queued, running=state.running, infrastructure_error=state.infrastructure_errors
-        ),
+        queue=queue_view(state),
         oldest_queued_at=state.oldest_queued_at,
         workers=workers,
+    )
+
+
+def queue_view(state: QueueState) -> QueueView:
+    """Return how much is waiting, as the interface shows it."""
+    return QueueView(
+        queued=state.queued, running=state.running, infrastructure_error=state.infrastructure_errors
     )
 
 

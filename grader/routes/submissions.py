@@ -17,7 +17,8 @@ from grader.routes.language import requested_language
 from grader.routes.problems import ProblemError, responses
 from grader.routes.published import require_published
 from grader.routes.services import Services, ServicesDep
-from grader.routes.submission_views import Place, Receipt, SubmissionView, receipt, view
+from grader.routes.submission_document import Place, receipt, view
+from grader.routes.submission_views import Receipt, SubmissionView
 from grader.routes.uploads import UploadRoute, arrival, check_content, checked_name, submitter
 from grader.telemetry.context import note
 

@@ -21,7 +21,7 @@ from grader.render.labels import (
     note_sentence,
     word,
 )
-from grader.routes.submission_views import SHOWN_CHARACTERS, SHOWN_LOGS
+from grader.routes.submission_document import SHOWN_CHARACTERS, SHOWN_LOGS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

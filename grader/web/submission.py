@@ -16,7 +16,7 @@ from grader.routes.concealment import shown_list
 from grader.routes.problems import ProblemError
 from grader.routes.published import published
 from grader.routes.services import Services, ServicesDep
-from grader.routes.submission_views import lateness
+from grader.routes.submission_document import lateness
 from grader.routes.submissions import SubmissionId
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
