@@ -41,28 +41,34 @@ class Services:
     """
 
     settings: Settings
+    clock: Clock
     assignments: AssignmentSource
+    preflight: Preflight
+
+    # who asks, and how often
+    gate: InstructorGate
+    request_limit: RateLimit
+    upload_limit: RateLimit
+
+    # the rows, by what they are about
     submissions: Submissions
     queue: Queue
     workers: Workers
+    past_gradings: PastGradings
+    regrades: Regrades
+    judgements: Judgements
     dashboard: Dashboard
-    preflight: Preflight
-    plots: PlotCache
-    gate: InstructorGate
+    policies: Policies
     courses: Courses
     tokens: Tokens
     audit: AuditLog
-    policies: Policies
-    regrades: Regrades
-    judgements: Judgements
-    past_gradings: PastGradings
+
+    # what is kept in this process: drawn, guessed, followed, measured
+    plots: PlotCache
     estimates: Estimates
-    request_limit: RateLimit
-    upload_limit: RateLimit
     doorbell: Doorbell
     watching: Watching
     metrics: Metrics
-    clock: Clock
 
     @classmethod
     def over(  # noqa: PLR0913
@@ -82,28 +88,28 @@ class Services:
         watching = _watching(database, settings, Estimates(queue, workers, clock, settings.silent_s))
         return cls(
             settings=settings,
+            clock=clock,
             assignments=assignments,
+            preflight=preflight,
+            gate=gate,
+            request_limit=RateLimit(settings.requests_per_minute, clock),
+            upload_limit=RateLimit(settings.uploads_per_minute, clock),
             submissions=Submissions(database, clock),
             queue=queue,
             workers=workers,
+            past_gradings=PastGradings(database),
+            regrades=Regrades(database),
+            judgements=Judgements(database),
             dashboard=Dashboard(database),
-            preflight=preflight,
-            plots=plots,
-            gate=gate,
+            policies=Policies(database),
             courses=Courses(database, clock),
             tokens=Tokens(database, clock),
             audit=AuditLog(database),
-            policies=Policies(database),
-            regrades=Regrades(database),
-            judgements=Judgements(database),
-            past_gradings=PastGradings(database),
+            plots=plots,
             estimates=watching.estimates,
-            request_limit=RateLimit(settings.requests_per_minute, clock),
-            upload_limit=RateLimit(settings.uploads_per_minute, clock),
             doorbell=watching.doorbell,
             watching=watching,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
-            clock=clock,
         )
 
 
