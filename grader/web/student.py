@@ -11,11 +11,11 @@ from grader.checks import published_rubric
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language, Text
-from grader.policy import due_for
+from grader.policy import due_for, refusal
 from grader.render import quantity
 from grader.routes import rules, submissions
 from grader.routes.concealment import shown_assignment, shown_list
-from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.problem_types import PROBLEM_TYPES, ProblemType
 from grader.routes.problems import ProblemError
 from grader.routes.published import require_published
 from grader.routes.rule_views import StandingView
@@ -45,7 +45,14 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
         ):
             best[one.assignment] = one
     shown = [shown_assignment(services, visitor.caller, one) for one in services.assignments.all()]
-    return page(request, "assignments.html", assignments=shown, best=best, due=_due(services, visitor))
+    return page(
+        request,
+        "assignments.html",
+        assignments=shown,
+        best=best,
+        due=_due(services, visitor),
+        now=services.clock(),
+    )
 
 
 @router.get("/assignments/{assignment_id}")
@@ -115,6 +122,7 @@ def _assignment_page(
         attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],
         suffixes=SUFFIXES[assignment.input],
         max_bytes=services.settings.max_upload_bytes,
+        closed=_closed(services, visitor, assignment),
         refusal=None if problem is None else _refusal(problem, language),
         given=given,
     )
@@ -126,6 +134,18 @@ def _standing(services: Services, visitor: Visitor, assignment: Assignment) -> S
     if caller.course is None:
         return None
     return rules.standing(services, caller, services.policies.rules(caller.course), assignment.id)
+
+
+def _closed(services: Services, visitor: Visitor, assignment: Assignment) -> ProblemType | None:
+    """Return why the rules accept no file from this student now; None when they do."""
+    caller = visitor.caller
+    if caller.course is None or caller.person is None or caller.is_staff:
+        return None
+    known = services.policies.rules(caller.course)
+    attempts = services.submissions.attempts(caller.person, assignment.id, caller.course)
+    extension = known.extension(assignment.id, caller.person)
+    why = refusal(known.policy(assignment.id), extension, attempts, services.clock(), known.zone)
+    return None if why is None else PROBLEM_TYPES[why.code]
 
 
 def _due(services: Services, visitor: Visitor) -> dict[str, datetime | None]:

@@ -178,6 +178,31 @@ def test_a_student_sees_when_it_is_due_and_what_lateness_leaves(
     assert "Lateness: nothing is accepted after it is due" in browser.get("/assignments/square").text
 
 
+def test_a_student_reads_beforehand_that_nothing_is_accepted(
+    browser: Browser, tokens: dict[str, str], services: Services, put: Callable[..., str]
+) -> None:
+    signed, now = Signature(services.clock(), "ros", "wang"), services.clock()
+    browser.get("/?lang=en")
+    browser.enter(token=tokens["li"])
+    closed = AssignmentPolicy(due=now - timedelta(hours=1), accept_late_s=0)
+    for policy, told in (
+        (closed, "The assignment is closed"),
+        (AssignmentPolicy(opens=now + timedelta(hours=1)), "The assignment is not open yet"),
+    ):
+        services.policies.set("square", policy, signed)
+        shown = browser.get("/assignments/square").text
+        assert told in shown
+        assert 'id="file"' not in shown
+        assert "upload.js" not in shown
+        assert (" (past)" in browser.get("/").text) == (policy is closed)
+    services.policies.set("square", AssignmentPolicy(attempts=1), signed)
+    assert 'id="file"' in browser.get("/assignments/square").text
+    put(student="li", course="ros")
+    assert "No attempts are left" in browser.get("/assignments/square").text
+    services.policies.extend("square", "li", Extension(extra_attempts=1), signed)
+    assert 'id="file"' in browser.get("/assignments/square").text
+
+
 def test_wrong_rules_change_nothing_and_lose_nothing(wang: Browser, services: Services) -> None:
     typed = {"due": "2026-03-20T23:59", "late": "linear", "per_day": "a lot", "attempts": "5"}
     answer = wang.post(PAGE, typed)
