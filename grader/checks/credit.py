@@ -1,9 +1,12 @@
 """From a measured value to points: full inside the band, a smooth ramp to zero outside."""
 
 import math
+from collections.abc import Iterable
 
 from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.rubric import ItemStatus
+
+ENOUGH = 0.5  # of the points of what an item needs: from there on it counts in full
 
 
 def error(spec: ItemSpec, value: float) -> float:
@@ -24,6 +27,11 @@ def share(spec: ItemSpec, value: float) -> float:
         return 0.0
     x = distance / spec.ramp
     return 1.0 - x * x * (3.0 - 2.0 * x)
+
+
+def counted(needed: Iterable[float]) -> float:
+    """Return how much of an item counts, given the shares of the points of what it needs: no step at zero."""
+    return min((1.0, *(share / ENOUGH for share in needed)))
 
 
 def fits(assignment: Assignment, measure: str, value: float) -> bool | None:

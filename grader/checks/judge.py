@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from grader.checks import credit
 from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake
-from grader.checks.quantity import number_beside, plain
+from grader.checks.quantity import number, number_beside, plain
 from grader.checks.rubric_text import wanted
 from grader.contracts.assignment import BY_PERSON, ItemSpec
 from grader.contracts.record import positional_record
@@ -51,6 +51,7 @@ def judge(
         portion: which of several runs it was.
     """
     judged: dict[str, RubricItem] = {}
+    shares: dict[str, float] = {}
     for spec in specs:
         blank = _blank(check, spec, portion.of(spec.points), portion.prefix)
         blockers = [judged[need].title for need in spec.needs if judged[need].status in _BLOCKING]
@@ -60,7 +61,11 @@ def judge(
         elif spec.measure == BY_PERSON:
             judged[spec.id] = replace(blank, status=ItemStatus.NEEDS_MANUAL, message=say("item.by_person"))
         else:
-            judged[spec.id] = _judged(check, spec, blank, findings)
+            weak = {need: shares[need] for need in spec.needs if shares.get(need, 1.0) < credit.ENOUGH}
+            counted = credit.counted(weak.values())
+            judged[spec.id], shares[spec.id] = _judged(check, spec, blank, findings, counted)
+            if weak:
+                judged[spec.id] = _held_back(judged[spec.id], counted, [judged[need].title for need in weak])
     return list(judged.values())
 
 
@@ -80,11 +85,15 @@ def _blank(check: Kind, spec: ItemSpec, points: float, prefix: str) -> RubricIte
     )
 
 
-def _judged(check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings) -> RubricItem:
+def _judged(
+    check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, counted: float
+) -> tuple[RubricItem, float]:
+    """Return the item and its share of the points, when only the share `counted` of it counts."""
     measure = findings.measures.get(spec.measure, UNMEASURED)
-    part = credit.share(spec, measure.value)
+    own = credit.share(spec, measure.value)
+    part = own * counted
     earned = credit.earned(blank.points, part)
-    return replace(
+    item = replace(
         blank,
         earned=earned,
         status=credit.status(earned, part),
@@ -92,8 +101,16 @@ def _judged(check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings) 
         if math.isfinite(measure.value)
         else None,  # + 0.0: no minus zero
         message=_seen(check, spec, measure),
-        hint=EMPTY if part >= 1.0 else _hint(check, spec, findings.mistakes),
+        hint=EMPTY if own >= 1.0 else _hint(check, spec, findings.mistakes),
     )
+    return item, part
+
+
+def _held_back(item: RubricItem, counted: float, weak: Sequence[Text]) -> RubricItem:
+    """Say beside what was seen why the item earns less than that."""
+    share = number(100.0 * counted, "%")
+    message = say("item.in_part", seen=item.message, share=share, items=enumerated(list(weak)))
+    return replace(item, message=message)
 
 
 def _target(spec: ItemSpec) -> tuple[float | None, float | None]:

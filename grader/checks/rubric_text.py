@@ -1,5 +1,7 @@
 """The rubric as a student reads it before submitting, from the same data that is scored by."""
 
+from collections.abc import Mapping
+
 from grader.checks.measure import Kind, MeasureKind
 from grader.checks.quantity import SUFFIX, plain
 from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
@@ -29,19 +31,19 @@ def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
 
 def published(check: Kind, assignment: Assignment) -> PublishedRubric:
     """Return the assignment's rubric in both languages."""
-    titles = {item.id: item.title for item in assignment.items}
+    specs = {item.id: item for item in assignment.items}
     return PublishedRubric(
         assignment=assignment.id,
         title=assignment.title,
         brief=assignment.brief,
         horizon_s=assignment.horizon_s,
         max_score=assignment.max_score,
-        items=tuple(_item(check, spec, titles) for spec in assignment.items),
+        items=tuple(_item(check, spec, specs) for spec in assignment.items),
         remarks=say(f"{check.kind}.remarks"),
     )
 
 
-def _item(check: Kind, spec: ItemSpec, titles: dict[str, Text]) -> PublishedItem:
+def _item(check: Kind, spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> PublishedItem:
     kind = check.measures.get(spec.measure, MeasureKind())
     by_person = spec.measure == BY_PERSON
     return PublishedItem(
@@ -51,7 +53,7 @@ def _item(check: Kind, spec: ItemSpec, titles: dict[str, Text]) -> PublishedItem
         measure=say("rubric.by_person") if by_person else say(f"{check.kind}.{spec.measure}.name"),
         wanted=wanted(kind, spec),
         partial=say("rubric.partial_by_person") if by_person else _partial(kind, spec),
-        needs=_needs(spec, titles),
+        needs=_needs(spec, specs),
     )
 
 
@@ -67,10 +69,17 @@ def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:
     return say("rubric.partial", edges=join(edges, say("rubric.or")))
 
 
-def _needs(spec: ItemSpec, titles: dict[str, Text]) -> Text:
+def _needs(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> Text:
+    """Say what an item needs, and that it counts in part only where it is measured and that earned little."""
     if not spec.needs:
         return EMPTY
-    return say("rubric.needs", items=enumerated([titles[need] for need in spec.needs]))
+    by_halves = spec.measure != BY_PERSON and any(_earns_parts(specs[need], specs) for need in spec.needs)
+    items = enumerated([specs[need].title for need in spec.needs])
+    return say("rubric.needs_half", items=items) if by_halves else say("rubric.needs", items=items)
+
+
+def _earns_parts(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> bool:
+    return spec.ramp > 0.0 or any(_earns_parts(specs[need], specs) for need in spec.needs)
 
 
 def _number(value: float | None, unit: str) -> str:

@@ -58,8 +58,8 @@ def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:
     earned, points = sum(item.earned for item in items), sum(item.points for item in items)
     if earned <= 0.0:
         return say("summary.nothing", points=plain(points, 2))
-    judged = (item.title for item in wrong if item.status is not ItemStatus.NOT_CHECKED)
-    titles = enumerated(list(dict.fromkeys(judged)))  # an item may fail in several cases
+    own = (item.title for item in wrong if item.hint != EMPTY)  # not what another one holds back
+    titles = enumerated(list(dict.fromkeys(own)))  # an item may fail in several cases
     return say(
         "summary.partial",
         earned=plain(earned, 2),

@@ -81,7 +81,8 @@ class ItemSpec:
         measure: name of a quantity that the assignment's check computes, or `BY_PERSON`.
         low, high: band of full credit (None: unbounded on that side).
         ramp: width outside the band over which credit falls to zero (0: all or nothing).
-        needs: ids of items that must not have failed; otherwise this one is ``not_checked``.
+        needs: ids of items that must not have failed; otherwise this one is ``not_checked``. Where one of them
+            earned less than half of its points, this one counts in proportion, unless a person judges it.
     """
 
     id: str

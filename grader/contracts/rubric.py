@@ -51,7 +51,7 @@ class PublishedItem:
 
     Attributes:
         measure: what is measured. wanted: what earns full credit. partial: where credit ends.
-        needs: which items must not have failed, or empty.
+        needs: which items must have earned points, and what becomes of this one where it is few; or empty.
     """
 
     id: str

@@ -46,7 +46,10 @@ class ItemView(BaseModel):
     ramp: float = Field(
         description="Credit falls to zero over this distance outside; 0: at once.", examples=[0.0]
     )
-    needs: list[str] = Field(description="Items that must not have failed.", examples=[[]])
+    needs: list[str] = Field(
+        description="Items that must not have failed; with less than half of their points this counts in part.",
+        examples=[[]],
+    )
     looks_at: str = Field(description="What is measured, in words.", examples=["the number of sides"])
     wanted: str = Field(description="What earns full credit, in words.", examples=["4"])
     partial: str = Field(description="Where credit ends, in words.", examples=["All or nothing."])

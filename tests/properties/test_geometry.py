@@ -1,5 +1,6 @@
 """What must not matter to a figure's measures does not, and credit falls as defects grow."""
 
+import itertools
 import math
 from dataclasses import dataclass, replace
 
@@ -117,16 +118,19 @@ def test_small_noise(figure: Figure, seed: int) -> None:
 @pytest.mark.parametrize("sides", POLYGONS)
 @pytest.mark.parametrize("sense", [1.0, -1.0])
 def test_credit_falls_as_a_corner_opens(sides: int, sense: float) -> None:
-    earned = []
+    """Step by step: what needs the corners is not lost all at once when they earn nothing any more."""
+    earned, totals = [], []
     for defect in np.arange(0.0, 31.0, 1.0):
         corners = [360.0 / sides] * sides
         corners[1] += sense * float(defect)
-        earned.append(
-            item(graded(POLYGONS[sides], drive(polygon_legs(sides, corners_deg=corners))), "angles").earned
-        )
+        verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, corners_deg=corners)))
+        earned.append(item(verdict, "angles").earned)
+        totals.append(score(verdict))
     assert earned == sorted(earned, reverse=True)
     assert earned[0] == 25
     assert earned[-1] == 0
+    assert totals == sorted(totals, reverse=True)
+    assert max(before - after for before, after in itertools.pairwise(totals)) < 13
 
 
 @pytest.mark.parametrize("sides", POLYGONS)

@@ -37,6 +37,22 @@ def test_not_checked_spreads_along_dependencies_and_names_them() -> None:
     assert "Number of sides" in lengths.message.en
 
 
+def test_what_rests_on_little_counts_in_part_and_says_so() -> None:
+    verdict = graded("square", drive(polygon_legs(4, corners_deg=[90, 102, 90, 90])))
+    angles, lengths = item(verdict, "angles"), item(verdict, "lengths")
+    share = angles.earned / angles.points / 0.5
+    assert 0 < share < 1
+    assert lengths.status is ItemStatus.PARTIAL
+    assert abs(lengths.earned - share * lengths.points) <= 0.02
+    assert lengths.message.en.startswith("Longest side 2 m, shortest 2 m")
+    assert "counts for 31.2 % only" in lengths.message.en
+    assert lengths.message.en.endswith("Corner angles.")
+    assert lengths.hint.en == ""  # the sides are right
+    assert "Equal sides" not in verdict.summary.en
+    half = graded("square", drive(polygon_legs(4, corners_deg=[90, 98, 90, 90])))
+    assert item(half, "lengths").earned == lengths.points
+
+
 def test_several_cases_divide_the_points() -> None:
     square = replace(assignment("square"), cases=(Case(id="short"), Case(id="long")))
     right, wrong = drive(polygon_legs(4)), drive([], horizon_s=1.0)
@@ -85,6 +101,14 @@ def test_published_rubric_says_the_numbers_scored_by() -> None:
     assert items["moves"].wanted.zh == "至少 0.5 m"
     assert items["sides"].wanted.en == "3"
     assert items["rest"].wanted.zh == "是"
+
+
+def test_published_rubric_says_what_counts_in_part_only() -> None:
+    said = {each.id: each.needs.en for each in published_rubric(assignment("square")).items}
+    assert "less than half" in said["lengths"]
+    straight = {each.id: each.needs.en for each in published_rubric(assignment("straight")).items}
+    assert "less than half" in straight["heading"]
+    assert "less than half" not in straight["distance"]  # commands are there, or not
 
 
 def test_report_items_show_the_same_wanted_text() -> None:
