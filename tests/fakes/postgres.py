@@ -25,7 +25,7 @@ _PREPARED = "prepared"
 _OPTIONS = {
     "listen_addresses": "",
     "unix_socket_permissions": "0700",
-    "max_connections": "300",
+    "max_connections": "1000",  # some thirty for each of many processors
     "shared_buffers": "32MB",
     "fsync": "off",  # the data is thrown away
     "full_page_writes": "off",
