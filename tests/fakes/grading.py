@@ -13,6 +13,7 @@ from grader.contracts.report import CaseRun, GradeReport, GradeStatus, Measureme
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import Claim
 from grader.contracts.text import Text
+from tests.fakes.waiting import PATIENCE_S
 from grader.store.queue import Queue
 
 MEASUREMENTS = Measurements(
@@ -199,7 +200,7 @@ class FakeGrader:
 
     def grade(self, job: GradingJob) -> GradingResult:
         self.busy.set()
-        if not self._go.wait(timeout=30.0):
+        if not self._go.wait(PATIENCE_S):
             raise AssertionError("the test forgot to release the grader")
         if self._aborted:
             self._aborted = False
