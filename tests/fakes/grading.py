@@ -13,8 +13,8 @@ from grader.contracts.report import CaseRun, GradeReport, GradeStatus, Measureme
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import Claim
 from grader.contracts.text import Text
-from tests.fakes.waiting import PATIENCE_S
 from grader.store.queue import Queue
+from tests.fakes.waiting import PATIENCE_S
 
 MEASUREMENTS = Measurements(
     wall_s=0.2, jail_cpu_s=0.1, jail_peak_bytes=1 << 20, sim_steps=3840, isolation="strict"
