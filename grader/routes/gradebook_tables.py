@@ -32,7 +32,7 @@ def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: 
             cells += [_points(progress), "0" if progress is None else str(progress.attempts)]
         total = summed(one.counted_score or 0.0 for one in reached if one is not None)
         rows.append([*cells, written(total)])
-    return BYTE_ORDER_MARK + _written(rows)
+    return _written(rows)
 
 
 def canvas(
@@ -43,6 +43,9 @@ def canvas(
     The columns before the first assignment and the line ``Points Possible`` are as Canvas exports them; students
     are matched by ``SIS User ID``, and columns it does not know become assignments (Canvas Instructor Guide, "How
     do I import grades in the Gradebook?"). A student without a score has an empty cell, which changes nothing.
+    The byte order mark is for Excel and does Canvas no harm: it looks for "Student" anywhere in the first cell
+    (``GradebookImporter#row_has_student_headers?``), and writes the mark itself for users who ask for it. The
+    first cell must not be quoted, though.
     """
     head = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
     titles = [_text(f"{one.title.get(language)} [{one.id}]") for one in assignments]
@@ -65,4 +68,4 @@ def _text(value: str) -> str:
 def _written(rows: Sequence[Sequence[str]]) -> str:
     out = io.StringIO()
     csv.writer(out, lineterminator="\r\n").writerows(rows)
-    return out.getvalue()
+    return BYTE_ORDER_MARK + out.getvalue()
