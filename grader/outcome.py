@@ -24,10 +24,15 @@ from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Str
 from grader.jail.layout import standard_library
 from grader.jail.report import JailReport, Verdict
 from grader.sim.episode import EpisodeResult
-from grader.sim.frames import EXCEPTION, FINISHED, PRINTED_TOO_MUCH, STALLED, SYNTAX_ERROR, Exit
-
-INTERRUPTED_NOTE = "interrupted"
-"""Sent by the shim when the horizon's Ctrl+C is raised."""
+from grader.sim.frames import (
+    EXCEPTION,
+    FINISHED,
+    INTERRUPTED_NOTE,
+    PRINTED_TOO_MUCH,
+    STALLED,
+    SYNTAX_ERROR,
+    Exit,
+)
 
 FORBIDDEN_NOTE = "forbidden"
 """Names a call that is refused."""

@@ -8,7 +8,7 @@ import time
 from grader.contracts.errors import SandboxError
 
 _PID_LINE = re.compile(rb"^Pid:\t(-?\d+)$", re.MULTILINE)
-_SLEEPING = frozenset(b"SITt")
+_SLEEPING = frozenset(b"SITtZ")  # Z: a thread that is over, such as a main thread that left the others alone
 _CPUCLOCK_SCHED = 2
 
 

@@ -2,7 +2,6 @@
 
 import struct
 from collections.abc import Callable
-from dataclasses import field
 from typing import Any, Final
 
 from grader.contracts.assignment import World
@@ -15,6 +14,7 @@ from grader.sim.bullet import BulletCar
 from grader.sim.cdr import HEADER
 from grader.sim.frames import (
     CLIENT,
+    INTERRUPTED_NOTE,
     PUBLISHER,
     SERVICE,
     SUBSCRIPTION,
@@ -92,7 +92,7 @@ class EpisodeResult:
     first_command_ns: int | None
     last_command_ns: int | None
     sim_steps: int
-    calls: tuple[ServiceResult, ...] = field(default=())
+    calls: tuple[ServiceResult, ...] = ()
 
 
 class Episode:
@@ -137,7 +137,6 @@ class Episode:
 
     def _start_fields(self) -> dict[str, Any]:
         spec = self._spec
-        calls = [[call.service, call.type] for call in spec.calls]
         return {
             "protocol": PROTOCOL,
             "file_name": spec.file_name,
@@ -147,7 +146,7 @@ class Episode:
             "epoch_ns": spec.epoch_ns,
             "seed": spec.world.seed,
             "output_bytes": spec.output_bytes,
-            "world": {**self._world.graph(), "calls": calls},
+            "world": {**self._world.graph(), "calls": [[call.service, call.type] for call in spec.calls]},
         }
 
     def _take(self, frame: Frame, link: Link) -> None:
@@ -173,8 +172,7 @@ class Episode:
         if t_ns > self._now_ns:  # beyond the horizon
             return
         self._graph.get(identity, PUBLISHER)
-        sink = self._sinks.get(identity)
-        if sink is not None:
+        if sink := self._sinks.get(identity):
             sink(t_ns, payload)
 
     def _pass_time(self, t_ns: int) -> None:
@@ -206,12 +204,10 @@ class Episode:
 
     def _connect(self, entity: Entity) -> None:
         """Connect a publisher or subscription with the world where topic, type and QoS agree."""
-        if entity.what not in (PUBLISHER, SUBSCRIPTION):
-            return
         if (entity.what, entity.name, entity.type) == (PUBLISHER, ROSOUT, LOG):
             self._sinks[entity.id] = self._log
             return
-        kind = self._world.type_of(entity.name)
+        kind = self._world.type_of(entity.name) if entity.what in (PUBLISHER, SUBSCRIPTION) else None
         if kind is None or (kind == TWIST) != (entity.what == PUBLISHER):
             return
         if entity.type != kind:
@@ -260,8 +256,11 @@ class Episode:
         return now_ns >= limit_ns
 
     def _finish(self, violation: str | None) -> EpisodeResult:
-        end_ns, violation = self._come_to_rest(violation)
         turtle, journal = self._turtle, self._journal
+        noted = any(note.code == INTERRUPTED_NOTE for note in journal.notes)
+        if noted if self._exit is None else self._exit.after_interrupt:
+            self._now_ns = self._spec.horizon_ns  # Ctrl+C comes there, whenever a script says it came
+        end_ns, violation = self._come_to_rest(violation)
         turtle.finish(end_ns)
         trajectory = self._recorder.finish(end_ns)
         for contact in trajectory.contacts:

@@ -6,6 +6,9 @@ NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
 FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR, PRINTED_TOO_MUCH = 0, 1, 2, 3, 4
 MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT = 1, 2, 3
 
+INTERRUPTED_NOTE = "interrupted"
+"""Sent by the shim when the horizon's Ctrl+C is raised."""
+
 
 class Link(Protocol):
     """The channel to the jailed process, in whole frame bodies."""

@@ -101,6 +101,12 @@ def test_commands_after_ctrl_c_do_not_put_the_exit_into_the_past(car: BulletCar)
     assert (result.violation, result.duration_ns, result.command_count) == (None, SECOND, 1)
 
 
+@pytest.mark.parametrize("said", [jail.note("interrupted"), jail.ended(0, after_interrupt=1)])
+def test_ctrl_c_comes_at_the_horizon_whenever_a_script_says_it_came(car: BulletCar, said: bytes) -> None:
+    result = play(car, [said], horizon_s=2.0)
+    assert (result.duration_ns, result.trajectory.end_ns) == (2 * SECOND, 2 * SECOND)
+
+
 def test_frames_after_exit_are_not_read(car: BulletCar) -> None:
     result = play(car, [jail.ended(SECOND, code=3), b"\xff"])
     assert result.violation is None
