@@ -25,6 +25,14 @@ _SHOWN_INDENT: Final = 4
 _TOO_MUCH: Final = "this file is too much for the Python compiler (nested too deeply, or too large)"
 
 
+class NoPreflight:
+    """Accepts every text: its syntax is then checked where it is graded, and reported as ``syntax_error``."""
+
+    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
+        """Return None."""
+        return None
+
+
 class SandboxPreflight:
     """Implements `grader.contracts.grading.Preflight`; thread-safe. Use as a context manager, or call `close`."""
 

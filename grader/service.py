@@ -3,8 +3,6 @@
 import json
 import logging
 import sys
-import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -12,18 +10,14 @@ from dataclasses import replace
 from grader.bootstrap import build_sandbox, build_syntax_sandbox
 from grader.catalog import Catalog
 from grader.catalog.cache import AssignmentMemory
+from grader.catalog.refreshed import RefreshedAssignments
 from grader.contracts.assignment import Assignment
 from grader.contracts.codec import from_plain
-from grader.contracts.errors import (
-    AssignmentError,
-    SandboxError,
-    SettingsError,
-    UnknownAssignmentError,
-)
-from grader.contracts.grading import AssignmentSource, Preflight, SandboxState, SyntaxProblem
+from grader.contracts.errors import SandboxError, SettingsError
+from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
 from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
-from grader.preflight import SandboxPreflight
+from grader.preflight import NoPreflight, SandboxPreflight
 from grader.routes.access import InstructorGate, new_token
 from grader.routes.plots import PlotCache, Wish
 from grader.routes.services import Services
@@ -44,56 +38,8 @@ from grader.telemetry.metrics import Metrics, exported
 from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
-_FRESH_S = 2.0
 _SYNTAX_CHECKS = 3  # at once: a file that keeps the compiler busy does not stop everybody else's upload
 _ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
-
-
-class RememberedAssignments:
-    """Assignments, read again when the last look is two seconds old.
-
-    An instructor who saves a broken file does not stop the class: until it is mended, the last readable state
-    of all assignments stands, and the log says why.
-    """
-
-    def __init__(self, source: AssignmentSource, monotonic_s: Callable[[], float] = time.monotonic) -> None:
-        """Read everything once.
-
-        Raises:
-            AssignmentError: a file is wrong.
-        """
-        self._source = source
-        self._monotonic_s = monotonic_s
-        self._lock = threading.Lock()
-        self._read_at_s = monotonic_s()
-        self._assignments = source.all()
-
-    def all(self) -> tuple[Assignment, ...]:
-        """Return every assignment in the order of the checklist."""
-        with self._lock:
-            now_s = self._monotonic_s()
-            if now_s - self._read_at_s >= _FRESH_S:
-                self._read_at_s = now_s
-                try:
-                    self._assignments = self._source.all()
-                except AssignmentError as error:
-                    _log.error("assignments stay as they were: %s", error)
-            return self._assignments
-
-    def get(self, assignment_id: str) -> Assignment:
-        """Return one assignment, or raise UnknownAssignmentError."""
-        for assignment in self.all():
-            if assignment.id == assignment_id:
-                return assignment
-        raise UnknownAssignmentError(f"there is no assignment {assignment_id!r}")
-
-
-class LatePreflight:
-    """Accepts every text: its syntax is then checked where it is graded, and reported as ``syntax_error``."""
-
-    def check(self, source: bytes, file_name: str) -> SyntaxProblem | None:
-        """Return None."""
-        return None
 
 
 @contextmanager
@@ -124,7 +70,7 @@ def running(
             settings,
             clock,
             policy=_policy(settings),
-            assignments=RememberedAssignments(Catalog(cache=AssignmentMemory())),
+            assignments=RefreshedAssignments(Catalog(cache=AssignmentMemory())),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(_plot, settings.plot_cache_entries),
             gate=InstructorGate(_token(settings, courses, announce or _announce)),
@@ -148,7 +94,7 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
-        parts = _parts(database, settings, RememberedAssignments(Catalog(cache=AssignmentMemory())), clock)
+        parts = _parts(database, settings, RefreshedAssignments(Catalog(cache=AssignmentMemory())), clock)
         metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
@@ -214,7 +160,7 @@ def _preflight() -> Iterator[Preflight]:
             checker: Preflight = stack.enter_context(SandboxPreflight(*sandboxes))
         except SandboxError as error:
             _log.error("uploads are accepted without a look at their syntax: %s", error)
-            checker = LatePreflight()
+            checker = NoPreflight()
         yield checker
 
 

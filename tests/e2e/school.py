@@ -90,7 +90,7 @@ def school(url: str, folder: Path, work: tuple[tuple[str, str, str], ...] = WORK
     settings = Settings(database_url=url)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("grader.catalog.default_root", lambda: files)
-        patch.setattr("grader.service._FRESH_S", 0.0)  # an edited assignment is seen at once
+        patch.setattr("grader.catalog.refreshed._FRESH_S", 0.0)  # an edited assignment is seen at once
         with (
             running(settings, announce=lambda _: None) as services,
             server.serving(create_app(lambda: nullcontext(services))) as client,
