@@ -7,11 +7,13 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.text import Annotation
-from matplotlib.transforms import Bbox
 
 from grader.contracts.figure import Point
 from grader.contracts.trajectory import Floats
 from grader.render import palette
+
+Box = tuple[float, float, float, float]
+"""Left, bottom, right and top, in pixels. Thousands are tried for one picture, so they are plain numbers."""
 
 _ANGLES_DEG = (0, 25, -25, 50, -50, 80, -80, 115, -115, 150, -150, 180)
 _GAPS_PT = (6, 10, 15, 22, 32, 46)
@@ -47,12 +49,12 @@ class Board:
     Attributes:
         axes: with final limits and position.
         ink_px: (n, 2) points of what must stay readable, in pixels.
-        taken: boxes already used, in pixels.
+        taken: boxes already used.
     """
 
     axes: Axes
     ink_px: Floats
-    taken: list[Bbox] = field(default_factory=list)
+    taken: list[Box] = field(default_factory=list)
 
     def put(self, labels: Iterable[Label]) -> None:
         """Place `labels` in this order, each where it disturbs least."""
@@ -68,8 +70,13 @@ class Board:
         padding = _PADDING_PX + (_FRAME_PX if label.boxed else 0.0)
         half = np.array([size.width / 2 + padding, size.height / 2 + padding])
         places = _candidates(label.away, half, scale)
-        box, _ = min(((_box(anchor + offset, half), price) for offset, price in places), key=self._cost)
-        centre = np.array([box.x0 + box.x1, box.y0 + box.y1]) / 2
+        page = self.axes.bbox.extents
+        box, _ = min(
+            ((_box(anchor + offset, half), price) for offset, price in places),
+            key=lambda place: self._cost(place[0], page) + place[1],
+        )
+        left, bottom, right, top = box
+        centre = np.array([left + right, bottom + top]) / 2
         text.set_position(tuple((centre - anchor) / scale))
         self.taken.append(box)
 
@@ -78,18 +85,19 @@ class Board:
         centre = np.asarray(self.axes.transData.transform(at_m))
         self.taken.append(_box(centre, np.array([half_px, half_px])))
 
-    def _cost(self, place: tuple[Bbox, float]) -> float:
-        box, price = place
+    def _cost(self, box: Box, page: Box) -> float:
         covered = sum(_overlap(box, other) for other in self.taken)
+        left, bottom, right, top = box
+        x_px, y_px = self.ink_px[:, 0], self.ink_px[:, 1]
         inside = (
-            (self.ink_px[:, 0] > box.x0 - _INK_CLEARANCE_PX)
-            & (self.ink_px[:, 0] < box.x1 + _INK_CLEARANCE_PX)
-            & (self.ink_px[:, 1] > box.y0 - _INK_CLEARANCE_PX)
-            & (self.ink_px[:, 1] < box.y1 + _INK_CLEARANCE_PX)
+            (x_px > left - _INK_CLEARANCE_PX)
+            & (x_px < right + _INK_CLEARANCE_PX)
+            & (y_px > bottom - _INK_CLEARANCE_PX)
+            & (y_px < top + _INK_CLEARANCE_PX)
         )
-        area = float(box.width * box.height)
-        outside = area - _overlap(box, self.axes.bbox)
-        return (60 * covered + 80 * outside) / area + 1.2 * float(inside.sum()) + price
+        area = (right - left) * (top - bottom)
+        outside = area - _overlap(box, page)
+        return (60 * covered + 80 * outside) / area + 1.2 * float(inside.sum())
 
 
 def _annotation(axes: Axes, label: Label) -> Annotation:
@@ -125,11 +133,14 @@ def _candidates(away: Point, half: Floats, scale: float) -> Iterator[tuple[Float
                 yield direction * distance, _PRICE_PER_PX * distance + _PRICE_PER_TURN * j
 
 
-def _box(centre: Floats, half: Floats) -> Bbox:
-    return Bbox([centre - half, centre + half])
+def _box(centre: Floats, half: Floats) -> Box:
+    (left, bottom), (right, top) = (centre - half).tolist(), (centre + half).tolist()
+    return left, bottom, right, top
 
 
-def _overlap(one: Bbox, other: Bbox) -> float:
-    width = min(one.x1, other.x1) - max(one.x0, other.x0)
-    height = min(one.y1, other.y1) - max(one.y0, other.y0)
-    return float(max(width, 0.0) * max(height, 0.0))
+def _overlap(one: Box, other: Box) -> float:
+    left, bottom, right, top = one
+    other_left, other_bottom, other_right, other_top = other
+    width = min(right, other_right) - max(left, other_left)
+    height = min(top, other_top) - max(bottom, other_bottom)
+    return max(width, 0.0) * max(height, 0.0)
