@@ -17,8 +17,13 @@ _SIGNS: Final = tuple(
     (re.compile(pattern), code)
     for pattern, code in (
         (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
+        (r"SyntaxError: invalid syntax\n.*\n +(```|\$ |>>> )", "pasted_mark"),
         (r"(IndentationError|TabError): ", "indentation"),
         (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
+        (
+            r"AssertionError: The '(?P<field>\w+)' field must be a sub message of type '(?P<owner>\w+)'",
+            "message_in_field",
+        ),
         (
             r"AttributeError: '(?P<owner>Twist|Vector3)' object has no attribute '(?P<field>\w+)'",
             "unknown_field",
@@ -30,6 +35,10 @@ _SIGNS: Final = tuple(
         ),
         (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
+        (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
+        (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
+        (r"TypeError: '(float|str)' object cannot be interpreted as an integer", "whole_number"),
+        (r"RecursionError: ", "recursion"),
         (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
         (r"TypeError: isinstance\(\) arg 2 must be a type.*" + _AT + r".*\.publish\(", "wrong_order"),
         (r"AttributeError: type object '\w+' has no attribute '_TYPE_SUPPORT'", "wrong_order"),
@@ -68,6 +77,7 @@ _SIGNS: Final = tuple(
             "name_taken",
         ),
         (r"AttributeError: ", "unknown_attribute"),
+        (r"NameError: name '(?=\w*_)_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
         (r"NameError: ", "unknown_name"),
         (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
         (
