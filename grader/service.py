@@ -3,7 +3,7 @@
 import json
 import logging
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 
@@ -43,16 +43,11 @@ _ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads g
 
 
 @contextmanager
-def running(
-    settings: Settings,
-    announce: Callable[[str], None] | None = None,
-    preflight: Preflight | None = None,
-) -> Iterator[Services]:
+def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[Services]:
     """Open the store, bring it up to date, start the workers; put everything away at the end.
 
     Args:
         settings: what the operator wants.
-        announce: is told the instructor token if one had to be made; by default it goes to stderr.
         preflight: looks at uploads; by default a sandbox of its own.
 
     Raises:
@@ -73,7 +68,7 @@ def running(
             assignments=RefreshedAssignments(Catalog(cache=AssignmentMemory())),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(_plot, settings.plot_cache_entries),
-            gate=InstructorGate(_token(settings, courses, announce or _announce)),
+            gate=InstructorGate(_token(settings, courses)),
         )
         stack.callback(services.plots.close)
         stack.callback(services.watching.close)
@@ -193,18 +188,14 @@ def _check_exposure(settings: Settings, courses: Courses) -> None:
     )
 
 
-def _token(settings: Settings, courses: Courses, announce: Callable[[str], None]) -> str:
+def _token(settings: Settings, courses: Courses) -> str:
     if settings.instructor_token is not None:
         return settings.instructor_token.get_secret_value()
     token = new_token()
     if not courses.exist():  # with courses it would open nothing
-        announce(token)
+        sys.stderr.write(f"instructor token / 教师令牌: {token}\n")
+        sys.stderr.flush()
     return token
-
-
-def _announce(token: str) -> None:
-    sys.stderr.write(f"instructor token / 教师令牌: {token}\n")
-    sys.stderr.flush()
 
 
 def _probe() -> SandboxState:

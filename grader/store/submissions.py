@@ -120,7 +120,7 @@ class Submissions:
         with self._database.reading() as session:
             return tuple(_submission(row) for row in session.execute(newest_first).scalars().all())
 
-    def open_count(self, student: str, course: str | None = None) -> int:
+    def open_count(self, student: str, course: str | None) -> int:
         """Count a student's submissions that are not graded yet."""
         statement = (
             select(func.count())

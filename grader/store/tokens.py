@@ -71,12 +71,10 @@ class Tokens:
             row = session.execute(statement).first()
         return None if row is None else Caller(course=row[0], person=row[1], role=Role(row[2]))
 
-    def of_course(self, course: str, person: str | None = None) -> tuple[TokenInfo, ...]:
-        """Return the tokens of a course, oldest first; only those of `person` when given."""
-        statement = select(TokenRow).where(col(TokenRow.course) == course)
-        if person is not None:
-            statement = statement.where(col(TokenRow.person) == person)
-        statement = statement.order_by(col(TokenRow.created_at), col(TokenRow.id))
+    def of_course(self, course: str) -> tuple[TokenInfo, ...]:
+        """Return the tokens of a course, oldest first."""
+        of_it = select(TokenRow).where(col(TokenRow.course) == course)
+        statement = of_it.order_by(col(TokenRow.created_at), col(TokenRow.id))
         with self._database.reading() as session:
             return tuple(_info(row) for row in session.execute(statement).scalars())
 

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from grader.routes.numbers import QueryWhole
 
+_LINES = 100  # of a page
 _Item = TypeVar("_Item")
 _Query = TypeVar("_Query", bound="PageQuery")
 
@@ -28,13 +29,13 @@ class PageQuery(BaseModel):
         )
 
 
-def pages_of(count: int, size: int = 100) -> int:
+def pages_of(count: int, size: int) -> int:
     """Return how many pages `count` lines take, at least one."""
     return max(1, math.ceil(count / size))
 
 
-def cut(found: Sequence[_Item], query: _Query, size: int = 100) -> tuple[Sequence[_Item], _Query, int]:
+def cut(found: Sequence[_Item], query: _Query) -> tuple[Sequence[_Item], _Query, int]:
     """Return the lines of the page asked for, beyond the last page the last; that page; and how many there are."""
-    pages = pages_of(len(found), size)
+    pages = pages_of(len(found), _LINES)
     page = min(query.page, pages)
-    return found[(page - 1) * size : page * size], query.model_copy(update={"page": page}), pages
+    return found[(page - 1) * _LINES : page * _LINES], query.model_copy(update={"page": page}), pages

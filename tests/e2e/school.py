@@ -92,7 +92,7 @@ def school(url: str, folder: Path, work: tuple[tuple[str, str, str], ...] = WORK
         patch.setattr("grader.catalog.default_root", lambda: files)
         patch.setattr("grader.catalog.refreshed._FRESH_S", 0.0)  # an edited assignment is seen at once
         with (
-            running(settings, announce=lambda _: None) as services,
+            running(settings) as services,
             server.serving(create_app(lambda: nullcontext(services))) as client,
         ):
             opened = School(services, str(client.base_url).rstrip("/"), _enrol(services), files)
