@@ -20,6 +20,29 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "int_in_float",
             ("17", "x", "1.0"),
         ),
+        (
+            error("AssertionError", "The 'linear' field must be a sub message of type 'Vector3'"),
+            "message_in_field",
+            ("linear", "Vector3", "msg.linear.x"),
+        ),
+        (
+            error("TypeError", "Publisher.publish() takes 2 positional arguments but 3 were given"),
+            "one_message",
+            ("publish(msg)",),
+        ),
+        (
+            error("TypeError", "spin() missing 1 required positional argument: 'node'"),
+            "spin_what",
+            ("rclpy.spin(node)",),
+        ),
+        (
+            error("TypeError", "'float' object cannot be interpreted as an integer"),
+            "whole_number",
+            ("range(4)",),
+        ),
+        (error("RecursionError", "maximum recursion depth exceeded"), "recursion", ("17", "exceeded")),
+        (error("NameError", "name '_name_' is not defined"), "underscores", ("__main__",)),
+        (error("NameError", "name 'name' is not defined"), "unknown_name", ("'name'",)),
         (error("AttributeError", "'Twist' object has no attribute 'liner'"), "unknown_field", ("liner",)),
         (
             error("TypeError", "Vector3.__init__() takes 1 positional argument but 4 were given"),
@@ -192,3 +215,12 @@ def test_what_is_not_python(kind: str, message: str, code: str) -> None:
     assert verdict.mistakes == (code,)
     assert "17" in verdict.hint.zh
     assert "17" in verdict.hint.en
+
+
+@pytest.mark.parametrize("line", ["```python", "$ python3 a.py", ">>> import rclpy"])
+def test_what_was_copied_along_with_a_script(line: str) -> None:
+    shown = f'  File "a.py", line 1\n    {line}\n    ^\nSyntaxError: invalid syntax\n'
+    copied = StudentError(type="SyntaxError", message="invalid syntax", line=1, traceback=shown)
+    assert silent(RunStatus.SYNTAX_ERROR, error=copied).mistakes == ("pasted_mark",)
+    other = replace(copied, traceback=shown.replace(line, "x = = 1"))
+    assert silent(RunStatus.SYNTAX_ERROR, error=other).mistakes == ("syntax_error",)
