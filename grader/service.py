@@ -19,7 +19,7 @@ from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport
 from grader.preflight import NoPreflight, SandboxPreflight
 from grader.routes.access import InstructorGate, new_token
-from grader.routes.plots import PlotCache, Wish
+from grader.routes.plots import PlotCache, PlotSpec
 from grader.routes.services import Services
 from grader.settings import Settings, is_loopback
 from grader.slot import Slot, SlotConfig
@@ -209,8 +209,8 @@ def _probe() -> SandboxState:
         )
 
 
-def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
+def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, spec: PlotSpec) -> bytes:
     from grader.plots import draw  # matplotlib takes a second to import: not at start
 
     graded = from_plain(GradeReport, json.loads(report.content))
-    return draw(assignment, graded, trajectory, wish.language, wish.form, case=wish.case)
+    return draw(assignment, graded, trajectory, spec.language, spec.form, case=spec.case)

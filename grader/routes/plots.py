@@ -13,7 +13,7 @@ from grader.contracts.text import Language
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Wish:
+class PlotSpec:
     """Which run of a grading is to be drawn, in which language and file format."""
 
     case: str
@@ -24,12 +24,14 @@ class Wish:
 class Plotter(Protocol):
     """Draws one graded run."""
 
-    def __call__(self, assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
-        """Return the picture. `trajectory` is the JSON of the run that is wished for."""
+    def __call__(
+        self, assignment: Assignment, report: StoredReport, trajectory: bytes, spec: PlotSpec
+    ) -> bytes:
+        """Return the picture. `trajectory` is the JSON of the run that `spec` names."""
 
 
 class PlotCache:
-    """The last plots drawn, by digest of the report and by wish.
+    """The last plots drawn, by digest of the report and by `PlotSpec`.
 
     A report's digest covers the digests of its trajectories, so equal keys mean equal plots. One thread of
     its own draws: a class that looks at its plots must not take the threads that uploads need, and
@@ -39,23 +41,25 @@ class PlotCache:
     def __init__(self, plotter: Plotter, entries: int) -> None:
         self._plotter = plotter
         self._entries = entries
-        self._plots: OrderedDict[tuple[str, int, Wish], bytes] = OrderedDict()
+        self._plots: OrderedDict[tuple[str, int, PlotSpec], bytes] = OrderedDict()
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="grader-plot")
 
-    async def get(self, assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
+    async def get(
+        self, assignment: Assignment, report: StoredReport, trajectory: bytes, spec: PlotSpec
+    ) -> bytes:
         """Return the picture, drawn now or before."""
-        future = self._thread.submit(self._get, assignment, report, trajectory, wish)
+        future = self._thread.submit(self._get, assignment, report, trajectory, spec)
         return await asyncio.wrap_future(future)
 
     def close(self) -> None:
         """Draw nothing more."""
         self._thread.shutdown(wait=True, cancel_futures=True)
 
-    def _get(self, assignment: Assignment, report: StoredReport, trajectory: bytes, wish: Wish) -> bytes:
-        key = (report.sha256, assignment.version, wish)
+    def _get(self, assignment: Assignment, report: StoredReport, trajectory: bytes, spec: PlotSpec) -> bytes:
+        key = (report.sha256, assignment.version, spec)
         picture = self._plots.pop(key, None)
         if picture is None:
-            picture = self._plotter(assignment, report, trajectory, wish)
+            picture = self._plotter(assignment, report, trajectory, spec)
         self._plots[key] = picture
         while len(self._plots) > self._entries:
             self._plots.popitem(last=False)

@@ -14,7 +14,7 @@ from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep
 from grader.routes.concealment import shown_assignment
-from grader.routes.plots import Wish
+from grader.routes.plots import PlotSpec
 from grader.routes.problems import ProblemError, responses
 from grader.routes.published import require_published
 from grader.routes.services import Services, ServicesDep
@@ -159,8 +159,8 @@ async def picture(  # noqa: PLR0913, PLR0917
     assignment, report, recorded, case_id = await run_in_threadpool(
         _drawable, services, submission_id, caller, case
     )
-    wish = Wish(case=case_id, language=language, form=form)
-    drawn = await services.plots.get(assignment, report, recorded, wish)
+    spec = PlotSpec(case=case_id, language=language, form=form)
+    drawn = await services.plots.get(assignment, report, recorded, spec)
     headers = {
         "ETag": f'"{report.sha256}-{case_id}-{language}-{form}"',
         "Content-Language": language,

@@ -126,9 +126,8 @@ def _metrics(measures: Measures, watching: Watching) -> Metrics:
     return metrics
 
 
-async def _services(
-    request: Request,
-) -> Services:  # on the event loop: what is no coroutine waits for a thread
+async def _services(request: Request) -> Services:
+    # a coroutine runs on the event loop; any other dependency would wait for a thread
     services: Services = request.app.state.services
     return services
 

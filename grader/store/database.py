@@ -33,12 +33,8 @@ from grader.store.together import one_go, wait_for_answer
 
 _LOCK_TIMEOUT_MS = 30_000
 _LONGEST_LOG_PAGES = 10_000  # before a commit empties it, where `grader.store.checkpoints` did not
-_OF_STATEMENTS = (
-    IntegrityError,
-    DataError,
-    ProgrammingError,
-    NotSupportedError,
-)  # other errors: of the database
+# of a statement, by its fault; other errors are of the database
+_OF_STATEMENTS = (IntegrityError, DataError, ProgrammingError, NotSupportedError)
 _BEGIN_OPTION = "grader_begin"
 _CHANCES = 20
 _CONNECTIONS = 10

@@ -20,9 +20,7 @@ class Patience:
     def __init__(self, lease_s: float, heartbeat_s: float) -> None:
         """Begin patiently: why this worker starts now is not known."""
         self._beats = math.ceil(lease_s / heartbeat_s)
-        self._gap_s = (
-            lease_s - heartbeat_s
-        )  # of others' renewals, who beat as often, more than that is a lease
+        self._gap_s = lease_s - heartbeat_s  # others beat as often: a longer gap may have cost them a lease
         self._left = self._beats
         self._waited = 0
         self._before: datetime | None = None

@@ -147,10 +147,8 @@ class GradingSlot:
             self._parts.observer.given_up()
         elif state is not None:
             self._parts.observer.retried()
-        ends = {
-            None: logging.INFO,
-            SubmissionState.INFRASTRUCTURE_ERROR: logging.ERROR,
-        }  # None: it is another's
+        # None: the claim is another's by now
+        ends = {None: logging.INFO, SubmissionState.INFRASTRUCTURE_ERROR: logging.ERROR}
         level = ends.get(state, logging.WARNING)
         unexpected = error if not isinstance(error, GraderError) else None
         _log.log(level, "%s, try %d: %s", claim.submission_id, claim.tries, error, exc_info=unexpected)

@@ -31,10 +31,10 @@ class FakePlotter:
     def __init__(self) -> None:
         self.drawn = 0
 
-    def __call__(self, assignment, report, trajectory, wish) -> bytes:
+    def __call__(self, assignment, report, trajectory, spec) -> bytes:
         self.drawn += 1
-        magic = PNG if wish.form == "png" else b"<svg>"
-        return magic + f" {assignment.id} {wish.language} {wish.case} {len(trajectory)}".encode()
+        magic = PNG if spec.form == "png" else b"<svg>"
+        return magic + f" {assignment.id} {spec.language} {spec.case} {len(trajectory)}".encode()
 
 
 def services(
