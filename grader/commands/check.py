@@ -7,7 +7,12 @@ from typing import TYPE_CHECKING
 
 from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_grading_options, add_language_option, tell
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import SandboxUnavailableError, SubmissionError, UnknownAssignmentError
+from grader.contracts.errors import (
+    InfrastructureError,
+    SandboxUnavailableError,
+    SubmissionError,
+    UnknownAssignmentError,
+)
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.text import Language, trouble
 from grader.slot import Slot, SlotConfig
@@ -96,6 +101,11 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
         raise SandboxUnavailableError(
             f"{error}\nRun `grader doctor` for details. For your own code, `--isolation dev` runs it unprotected.",
             f"{error.told('zh')}\n详情见 `grader doctor`。自己的代码可以用 `--isolation dev` 不加保护地运行。",
+        ) from error
+    except InfrastructureError as error:
+        raise InfrastructureError(
+            f"{error}\nThe grader failed, not your script: try again.",
+            f"评分程序自己出了错，不是你的脚本的问题：请再试一次。（{error}）",
         ) from error
 
 
