@@ -140,7 +140,11 @@ def _value(name: str, text: str) -> Any:
     try:
         return json.loads(text)
     except ValueError:
-        raise CourseError(f"{name}={text}: not a number or JSON", f"{name}={text}：不是数字或 JSON") from None
+        example = """'late={"kind":"linear","per_day":0.1}'""" if name == "late" else f"{name}=3"
+        raise CourseError(
+            f"{name}={text}: not a number or JSON; write for example {example}",
+            f"{name}={text}：不是数字或 JSON；例如 {example}",
+        ) from None
 
 
 def _read(document: dict[str, Any], zone: ZoneInfo, arguments: argparse.Namespace) -> AssignmentPolicy:

@@ -111,7 +111,8 @@ def test_what_somebody_else_changes_meanwhile_stays(
 @pytest.mark.parametrize(
     ("rule", "zh", "en"),
     [
-        ("attempts=many", "不是数字或 JSON", "not a number or JSON"),
+        ("attempts=many", "不是数字或 JSON；例如 attempts=3", "not a number or JSON; write"),
+        ("late=linear", '\'late={"kind":"linear"', '\'late={"kind":"linear"'),
         ("attempts=1_0", "不是数字或 JSON", "not a number or JSON"),
         ('attempts="10"', "要填一个整数", "no whole number"),
         ("attempts=2.5", "要填一个整数", "no whole number"),
