@@ -12,6 +12,7 @@ DESKTOP, PHONE = (1280, 900), (320, 640)
 FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--no-proxy-server",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
+    "--disable-dev-shm-usage",  # a container has little of it, and a page that finds none crashes
     # less work for the same pages
     "--in-process-gpu", "--renderer-process-limit=1", "--disable-extensions", "--disable-default-apps",
     "--disable-features=Translate,OptimizationHints,MediaRouter,AutofillServerCommunication,BackForwardCache",
