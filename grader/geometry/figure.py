@@ -87,42 +87,49 @@ def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bo
     """
     if not segments.runs:
         return None
-    corners = _corners(path, segments, cut_short=cut_short)
+    corners = _corners(path, segments)
     extent = _extent(path, segments, corners, sides, cut_short=cut_short)
+    if not cut_short:
+        corners += _closing_corner(path, segments, extent.first)
     return _figure(path, segments, corners, extent, at_rest=not cut_short)
 
 
-def _corners(path: Path, segments: Segments, *, cut_short: bool) -> list[float]:
-    """Return the change of direction after each run; the last run has one only if a whole turn follows.
+def _corners(path: Path, segments: Segments) -> list[float]:
+    """Return the change of direction from each run to the next.
 
     Between driving forward and backing up, turning by an angle or by its supplement the other way round comes
     to the same: the smaller change of direction is meant.
     """
-    runs, closing = segments.runs, segments.turns[-1]
-    backs_up = [bool(path.signed_m[run.last] < path.signed_m[run.first]) for run in runs]
-    corners = [after.direction_rad - before.direction_rad for before, after in itertools.pairwise(runs)]
-    if closing is not None and not cut_short:
-        corners.append(float(path.travel_rad[closing.last]) - runs[-1].direction_rad)
-        if backs_up[0] != backs_up[-1]:  # the next side would be driven as the first one was
-            corners[-1] += math.pi
-        backs_up.append(backs_up[0])
-    for i, (before, after) in enumerate(itertools.pairwise(backs_up)):
-        if before != after:
-            corners[i] = math.remainder(corners[i], FULL_TURN_RAD)
+    corners = []
+    for before, after in itertools.pairwise(segments.runs):
+        corner_rad = after.direction_rad - before.direction_rad
+        other_way = _backs_up(path, before) != _backs_up(path, after)
+        corners.append(math.remainder(corner_rad, FULL_TURN_RAD) if other_way else corner_rad)
     return corners
+
+
+def _closing_corner(path: Path, segments: Segments, first: int) -> list[float]:
+    """Return the turn after the last run, if there is one: the next side would be driven as run `first` was."""
+    if (closing := segments.turns[-1]) is None:
+        return []
+    corner_rad = float(path.travel_rad[closing.last]) - segments.runs[-1].direction_rad
+    other_way = _backs_up(path, segments.runs[-1]) != _backs_up(path, segments.runs[first])
+    return [math.remainder(corner_rad + math.pi, FULL_TURN_RAD) if other_way else corner_rad]
+
+
+def _backs_up(path: Path, run: Run) -> bool:
+    return bool(path.signed_m[run.last] < path.signed_m[run.first])
 
 
 def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> _Extent:
     """Find the figure: the first one that closes, else the first one whose direction comes round."""
     total = len(segments.runs)
-    corners = corners[: total - 1]
     lengths = [_chord(path, *_span(path, segments, i)) for i in range(total)]
     lap = _comes_round(corners) or total
     if _halves(lengths, corners, lap):
         return _Extent(0, total, joined=True)
-    first, count = 0, lap
-    if not _repeats(lengths, corners, lap, cut_short=cut_short):
-        first, count = _closed(path, segments, corners, lengths, sides) or (0, lap)
+    again = _repeats(lengths, corners, lap, cut_short=cut_short)
+    first, count = (None if again else _closed(path, segments, corners, lengths, sides)) or (0, lap)
     if first + count == total:
         return _Extent(first, count)
     repeated = _repeats(lengths[first:], corners[first:], count, cut_short=cut_short)
@@ -280,11 +287,10 @@ def _repeats(lengths: list[float], corners: list[float], count: int, *, cut_shor
 def _turns_alike(corners: list[float], count: int) -> bool:
     """Whether each lap after the first `count` sides turns as those do, be it the other way round."""
     inner = _from_its_sense(corners[: count - 1])
-    laps = (corners[i : i + count - 1] for i in range(count, len(corners), count))
     return all(
         abs(math.remainder(corner - first, FULL_TURN_RAD)) <= ALIKE_RAD
-        for lap in laps
-        for corner, first in zip(_from_its_sense(lap), inner, strict=False)
+        for i in range(count, len(corners), count)
+        for corner, first in zip(_from_its_sense(corners[i : i + count - 1]), inner, strict=False)
     )
 
 

@@ -63,6 +63,13 @@ def test_an_approach_costs_the_way_back_only_and_the_more_the_longer_it_is() -> 
     assert earned[-1] == 85
 
 
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_an_approach_backing_up_leaves_the_last_turn_right(sides: int) -> None:
+    verdict = graded(POLYGONS[sides], drive([(0.6, -1.0, 0.0), (0.1, 0.0, 0.0), *polygon_legs(sides)]))
+    assert [each.id for each in verdict.items if each.earned < each.points] == ["closed"]
+    assert verdict.mistakes == ("approach",)
+
+
 def test_what_follows_the_figure_costs_the_more_the_longer_it_is() -> None:
     earned = []
     for after_m in (0.1, 0.3, 0.5, 0.8, 1.2, 1.6, 1.8, 1.9, 2.0):
