@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from statistics import fmean
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
@@ -99,4 +100,4 @@ def _line(member: Member, scores: Scores, assignments: Sequence[Assignment]) -> 
 def _mean(assignment_id: str, members: Sequence[Member], scores: Scores) -> float | None:
     reached = [scores.get((one.id, assignment_id)) for one in members]
     counted = [one.counted_score for one in reached if one is not None and one.counted_score is not None]
-    return round(sum(counted) / len(counted), 1) if counted else None
+    return round(fmean(counted), 2) if counted else None
