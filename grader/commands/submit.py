@@ -76,6 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
         document = _await(client, url, arguments)
         content = _asked(client, "GET", url + "/report").content
         title = _asked(client, "GET", f"/api/v1/assignments/{document['assignment']}").json()["title"]
+        left = _attempts_left(client, document["assignment"])
     if arguments.json:
         sys.stdout.write(content.decode() + "\n")
     report = from_plain(GradeReport, json.loads(content))
@@ -83,6 +84,8 @@ def run(arguments: argparse.Namespace) -> int:
         name, heading = arguments.file.name, Text(zh=title, en=title)
         console().print(render_report(report, language=arguments.lang, file_name=name, title=heading))
     _tell_lateness(document, arguments)
+    if left is not None and not arguments.student:
+        tell(arguments, zh=f"还可提交 {left} 次。", en=f"Attempts left: {left}.")
     return EXIT_FULL_MARKS if report.score == report.max_score else EXIT_NOT_FULL
 
 
@@ -113,6 +116,22 @@ def _tell_lateness(document: dict[str, Any], arguments: argparse.Namespace) -> N
             zh=f"截止后提交，按规则计 {score(kept)} 分。",
             en=f"Handed in after it was due: {score(kept)} points are kept.",
         )
+
+
+def _attempts_left(client: httpx.Client, assignment: str) -> int | None:
+    """Return how many attempts the owner of the token has left; None: any number, or the rules are unknown."""
+    if "Authorization" not in client.headers:
+        return None
+    try:
+        response = client.get(f"/api/v1/assignments/{assignment}/policy")
+        left = response.json().get("attempts_left") if response.is_success else None
+    except (
+        httpx.TransportError,
+        ValueError,
+        AttributeError,
+    ):  # what is shown besides costs nobody the result
+        return None
+    return left if isinstance(left, int) else None
 
 
 def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dict[str, Any]:

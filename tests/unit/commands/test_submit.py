@@ -117,14 +117,20 @@ def test_the_same_file_again_is_told(submit, services: Services) -> None:
     assert services.dashboard.state().progress[0].attempts == 1
 
 
-def test_what_lateness_leaves_is_told(submit, services: Services, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_lateness_leaves_is_told_and_how_many_attempts_are_left(
+    submit, services: Services, monkeypatch: pytest.MonkeyPatch
+) -> None:
     services.courses.create("ros", "ROS", "UTC", "test")
     services.courses.import_roster("ros", [RosterEntry(id="li", name="李", role=Role.STUDENT)], "test")
     _, token = services.tokens.issue("ros", "li", timedelta(days=1), "test")
     monkeypatch.setenv("GRADER_TOKEN", token)
     late = AssignmentPolicy(due=START - timedelta(hours=1), late=LateRule(kind="linear", per_day=0.25))
     services.policies.set("square", late, Signature(START, "ros", "test"))
-    assert "计 7.5 分" in submit("good good")[2]
+    told = submit("good good")[2]
+    assert "计 7.5 分" in told
+    assert "还可提交" not in told
+    services.policies.set("square", replace(late, attempts=3), Signature(START, "ros", "test"))
+    assert "还可提交 1 次。" in submit("good")[2]
 
 
 def test_as_json_it_is_the_stored_report(submit, services: Services) -> None:
