@@ -2,6 +2,8 @@
 
 import argparse
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -93,14 +95,22 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
     assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file.name))
     _check_input(arguments, assignment)
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
-    try:
+    with faults_explained():
         result = slot.grade(job, _import_output if not arguments.json else lambda: None)
-        slot.abort()  # a process of that size takes its time to die: it may do so while the table is printed
-        return assignment, result
+    slot.abort()  # a process of that size takes its time to die: it may do so while the table is printed
+    return assignment, result
+
+
+@contextmanager
+def faults_explained() -> Iterator[None]:
+    """Tell whoever grades a script of their own what a fault of the grader or its sandbox means for them."""
+    try:
+        yield
     except SandboxUnavailableError as error:
         raise SandboxUnavailableError(
             f"{error}\nRun `grader doctor` for details. For your own code, `--isolation dev` runs it unprotected.",
-            f"{error.told('zh')}\n详情见 `grader doctor`。自己的代码可以用 `--isolation dev` 不加保护地运行。",
+            f"这台电脑缺少安全运行脚本所需的隔离（{error}）。\n"
+            "详情见 `grader doctor`。自己的代码可以用 `--isolation dev` 不加保护地运行。",
         ) from error
     except InfrastructureError as error:
         raise InfrastructureError(

@@ -6,7 +6,7 @@ import re
 import sys
 from pathlib import Path
 
-from grader.commands.check import read_source
+from grader.commands.check import faults_explained, read_source
 from grader.commands.options import add_grading_options, add_language_option
 from grader.contracts import trajectory_json
 from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, World
@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     job = GradingJob(
         file_name=arguments.file.name, source=read_source(arguments.file), assignment=_sandpit(arguments)
     )
-    with Slot(SlotConfig(mode=arguments.isolation)) as slot:
+    with faults_explained(), Slot(SlotConfig(mode=arguments.isolation)) as slot:
         result = slot.grade(job)
     _show(arguments, result)
     return 0 if result.report.runs[0].outcome.blame is Blame.NOBODY else 1

@@ -1,16 +1,21 @@
-"""`grader check`, as typed, where it does not come to a grading."""
+"""`grader check` and `grader run`, as typed, where it does not come to a grading."""
 
 from pathlib import Path
 
 import pytest
 
 from grader import cli
-from grader.commands import check
-from grader.contracts.errors import InfrastructureError
+from grader.commands import check, run
+from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
+
+DIED = InfrastructureError("the grading process ended unexpectedly (exit code 1)")
+NO_JAIL = SandboxUnavailableError("this host lacks a required layer of isolation: seccomp")
 
 
 class FailingSlot:
-    """A slot whose grading process dies."""
+    """A slot in which nothing can be graded."""
+
+    error: GraderError
 
     def __init__(self, config: object) -> None:
         pass
@@ -22,16 +27,33 @@ class FailingSlot:
         pass
 
     def grade(self, *job: object) -> None:
-        raise InfrastructureError("the grading process ended unexpectedly (exit code 1)")
+        raise self.error
 
 
-@pytest.mark.parametrize(("lang", "words"), [("zh", "不是你的脚本的问题"), ("en", "not your script")])
+@pytest.mark.parametrize("command", ["check", "run"])
+@pytest.mark.parametrize(
+    ("error", "lang", "words"),
+    [
+        (DIED, "zh", "不是你的脚本的问题"),
+        (DIED, "en", "not your script"),
+        (NO_JAIL, "zh", "这台电脑缺少"),
+        (NO_JAIL, "en", "grader doctor"),
+    ],
+)
 def test_a_fault_of_the_grader_is_not_blamed_on_the_script(
-    lang: str, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    command: str,
+    error: GraderError,
+    lang: str,
+    words: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
-    monkeypatch.setattr(check, "Slot", FailingSlot)
+    monkeypatch.setattr(FailingSlot, "error", error, raising=False)
+    for module in (check, run):
+        monkeypatch.setattr(module, "Slot", FailingSlot)
     (tmp_path / "hello.py").write_text("import rclpy\n")
-    assert cli.run(["check", str(tmp_path / "hello.py"), "--lang", lang]) == cli.EXIT_COULD_NOT
+    assert cli.run([command, str(tmp_path / "hello.py"), "--lang", lang]) == cli.EXIT_COULD_NOT
     told = capsys.readouterr().err
     assert words in told
-    assert "exit code 1" in told
+    assert str(error) in told
