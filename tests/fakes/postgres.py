@@ -180,7 +180,9 @@ def end_run(alive: int) -> None:
 
 
 def _root() -> Path:
-    return Path(tempfile.gettempdir()) / f"grader-pg-{os.getuid()}"  # short: a socket's path has 107 bytes
+    # a socket's path has 107 bytes, and TMPDIR may be long, or closed to the user who runs the server
+    temporary = "/tmp" if os.access("/tmp", os.W_OK) else tempfile.gettempdir()
+    return Path(temporary) / f"grader-pg-{os.getuid()}"
 
 
 def _stop_left_overs() -> None:
