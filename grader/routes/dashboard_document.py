@@ -22,6 +22,7 @@ from grader.routes.dashboard_views import (
     StudentView,
 )
 from grader.routes.health import WorkerView, queue_view
+from grader.routes.published import item_title
 from grader.routes.submission_views import SUBMISSIONS
 
 _BINS = 10
@@ -187,7 +188,7 @@ def _statistics(
 
 
 def _failed(one: ItemFailures, assignment: Assignment | None, language: Language) -> FailedItemView:
-    title = one.item if assignment is None else assignment.item_title(one.item, language)
+    title = item_title(assignment, one.item, language)
     return FailedItemView(id=one.item, title=title, count=one.ever, still=one.still)
 
 

@@ -106,7 +106,7 @@ def report_of(services: Services, caller: Caller, submission_id: str) -> GradeRe
     Raises:
         ProblemError: there is no such submission, or no grading yet.
     """
-    return judged(graded(services, submission_id, caller))
+    return judged(graded(services, submission_id, caller)[1])
 
 
 def _students(services: Services, course: str | None) -> tuple[Member, ...]:

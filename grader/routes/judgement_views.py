@@ -13,6 +13,7 @@ from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Language
 from grader.routes.numbers import Number
+from grader.routes.published import item_title
 from grader.routes.submission_views import SUBMISSIONS
 from grader.store.judgements import Waiting, tag
 
@@ -151,7 +152,7 @@ def waiting_list(
                 assignment=assignment,
                 assignment_title=_assignment_title(published.get(assignment), assignment, language),
                 item=item,
-                title=_title(published.get(assignment), item, language),
+                title=item_title(published.get(assignment), item, language),
                 waiting=count,
             )
             for (assignment, item), count in questions.items()
@@ -164,7 +165,7 @@ def waiting_list(
                 student=None if anonymous else one.student,
                 assignment=one.assignment,
                 item=one.item,
-                title=_title(published.get(one.assignment), one.item, language),
+                title=item_title(published.get(one.assignment), one.item, language),
                 points=one.points,
                 received_at=one.received_at,
             )
@@ -202,10 +203,3 @@ def _judgement(one: Judgement) -> JudgementView:
 
 def _assignment_title(published: Assignment | None, assignment: str, language: Language) -> str:
     return assignment if published is None else published.title.get(language)
-
-
-def _title(published: Assignment | None, item_id: str, language: Language) -> str:
-    case, _, plain = item_id.rpartition("/")
-    items = () if published is None else published.items
-    title = next((item.title.get(language) for item in items if item.id == plain), plain)
-    return title + (f" ({case})" if case else "")

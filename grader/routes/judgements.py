@@ -27,7 +27,7 @@ from grader.routes.numbers import QueryWhole
 from grader.routes.preconditions import seen
 from grader.routes.problems import ProblemError, responses
 from grader.routes.services import Services, ServicesDep
-from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
+from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
 from grader.store.audit import Signature
 from grader.store.judgements import Given, WaitingFor
 
@@ -116,9 +116,7 @@ def items_of(services: Services, language: Language, submission_id: str) -> Manu
     Raises:
         ProblemError: there is no such submission, or no grading yet.
     """
-    submission, stored = found(services, submission_id)
-    if stored is None:
-        stored = graded(services, submission_id)  # says why there is none
+    submission, stored = graded(services, submission_id)
     return manual_items(submission, stored, _machine(stored), language)
 
 
@@ -206,7 +204,7 @@ def give(  # noqa: PLR0913, PLR0917
 def _problem(services: Services, submission_id: str, given: Given, error: JudgementError) -> ProblemError:
     if error.code == "stale":
         return ProblemError("judged_meanwhile")
-    known = manual(_machine(graded(services, submission_id)))  # or says that there is none
+    known = manual(_machine(graded(services, submission_id)[1]))
     if error.code == "range":
         most = next((written(one.points) for one in known if one.id == given.item), "?")
         detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")

@@ -2,6 +2,7 @@
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.text import Language
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services
 
@@ -26,3 +27,8 @@ def require_published(
     if assignment is None:
         raise ProblemError(code, field=field, allowed=[one.id for one in services.assignments.all()])
     return assignment
+
+
+def item_title(assignment: Assignment | None, item_id: str, language: Language) -> str:
+    """Return the title of a rubric item; its id when the assignment is not known."""
+    return item_id if assignment is None else assignment.item_title(item_id, language)

@@ -18,7 +18,7 @@ from grader.routes.plots import PlotSpec
 from grader.routes.problems import ProblemError, responses
 from grader.routes.published import require_published
 from grader.routes.services import Services, ServicesDep
-from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, found, graded
+from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"], dependencies=[SIGHT])
 CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]
@@ -97,7 +97,7 @@ def trajectory(
     Raises:
         ProblemError: there is no grading, or nothing was recorded in such a run.
     """
-    report = graded(services, submission_id)
+    _, report = graded(services, submission_id)
     content, sha256 = _recorded(services, report, case)
     headers = {"ETag": f'"{sha256}"', "Vary": "Accept-Encoding"}
     if "gzip" in (accept_encoding or "").lower():
@@ -185,8 +185,7 @@ def _case_id(report: StoredReport, case: str | None) -> str:
 def _drawable(
     services: Services, submission_id: str, caller: Caller, case: str | None
 ) -> tuple[Assignment, StoredReport, bytes, str]:
-    submission, _ = found(services, submission_id)
-    report = graded(services, submission_id, caller)
+    submission, report = graded(services, submission_id, caller)
     graded_one = services.submissions.graded_assignment(report)
     known = graded_one or require_published(services, submission.assignment)
     assignment = shown_assignment(services, caller, known)

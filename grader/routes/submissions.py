@@ -221,7 +221,7 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
 
     While rubric items are hidden, students get a copy without them.
     """
-    report = graded(services, submission_id, caller)
+    _, report = graded(services, submission_id, caller)
     return Response(report.content, media_type="application/json", headers={"ETag": f'"{report.sha256}"'})
 
 
@@ -258,8 +258,10 @@ def found(services: Services, submission_id: str) -> tuple[Submission, StoredRep
     return pair
 
 
-def graded(services: Services, submission_id: str, caller: Caller | None = None) -> StoredReport:
-    """Return the latest grading of a submission, as `caller` may see it when one is named.
+def graded(
+    services: Services, submission_id: str, caller: Caller | None = None
+) -> tuple[Submission, StoredReport]:
+    """Return a submission and its latest grading, as `caller` may see it when one is named.
 
     Raises:
         ProblemError: there is no such submission, or no grading yet.
@@ -270,8 +272,9 @@ def graded(services: Services, submission_id: str, caller: Caller | None = None)
         detail = Text(zh=f"提交的状态是 {state}。", en=f"The submission is {state}.")
         raise ProblemError("not_graded_yet", detail, headers={"Retry-After": str(_RETRY_AFTER_S)})
     if caller is not None:
-        report = concealment.shown(services, caller, submission, report)[1] or report
-    return report
+        submission, shown = concealment.shown(services, caller, submission, report)
+        report = shown or report
+    return submission, report
 
 
 def _require_accepted(refusal: Refusal | None) -> None:

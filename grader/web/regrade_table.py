@@ -8,9 +8,10 @@ from typing import Literal, get_args
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.text import Language
+from grader.routes.published import item_title
 from grader.routes.regrades import ItemChangeView, ScoreChangeView
 from grader.web.paging import PageQuery, cut
-from grader.web.roster import item_title, named
+from grader.web.roster import named
 
 Part = Literal["all", "gain", "lose", "moved"]
 PARTS: tuple[Part, ...] = get_args(Part)
@@ -75,7 +76,7 @@ def changes(
     query: ChangesQuery,
 ) -> Changes:
     """Return the page of what `moved` that `query` asks for; beyond the last page, the last."""
-    titles = partial(item_title, assignment, language)
+    titles = partial(item_title, assignment, language=language)
     fitting = {part: [one for one in moved if _FITS[part](_by(one))] for part in PARTS}
     lines, query, pages = cut(fitting[query.part], query)
     return Changes(

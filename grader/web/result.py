@@ -7,20 +7,13 @@ from dataclasses import dataclass
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchSide
-from grader.contracts.outcome import LogRecord, RunOutcome, Stream, StudentError
-from grader.contracts.report import CaseRun, GradeReport
+from grader.contracts.outcome import Blame, LogRecord, RunOutcome, Stream, StudentError
+from grader.contracts.report import CaseRun, GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
 from grader.messages.details import explained
 from grader.render import quantity
-from grader.render.labels import (
-    GRADE_STATUS,
-    ITEM_MARK,
-    ITEM_STATUS,
-    RUN_STATUS,
-    note_sentence,
-    word,
-)
+from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, RUN_STATUS, note_sentence, word
 from grader.routes.submission_document import SHOWN_CHARACTERS, SHOWN_LOGS
 
 
@@ -113,7 +106,7 @@ def result_page(report: GradeReport, assignment: Assignment | None, language: La
         full=share >= 1.0,
         pending=report.score is None,
         status=GRADE_STATUS[report.status].get(language),
-        normal=report.status.value in ("graded", "needs_manual"),
+        normal=report.status in (GradeStatus.GRADED, GradeStatus.NEEDS_MANUAL),
         summary=report.summary.get(language),
         hint=report.hint.get(language),
         items=tuple(item_line(item, language) for item in report.items),
@@ -163,7 +156,7 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
         case=run.case,
         title=title or run.case,
         ended=RUN_STATUS[outcome.status].get(language),
-        normal=outcome.blame.value == "nobody",
+        normal=outcome.blame is Blame.NOBODY,
         seconds=f"{outcome.duration_ns * 1e-9:.2f}",
         error=outcome.error,
         detail=explained(outcome.status, outcome.detail).get(language),

@@ -2,9 +2,7 @@
 
 from collections.abc import Mapping
 
-from grader.contracts.assignment import Assignment
 from grader.contracts.identity import Caller, Role
-from grader.contracts.text import Language
 from grader.routes.services import Services
 
 
@@ -24,8 +22,3 @@ def named(known: Mapping[str, str], student: str) -> str:
 def person(known: Mapping[str, str], student: str) -> str:
     """Return a student's id with the name behind it, if there is one that says more."""
     return f"{student} {named(known, student)}".rstrip()
-
-
-def item_title(assignment: Assignment | None, language: Language, item_id: str) -> str:
-    """Return the title of a rubric item; its id when the assignment is not known."""
-    return item_id if assignment is None else assignment.item_title(item_id, language)

@@ -1,13 +1,13 @@
 """The rules of the assignments as pages: everybody of the staff reads them, instructors change them."""
 
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ChangedMeanwhileError, CourseError
-from grader.contracts.policy import NO_EXTENSION, Extension
+from grader.contracts.policy import NO_EXTENSION, Counts, Extension, LateKind
 from grader.contracts.seen import Seen
 from grader.routes.published import require_published
 from grader.routes.rules import AssignmentId, signature
@@ -28,8 +28,8 @@ from grader.web.rule_form import (
 )
 
 router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=[Depends(require_staff)])
-LATE_KINDS = ("none", "linear", "steps")
-COUNTS = ("best", "last", "best_before_due")
+LATE_KINDS = get_args(LateKind)
+COUNTS = tuple(one.value for one in Counts)
 
 
 @router.get("")
