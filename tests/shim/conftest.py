@@ -5,9 +5,9 @@
         assert run.stdout == "1700000001.000001\n"
         assert run.exit["t_ns"] == 1_000_001_000
 
-The script runs in a fresh interpreter, isolated as in the jail (`-s -P -S`; `-I` would ignore
-PYTHONHASHSEED), with nothing but the shim on its path; the test is the episode at the other end of the
-channel. Everything is virtual, so times compare exactly.
+The script runs in a process of its own, isolated as in the jail, with nothing but the shim on its path (see
+`tests.shim.forking`); the test is the episode at the other end of the channel. Everything is virtual, so times
+compare exactly.
 """
 
 import contextlib
@@ -15,7 +15,6 @@ import json
 import os
 import socket
 import struct
-import subprocess
 import sys
 import tempfile
 import threading
@@ -26,6 +25,8 @@ from typing import Any
 
 import pytest
 
+from tests.shim.forking import forks
+
 SHIM = Path(__file__).resolve().parents[2] / "grader" / "shim"
 EPOCH_NS = 1_700_000_000 * 10**9
 WORLD: dict[str, Any] = {
@@ -35,17 +36,15 @@ WORLD: dict[str, Any] = {
     "nodes": ["/turtlesim"],
 }
 
-_FULL = "import sys; sys.path.insert(0, {shim!r}); from rclpy import _runner; _runner.run({fd})"
+_PATH = f"import sys; sys.path.insert(0, {str(SHIM)!r})"
+_FULL = f"{_PATH}; from rclpy import _runner"
 _BARE = (
-    "import sys; sys.path.insert(0, {shim!r}); p = type(sys)('rclpy'); p.__path__ = [{shim!r} + '/rclpy'];"
-    " sys.modules['rclpy'] = p; from rclpy import _runner; _runner.run({fd})"
+    f"{_PATH}; p = type(sys)('rclpy'); p.__path__ = [{str(SHIM)!r} + '/rclpy']; sys.modules['rclpy'] = p;"
+    " from rclpy import _runner"
 )
 
 PYTHON = os.environ.get("SHIM_PYTHON", sys.executable)
 """Interpreter of the scripts; to try the shim on another version of Python."""
-
-HANG_S = 120.0
-"""A script that still runs after this long is blocked outside virtual time: a bug of the shim."""
 
 Feed = Sequence[tuple[int, str, bytes]]
 Services = dict[str, Callable[[bytes], bytes]]
@@ -249,29 +248,19 @@ def run_script_text(
     text = json.dumps(start).encode()
     body = struct.pack("<BI", 0x80, len(text)) + text + data
     ours, theirs = socket.socketpair()
-    code = (_BARE if bare else _FULL).format(shim=str(SHIM), fd=theirs.fileno())
-    code = "".join(f"import {name}; " for name in preload) + code
-    limited = f"import resource; resource.setrlimit(resource.RLIMIT_CPU, ({cpu_s:.0f}, {cpu_s:.0f})); {code}"
+    load = _BARE if bare else _FULL
     episode = Episode(ours, feed, services or {})
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         with theirs:
-            child = subprocess.Popen(
-                [python, "-s", "-P", "-S", "-B", "-c", limited],
-                stdin=subprocess.DEVNULL,
-                stdout=out,
-                stderr=err,
-                pass_fds=(theirs.fileno(),),
-                env={"PYTHONHASHSEED": "0"},
-                cwd="/",
-            )
+            child = forks(python, "".join(f"import {name}; " for name in preload) + load)
+            child.run(theirs.fileno(), out.fileno(), err.fileno(), cpu_s)
         reader = threading.Thread(target=episode.serve)
         reader.start()
         with contextlib.suppress(OSError):  # a child that died early tells why on stderr
             ours.sendall(struct.pack("<I", len(body)) + body)
         try:
-            episode.run.returncode = child.wait(HANG_S)
+            episode.run.returncode = child.wait()
         finally:
-            child.kill()
             reader.join()
         for stream, name in ((out, "stdout"), (err, "stderr")):
             stream.seek(0)
