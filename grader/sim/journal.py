@@ -11,6 +11,7 @@ LOG: Final = "rcl_interfaces/msg/Log"
 MAX_LOGS: Final = 2_000
 MAX_NOTES: Final = 100
 MAX_TEXT: Final = 1_000  # characters kept of one message
+MAX_LOG_TEXT: Final = 500_000  # characters of all records, names included: each is stored with the report
 
 _CODE: Final = re.compile(r"[a-z][a-z0-9_]{0,63}")
 
@@ -21,6 +22,7 @@ class Journal:
     def __init__(self) -> None:
         self._logs: list[LogRecord] = []
         self._notes: dict[Note, None] = {}
+        self._log_characters = 0
         self.logs_dropped = 0
 
     @property
@@ -39,18 +41,16 @@ class Journal:
         Raises:
             ProtocolError: it is not a readable log message.
         """
-        if len(self._logs) >= MAX_LOGS:
+        if len(self._logs) >= MAX_LOGS or self._log_characters >= MAX_LOG_TEXT:
             self.logs_dropped += 1
             return
         values = decode(LOG, payload)
         level = values["level"]
         if level not in LOG_LEVELS:
             raise ProtocolError(f"log record of level {level}")
-        self._logs.append(
-            LogRecord(
-                t_ns=t_ns, level=level, name=values["name"][:MAX_TEXT], message=values["msg"][:MAX_TEXT]
-            )
-        )
+        name, message = values["name"][:MAX_TEXT], values["msg"][:MAX_TEXT]
+        self._log_characters += len(name) + len(message)
+        self._logs.append(LogRecord(t_ns=t_ns, level=level, name=name, message=message))
 
     def note(self, code: str, text: str = "") -> None:
         """Make a note; the same one twice is made once.

@@ -44,12 +44,20 @@ def test_other_topics_are_counted_by_the_hundred(car: BulletCar) -> None:
     assert result.endpoints[0].count == 201
 
 
+def test_long_log_records_are_kept_up_to_half_a_million_characters(car: BulletCar) -> None:
+    log = encode("rcl_interfaces/msg/Log", {"level": 20, "name": "n" * 2000, "msg": "m" * 2000})
+    frames = [jail.node(), jail.entity(2, 2, name="/rosout", type="rcl_interfaces/msg/Log")]
+    result = play(car, [*frames, *[jail.publish(2, 8, log)] * 260, jail.ended(9)])
+    assert (len(result.logs), result.logs_dropped) == (250, 10)
+
+
 def test_rosout_becomes_log_records(car: BulletCar) -> None:
     log = encode("rcl_interfaces/msg/Log", {"level": 20, "name": "student", "msg": "你好" * 900})
     odd = encode("rcl_interfaces/msg/Log", {"level": 7})
     frames = [jail.node(), jail.entity(2, 2, name="/rosout", type="rcl_interfaces/msg/Log")]
     frames += [jail.publish(2, 5, log), jail.publish(2, 6, odd), jail.publish(2, 7, b"bad")]
-    result = play(car, [*frames, *[jail.publish(2, 8, log)] * 2005, jail.ended(9)])
+    short = encode("rcl_interfaces/msg/Log", {"level": 20, "msg": "hi"})
+    result = play(car, [*frames, *[jail.publish(2, 8, short)] * 2005, jail.ended(9)])
     assert (len(result.logs), result.logs_dropped) == (2000, 6)
     assert (result.logs[0].t_ns, result.logs[0].level, result.logs[0].name) == (5, 20, "student")
     assert len(result.logs[0].message) == 1000
