@@ -58,6 +58,11 @@ class Teller:
     language: Language
     zone: ZoneInfo
 
+    def actor(self, name: str) -> str:
+        """Return who did it: a member, or a user of the machine as `grader.commands` writes it."""
+        user = name.removeprefix("command line (")
+        return name if user == name else say("audit.command_line", self.language, user=user.removesuffix(")"))
+
     def action(self, name: str) -> str:
         """Return what was done."""
         return self._word(f"audit.action.{name}", name)

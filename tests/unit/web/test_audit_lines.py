@@ -52,6 +52,14 @@ def test_values_are_told_in_words(name: str, value: Any, zh: str, en: str) -> No
     assert (ZH.value(name, value), EN.value(name, value)) == (zh, en)
 
 
+def test_who_did_it_is_told() -> None:
+    assert (ZH.actor("wang"), EN.actor("wang")) == ("wang", "wang")
+    assert (ZH.actor("command line (li)"), EN.actor("command line (li)")) == (
+        "命令行（li）",
+        "command line (li)",
+    )
+
+
 def test_only_what_differs_is_told() -> None:
     assert EN.differences({"a": 1, "b": 2.0}, {"a": 1, "b": 3.5}) == [("b", "2", "3.5")]
     assert ZH.differences(None, {"name": "x"}) == [("姓名", "—", "x")]
