@@ -71,8 +71,7 @@ def class_overview(
     services: Services, caller: Caller, state: ClassState, language: Language
 ) -> DashboardView:
     """Return the whole class in `state`."""
-    course = caller.course
-    roster = () if course is None else services.courses.members(course, Role.STUDENT)
+    roster = services.courses.members(caller.course, Role.STUDENT)
     return overview(
         state,
         services.assignments.all(),

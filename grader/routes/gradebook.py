@@ -96,7 +96,9 @@ def read_prairielearn(
 def book(services: Services, caller: Caller) -> tuple[tuple[Member, ...], Scores]:
     """Return everybody who has a line in the gradebook, and what they reached by student and assignment."""
     progress = services.dashboard.state(caller.course).progress
-    members = _students(services, caller.course) or _seen({one.student for one in progress})
+    members = services.courses.members(caller.course, Role.STUDENT) or _seen(
+        {one.student for one in progress}
+    )
     return members, {(one.student, one.assignment): one for one in progress}
 
 
@@ -107,10 +109,6 @@ def report_of(services: Services, caller: Caller, submission_id: str) -> GradeRe
         ProblemError: there is no such submission, or no grading yet.
     """
     return judged(graded(services, submission_id, caller)[1])
-
-
-def _students(services: Services, course: str | None) -> tuple[Member, ...]:
-    return () if course is None else services.courses.members(course, Role.STUDENT)
 
 
 def _seen(students: set[str]) -> tuple[Member, ...]:

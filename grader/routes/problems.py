@@ -198,7 +198,7 @@ async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
 
 
 def _methods(request: Request) -> list[str]:
-    """Return the methods of the address; none where not the routes decide about it (static files)."""
+    """Return the methods that the address takes; none where no route decides about them (static files)."""
     routes = request.app.router.routes
     found = [
         method

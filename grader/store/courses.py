@@ -89,8 +89,10 @@ class Courses:
         with self._database.reading() as session:
             return tuple(_course(row) for row in session.execute(statement).scalars())
 
-    def members(self, course_id: str, role: Role | None = None) -> tuple[Member, ...]:
-        """Return the people of a course in order of their ids; only those of `role` when it is given."""
+    def members(self, course_id: str | None, role: Role | None = None) -> tuple[Member, ...]:
+        """Return the people of a course, nobody of None, in order of their ids; only those of `role` if given."""
+        if course_id is None:
+            return ()
         statement = select(MemberRow).where(col(MemberRow.course) == course_id)
         if role is not None:
             statement = statement.where(col(MemberRow.role) == role.value)

@@ -18,7 +18,7 @@ _SINCE = "grader_idle_since_s"
 
 
 def check_before_use(engine: Engine) -> None:
-    """Have the pool of `engine` replace dead connections: no request fails on one of before a restart."""
+    """Have the pool of `engine` replace dead connections: no request fails on one from before a restart."""
 
     def rest(_connection: Any, record: Any) -> None:
         record.info[_SINCE] = time.monotonic()
