@@ -13,6 +13,7 @@ FLAGS = (
     "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--no-proxy-server",
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
     "--disable-dev-shm-usage",  # a container has little of it, and a page that finds none crashes
+    "--enable-blink-features=ComputedAccessibilityInfo",  # what `nameless` asks for
     # less work for the same pages
     "--in-process-gpu", "--renderer-process-limit=1", "--disable-extensions", "--disable-default-apps",
     "--disable-features=Translate,OptimizationHints,MediaRouter,AutofillServerCommunication,BackForwardCache",
@@ -80,14 +81,14 @@ class Browser:
 
     def nameless(self, selector: str) -> list[str]:
         """The markup of what is shown and has no name to be read out. An empty `alt` is decoration."""
-        shown = "return [...document.querySelectorAll(arguments[0])].filter(one => one.checkVisibility({%s}))"
         seen = "visibilityProperty: true, opacityProperty: true, contentVisibilityAuto: true"
         named = ":not(img[alt=''])"
-        return [
-            one.get_attribute("outerHTML")
-            for one in self.js(shown % seen, f":is({selector}){named}")
-            if not one.accessible_name.strip()
-        ]
+        script = """
+            return [...document.querySelectorAll(arguments[0])]
+                .filter((one) => one.checkVisibility({%s}) && !one.computedName.trim())
+                .map((one) => one.outerHTML);
+        """
+        return self.js(script % seen, f":is({selector}){named}")
 
     def command(self, name: str, **parameters: object) -> None:
         self.driver.execute_cdp_cmd(name, parameters)
