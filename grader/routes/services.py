@@ -84,9 +84,8 @@ class Services:
         gate: InstructorGate,
     ) -> Self:
         """Return the services over one database that is up to date."""
-        queue, workers, doorbell = Queue(database, clock, policy), Workers(database, clock), Doorbell()
-        estimates = Estimates(queue, workers, clock, settings.silent_s)
-        watching = Watching(Standings(database), estimates, doorbell, _watch_limits(settings))
+        queue, workers = Queue(database, clock, policy), Workers(database, clock)
+        watching = _watching(database, settings, Estimates(queue, workers, clock, settings.silent_s))
         return cls(
             settings=settings,
             clock=clock,
@@ -107,17 +106,18 @@ class Services:
             tokens=Tokens(database, clock),
             audit=AuditLog(database),
             plots=plots,
-            estimates=estimates,
-            doorbell=doorbell,
+            estimates=watching.estimates,
+            doorbell=watching.doorbell,
             watching=watching,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
         )
 
 
-def _watch_limits(settings: Settings) -> WatchLimits:
-    return WatchLimits(
+def _watching(database: Database, settings: Settings, estimates: Estimates) -> Watching:
+    limits = WatchLimits(
         most=settings.max_streams, most_each=settings.streams_per_person, poll_s=settings.poll_s
     )
+    return Watching(Standings(database), estimates, Doorbell(), limits)
 
 
 def _metrics(measures: Measures, watching: Watching) -> Metrics:

@@ -98,8 +98,8 @@ class Watching:
     ) -> None:
         self.limits = limits
         self._standings = standings
-        self._estimates = estimates
-        self._doorbell = doorbell
+        self.estimates = estimates
+        self.doorbell = doorbell
         self._lock = threading.Lock()
         self._watches: dict[Watch, tuple[str, ...]] = {}
         self._taken: Counter[str] = Counter()  # by owner and by address
@@ -140,7 +140,7 @@ class Watching:
     def end(self) -> None:
         """End all streams and refuse new ones; returns at once."""
         self._closing.set()
-        self._doorbell.ring()
+        self.doorbell.ring()
         with self._lock:
             for watch in self._watches:
                 watch.end()
@@ -177,7 +177,7 @@ class Watching:
     def _run(self) -> None:
         looks = 0
         while True:
-            heard = self._doorbell.heard()
+            heard = self.doorbell.heard()
             with self._lock:
                 if not self._watches or self._closing.is_set():
                     self._thread = None
@@ -186,7 +186,7 @@ class Watching:
             with_classes = looks % _CLASS_EVERY == 0
             self._tell([one for one in watches if with_classes or one.subject[0] != "class"])
             looks += 1
-            self._doorbell.wait(heard, self.limits.poll_s)
+            self.doorbell.wait(heard, self.limits.poll_s)
             self._closing.wait(_PAUSE_S)
 
     def _tell(self, watches: list[Watch]) -> None:
@@ -207,7 +207,7 @@ class Watching:
         courses = {name for what, name in subjects if what == "class"}
         found: dict[Subject, Standing | ClassStanding] = {}
         for id_, standing in self._standings.of(ids).items():
-            estimated_at = self._estimates.finish(standing, standing.position)
+            estimated_at = self.estimates.finish(standing, standing.position)
             found["submission", id_] = replace(standing, estimated_at=estimated_at)
         for course, class_standing in self._standings.of_classes(courses).items():
             found["class", course] = class_standing
