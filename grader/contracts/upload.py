@@ -38,20 +38,7 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
             "the file is empty: was it saved before it was handed in?",
             "文件里什么也没有：提交之前保存了吗？",
         )
-    if source.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise SubmissionError(
-            "not_utf8",
-            "this is UTF-16, which Notepad calls Unicode: save the file as UTF-8",
-            "文件是 UTF-16 编码（记事本里叫 Unicode）：请把文件另存为 UTF-8。",
-        )
-    if (
-        kind := next((kind for head, kind in _OTHER_FILES.items() if source.startswith(head)), None)
-    ) is not None:
-        raise SubmissionError(
-            "contains_nul",
-            f"this is {kind.en}, whatever its name ends in: hand in the script or text itself",
-            f"这是{kind.zh}，改名字没有用：请提交脚本或文字文件本身。",
-        )
+    _check_kind(source)
     if (place := source.find(b"\0")) >= 0:
         raise SubmissionError(
             "contains_nul",
@@ -72,6 +59,23 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
             f"line {line} contains a byte that is not UTF-8 ({byte}): save the file as UTF-8{en}",
             f"第 {line} 行有一个字节不是 UTF-8 编码（{byte}）：请把文件另存为 UTF-8{zh}。",
         ) from None
+
+
+def _check_kind(source: bytes) -> None:
+    """Refuse what its first bytes tell to be no text in UTF-8."""
+    if source.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise SubmissionError(
+            "not_utf8",
+            "this is UTF-16, which Notepad calls Unicode: save the file as UTF-8",
+            "文件是 UTF-16 编码（记事本里叫 Unicode）：请把文件另存为 UTF-8。",
+        )
+    kind = next((kind for head, kind in _OTHER_FILES.items() if source.startswith(head)), None)
+    if kind is not None:
+        raise SubmissionError(
+            "contains_nul",
+            f"this is {kind.en}, whatever its name ends in: hand in the script or text itself",
+            f"这是{kind.zh}，改名字没有用：请提交脚本或文字文件本身。",
+        )
 
 
 def _declared(source: bytes) -> tuple[int, str] | None:
