@@ -40,7 +40,7 @@ class Order(BaseModel):
     students: str = Field(default="", max_length=_LONGEST_LIST)
 
 
-class Verdict(BaseModel):
+class Decision(BaseModel):
     """What an instructor decides about a re-grade, and why."""
 
     decision: regrades.Ending
@@ -105,13 +105,13 @@ def decide(
     services: ServicesDep,
     visitor: InstructorDep,
     regrade_id: RegradeId,
-    verdict: Annotated[Verdict, Form()],
+    form: Annotated[Decision, Form()],
 ) -> Response:
     """Apply or discard; without a reason show the page again."""
-    if not verdict.reason.strip():
+    if not form.reason.strip():
         refusal = Refusal(field="reason", text=say("form.reason_needed", language_of(request)))
         return _one(request, services, visitor, regrade_id, ChangesQuery(), refusal)
-    regrades.decide(services, visitor.caller, regrade_id, verdict.decision, verdict.reason.strip())
+    regrades.decide(services, visitor.caller, regrade_id, form.decision, form.reason.strip())
     return RedirectResponse(f"/class/regrades/{regrade_id}", status_code=303)
 
 
