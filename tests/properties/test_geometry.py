@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -117,12 +118,12 @@ def test_small_noise(figure: Figure, seed: int) -> None:
 
 @pytest.mark.parametrize("sides", POLYGONS)
 @pytest.mark.parametrize("sense", [1.0, -1.0])
-def test_credit_falls_as_a_corner_opens(sides: int, sense: float) -> None:
+@pytest.mark.parametrize("every", [False, True])
+def test_credit_falls_as_corners_open(sides: int, sense: float, every: bool) -> None:
     """Step by step: what needs the corners is not lost all at once when they earn nothing any more."""
     earned, totals = [], []
     for defect in np.arange(0.0, 31.0, 1.0):
-        corners = [360.0 / sides] * sides
-        corners[1] += sense * float(defect)
+        corners = [360.0 / sides + sense * float(defect) * (every or i == 1) for i in range(sides)]
         verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, corners_deg=corners)))
         earned.append(item(verdict, "angles").earned)
         totals.append(score(verdict))
@@ -130,7 +131,29 @@ def test_credit_falls_as_a_corner_opens(sides: int, sense: float) -> None:
     assert earned[0] == 25
     assert earned[-1] == 0
     assert totals == sorted(totals, reverse=True)
-    assert max(before - after for before, after in itertools.pairwise(totals)) < 13
+    assert most_lost(totals) < 13
+
+
+@pytest.mark.parametrize(
+    ("name", "legs", "step", "most"),
+    [
+        ("straight", lambda size: [(size, 1.0, 0.0)], 0.02, 10.0),
+        ("backward", lambda size: [(size, -1.0, 0.0)], 0.02, 10.0),
+        ("spin", lambda size: [(math.radians(size), 0.0, 1.0)], 10.0, 7.0),
+    ],
+)
+def test_credit_grows_step_by_step_with_what_was_driven(
+    name: str, legs: Callable[[float], list[Leg]], step: float, most: float
+) -> None:
+    totals = [score(graded(name, drive(legs(i * step)))) for i in range(40, 0, -1)]
+    assert totals == sorted(totals, reverse=True)
+    assert (totals[0], totals[-1]) == (100, 10)
+    assert most_lost(totals) < most
+
+
+def most_lost(totals: list[float]) -> float:
+    """The largest loss from one to the next."""
+    return max(before - after for before, after in itertools.pairwise(totals))
 
 
 @pytest.mark.parametrize("sides", POLYGONS)
