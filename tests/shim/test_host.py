@@ -34,6 +34,16 @@ def test_reseeding_without_argument_is_repeatable(run_bare: RunScript) -> None:
     assert run_bare(source, seed=3).stdout == run_bare(source, seed=3).stdout
 
 
+@pytest.mark.parametrize("preload", [(), ("resource",)])
+def test_what_was_used_is_the_virtual_time(run_bare: RunScript, preload: tuple[str, ...]) -> None:
+    source = (
+        "import resource, time\ntime.sleep(2)\nused = resource.getrusage(resource.RUSAGE_SELF)\n"
+        "print(round(used.ru_utime, 3), used.ru_maxrss, sum(used[3:]))\nresource.getrusage(99)\n"
+    )
+    run = run_bare(source, preload=preload)
+    assert (run.stdout, run.exit["message"]) == ("2.0 50000 0\n", "invalid who parameter")
+
+
 def test_urandom_refuses_a_negative_size(run_bare: RunScript) -> None:
     assert run_bare("import os\nprint(os.urandom(0))\nos.urandom(-1)\n").exit["message"] == (
         "negative argument not allowed"

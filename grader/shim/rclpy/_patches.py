@@ -36,6 +36,7 @@ LAZY = {
     "numpy.lib.format": ("_patches_numpy", "patch_format"),
     "queue": ("_patches_threading", "patch_queue"),
     "random": ("_patches_host", "patch_random"),
+    "resource": ("_patches_host", "patch_resource"),
     "sched": ("_patches_time", "patch_sched"),
     "select": ("_patches_select", "patch_select"),
     "selectors": ("_patches_select", "patch_selectors"),
