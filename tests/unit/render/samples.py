@@ -16,6 +16,7 @@ from grader.contracts.trajectory import Command, Contact, Trajectory
 SECOND = 1_000_000_000
 STEP_S = 1 / 60
 START_M = 5.544445
+FIGURES = {"square": (4, 90.0), "triangle": (3, 120.0), "pentagon": (5, 72.0)}
 
 
 def t(zh: str, en: str | None = None) -> Text:
@@ -235,3 +236,13 @@ def assignment(id: str = "square", title: Text | None = None, **changes: object)
         "items": (ItemSpec(id="sides", title=t("四条边"), points=10.0, measure="sides"),),
     }
     return Assignment(**(values | changes))  # type: ignore[arg-type]
+
+
+def figure_of(name: str, wrong: bool = False, heading_deg: float = 0.0) -> tuple[Trajectory, FigureSketch]:
+    count, turn = FIGURES[name]
+    sides, turns = [2.0] * count, [turn] * count
+    if wrong:
+        sides[2], turns[1] = 1.62, turn - 9
+    motion, vertices = polygon(sides, turns, heading_deg=heading_deg)
+    ideal = regular(count, 2.0, heading_deg)
+    return motion, polygon_sketch(vertices, turns, side_m=2.0, turn_deg=turn, ideal=ideal)

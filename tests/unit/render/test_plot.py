@@ -29,10 +29,12 @@ from grader.render.plot import plot
 from grader.render.scene import Scene, compose
 from grader.render.typeface import rc
 from tests.unit.render.samples import (
+    FIGURES,
     SECOND,
     START_M,
     IdealTurtle,
     assignment,
+    figure_of,
     item,
     outcome,
     polygon,
@@ -43,18 +45,7 @@ from tests.unit.render.samples import (
     t,
 )
 
-CIRCLE = {"square": (4, 90.0), "triangle": (3, 120.0), "pentagon": (5, 72.0)}
 EVIL = "\x1b[31m $\\frac{$ 🎉 鱻 \u202e\n" * 3
-
-
-def figure_of(name: str, wrong: bool = False, heading_deg: float = 0.0) -> tuple[Trajectory, FigureSketch]:
-    count, turn = CIRCLE[name]
-    sides, turns = [2.0] * count, [turn] * count
-    if wrong:
-        sides[2], turns[1] = 1.62, turn - 9
-    motion, vertices = polygon(sides, turns, heading_deg=heading_deg)
-    ideal = regular(count, 2.0, heading_deg)
-    return motion, polygon_sketch(vertices, turns, side_m=2.0, turn_deg=turn, ideal=ideal)
 
 
 def spin(turned_rad: float, ok: bool | None) -> tuple[Trajectory, FigureSketch]:
@@ -110,7 +101,7 @@ def test_the_same_bytes_in_another_process() -> None:
     motion, sketch = figure_of("square", wrong=True)
     here = hashlib.sha256(plot(assignment(), square_report(), motion, sketch, form="svg")).hexdigest()
     program = (
-        "import hashlib; from tests.unit.render.test_plot import *;"
+        "import hashlib; from grader.render.plot import plot; from tests.unit.render.samples import *;"
         "m, s = figure_of('square', True);"
         "print(hashlib.sha256(plot(assignment(), square_report(), m, s, form='svg')).hexdigest())"
     )
@@ -164,7 +155,7 @@ def test_turns_to_both_sides_carry_their_sign() -> None:
     assert "−90.0°" in texts
 
 
-@pytest.mark.parametrize("name", CIRCLE)
+@pytest.mark.parametrize("name", FIGURES)
 @pytest.mark.parametrize("wrong", [False, True])
 @pytest.mark.parametrize("heading_deg", [0.0, 20.0, 200.0])
 def test_labels_do_not_cover_each_other(name: str, wrong: bool, heading_deg: float) -> None:
