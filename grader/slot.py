@@ -55,12 +55,12 @@ class Channel:
             os.set_blocking(descriptor, False)
 
     def send(self, message: dict[str, Any], budget_s: float | None = None) -> None:
-        """Send one message.
+        """Send one message, of plain values and contracts.
 
         Raises:
             OSError: the other end is closed, or (TimeoutError) did not take it within `budget_s`.
         """
-        data = json.dumps(message, ensure_ascii=False).encode()
+        data = json.dumps(message, ensure_ascii=False, default=to_plain).encode()
         view = memoryview(len(data).to_bytes(_LENGTH_BYTES, "little") + data)
         deadline_s = _deadline(budget_s)
         while view:
@@ -263,16 +263,16 @@ def result_message(result: GradingResult) -> dict[str, Any]:
     """Return the message that carries `result` to the parent."""
     return {
         "kind": "result",
-        "report": to_plain(result.report),
+        "report": result.report,
         "trajectories": {case: data.decode() for case, data in result.trajectories.items()},
-        "measurements": to_plain(result.measurements),
+        "measurements": result.measurements,
     }
 
 
 def _request(job: GradingJob) -> dict[str, Any]:
     return {
         "kind": "grade",
-        "job": {"file_name": job.file_name, "assignment": to_plain(job.assignment)},
+        "job": {"file_name": job.file_name, "assignment": job.assignment},
         "source": base64.b64encode(job.source).decode(),
     }
 

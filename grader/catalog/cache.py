@@ -74,10 +74,10 @@ class AssignmentCache:
         with suppress(OSError):
             entry: dict[str, Any] = {
                 "key": self._digest(path, source),
-                "assignment": to_plain(assignment),
+                "assignment": assignment,
             }
             self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            draft.write_text(json.dumps(entry), encoding="utf-8")
+            draft.write_text(json.dumps(entry, default=to_plain), encoding="utf-8")
             draft.replace(file)
 
     def _file(self, path: Path) -> Path:

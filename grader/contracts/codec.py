@@ -7,7 +7,7 @@ validated by pydantic in `grader.catalog`, students' processes never get here.
 import types
 import typing
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, asdict, fields, is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from typing import Any, TypeVar, cast
@@ -16,13 +16,27 @@ T = TypeVar("T")
 _Reader = Callable[[Any], Any]
 
 
-def to_plain(value: Any) -> dict[str, Any]:
-    """Return `value`, a contract dataclass, as nested dicts, lists and scalars."""
-    return asdict(value)
+def to_plain(value: object) -> dict[str, Any]:
+    """Return the fields of a contract dataclass as they are: what `json.dumps` takes as its `default`.
+
+    So JSON is made as it goes: `dataclasses.asdict` would take three times as long to copy everything before.
+
+    Raises:
+        TypeError: `value` is something else.
+    """
+    kind: Any = type(value)
+    return {name: getattr(value, name) for name in _names(kind)}
+
+
+@cache
+def _names(kind: Any) -> tuple[str, ...]:
+    if not is_dataclass(kind):
+        raise TypeError(f"no contract: {kind!r}")
+    return tuple(one.name for one in fields(kind))
 
 
 def from_plain(cls: type[T], data: Mapping[str, Any]) -> T:
-    """Return the `cls` that `to_plain` (or its JSON) came from.
+    """Return the `cls` that was written as JSON with `to_plain`.
 
     Raises:
         ValueError: a field is missing, unknown or of the wrong type; the message names it.

@@ -8,7 +8,6 @@ import gzip
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
 from datetime import datetime
 from typing import Any
 
@@ -54,14 +53,19 @@ def grading_values(
         "report_sha256": hashlib.sha256(content).hexdigest(),
         "report": content,
         "assignment_sha256": assignment_sha256,
-        "measurements": json.dumps(asdict(result.measurements), sort_keys=True, allow_nan=False),
+        "measurements": json.dumps(result.measurements, default=to_plain, sort_keys=True, allow_nan=False),
     }
 
 
 def assignment_values(assignment: Assignment) -> Values:
     """Return the row of an assignment as it is graded."""
     content = json.dumps(
-        to_plain(assignment), ensure_ascii=False, sort_keys=True, separators=(",", ":"), allow_nan=False
+        assignment,
+        default=to_plain,
+        ensure_ascii=False,
+        sort_keys=True,
+        separators=(",", ":"),
+        allow_nan=False,
     ).encode()
     return {"sha256": hashlib.sha256(content).hexdigest(), "content": content}
 

@@ -81,7 +81,7 @@ def test_every_shipped_assignment_is_complete(name: str) -> None:
 @pytest.mark.parametrize("name", CHECKLIST)
 def test_an_assignment_survives_the_way_to_the_grading_process(name: str) -> None:
     assignment = Catalog().get(name)
-    assert from_plain(Assignment, json.loads(json.dumps(to_plain(assignment)))) == assignment
+    assert from_plain(Assignment, json.loads(json.dumps(assignment, default=to_plain))) == assignment
 
 
 def test_one_good_file(tmp_path: Path) -> None:
