@@ -213,9 +213,9 @@ def _vertex(path: Path, turn: Turn) -> int:
 def _span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
     """Return the sample indices of the two vertices of run `index`."""
     run, before, after = segments.runs[index], segments.turns[index], segments.turns[index + 1]
-    start = run.first if index == 0 or before is None else _vertex(path, before)
-    stop = run.last if after is None else _vertex(path, after)
-    return start, stop
+    back = run.first + int(np.argmin(path.along_m[run.first : run.last + 1]))  # of a correction at the start
+    start = back if index == 0 or before is None else _vertex(path, before)
+    return start, run.last if after is None else _vertex(path, after)
 
 
 def _chord(path: Path, start: int, stop: int) -> float:

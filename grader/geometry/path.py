@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-REVERSAL_SHARE = 0.06  # a way back shorter than this share of the path's extent is a correction
+REVERSAL_SHARE = 0.1  # a way back shorter than this share of the path's extent is a correction
 MIN_REVERSAL_M = 0.01
 
 

@@ -64,10 +64,16 @@ def test_an_approach_costs_the_way_back_only_and_the_more_the_longer_it_is() -> 
 
 
 @pytest.mark.parametrize("sides", POLYGONS)
-def test_an_approach_backing_up_leaves_the_last_turn_right(sides: int) -> None:
-    verdict = graded(POLYGONS[sides], drive([(0.6, -1.0, 0.0), (0.1, 0.0, 0.0), *polygon_legs(sides)]))
-    assert [each.id for each in verdict.items if each.earned < each.points] == ["closed"]
-    assert verdict.mistakes == ("approach",)
+def test_an_approach_backing_up_costs_the_way_back_only_too(sides: int) -> None:
+    earned = []
+    for back_m in (0.05, 0.1, 0.15, 0.2, 0.3, 0.6, 1.2):
+        verdict = graded(POLYGONS[sides], drive([(back_m, -1.0, 0.0), (0.1, 0.0, 0.0), *polygon_legs(sides)]))
+        earned.append(score(verdict))
+        assert all(each.earned == each.points for each in verdict.items if each.id != "closed")
+        assert verdict.mistakes == (("approach",) if earned[-1] < 100 else ())
+    assert earned == sorted(earned, reverse=True)
+    assert earned[0] == 100
+    assert earned[-1] < 90
 
 
 def test_what_follows_the_figure_costs_the_more_the_longer_it_is() -> None:
@@ -159,10 +165,12 @@ def test_a_side_in_many_pieces_is_one_side() -> None:
     assert item(verdict, "sides").measured == 4
 
 
-def test_corrections_after_overshooting_do_not_count() -> None:
+@pytest.mark.parametrize("by_m", [0.1, 0.24])
+def test_corrections_after_overshooting_do_not_count(by_m: float) -> None:
+    """The larger one is what a loop at 10 Hz does at 2 m/s."""
     legs: list[Leg] = []
     for _ in range(4):
-        legs += [(2.1, 1.0, 0.0), (0.1, -1.0, 0.0)]
+        legs += [(2.0 + by_m, 1.0, 0.0), (by_m, -1.0, 0.0)]
         legs += [(math.radians(100), 0.0, 1.0), (math.radians(10), 0.0, -1.0)]
     assert score(graded("square", drive(legs))) == 100
 
