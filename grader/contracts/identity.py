@@ -45,11 +45,11 @@ class Member:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosterEntry:
-    """One line of a roster."""
+    """One line of a roster. `role` None: the role that the person has, student for a new one."""
 
     id: str
     name: str
-    role: Role
+    role: Role | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -107,7 +107,7 @@ class Courses:
             return None if row is None else _member(row)
 
     def import_roster(self, course_id: str, entries: Sequence[RosterEntry], actor: str) -> RosterChange:
-        """Add and change members as `entries` say, all of them or none. Nobody is removed.
+        """Add and change members as `entries` say, all of them or none. Nobody is removed, nobody loses a role unasked.
 
         Raises:
             CourseError: there is no such course.
@@ -123,7 +123,7 @@ class Courses:
                 known = session.get(MemberRow, (course_id, entry.id))
                 if known is None:
                     added.append(entry.id)
-                elif (known.name, known.role) != (entry.name, entry.role.value):
+                elif (known.name, known.role) != (entry.name, _role(entry, known)):
                     changed.append(entry.id)
                 else:
                     continue
@@ -132,17 +132,23 @@ class Courses:
         return RosterChange(added=tuple(added), changed=tuple(changed), unchanged=kept)
 
 
+def _role(entry: RosterEntry, known: MemberRow | None) -> str:
+    if entry.role is not None:
+        return entry.role.value
+    return Role.STUDENT.value if known is None else known.role
+
+
 def _put(
     session: Session, signed: Signature, course: str, entry: RosterEntry, known: MemberRow | None
 ) -> None:
-    after = {"name": entry.name, "role": entry.role.value}
+    after = {"name": entry.name, "role": _role(entry, known)}
     subject = f"member {entry.id}"
     if known is None:
         session.add(MemberRow(course=course, person=entry.id, created_at=signed.at, **after))
         record(session, signed, "member.add", subject, after=after)
     else:
         before = {"name": known.name, "role": known.role}
-        known.name, known.role = entry.name, entry.role.value
+        known.name, known.role = after["name"], after["role"]
         record(session, signed, "member.change", subject, before=before, after=after)
 
 

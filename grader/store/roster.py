@@ -135,11 +135,13 @@ def _entry(row: dict[str | Any, str | Any]) -> RosterEntry:
             "more cells than columns: put quotes around a name with a comma",
             "单元格比列多：名字里有逗号时要加引号",
         )
-    role = (row.get("role") or "").strip().lower() or Role.STUDENT.value
+    role = (row.get("role") or "").strip().lower()
     role = _ROLES.get(role, role)
-    if role not in list(Role):
+    if role and role not in list(Role):
         known = ", ".join(Role)
         raise CourseError(f"{role!r} is no role: use {known}", f"没有角色 {role!r}：只能用 学生、助教、教师")
     return RosterEntry(
-        id=_checked_student((row["id"] or "").strip()), name=checked_name(row["name"] or ""), role=Role(role)
+        id=_checked_student((row["id"] or "").strip()),
+        name=checked_name(row["name"] or ""),
+        role=Role(role) if role else None,
     )

@@ -25,7 +25,7 @@ def courses(database: Database, clock: FakeClock) -> Courses:
     return made
 
 
-def entry(person: str, name: str = "x", role: Role = Role.STUDENT) -> RosterEntry:
+def entry(person: str, name: str = "x", role: Role | None = Role.STUDENT) -> RosterEntry:
     return RosterEntry(id=person, name=name, role=role)
 
 
@@ -34,7 +34,7 @@ def test_a_roster_may_have_its_chinese_names() -> None:
     assert [(one.id, one.role) for one in read_roster(content)] == [
         ("1", Role.STUDENT),
         ("2", Role.ASSISTANT),
-        ("3", Role.STUDENT),
+        ("3", None),
         ("4", Role.INSTRUCTOR),
     ]
     with pytest.raises(CourseError, match="two columns 'id'"):
@@ -75,19 +75,19 @@ def test_a_course_that_cannot_be(courses: Courses, course: str, title: str, zone
 def test_a_roster_comes_from_a_spreadsheet(encoding: str) -> None:
     entries = read_roster(ROSTER.replace(b"\n", b"\r\n").decode().encode(encoding))
     assert [(one.id, one.name, one.role) for one in entries] == [
-        ("20260001", "李雷", "student"),
+        ("20260001", "李雷", None),
         ("20260002", "韩梅梅", "student"),
         ("ta", "助教", "assistant"),
     ]
 
 
 def test_a_roster_needs_no_roles_and_minds_no_other_columns() -> None:
-    assert read_roster(b'Name , ID,class\n"Li, Lei",1,3\n') == (entry("1", "Li, Lei"),)
+    assert read_roster(b'Name , ID,class\n"Li, Lei",1,3\n') == (entry("1", "Li, Lei", None),)
 
 
 def test_lines_without_anybody_are_skipped() -> None:
     content = b"id,name,role\r\n,,\r\n\r\n1,a,\r\n , ,\r\n,,,,\r\n"
-    assert read_roster(content) == (entry("1", "a"),)
+    assert read_roster(content) == (entry("1", "a", None),)
 
 
 def test_what_is_wrong_with_a_roster_is_told_in_its_own_words() -> None:
@@ -145,6 +145,18 @@ def test_importing_again_changes_only_what_changed(courses: Courses, database: D
     assert (newest.actor, newest.action, newest.subject) == ("wang", "member.change", "member ta")
     assert newest.before == {"name": "助教", "role": "assistant"}
     assert newest.after == {"name": "助教", "role": "instructor"}
+
+
+def test_who_is_in_the_course_keeps_the_role_unless_the_roster_names_one(courses: Courses) -> None:
+    courses.import_roster("ros", read_roster(ROSTER), "wang")
+    later = courses.import_roster(
+        "ros", read_roster("学号,姓名\nta,韩\n3,新\n20260001,李雷\n".encode()), "wang"
+    )
+    assert (later.added, later.changed, later.unchanged) == (("3",), ("ta",), 1)
+    assert [(one.id, one.name) for one in courses.members("ros", Role.ASSISTANT)] == [("ta", "韩")]
+    assert [one.id for one in courses.members("ros", Role.STUDENT)] == ["20260001", "20260002", "3"]
+    courses.import_roster("ros", read_roster("学号,姓名,角色\nta,韩,学生\n".encode()), "wang")
+    assert courses.member("ros", "ta").role is Role.STUDENT
 
 
 def test_an_import_into_no_course_changes_nothing(courses: Courses, database: Database) -> None:
