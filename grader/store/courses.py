@@ -107,7 +107,7 @@ class Courses:
             return None if row is None else _member(row)
 
     def import_roster(self, course_id: str, entries: Sequence[RosterEntry], actor: str) -> RosterChange:
-        """Add and change members as `entries` say, all of them or none. Nobody is removed, nobody loses a role unasked.
+        """Add and change members as `entries` say, all of them or none. Nobody is removed.
 
         Raises:
             CourseError: there is no such course.
