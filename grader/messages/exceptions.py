@@ -37,6 +37,10 @@ _SIGNS: Final = tuple(
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
         (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
         (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
+        (
+            r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\(",
+            "text_for_number",
+        ),
         (r"TypeError: '(float|str)' object cannot be interpreted as an integer", "whole_number"),
         (r"RecursionError: ", "recursion"),
         (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
@@ -77,7 +81,7 @@ _SIGNS: Final = tuple(
             "name_taken",
         ),
         (r"AttributeError: ", "unknown_attribute"),
-        (r"NameError: name '(?=\w*_)_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
+        (r"NameError: name '(?=(\w*_){2})_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
         (r"NameError: ", "unknown_name"),
         (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
         (

@@ -40,9 +40,21 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "whole_number",
             ("range(4)",),
         ),
+        (
+            error("TypeError", "'str' object cannot be interpreted as an integer", "    range(input())"),
+            "whole_number",
+            ("int(",),
+        ),
+        (
+            error("TypeError", "'str' object cannot be interpreted as an integer", "    time.sleep(t)"),
+            "text_for_number",
+            ("float(",),
+        ),
         (error("RecursionError", "maximum recursion depth exceeded"), "recursion", ("17", "exceeded")),
         (error("NameError", "name '_name_' is not defined"), "underscores", ("__main__",)),
+        (error("NameError", "name '__main__' is not defined"), "underscores", ("__main__",)),
         (error("NameError", "name 'name' is not defined"), "unknown_name", ("'name'",)),
+        (error("NameError", "name 'name_' is not defined"), "unknown_name", ("'name_'",)),
         (error("AttributeError", "'Twist' object has no attribute 'liner'"), "unknown_field", ("liner",)),
         (
             error("TypeError", "Vector3.__init__() takes 1 positional argument but 4 were given"),
