@@ -18,7 +18,8 @@ COMMAND = ("-s", "-P", "-S", "-B", "-c")
 """Isolates the interpreter as in the jail (`-I` would ignore PYTHONHASHSEED); the program follows."""
 
 _PROGRAM = """
-import os, resource, _socket
+import os, resource, sys, _socket
+del sys.modules["resource"]  # a script finds it where `load` brings it, and imports it itself elsewhere
 {load}
 control = _socket.socket(_socket.AF_UNIX, _socket.SOCK_STREAM, 0, {control})
 while True:
