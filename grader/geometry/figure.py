@@ -8,6 +8,7 @@ import numpy as np
 from grader.contracts.record import positional_record
 from grader.geometry.path import Path
 from grader.geometry.segmentation import MIN_TURN_RAD, Run, Segments, Turn
+from grader.geometry.vertices import chord, span
 
 FULL_TURN_RAD = 2.0 * math.pi
 MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
@@ -124,7 +125,7 @@ def _backs_up(path: Path, run: Run) -> bool:
 def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> _Extent:
     """Find the figure: the first one that closes, else the first one whose direction comes round."""
     total = len(segments.runs)
-    lengths = [_chord(path, *_span(path, segments, i)) for i in range(total)]
+    lengths = [chord(path, *span(path, segments, i)) for i in range(total)]
     lap = _comes_round(corners) or total
     if _halves(lengths, corners, lap):
         return _Extent(0, total, joined=True)
@@ -177,8 +178,8 @@ def _closed(
         count = _comes_round(corners[first:])
         if count is None or count < 3 or not _alike(corners[first : first + count - 1]):
             continue
-        start, end = _span(path, segments, first)[0], _span(path, segments, first + count - 1)[1]
-        gap = _chord(path, start, end) / sum(lengths[first : first + count])
+        start, end = span(path, segments, first)[0], span(path, segments, first + count - 1)[1]
+        gap = chord(path, start, end) / sum(lengths[first : first + count])
         if gap <= CLOSED_SHARE:
             return first, count
         if nearly is None and count == sides and gap <= NEARLY_CLOSED_SHARE:
@@ -204,32 +205,14 @@ def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
     )
 
 
-def _vertex(path: Path, turn: Turn) -> int:
-    """Return the sample at which half of the turn is done."""
-    travel = path.travel_rad[turn.first : turn.last + 1]
-    return turn.first + int(np.argmin(np.abs(travel - (travel[0] + travel[-1]) / 2.0)))
-
-
-def _span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
-    """Return the sample indices of the two vertices of run `index`."""
-    run, before, after = segments.runs[index], segments.turns[index], segments.turns[index + 1]
-    back = run.first + int(np.argmin(path.along_m[run.first : run.last + 1]))  # of a correction at the start
-    start = back if index == 0 or before is None else _vertex(path, before)
-    return start, run.last if after is None else _vertex(path, after)
-
-
-def _chord(path: Path, start: int, stop: int) -> float:
-    return math.hypot(float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start]))
-
-
 def _figure(
     path: Path, segments: Segments, corners: list[float], extent: _Extent, *, at_rest: bool
 ) -> PolygonFigure:
     first, stop = extent.first, extent.first + extent.count
-    spans = [_span(path, segments, i) for i in range(first, stop)]
+    spans = [span(path, segments, i) for i in range(first, stop)]
     closing = segments.turns[stop] if len(corners) >= stop else None
     end = segments.runs[stop - 1].last if closing is None else closing.last
-    sides = [_chord(path, *span) for span in spans]
+    sides = [chord(path, *one) for one in spans]
     start, rest = segments.runs[0].first, len(path) - 1 if extent.overrun and at_rest else end
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
     curved_m = sum(turn.length_m for turn in segments.turns[first + 1 : stop] if turn is not None)
@@ -253,7 +236,7 @@ def _figure(
         start=start,
         end=end,
         rest=rest,
-        gap_m=_chord(path, start, rest),
+        gap_m=chord(path, start, rest),
         curved_share=curved_m / driven_m if driven_m > 0.0 else 0.0,
         repeated=extent.repeated,
         overrun=extent.overrun,

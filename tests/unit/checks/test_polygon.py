@@ -76,6 +76,20 @@ def test_an_approach_backing_up_costs_the_way_back_only_too(sides: int) -> None:
     assert earned[-1] < 90
 
 
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_a_way_back_at_the_end_costs_the_more_the_longer_it_is(sides: int) -> None:
+    earned = []
+    for back_m in (0.05, 0.1, 0.2, 0.25, 0.35, 0.45, 0.6, 1.2):
+        legs = [*polygon_legs(sides, last_turn=False), (back_m, -1.0, 0.0)]
+        verdict = graded(POLYGONS[sides], drive(legs))
+        earned.append(score(verdict))
+        assert item(verdict, "lengths").earned == 20
+        assert verdict.mistakes in {(), ("drove_on",)}
+    assert earned == sorted(earned, reverse=True)
+    assert earned[0] == 100
+    assert earned[-1] < 90
+
+
 def test_what_follows_the_figure_costs_the_more_the_longer_it_is() -> None:
     earned = []
     for after_m in (0.1, 0.3, 0.5, 0.8, 1.2, 1.6, 1.8, 1.9, 2.0):
