@@ -17,6 +17,7 @@ from grader.contracts.judgement import judged, to_judge
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus, summed
 from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.text import LANGUAGES
 from grader.routes.services import Services
 
 _EMPTY = {"zh": "", "en": ""}
@@ -83,7 +84,8 @@ def _without_score(submission: Submission) -> Submission:
 
 
 def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
-    items = [item for item in report["items"] if not rules.is_hidden(item["id"], hidden)]
+    titles = [item["title"] for item in report["items"] if rules.is_hidden(item["id"], hidden)]
+    items = [_silent(item, titles) for item in report["items"] if not rules.is_hidden(item["id"], hidden)]
     waits = _waits(items)
     unknown = waits or (report["score"] is None and not _waits(report["items"]))
     earned = None if unknown else summed(item["earned"] for item in items)
@@ -92,6 +94,12 @@ def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
     if not unknown and report["status"] == GradeStatus.NEEDS_MANUAL.value:
         about_the_whole["status"] = GradeStatus.GRADED.value  # whoever sees the rest waits for nobody
     return {**report, **about_the_whole, "items": items, "score": earned, "max_score": points}
+
+
+def _silent(item: dict[str, Any], titles: Iterable[Mapping[str, str]]) -> dict[str, Any]:
+    """Return an item without its sentence where that tells how hidden ones, which it needs, have done."""
+    named = any(title[language] in item["message"][language] for title in titles for language in LANGUAGES)
+    return {**item, "message": _EMPTY} if named and item["status"] != ItemStatus.PASSED.value else item
 
 
 def _waits(items: Iterable[Mapping[str, Any]]) -> bool:

@@ -2,14 +2,19 @@
 
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from datetime import timedelta
 from typing import Any
 
 import httpx
 import pytest
 
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.rubric import ItemStatus
+from grader.messages import say
 from grader.routes.services import Services
 from tests.fakes.clock import START, FakeClock
+from tests.fakes.grading import grade, grade_next
 
 Upload = Callable[..., httpx.Response]
 POLICY = "/api/v1/assignments/square/policy"
@@ -235,3 +240,28 @@ def test_hidden_items_are_nowhere_until_their_date(
     clock.advance(1000)
     assert client.get(url, headers=student).json()["score"] == 10.0
     assert "closed" in client.get("/api/v1/assignments/square", headers=student).text
+
+
+@pytest.mark.parametrize("sentence", ["item.not_checked", "item.in_part"])
+def test_what_needs_a_hidden_item_does_not_tell_of_it(
+    client: httpx.Client,
+    ruled: Callable[..., httpx.Response],
+    hand_in: Callable[..., httpx.Response],
+    services: Services,
+    school: Any,
+    sentence: str,
+) -> None:
+    def grading(job: GradingJob) -> GradingResult:
+        result = grade(job)
+        sides, closed = result.report.items
+        told = say(sentence, seen="", share="50 %", items=sides.title)
+        closed = replace(closed, status=ItemStatus.NOT_CHECKED, message=told)
+        return replace(result, report=replace(result.report, items=(sides, closed)))
+
+    url = hand_in(b"bad\n").headers["Location"]
+    assert grade_next(services.queue, services.assignments, grading)
+    assert "边数" in client.get(url, headers=school.as_("li")).json()["rubric"][1]["message"]
+    ruled(hidden_items=["sides"])
+    for path in (url, url + "/report"):
+        assert "边数" not in client.get(path, headers=school.as_("li")).text
+    assert "边数" in client.get(url, headers=school.as_("wang")).json()["rubric"][1]["message"]
