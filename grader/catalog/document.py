@@ -20,7 +20,7 @@ _NO_FIELDS = Text(
 
 
 class _StrictLoader(_Loader):  # type: ignore[misc]
-    """Refuses a key given twice, which YAML forbids and PyYAML ignores, and one that is no text."""
+    """Refuses a key given twice, which YAML forbids and PyYAML ignores, one that is no text, and broken values."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[str] = set()
@@ -37,6 +37,12 @@ class _StrictLoader(_Loader):  # type: ignore[misc]
             seen.add(key.value)
         mapping: dict[Any, Any] = super().construct_mapping(node, deep=deep)
         return mapping
+
+    def construct_object(self, node: yaml.Node, deep: bool = False) -> Any:
+        try:
+            return super().construct_object(node, deep=deep)
+        except (ValueError, LookupError, AttributeError) as error:  # the 30th of February, `!!bool maybe`
+            raise yaml.constructor.ConstructorError(None, None, str(error), node.start_mark) from error
 
 
 @dataclass(frozen=True, slots=True)
