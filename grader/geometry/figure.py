@@ -237,7 +237,7 @@ def _figure(
         end=end,
         rest=rest,
         gap_m=chord(path, start, rest),
-        curved_share=curved_m / driven_m if driven_m > 0.0 else 0.0,
+        curved_share=max(curved_m, 0.0) / driven_m if driven_m > 0.0 else 0.0,  # a turn within a correction goes back
         repeated=extent.repeated,
         overrun=extent.overrun,
     )

@@ -186,7 +186,9 @@ def test_corrections_after_overshooting_do_not_count(by_m: float) -> None:
     for _ in range(4):
         legs += [(2.0 + by_m, 1.0, 0.0), (by_m, -1.0, 0.0)]
         legs += [(math.radians(100), 0.0, 1.0), (math.radians(10), 0.0, -1.0)]
-    assert score(graded("square", drive(legs))) == 100
+    verdict = graded("square", drive(legs))
+    assert score(verdict) == 100
+    assert 0.0 <= (item(verdict, "straight").measured or 0.0) < 1.0
 
 
 def test_a_wobbling_heading_controller_is_right() -> None:
