@@ -219,6 +219,7 @@ def _figure(
     curved_m += sum(_bent_m(run) for run in segments.runs[first:stop])
     if closing is not None:
         curved_m += closing.length_m
+    curved_m = max(curved_m, 0.0)  # a turn within a correction goes back
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
     inner, last_turn_rad = corners[first : stop - 1], 0.0
@@ -237,7 +238,7 @@ def _figure(
         end=end,
         rest=rest,
         gap_m=chord(path, start, rest),
-        curved_share=max(curved_m, 0.0) / driven_m if driven_m > 0.0 else 0.0,  # a turn within a correction goes back
+        curved_share=curved_m / driven_m if driven_m > 0.0 else 0.0,
         repeated=extent.repeated,
         overrun=extent.overrun,
     )
