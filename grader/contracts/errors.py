@@ -84,8 +84,9 @@ class JudgementError(GraderError):
     """A person's points for a rubric item cannot be taken.
 
     Attributes:
-        code: ``submission``: there is none, or no grading; ``item``: no person judges it; ``range``: the points
-            are not in [0, the item's points]; ``stale``: somebody else judged it, or it was graded again,
+        code: ``submission``: there is none, or no grading; ``item``: it has no such item; ``role``: the machine
+            judged it, which only instructors correct; ``range``: the points are not in [0, the item's points];
+            ``reason``: a correction needs a comment; ``stale``: somebody else judged it, or it was graded again,
             since it was looked at.
     """
 

@@ -1,6 +1,7 @@
-"""What people decide about rubric items that no machine judges, and how it adds up with what a machine did.
+"""What people decide about rubric items, and how it adds up with what a machine did.
 
-A report is never changed. Judgements stand beside it; `composed` is the one place that puts the two together.
+People give points for what no machine judges, and instructors correct what a machine judged wrongly. A report is
+never changed. Judgements stand beside it; `composed` is the one place that puts the two together.
 """
 
 import json
@@ -13,7 +14,7 @@ from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport, status_of
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.submission import StoredReport
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 
 LONGEST_COMMENT = 2_000
 """Characters of a comment for the student."""
@@ -27,8 +28,10 @@ class Judgement:
 
     Attributes:
         revision: 1 for the first judgement of the item, then 2, ...
-        points: 0 <= points <= out_of, rounded to 1e-2. out_of: most the item could earn then.
-        comment: for the student; may be empty.
+        points: 0 <= points <= out_of, rounded to 1e-2.
+        out_of: most the item could earn then; 0 takes back what was decided about what a machine judges, so that
+            the machine's points count again.
+        comment: for the student; may be empty for what no machine judges.
         attempt: number of the grading that was looked at. source_sha256: digest of the answer.
     """
 
@@ -57,14 +60,17 @@ class ItemScore:
 def standing(item: str, points: float, judgements: Iterable[Judgement]) -> Judgement | None:
     """Return the latest judgement of an item that was made out of as many `points` as it has, or None.
 
-    When the rubric gives an item other points, what was decided about it stands no longer.
+    When the rubric gives an item other points, what was decided about it stands no longer; nor does what was
+    taken back.
     """
-    fitting = (one for one in judgements if one.item == item and one.out_of == points)
+    own = [one for one in judgements if one.item == item]
+    taken_back = max((one.revision for one in own if one.out_of == 0.0 < points), default=0)
+    fitting = (one for one in own if one.out_of == points and one.revision > taken_back)
     return max(fitting, key=lambda one: one.revision, default=None)
 
 
 def settled(items: Iterable[ItemScore], judgements: Sequence[Judgement]) -> tuple[ItemScore, ...]:
-    """Return the items with what people gave in the place of what waited for them."""
+    """Return the items with what people gave in the place of what waited for them, or of a machine's points."""
     return tuple(_settled(item, judgements) for item in items)
 
 
@@ -81,18 +87,32 @@ def to_judge(items: Iterable[ItemScore | RubricItem]) -> int:
 def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeReport:
     """Return `report` with the judgements that stand: points, comments, and the total once nothing waits.
 
-    The result is what people are shown; the report that was stored, and its digest, stay what they are.
+    The result is what people are shown; the report that was stored, and its digest, stay what they are. Each item
+    stands for itself: one that depends on a corrected one keeps what the machine gave.
     """
-    if not to_judge(report.items):
+    machine = tuple(score_of(item) for item in report.items)
+    scores = settled(machine, judgements)
+    if scores == machine:
         return report
-    scores = settled((score_of(item) for item in report.items), judgements)
     items = tuple(_judged(item, score, judgements) for item, score in zip(report.items, scores, strict=True))
     score, told = total(scores), report.summary
     if score is not None:
         points = f"{written(score)} / {written(report.max_score)}"
         told = Text(zh=f"已人工评分：{points} 分。", en=f"A person has graded this: {points} points.")
-    status = status_of(items, (run.outcome for run in report.runs))
-    return replace(report, items=items, score=score, status=status, summary=told)
+        if not to_judge(machine):
+            told = Text(zh=f"教师改过分：{points} 分。", en=f"A teacher corrected this: {points} points.")
+    followed = all(item.status is ItemStatus.PASSED for item in items) or (
+        report.hint in [item.hint for item in report.items]
+        and report.hint not in [item.hint for item in items]
+    )
+    return replace(
+        report,
+        items=items,
+        score=score,
+        status=status_of(items, (run.outcome for run in report.runs)),
+        summary=told,
+        hint=EMPTY if followed else report.hint,
+    )
 
 
 def judged(stored: StoredReport) -> GradeReport:
@@ -106,10 +126,8 @@ def score_of(item: RubricItem) -> ItemScore:
 
 
 def _settled(item: ItemScore, judgements: Sequence[Judgement]) -> ItemScore:
-    if item.status is not ItemStatus.NEEDS_MANUAL:
-        return item
     found = standing(item.item, item.points, judgements)
-    if found is None:
+    if found is None or (item.status is not ItemStatus.NEEDS_MANUAL and found.points == item.earned):
         return item
     if found.points >= item.points:
         status = ItemStatus.PASSED
@@ -119,9 +137,20 @@ def _settled(item: ItemScore, judgements: Sequence[Judgement]) -> ItemScore:
 
 
 def _judged(item: RubricItem, score: ItemScore, judgements: Sequence[Judgement]) -> RubricItem:
-    if score.status is item.status:
+    if score == score_of(item):
         return item
     found = standing(item.id, item.points, judgements)
     comment = "" if found is None else found.comment
     message = Text(zh=comment, en=comment) if comment else _JUDGED
-    return replace(item, earned=score.earned, status=score.status, message=message)
+    if item.status is not ItemStatus.NEEDS_MANUAL:
+        message = _corrected(written(item.earned), written(score.earned), comment)
+    hint = EMPTY if score.status is ItemStatus.PASSED else item.hint
+    return replace(item, earned=score.earned, status=score.status, message=message, hint=hint)
+
+
+def _corrected(machine: str, given: str, comment: str) -> Text:
+    """Return how a student is told that somebody changed what the machine gave."""
+    return Text(
+        zh=f"教师把得分从 {machine} 改为 {given}" + (f"：{comment}" if comment else "。"),
+        en=f"A teacher changed the points from {machine} to {given}" + (f": {comment}" if comment else "."),
+    )

@@ -46,7 +46,8 @@ class ScoreChange:
 
     Attributes:
         kept: rubric items whose judgement by a person stands in the new grading, too.
-        void: those whose judgement does not, because the rubric gives them other points or none.
+        void: those whose judgement does not, because the rubric gives them other points or none: they wait for
+            a person again, or the machine's points count.
     """
 
     submission: str

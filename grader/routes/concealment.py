@@ -61,10 +61,10 @@ def shown(
         sha256=digest,
         judgements=tuple(one for one in stored.judgements if not rules.is_hidden(one.item, hidden)),
     )
-    if submission.to_judge is None:
+    if submission.to_judge is None and not copy.judgements:
         return told, copy
     whole = judged(copy)
-    waiting = to_judge(whole.items)
+    waiting = None if submission.to_judge is None else to_judge(whole.items)
     return replace(told, score=whole.score, verdict=whole.status, to_judge=waiting), copy
 
 

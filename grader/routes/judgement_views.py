@@ -1,4 +1,4 @@
-"""What people judge, as the interface shows it."""
+"""What people judge and correct, as the interface shows it."""
 
 from collections.abc import Iterable, Mapping
 from datetime import datetime
@@ -37,7 +37,8 @@ class JudgementBody(BaseModel):
         Field(
             max_length=LONGEST_COMMENT,
             pattern=r"^[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]*$",
-            description="For the student, in place of the sentence that says that somebody graded this.",
+            description="For the student, in place of the sentence that says that somebody graded this. Required "
+            "where the machine judged.",
             examples=["What a timer does is right; say also who calls the callback."],
         ),
     ] = ""
@@ -48,7 +49,9 @@ class JudgementView(BaseModel):
 
     revision: int = Field(description="1 for the first judgement of the item.", examples=[1])
     points: float = Field(examples=[22.5])
-    out_of: float = Field(description="Most the item could earn then.", examples=[45.0])
+    out_of: float = Field(
+        description="Most the item could earn then; 0: earlier corrections were taken back.", examples=[45.0]
+    )
     comment: str
     by: str = Field(examples=["wang"])
     at: datetime
@@ -57,13 +60,20 @@ class JudgementView(BaseModel):
 
 
 class ManualItemView(BaseModel):
-    """One rubric item that a person judges."""
+    """One rubric item, and what people gave for it."""
 
     item: str = Field(examples=["timer"])
     title: str = Field(examples=["What create_timer does"])
     points: float = Field(description="Most it can earn.", examples=[45.0])
-    waits: bool = Field(description="Nobody has judged it yet, or not since it has these points.")
-    judgement: JudgementView | None = Field(description="The one that counts; null while it waits.")
+    machine: float | None = Field(
+        description="What the machine gave; null: it leaves the item to people.", examples=[None]
+    )
+    waits: bool = Field(
+        description="It is left to people, and nobody has judged it yet, or not since it has these points."
+    )
+    judgement: JudgementView | None = Field(
+        description="The one that counts; null while it waits, or while the machine's points count."
+    )
     history: list[JudgementView] = Field(description="All, oldest first.")
     etag: str = Field(
         description="Of this state: to be sent as If-Match with the next judgement.",
@@ -72,7 +82,7 @@ class ManualItemView(BaseModel):
 
 
 class ManualItemsView(BaseModel):
-    """What people judge of one submission."""
+    """The rubric items of one submission, and what people gave for them."""
 
     submission: str = Field(description="Its address.")
     source: str = Field(description="Address of the answer as it was handed in.")
@@ -118,7 +128,7 @@ class WaitingList(BaseModel):
 def manual_items(
     submission: Submission, stored: StoredReport, machine: GradeReport, language: Language
 ) -> ManualItemsView:
-    """Return what people judge of a submission; `machine` is its report without their points."""
+    """Return what people gave for a submission's items; `machine` is its report without their points."""
     own = SUBMISSIONS + submission.id
     return ManualItemsView(
         submission=own,
@@ -127,13 +137,8 @@ def manual_items(
         assignment=submission.assignment,
         score=submission.score,
         max_score=submission.max_score,
-        items=[_item(item, stored, language) for item in manual(machine)],
+        items=[_item(item, stored, language) for item in machine.items],
     )
-
-
-def manual(machine: GradeReport) -> list[RubricItem]:
-    """Return the items of a machine's report that are left to people."""
-    return [item for item in machine.items if item.status is ItemStatus.NEEDS_MANUAL]
 
 
 def waiting_list(
@@ -177,11 +182,13 @@ def waiting_list(
 def _item(item: RubricItem, stored: StoredReport, language: Language) -> ManualItemView:
     own = [one for one in stored.judgements if one.item == item.id]
     counting = standing(item.id, item.points, own)
+    manual = item.status is ItemStatus.NEEDS_MANUAL
     return ManualItemView(
         item=item.id,
         title=item.title.get(language),
         points=item.points,
-        waits=counting is None,
+        machine=None if manual else item.earned,
+        waits=manual and counting is None,
         judgement=None if counting is None else _judgement(counting),
         history=[_judgement(one) for one in own],
         etag=f'"{tag(own[-1] if own else None, stored.sha256)}"',

@@ -1,4 +1,4 @@
-"""Points that people give for what no machine judges: what waits for them, and what they gave."""
+"""Points that people give for what no machine judges or correct: what waits for them, and what they gave."""
 
 import json
 import math
@@ -11,6 +11,7 @@ from grader.contracts.errors import JudgementError
 from grader.contracts.identity import Caller
 from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport
+from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language, Text
 from grader.routes.access import ENTRY_PROBLEMS, StaffDep
@@ -19,7 +20,6 @@ from grader.routes.judgement_views import (
     ManualItemsView,
     ManualItemView,
     WaitingList,
-    manual,
     manual_items,
     waiting_list,
 )
@@ -53,6 +53,11 @@ _Id = Annotated[str | None, Query(max_length=128)]
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
 _MOST_PER_PAGE = 500
 _MOST = 1_000_000
+_REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden"}
+_REASON = Text(
+    zh="改机器评的分要写原因，学生会看到。",
+    en="Say why the machine's points are changed; the student sees it.",
+)
 _ETAG = {"ETag": {"description": "Of the item's state.", "schema": {"type": "string"}}}
 
 
@@ -101,17 +106,19 @@ def waiting(  # noqa: PLR0913
 
 
 @of_submission.get(
-    "/{submission_id}/judgements", summary="What people judge of a submission", responses=responses(*_KNOWN)
+    "/{submission_id}/judgements",
+    summary="What people gave for a submission's items",
+    responses=responses(*_KNOWN),
 )
 def read_judgements(
     services: ServicesDep, _caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
 ) -> ManualItemsView:
-    """Return the items left to people, with what was given by whom and when."""
+    """Return every rubric item, whether it is left to people, and what was given by whom and when."""
     return items_of(services, language, submission_id)
 
 
 def items_of(services: Services, language: Language, submission_id: str) -> ManualItemsView:
-    """Return what people judge of a submission.
+    """Return the rubric items of a submission with what people gave for them.
 
     Raises:
         ProblemError: there is no such submission, or no grading yet.
@@ -122,7 +129,7 @@ def items_of(services: Services, language: Language, submission_id: str) -> Manu
 
 @of_submission.get(
     "/{submission_id}/judgements/{item:path}",
-    summary="What people judge of one rubric item",
+    summary="What people gave for one rubric item",
     responses={200: {"headers": _ETAG}, **responses(*_KNOWN, "item_not_found")},
 )
 def read_judgement(
@@ -172,7 +179,8 @@ def judge(  # noqa: PLR0913
 ) -> ManualItemView:
     """Add a judgement, which takes the place of an earlier one; both stay in the history and the audit log.
 
-    Assistants and instructors may. Once nothing of a submission waits any more, its score is complete.
+    Assistants and instructors may. Once nothing of a submission waits any more, its score is complete. What the
+    machine judged only instructors correct, with a comment; the machine's own points take a correction back.
     """
     give(services, caller, submission_id, item, body, if_match)
     return _tagged(services, language, response, submission_id, item)
@@ -189,11 +197,17 @@ def give(  # noqa: PLR0913, PLR0917
     """Keep what a person gives for an item in the state that `if_match` names.
 
     Raises:
-        ProblemError: the points do not fit, nobody judges such an item, or somebody judged it meanwhile.
+        ProblemError: the points do not fit, there is no such item, only an instructor may correct it, the reason
+            is missing, or somebody judged it meanwhile.
     """
     if not math.isclose(body.points, round(body.points, 2), abs_tol=1e-9):
         raise ProblemError("invalid_points", field="points")
-    given = Given(item=item, points=round(body.points, 2), comment=body.comment.replace("\r\n", "\n"))
+    given = Given(
+        item=item,
+        points=round(body.points, 2),
+        comment=body.comment.replace("\r\n", "\n"),
+        corrects=caller.is_instructor,
+    )
     signed = Signature(services.clock(), caller.course, caller.signature)
     try:
         services.judgements.judge(submission_id, given, seen(if_match), signed)
@@ -202,14 +216,16 @@ def give(  # noqa: PLR0913, PLR0917
 
 
 def _problem(services: Services, submission_id: str, given: Given, error: JudgementError) -> ProblemError:
-    if error.code == "stale":
-        return ProblemError("judged_meanwhile")
-    known = manual(_machine(graded(services, submission_id)[1]))
+    if error.code in _REFUSALS:
+        return ProblemError(_REFUSALS[error.code])
+    if error.code == "reason":
+        return ProblemError("invalid_request", _REASON, field="comment")
+    items = _machine(graded(services, submission_id)[1]).items
     if error.code == "range":
-        most = next((written(one.points) for one in known if one.id == given.item), "?")
+        most = next((written(one.points) for one in items if one.id == given.item), "?")
         detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
         return ProblemError("invalid_points", detail, field="points")
-    allowed = [one.id for one in known]
+    allowed = [one.id for one in items if given.corrects or one.status is ItemStatus.NEEDS_MANUAL]
     return ProblemError("item_not_found", field="item", allowed=allowed)
 
 

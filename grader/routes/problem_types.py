@@ -108,7 +108,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     ),
     "item_not_found": ProblemType(
         status=404,
-        title=Text(zh="没有这个人工评分的项目", en="There is no such rubric item for people to judge"),
+        title=Text(zh="没有这个评分项", en="There is no such rubric item"),
         fix=Text(zh="使用 allowed 中的项目之一。", en="Use one of the items in allowed."),
     ),
     "problem_not_found": ProblemType(

@@ -1,6 +1,7 @@
 """What the car did: the trajectory as columns of numbers, and as a picture."""
 
 import gzip
+from dataclasses import replace
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
@@ -10,6 +11,7 @@ from pydantic import BaseModel, Field
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import PictureForm
 from grader.contracts.identity import Caller
+from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep
@@ -190,4 +192,7 @@ def _drawable(
     known = graded_one or require_published(services, submission.assignment)
     assignment = shown_assignment(services, caller, known)
     content, _ = _recorded(services, report, case)
+    if report.judgements:  # the picture has the score
+        whole = judged(report)
+        report = replace(report, content=whole.canonical_bytes(), sha256=whole.sha256())
     return assignment, report, gzip.decompress(content), _case_id(report, case)

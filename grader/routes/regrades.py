@@ -72,7 +72,10 @@ class ScoreChangeView(BaseModel):
     after: float | None = Field(examples=[10.0])
     items: list[ItemChangeView]
     kept: list[str] = Field(description="Items whose judgement by a person stands in the new grading, too.")
-    void: list[str] = Field(description="Items that a person has to judge again: their points changed.")
+    void: list[str] = Field(
+        description="Items whose judgement does not, as their points changed: a person judges them again, or the "
+        "machine's points count."
+    )
 
 
 class RegradeSummary(BaseModel):

@@ -17,7 +17,7 @@ from sqlmodel import Session, SQLModel, col
 from grader import policy as rules
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Role
-from grader.contracts.judgement import Judgement, standing
+from grader.contracts.judgement import ItemScore, Judgement, settled
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
@@ -110,9 +110,7 @@ def _read(
     session: Session, course: str | None, known: Rules, marks: Mapping[Place, Mark], places: Collection[Place]
 ) -> dict[Place, Cell]:
     among = and_(in_class(course), _among(places))
-    failed = _by_submission(session, _failed_items(among))
-    for submission, items in _judged_as_failed(session, among).items():
-        failed[submission].extend(items)
+    failed = _failed(session, among)
     mistakes = _by_submission(session, _mistakes(among))
     cells = {}
     for place, rows in groupby(session.execute(_submissions(among)), lambda row: (row[0], row[1])):
@@ -153,27 +151,36 @@ def _failed_items(among: ColumnElement[bool]) -> Select[str, str]:
     )
 
 
-def _judged_as_failed(session: Session, among: ColumnElement[bool]) -> dict[str, list[str]]:
-    """Return, by submission, the items of latest gradings to which a person gave no points."""
-    left = (
-        select(col(SubmissionRow.id), col(GradedItemRow.item), col(GradedItemRow.points))
-        .join_from(SubmissionRow, GradedItemRow, _of_latest_grading(GradedItemRow))
-        .where(col(GradedItemRow.status) == ItemStatus.NEEDS_MANUAL.value, among)
-    )
+def _failed(session: Session, among: ColumnElement[bool]) -> dict[str, list[str]]:
+    """Return the failed items of latest gradings by submission, with what people gave."""
+    failed = _by_submission(session, _failed_items(among))
     given = (
         select(JudgementRow)
         .join(SubmissionRow, col(JudgementRow.submission_id) == col(SubmissionRow.id))
         .where(among)
     )
-    judgements: dict[tuple[str, str], list[Judgement]] = defaultdict(list)
+    judgements: dict[str, list[Judgement]] = defaultdict(list)
     for row in session.execute(given).scalars():
-        judgements[row.submission_id, row.item].append(judgement(row))
-    failed: dict[str, list[str]] = defaultdict(list)
-    for submission, item, points in session.execute(left) if judgements else ():
-        found = standing(item, points, judgements[submission, item])
-        if found is not None and not found.points > 0.0:
-            failed[submission].append(item)
+        judgements[row.submission_id].append(judgement(row))
+    machine: dict[str, list[ItemScore]] = defaultdict(list)
+    for submission, *told in session.execute(_judged_items(among)) if judgements else ():
+        item, points, earned, status = told
+        machine[submission].append(ItemScore(item, points, earned, ItemStatus(status)))
+    for submission, items in machine.items():
+        whole = settled(items, judgements[submission])
+        failed[submission] = [one.item for one in whole if one.status is ItemStatus.FAILED]
     return failed
+
+
+def _judged_items(among: ColumnElement[bool]) -> Any:
+    """Select every item of the latest gradings of submissions that people judged."""
+    item = GradedItemRow
+    told = (col(item.item), col(item.points), col(item.earned), col(item.status))
+    return (
+        select(col(SubmissionRow.id), *told)
+        .join_from(SubmissionRow, item, _of_latest_grading(item))
+        .where(col(SubmissionRow.id).in_(select(col(JudgementRow.submission_id))), among)
+    )
 
 
 def _mistakes(among: ColumnElement[bool]) -> Select[str, str]:

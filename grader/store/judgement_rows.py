@@ -34,17 +34,15 @@ def report_of(session: Session, submission: SubmissionRow) -> GradeReport | None
 def settle(session: Session, submission: SubmissionRow) -> GradeReport | None:
     """Put what people judged into the row's score and verdict; return the report with it.
 
-    Called whenever a judgement or the latest grading of a submission changes. Rows of gradings that left nothing
-    to people stay as the grading made them.
+    Called whenever a judgement changes, or the latest grading of a submission that has some.
     """
-    if submission.to_judge is None:
-        return None
     report = report_of(session, submission)
     if report is None:
         return None
     whole = composed(report, judgements_of(session, [submission.id]))
     submission.score, submission.verdict = whole.score, whole.status.value
-    submission.to_judge = to_judge(whole.items)
+    if submission.to_judge is not None:  # something was left to people, not only corrected by them
+        submission.to_judge = to_judge(whole.items)
     session.flush()
     return whole
 

@@ -1,4 +1,4 @@
-"""Points that people give for rubric items, and the list of what still waits for them."""
+"""Points that people give for rubric items or correct, and the list of what still waits for them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from sqlalchemy.orm import aliased
 from sqlmodel import col
 
 from grader.contracts.errors import JudgementError
-from grader.contracts.judgement import Judgement
+from grader.contracts.judgement import Judgement, standing
 from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus, RubricItem
@@ -24,11 +24,17 @@ from grader.store.tables import GradedItemRow, JudgementRow, SubmissionRow
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Given:
-    """What somebody gives for an item. `points` were checked to be a finite number and no more."""
+    """What somebody gives for an item. `points` were checked to be a finite number and no more.
+
+    Attributes:
+        corrects: whether they may change what the machine judged, too. That needs a `comment`; the machine's own
+            points take earlier corrections back.
+    """
 
     item: str
     points: float
     comment: str
+    corrects: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -75,18 +81,17 @@ class Judgements:
             report = None if row is None or row.course != signed.course else report_of(session, row)
             if row is None or report is None or row.regrade is not None:  # a trial is nobody's to judge
                 raise JudgementError("submission", "there is no such grading")
-            item = _manual_item(report, given.item)
-            if not 0.0 <= given.points <= item.points:
-                raise JudgementError("range", f"use points from 0 to {written(item.points)}")
+            item = _item(report, given)
             own = [one for one in judgements_of(session, [row.id]) if one.item == item.id]
             latest = own[-1] if own else None
             if not (latest is None if seen is None else seen.includes(tag(latest, row.report_sha256))):
                 raise JudgementError("stale", "the item was judged or graded again meanwhile")
-            score = row.score
+            before = _counting(item, own)
+            if before is not None:
+                before["score"] = row.score
             session.add(_row(row, item, given, signed, 1 if latest is None else latest.revision + 1))
             session.flush()
             settle(session, row)
-            before = None if latest is None else {**_plain(latest.points, latest.comment), "score": score}
             record(
                 session,
                 signed,
@@ -134,22 +139,42 @@ def tag(latest: Judgement | None, report_sha256: str | None) -> str:
     return f"{revision}.{(report_sha256 or '')[:16]}"
 
 
-def _manual_item(report: GradeReport, item_id: str) -> RubricItem:
-    for item in report.items:
-        if item.id == item_id and item.status is ItemStatus.NEEDS_MANUAL:
-            return item
-    raise JudgementError("item", "no person judges such an item of this submission")
+def _item(report: GradeReport, given: Given) -> RubricItem:
+    """Return the item that points are given for, once it is sure that they may be."""
+    item = next((one for one in report.items if one.id == given.item), None)
+    if item is None:
+        raise JudgementError("item", "the submission has no such item")
+    if not (_is_manual(item) or given.corrects):
+        raise JudgementError("role", "only instructors correct what the machine judged")
+    if not 0.0 <= given.points <= item.points:
+        raise JudgementError("range", f"use points from 0 to {written(item.points)}")
+    if not (_is_manual(item) or given.comment.strip()):
+        raise JudgementError("reason", "a correction needs a reason")
+    return item
+
+
+def _is_manual(item: RubricItem) -> bool:
+    return item.status is ItemStatus.NEEDS_MANUAL
+
+
+def _counting(item: RubricItem, own: Sequence[Judgement]) -> dict[str, object] | None:
+    """Return what counts for an item as the audit log tells it; None while it waits for a person."""
+    found = standing(item.id, item.points, own)
+    if found is not None:
+        return _plain(found.points, found.comment)
+    return None if _is_manual(item) else _plain(item.earned, "")
 
 
 def _row(
     submission: SubmissionRow, item: RubricItem, given: Given, signed: Signature, revision: int
 ) -> JudgementRow:
+    takes_back = not _is_manual(item) and given.points == item.earned
     return JudgementRow(
         submission_id=submission.id,
         item=item.id,
         revision=revision,
-        points=given.points,
-        out_of=item.points,
+        points=0.0 if takes_back else given.points,
+        out_of=0.0 if takes_back else item.points,
         comment=given.comment,
         judged_by=signed.actor,
         judged_at=signed.at,
@@ -160,11 +185,19 @@ def _row(
 
 def _waiting(columns: Sequence[Any], course: str | None, which: WaitingFor) -> Select[Any]:
     """Select from items that wait: of latest gradings, without a judgement out of as many points."""
-    submission, item, judgement = SubmissionRow, GradedItemRow, JudgementRow
+    submission, item, judgement, later = SubmissionRow, GradedItemRow, JudgementRow, aliased(JudgementRow)
+    taken_back = exists().where(
+        col(later.submission_id) == col(judgement.submission_id),
+        col(later.item) == col(judgement.item),
+        col(later.revision) > col(judgement.revision),
+        col(later.out_of) == 0.0,
+        col(judgement.out_of) > 0.0,
+    )
     done = exists().where(
         col(judgement.submission_id) == col(item.submission_id),
         col(judgement.item) == col(item.item),
         col(judgement.out_of) == col(item.points),
+        ~taken_back,
     )
     conditions: list[ColumnElement[bool]] = [
         in_class(course),

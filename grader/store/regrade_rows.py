@@ -4,11 +4,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Insert, and_, case, delete, func, insert, literal, or_, select
+from sqlalchemy import Insert, Select, and_, case, delete, func, insert, literal, or_, select
 from sqlalchemy.orm import aliased
 from sqlmodel import Session, SQLModel, col
 
-from grader.contracts.judgement import ItemScore, Judgement, settled, total
+from grader.contracts.judgement import ItemScore, Judgement, settled, standing, total
 from grader.contracts.regrade import ItemChange, ScoreChange
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
@@ -87,9 +87,21 @@ def adopt(session: Session, trials: Sequence[Trial], regrade_id: str) -> list[Tr
     for trial in adopted:
         _take_over(trial.original, trial.row)
     session.flush()
+    judged = set(session.execute(_judged_ones(regrade_id)).scalars())
     for trial in adopted:
-        settle(session, trial.original)
+        if trial.original.id in judged:
+            settle(session, trial.original)
     return adopted
+
+
+def _judged_ones(regrade_id: str) -> Select[str]:
+    """Select which submissions of a re-grade have judgements by people."""
+    of_regrade = select(col(SubmissionRow.original)).where(col(SubmissionRow.regrade) == regrade_id)
+    return (
+        select(col(JudgementRow.submission_id))
+        .distinct()
+        .where(col(JudgementRow.submission_id).in_(of_regrade))
+    )
 
 
 def _copy(table: type[SQLModel], regrade_id: str) -> Insert:
@@ -173,8 +185,8 @@ def _scores(session: Session, rows: list[SubmissionRow]) -> dict[str, list[ItemS
 
 
 def _judgements(session: Session, rows: list[SubmissionRow]) -> dict[str, list[Judgement]]:
-    """Return what people decided about those of `rows` that are theirs to judge, by submission."""
-    ids = [row.id for row in rows if row.to_judge is not None]
+    """Return what people decided about `rows`, by submission."""
+    ids = [row.id for row in rows]
     judgements: dict[str, list[Judgement]] = {}
     for start in range(0, len(ids), _AT_ONCE):
         for one in judgements_of(session, ids[start : start + _AT_ONCE]):
@@ -188,7 +200,7 @@ def _change(
     scores: Mapping[str, Sequence[ItemScore]],
     judgements: Sequence[Judgement],
 ) -> ScoreChange:
-    old, new = scores.get(original.id, ()), scores.get(made.id, ())
+    old, new = tuple(scores.get(original.id, ())), tuple(scores.get(made.id, ()))
     settled_old, settled_new = settled(old, judgements), settled(new, judgements)
     before, after = _earned(settled_old), _earned(settled_new)
     items = tuple(
@@ -196,15 +208,15 @@ def _change(
         for item in dict.fromkeys([*before, *after])
         if before.get(item) != after.get(item)
     )
-    kept = _judged(new, settled_new)
+    kept = _judged(new, judgements)
     return ScoreChange(
         submission=original.id,
         student=original.student,
         before=original.score,
-        after=total(settled_new) if made.to_judge else made.score,
+        after=made.score if settled_new == new else total(settled_new),
         items=items,
         kept=kept,
-        void=tuple(item for item in _judged(old, settled_old) if new and item not in kept),
+        void=tuple(item for item in _judged(old, judgements) if new and item not in kept),
     )
 
 
@@ -212,8 +224,6 @@ def _earned(items: Sequence[ItemScore]) -> dict[str, float]:
     return {item.item: item.earned for item in items}
 
 
-def _judged(machine: Sequence[ItemScore], whole: Sequence[ItemScore]) -> tuple[str, ...]:
+def _judged(items: Sequence[ItemScore], judgements: Sequence[Judgement]) -> tuple[str, ...]:
     """Return the items that a person's judgement counts for."""
-    return tuple(
-        one.item for one, other in zip(machine, whole, strict=True) if one.status is not other.status
-    )
+    return tuple(one.item for one in items if standing(one.item, one.points, judgements) is not None)

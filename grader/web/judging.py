@@ -50,7 +50,7 @@ class PointsForm(BaseModel):
     comment: str = Field(default="", max_length=20_000)
     seen: str = Field(default="", max_length=200)
     anonymous: bool = False
-    then: Literal["next", "stay"] = "next"
+    then: Literal["next", "stay", "result"] = "next"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -125,6 +125,8 @@ def judge(
     kept: dict[str, object] = {"item": form.item, "anonymous": int(form.anonymous)}
     if form.then == "next" and around.next is not None:
         address = f"{HOME}/{around.next}?{urlencode(kept)}"
+    elif form.then == "result":
+        address = f"/submissions/{submission.id}"
     elif form.then == "next":
         address = HOME + ("?anonymous=1" if form.anonymous else "")
     else:
@@ -134,6 +136,7 @@ def judge(
 
 _AT_FIELDS: Mapping[str, tuple[str, str]] = {
     "invalid_points": ("points", "judge.error.points"),
+    "invalid_request": ("comment", "judge.error.reason"),
     "judged_meanwhile": ("form", "judge.error.meanwhile"),
 }
 """Problems that the form shows: the field, and the key of the sentence in ``words.toml``."""
@@ -197,7 +200,7 @@ def _desk(  # noqa: PLR0913, PLR0917
     submission, _ = access.seen(services, visitor, submission_id)
     language = language_of(request)
     judged = judgements.items_of(services, language, submission.id)
-    item = _chosen(judged, form.item)
+    item = _chosen(judged, form.item, corrects=visitor.caller.is_instructor)
     return page(
         request,
         "judge.html",
@@ -216,19 +219,27 @@ def _desk(  # noqa: PLR0913, PLR0917
 
 
 def _filled(form: PointsForm, item: ManualItemView) -> PointsForm:
-    """Return the form with what was given before, if anything was."""
+    """Return the form with what counts now, if anything does."""
     given = item.judgement
-    known = {} if given is None else {"points": written(given.points), "comment": given.comment}
+    known: dict[str, str] = {}
+    if given is not None:
+        known = {"points": written(given.points), "comment": given.comment}
+    elif item.machine is not None:
+        known = {"points": written(item.machine)}
     return form.model_copy(update=known)
 
 
-def _chosen(judged: ManualItemsView, item_id: str) -> ManualItemView:
-    """Return the item that was asked for, else the first that waits, else the first.
+def _chosen(judged: ManualItemsView, item_id: str, *, corrects: bool) -> ManualItemView:
+    """Return the item that was asked for, else of those left to people the first that waits, else the first.
 
     Raises:
-        ProblemError: no person judges such an item of this submission.
+        ProblemError: the submission has no such item, or the machine judged it and the visitor `corrects` nothing.
     """
-    wanted = [one for one in judged.items if one.item == item_id] if item_id else judged.items
+    wanted = [
+        one
+        for one in judged.items
+        if (one.item == item_id if item_id else one.machine is None) and (corrects or one.machine is None)
+    ]
     if not wanted:
         raise ProblemError("item_not_found")
     return next((one for one in wanted if one.waits), wanted[0])

@@ -37,7 +37,7 @@ class Move:
 class ChangeLine:
     """One submission: its score, and the items that make the difference.
 
-    `void` are the titles of items that a person has to judge again.
+    `void` are the titles of items for which a person's judgement no longer counts.
     """
 
     submission: str

@@ -1,5 +1,6 @@
 """The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
 
+import json
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request, Response
@@ -7,12 +8,15 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.codec import from_plain
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import judged
+from grader.contracts.report import GradeReport
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.render.labels import SUBMISSION_STATE
 from grader.routes import recordings
 from grader.routes.concealment import shown_list
+from grader.routes.judgement_views import ManualItemView, manual_items
 from grader.routes.problems import ProblemError
 from grader.routes.published import published
 from grader.routes.services import Services, ServicesDep
@@ -51,6 +55,7 @@ def read(
         position=_position(services, submission),
         attempts=_attempts(services, visitor, submission),
         late=lateness(submission, services.policies.rules(submission.course)),
+        corrections=_corrections(request, visitor, submission, stored),
         **_result(request, services, assignment, stored, case),
     )
 
@@ -125,6 +130,16 @@ def _attempts(services: Services, visitor: Visitor, submission: Submission) -> t
     """Return the student's submissions to the same assignment, newest first."""
     own = services.submissions.of_student(submission.student, submission.assignment, course=submission.course)
     return shown_list(services, visitor.caller, own)
+
+
+def _corrections(
+    request: Request, visitor: Visitor, submission: Submission, stored: StoredReport | None
+) -> list[ManualItemView]:
+    """Return the items in the order of the report, for whoever may correct what the machine gave; else none."""
+    if stored is None or not visitor.caller.is_instructor:
+        return []
+    machine = from_plain(GradeReport, json.loads(stored.content))
+    return manual_items(submission, stored, machine, language_of(request)).items
 
 
 def _position(services: Services, submission: Submission) -> int | None:

@@ -116,12 +116,13 @@ def test_only_what_waits_for_a_person_is_judged(
     answered: Callable[..., str], give: Callable[..., httpx.Response]
 ) -> None:
     url = answered()
-    for item in ("written", "nothing", "a/b"):
+    assert give(url, "written", 1).json()["code"] == "forbidden"  # the machine judged it
+    for item in ("nothing", "a/b"):
         problem = give(url, item, 1)
         assert (problem.status_code, problem.json()["code"]) == (404, "item_not_found")
         assert problem.json()["allowed"] == ["publisher", "timer"]
     short = answered("han", b"too short\n")
-    assert give(short, "timer", 1).json()["allowed"] == []
+    assert give(short, "nothing", 1).json()["allowed"] == []
 
 
 def test_nobody_overwrites_what_they_have_not_seen(
@@ -140,10 +141,10 @@ def test_nobody_overwrites_what_they_have_not_seen(
         assert (late.status_code, late.json()["code"]) == (412, "judged_meanwhile")
     assert give(url, "timer", 40, "wang", seen=first.headers["ETag"], comment="more").status_code == 200
     items = client.get(url + "/judgements", headers=school.as_("ta")).json()["items"]
-    history = [(one["revision"], one["points"], one["by"]) for one in items[1]["history"]]
+    history = [(one["revision"], one["points"], one["by"]) for one in items[2]["history"]]
     assert history == [(1, 30.0, "ta"), (2, 40.0, "wang")]
-    assert items[1]["judgement"]["source_sha256"] == hashlib.sha256(ANSWER).hexdigest()
-    assert items[0]["waits"]
+    assert items[2]["judgement"]["source_sha256"] == hashlib.sha256(ANSWER).hexdigest()
+    assert [(one["waits"], one["machine"]) for one in items] == [(False, 10.0), (True, None), (False, None)]
     entries = client.get("/api/v1/audit", headers=school.as_("wang")).json()["entries"]
     second, one = [entry for entry in entries if entry["action"] == "grade.judge"]
     assert (one["actor"], one["before"]) == ("ta", None)
