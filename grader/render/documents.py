@@ -8,8 +8,12 @@ from grader.render.escape import visible
 from grader.render.labels import GRADE_STATUS, ITEM_STATUS, word
 
 
-def to_gradescope(report: GradeReport, language: Language = "zh") -> dict[str, object]:
+def to_gradescope(
+    report: GradeReport, language: Language = "zh", stored_sha256: str | None = None
+) -> dict[str, object]:
     """Return Gradescope's ``results.json`` (gradescope-autograders.readthedocs.io, "Specifications").
+
+    `stored_sha256` is the digest of the report that was stored, where `report` has points that people gave, too.
 
     While a person has still to grade, the top-level score is left out, and the score of what waits: Gradescope
     then sums what has been judged.
@@ -21,7 +25,7 @@ def to_gradescope(report: GradeReport, language: Language = "zh") -> dict[str, o
         "test_name_format": "text",
         "visibility": "visible",
         "stdout_visibility": "hidden",
-        "extra_data": _provenance(report),
+        "extra_data": _provenance(report, stored_sha256 or report.sha256()),
         "tests": [_gradescope_test(item, i, language) for i, item in enumerate(report.items, start=1)],
     }
     if report.score is not None:
@@ -105,13 +109,13 @@ def _evidence(item: RubricItem, language: Language) -> str:
     return visible("\n".join(line for line in lines if line))
 
 
-def _provenance(report: GradeReport) -> dict[str, object]:
+def _provenance(report: GradeReport, sha256: str) -> dict[str, object]:
     return {
         "schema_version": report.schema_version,
         "assignment": report.assignment,
         "assignment_version": report.assignment_version,
         "grader_version": report.grader_version,
         "submission_sha256": report.submission_sha256,
-        "report_sha256": report.sha256(),
+        "report_sha256": sha256,
         "status": report.status.value,
     }

@@ -7,7 +7,6 @@ from fastapi.responses import JSONResponse
 
 from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
-from grader.contracts.report import GradeReport
 from grader.contracts.text import Language
 from grader.render.documents import to_gradescope, to_prairielearn
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, StaffDep
@@ -19,6 +18,7 @@ from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
 router = APIRouter(prefix="/api/v1", tags=["gradebook"])
 exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT])
 Format = Literal["plain", "canvas"]
+Platform = Literal["gradescope", "prairielearn"]
 _JSON = {"application/json": {"schema": {"type": "object"}}}
 _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
 
@@ -75,7 +75,7 @@ def read_gradescope(
     services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
 ) -> Response:
     """Return what a Gradescope autograder writes."""
-    document = to_gradescope(report_of(services, caller, submission_id), language)
+    document = exported(services, caller, submission_id, "gradescope", language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
@@ -89,7 +89,7 @@ def read_prairielearn(
     services: ServicesDep, caller: CallerDep, language: LanguageDep, submission_id: SubmissionId
 ) -> Response:
     """Return what a PrairieLearn external grader writes."""
-    document = to_prairielearn(report_of(services, caller, submission_id), language)
+    document = exported(services, caller, submission_id, "prairielearn", language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
@@ -102,13 +102,18 @@ def book(services: Services, caller: Caller) -> tuple[tuple[Member, ...], Scores
     return members, {(one.student, one.assignment): one for one in progress}
 
 
-def report_of(services: Services, caller: Caller, submission_id: str) -> GradeReport:
-    """Return the report of a submission as `caller` may see it, with the points that people gave.
+def exported(
+    services: Services, caller: Caller, submission_id: str, platform: Platform, language: Language
+) -> dict[str, object]:
+    """Return the report of a submission as `caller` may see it, with the points that people gave, for a platform.
 
     Raises:
         ProblemError: there is no such submission, or no grading yet.
     """
-    return judged(graded(services, submission_id, caller)[1])
+    _, stored = graded(services, submission_id, caller)
+    if platform == "prairielearn":
+        return to_prairielearn(judged(stored), language)
+    return to_gradescope(judged(stored), language, stored.sha256)
 
 
 def _seen(students: set[str]) -> tuple[Member, ...]:

@@ -22,7 +22,9 @@ class PastGradingView(BaseModel):
     grader_version: str = Field(examples=["0.1.0"])
     assignment_version: int = Field(examples=[1])
     verdict: str = Field(examples=["graded"])
-    score: float | None
+    score: float | None = Field(
+        description="What the machine gave, without points by people; null: it left items to them."
+    )
     max_score: float
     report_sha256: str
     by: str = Field(description="Who applied the re-grade it came from; empty: the upload itself.")

@@ -7,8 +7,7 @@ from fastapi.responses import JSONResponse
 
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
-from grader.render.documents import to_gradescope, to_prairielearn
-from grader.routes.gradebook import report_of
+from grader.routes.gradebook import Platform, exported
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import ProblemError
 from grader.routes.services import Services, ServicesDep
@@ -24,7 +23,6 @@ router = APIRouter(
     include_in_schema=False,
     dependencies=[Depends(require_staff)],
 )
-_PLATFORMS = {"gradescope": to_gradescope, "prairielearn": to_prairielearn}
 _Attempt = Annotated[QueryWhole, Query(ge=0, le=1_000_000)]
 
 
@@ -86,15 +84,15 @@ def read_prairielearn(
 
 
 def _export(
-    request: Request, services: Services, visitor: Visitor, submission_id: str, platform: str
+    request: Request, services: Services, visitor: Visitor, submission_id: str, platform: Platform
 ) -> Response:
     submission, _ = access.seen(services, visitor, submission_id)
-    report = report_of(services, visitor.caller, submission.id)
+    document = exported(services, visitor.caller, submission.id, platform, language_of(request))
     headers = {
         "Content-Disposition": f'attachment; filename="{platform}-{submission.id}.json"',
         "Cache-Control": "no-store",
     }
-    return JSONResponse(_PLATFORMS[platform](report, language_of(request)), headers=headers)
+    return JSONResponse(document, headers=headers)
 
 
 def _grading(services: Services, submission_id: str, attempt: int) -> StoredReport:

@@ -70,6 +70,9 @@ def test_a_correction_counts_everywhere_and_the_report_stays(
     assert client.get(driven + "/plot.png", headers=li).headers["ETag"] != picture
     gradescope = client.get(driven + "/gradescope.json", headers=li).json()
     assert (gradescope["score"], [one["score"] for one in gradescope["tests"]]) == (7.5, [5.0, 2.5])
+    assert f'"{gradescope["extra_data"]["report_sha256"]}"' == report.headers["ETag"]
+    (machine,) = client.get(driven + "/gradings", headers=wang).json()["gradings"]
+    assert machine["score"] == 5.0
     assert client.get(driven + "/prairielearn.json", headers=li).json()["score"] == 0.75
     book = client.get("/api/v1/gradebook.csv", headers=wang).text.removeprefix("\ufeff")
     assert {row["student"]: row["square (10)"] for row in csv.DictReader(io.StringIO(book))}["li"] == "7.5"
