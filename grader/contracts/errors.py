@@ -86,8 +86,9 @@ class JudgementError(GraderError):
     Attributes:
         code: ``submission``: there is none, or no grading; ``item``: it has no such item; ``role``: the machine
             judged it, which only instructors correct; ``range``: the points are not in [0, the item's points];
-            ``reason``: a correction needs a comment; ``stale``: somebody else judged it, or it was graded again,
-            since it was looked at.
+            ``reason``: a correction needs a comment; ``same``: the machine gave as many points, and
+            there is no correction to take back; ``stale``: somebody else judged it, or it was graded again, since
+            it was looked at.
     """
 
     def __init__(self, code: str, message: str) -> None:

@@ -53,7 +53,7 @@ _Id = Annotated[str | None, Query(max_length=128)]
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
 _MOST_PER_PAGE = 500
 _MOST = 1_000_000
-_REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden"}
+_REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
 _REASON = Text(
     zh="改机器评的分要写原因，学生会看到。",
     en="Say why the machine's points are changed; the student sees it.",
@@ -162,7 +162,13 @@ def _tagged(
     responses={
         200: {"headers": _ETAG},
         **responses(
-            *_KNOWN, "malformed_body", "too_large", "item_not_found", "judged_meanwhile", "invalid_points"
+            *_KNOWN,
+            "malformed_body",
+            "too_large",
+            "item_not_found",
+            "judged_meanwhile",
+            "invalid_points",
+            "points_unchanged",
         ),
     },
 )

@@ -48,9 +48,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     "closed": ProblemType(
         status=403,
         title=Text(zh="作业已经截止", en="The assignment is closed"),
-        fix=Text(
-            zh="如有特殊情况，请教师延期。", en="Ask an instructor for an extension if there is a reason."
-        ),
+        fix=Text(zh="如有特殊情况，请教师延期。", en="Ask an instructor for more time if there is a reason."),
     ),
     "no_attempts_left": ProblemType(
         status=403,
@@ -124,9 +122,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
     "not_graded_yet": ProblemType(
         status=409,
         title=Text(zh="还没有评分结果", en="There is no grading yet"),
-        fix=Text(
-            zh="等提交的 status 变成 graded 再试。", en="Try again when the submission's status is graded."
-        ),
+        fix=Text(zh="等提交的 status 变成 graded 再试。", en="Try again when its status is graded."),
     ),
     "judged_meanwhile": ProblemType(
         status=412,
@@ -176,6 +172,11 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             zh="给 0 到这一项满分之间的分数，最多两位小数。",
             en="Give points from 0 to the most the item can earn, with at most two decimals.",
         ),
+    ),
+    "points_unchanged": ProblemType(
+        status=422,
+        title=Text(zh="机器给的就是这么多分", en="The machine gave these points already"),
+        fix=Text(zh="填别的分数，或者不改。", en="Give others, or leave it."),
     ),
     "invalid_student": ProblemType(
         status=422,

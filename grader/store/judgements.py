@@ -86,6 +86,8 @@ class Judgements:
             latest = own[-1] if own else None
             if not (latest is None if seen is None else seen.includes(tag(latest, row.report_sha256))):
                 raise JudgementError("stale", "the item was judged or graded again meanwhile")
+            if _takes_back(item, given) and (latest is None or latest.out_of == 0.0):
+                raise JudgementError("same", "the machine gave these points, and nothing is to be taken back")
             before = _counting(item, own)
             if before is not None:
                 before["score"] = row.score
@@ -157,6 +159,10 @@ def _is_manual(item: RubricItem) -> bool:
     return item.status is ItemStatus.NEEDS_MANUAL
 
 
+def _takes_back(item: RubricItem, given: Given) -> bool:
+    return not _is_manual(item) and given.points == item.earned
+
+
 def _counting(item: RubricItem, own: Sequence[Judgement]) -> dict[str, object] | None:
     """Return what counts for an item as the audit log tells it; None while it waits for a person."""
     found = standing(item.id, item.points, own)
@@ -168,7 +174,7 @@ def _counting(item: RubricItem, own: Sequence[Judgement]) -> dict[str, object] |
 def _row(
     submission: SubmissionRow, item: RubricItem, given: Given, signed: Signature, revision: int
 ) -> JudgementRow:
-    takes_back = not _is_manual(item) and given.points == item.earned
+    takes_back = _takes_back(item, given)
     return JudgementRow(
         submission_id=submission.id,
         item=item.id,

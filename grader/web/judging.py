@@ -136,6 +136,7 @@ def judge(
 
 _AT_FIELDS: Mapping[str, tuple[str, str]] = {
     "invalid_points": ("points", "judge.error.points"),
+    "points_unchanged": ("points", "judge.error.same"),
     "invalid_request": ("comment", "judge.error.reason"),
     "judged_meanwhile": ("form", "judge.error.meanwhile"),
 }

@@ -108,6 +108,7 @@ def test_only_instructors_correct_and_they_say_why(driven: str, give: Give) -> N
         problem = give(driven, "closed", 5, "wang", comment=comment)
         assert (problem.status_code, problem.json()["field"]) == (422, "comment")
     assert give(driven, "closed", 5.5, "wang", comment="x").json()["code"] == "invalid_points"
+    assert give(driven, "sides", 5, "wang", comment="unseen").json()["code"] == "points_unchanged"
     assert give(driven, "none", 5, "wang", comment="x").json()["allowed"] == ["sides", "closed"]
 
 
@@ -122,6 +123,8 @@ def test_the_machines_own_points_take_a_correction_back(
     assert (back["judgement"], back["waits"]) == (None, False)
     assert [(one["points"], one["out_of"]) for one in back["history"]] == [(5.0, 5.0), (0.0, 0.0)]
     assert client.get(driven, headers=school.as_("li")).json() == before
+    again = give(driven, "closed", 0, "wang", comment="no", seen=back["etag"])
+    assert again.json()["code"] == "points_unchanged"
     third = give(driven, "closed", 1, "wang", comment="a little", seen=back["etag"]).json()
     assert (third["judgement"]["revision"], third["judgement"]["points"]) == (3, 1.0)
 

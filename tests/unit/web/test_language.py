@@ -56,7 +56,7 @@ def test_no_word_is_missing_and_none_is_left_over() -> None:
     sources = [*TEMPLATES, *FOLDER.glob("*.py")]
     said = {key for path in sources for key in _SAID.findall(path.read_text())}
     refused = set(re.findall(r'"(rules\.error\.\w+)"', (FOLDER / "rule_form.py").read_text()))
-    refused |= {f"judge.error.{one}" for one in ("points", "comment", "reason", "meanwhile")}
+    refused |= {f"judge.error.{one}" for one in ("points", "comment", "reason", "same", "meanwhile")}
     counted = {"rules.error.count_from_0", "rules.error.count_from_1"}
     assert said | BUILT | refused | counted | {"rules.error.student"} == set(words.table())
 
