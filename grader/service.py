@@ -1,6 +1,5 @@
 """The composition root of the service: from settings to a store, workers and everything the routes use."""
 
-import json
 import logging
 import sys
 from collections.abc import Iterator
@@ -12,10 +11,9 @@ from grader.catalog import Catalog
 from grader.catalog.cache import AssignmentMemory
 from grader.catalog.refreshed import RefreshedAssignments
 from grader.contracts.assignment import Assignment
-from grader.contracts.codec import from_plain
 from grader.contracts.errors import SandboxError, SettingsError
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
-from grader.contracts.report import GradeReport
+from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport
 from grader.preflight import NoPreflight, SandboxPreflight
 from grader.routes.access import InstructorGate, new_token
@@ -212,5 +210,5 @@ def _probe() -> SandboxState:
 def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, spec: PlotSpec) -> bytes:
     from grader.plots import draw  # matplotlib takes a second to import: not at start
 
-    graded = from_plain(GradeReport, json.loads(report.content))
+    graded = report_from(report.content)
     return draw(assignment, graded, trajectory, spec.language, spec.form, case=spec.case)

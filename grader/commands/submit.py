@@ -17,9 +17,8 @@ from rich.console import Console
 from grader.catalog import Catalog
 from grader.commands.check import EXIT_FULL_MARKS, EXIT_NOT_FULL, read_source
 from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_language_option, tell
-from grader.contracts.codec import from_plain
 from grader.contracts.errors import InfrastructureError, SubmissionError, UnknownAssignmentError
-from grader.contracts.report import GradeReport
+from grader.contracts.report import report_from
 from grader.contracts.text import LANGUAGES, Text, trouble
 from grader.render.escape import visible, visible_line
 from grader.render.labels import SUBMISSION_STATE
@@ -79,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
         left = _attempts_left(client, document["assignment"])
     if arguments.json:
         sys.stdout.write(content.decode() + "\n")
-    report = from_plain(GradeReport, json.loads(content))
+    report = report_from(content)
     if not arguments.json:
         name, heading = arguments.file.name, Text(zh=title, en=title)
         console().print(render_report(report, language=arguments.lang, file_name=name, title=heading))
@@ -125,12 +124,8 @@ def _attempts_left(client: httpx.Client, assignment: str) -> int | None:
     try:
         response = client.get(f"/api/v1/assignments/{assignment}/policy")
         left = response.json().get("attempts_left") if response.is_success else None
-    except (
-        httpx.TransportError,
-        ValueError,
-        AttributeError,
-    ):  # what is shown besides costs nobody the result
-        return None
+    except (httpx.TransportError, ValueError, AttributeError):
+        return None  # what is shown besides costs nobody the result
     return left if isinstance(left, int) else None
 
 

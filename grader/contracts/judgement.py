@@ -4,14 +4,12 @@ People give points for what no machine judges, and instructors correct what a ma
 never changed. Judgements stand beside it; `composed` is the one place that puts the two together.
 """
 
-import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 
-from grader.contracts.codec import from_plain
 from grader.contracts.numerals import written
-from grader.contracts.report import GradeReport, status_of
+from grader.contracts.report import GradeReport, report_from, status_of
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import EMPTY, Text
@@ -117,7 +115,7 @@ def composed(report: GradeReport, judgements: Sequence[Judgement]) -> GradeRepor
 
 def judged(stored: StoredReport) -> GradeReport:
     """Return a stored report `composed` with the judgements that came with it."""
-    return composed(from_plain(GradeReport, json.loads(stored.content)), stored.judgements)
+    return composed(report_from(stored.content), stored.judgements)
 
 
 def score_of(item: RubricItem) -> ItemScore:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from enum import StrEnum
 
-from grader.contracts.codec import to_plain
+from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.outcome import RunOutcome, RunStatus, Stream
 from grader.contracts.record import record
 from grader.contracts.rubric import ItemStatus, RubricItem
@@ -111,6 +111,15 @@ class GradeReport:
     def sha256(self) -> str:
         """Return the hexadecimal digest of `canonical_bytes`."""
         return hashlib.sha256(self.canonical_bytes()).hexdigest()
+
+
+def report_from(content: bytes | str) -> GradeReport:
+    """Return the report that was written as `content`, be it `canonical_bytes` or their text.
+
+    Raises:
+        ValueError: it is no report; the message names the field.
+    """
+    return from_plain(GradeReport, json.loads(content))
 
 
 @record

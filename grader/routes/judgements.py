@@ -1,18 +1,15 @@
 """Points that people give for what no machine judges or correct: what waits for them, and what they gave."""
 
-import json
 import math
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
 
-from grader.contracts.codec import from_plain
 from grader.contracts.errors import JudgementError
 from grader.contracts.identity import Caller
 from grader.contracts.numerals import written
-from grader.contracts.report import GradeReport
+from grader.contracts.report import report_from
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language, Text
 from grader.routes.access import ENTRY_PROBLEMS, StaffDep
 from grader.routes.judgement_views import (
@@ -124,7 +121,7 @@ def items_of(services: Services, language: Language, submission_id: str) -> Manu
         ProblemError: there is no such submission, or no grading yet.
     """
     submission, stored = graded(services, submission_id)
-    return manual_items(submission, stored, _machine(stored), language)
+    return manual_items(submission, stored, report_from(stored.content), language)
 
 
 @of_submission.get(
@@ -226,14 +223,10 @@ def _problem(services: Services, submission_id: str, given: Given, error: Judgem
         return ProblemError(_REFUSALS[error.code])
     if error.code == "reason":
         return ProblemError("invalid_request", _REASON, field="comment")
-    items = _machine(graded(services, submission_id)[1]).items
+    items = report_from(graded(services, submission_id)[1].content).items
     if error.code == "range":
         most = next((written(one.points) for one in items if one.id == given.item), "?")
         detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
         return ProblemError("invalid_points", detail, field="points")
     allowed = [one.id for one in items if given.corrects or one.status is ItemStatus.NEEDS_MANUAL]
     return ProblemError("item_not_found", field="item", allowed=allowed)
-
-
-def _machine(stored: StoredReport) -> GradeReport:
-    return from_plain(GradeReport, json.loads(stored.content))

@@ -1,14 +1,12 @@
 """Judgements as rows, and what follows from them for the row of a submission."""
 
-import json
 from collections.abc import Sequence
 
 from sqlalchemy import select
 from sqlmodel import Session, col
 
-from grader.contracts.codec import from_plain
 from grader.contracts.judgement import Judgement, composed, to_judge
-from grader.contracts.report import GradeReport
+from grader.contracts.report import GradeReport, report_from
 from grader.store.tables import GradingRow, JudgementRow, SubmissionRow
 
 
@@ -28,7 +26,7 @@ def report_of(session: Session, submission: SubmissionRow) -> GradeReport | None
     if submission.graded_attempt is None:
         return None
     grading = session.get(GradingRow, (submission.id, submission.graded_attempt))
-    return None if grading is None else from_plain(GradeReport, json.loads(grading.report))
+    return None if grading is None else report_from(grading.report)
 
 
 def settle(session: Session, submission: SubmissionRow) -> GradeReport | None:

@@ -1,6 +1,5 @@
 """The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
 
-import json
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Request, Response
@@ -8,10 +7,9 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.codec import from_plain
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import judged
-from grader.contracts.report import GradeReport
+from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.render.labels import SUBMISSION_STATE
 from grader.routes import recordings
@@ -138,8 +136,7 @@ def _corrections(
     """Return the items in the order of the report, for whoever may correct what the machine gave; else none."""
     if stored is None or not visitor.caller.is_instructor:
         return []
-    machine = from_plain(GradeReport, json.loads(stored.content))
-    return manual_items(submission, stored, machine, language_of(request)).items
+    return manual_items(submission, stored, report_from(stored.content), language_of(request)).items
 
 
 def _position(services: Services, submission: Submission) -> int | None:
