@@ -26,12 +26,12 @@ from rich.console import Console
 from rich.table import Table
 
 from benchmarks.floor import BareLoop
-from grader.bootstrap import PRELOADED
 from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
+from grader.grading.bootstrap import PRELOADED
+from grader.grading.slot import Slot, SlotConfig
 from grader.sandbox import Layer, Mode, Sandbox
-from grader.slot import Slot, SlotConfig
 
 ROOT = Path(__file__).resolve().parent.parent
 SQUARE = ROOT / "lesson" / "square_mover.py"

@@ -29,7 +29,7 @@ from rich.table import Table
 from benchmarks import classroom
 from benchmarks.handing_in import evening
 from benchmarks.processes import tree
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 
 ROOT = Path(__file__).resolve().parent.parent
 TIMES = Path(__file__).with_name("service_times.json")

@@ -22,7 +22,7 @@ from typing import Literal
 
 from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 
 ROOT = Path(__file__).resolve().parent.parent
 ASSIGNMENTS = ("hello", "straight", "backward", "spin", "square", "triangle", "pentagon")

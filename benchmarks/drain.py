@@ -34,7 +34,7 @@ from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, SubmissionState
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 from grader.store.columns import Clock
 from grader.store.courses import Courses
 from grader.store.database import Database

@@ -14,7 +14,7 @@ from rich.table import Table
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingJob
 from grader.contracts.text import EMPTY
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 
 VIRTUAL_S = float(os.environ.get("BENCH_VIRTUAL_S", "1000"))
 

@@ -24,7 +24,7 @@ from grader.catalog import Catalog
 from grader.contracts.errors import GraderError
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import MIB, Limits
-from grader.pipeline import Pipeline
+from grader.grading.pipeline import Pipeline
 from grader.sandbox import Sandbox
 
 ROOT = Path(__file__).resolve().parent.parent

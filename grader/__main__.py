@@ -4,7 +4,7 @@ import gc
 import os
 import sys
 
-from grader.launch import launch_ahead
+from grader.grading.launch import launch_ahead
 
 TYPE_CHECKING = False  # `typing` itself takes as long to import as all that is done before the launch
 if TYPE_CHECKING:

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 
-from grader.bootstrap import build_sandbox, build_syntax_sandbox
 from grader.catalog import Catalog
 from grader.catalog.cache import AssignmentMemory
 from grader.catalog.refreshed import RefreshedAssignments
@@ -15,12 +14,13 @@ from grader.contracts.errors import SandboxError, SettingsError
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
 from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport
-from grader.preflight import NoPreflight, SandboxPreflight
+from grader.grading.bootstrap import build_sandbox, build_syntax_sandbox
+from grader.grading.preflight import NoPreflight, SandboxPreflight
+from grader.grading.slot import Slot, SlotConfig
 from grader.routes.access import InstructorGate, new_token
 from grader.routes.plots import PlotCache, PlotSpec
 from grader.routes.services import Services
 from grader.settings import Settings, is_loopback
-from grader.slot import Slot, SlotConfig
 from grader.store.checkpoints import checkpoints
 from grader.store.columns import Clock
 from grader.store.courses import Courses

@@ -17,7 +17,7 @@ from grader.contracts.errors import (
 )
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.text import Language, trouble
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 
 if TYPE_CHECKING:
     from grader.catalog import Catalog

@@ -14,7 +14,7 @@ from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.numerals import decimal
 from grader.contracts.outcome import Blame
 from grader.contracts.text import EMPTY
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 
 _LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
 

@@ -19,10 +19,10 @@ from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Language, Text
 from grader.contracts.verdict import Run
+from grader.grading.slot import Slot, SlotConfig
 from grader.messages import join
 from grader.render.progress import followed
 from grader.render.terminal import console
-from grader.slot import Slot, SlotConfig
 
 _AND = Text(zh="；", en="; ")
 _GIFT = Text(zh="起始文件已经满分", en="the starter already has full marks")

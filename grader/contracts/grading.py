@@ -57,7 +57,7 @@ class Grader(Protocol):
 
 
 class SupervisedGrader(Grader, Protocol):
-    """A grader in a process of its own that somebody starts and ends, as `grader.slot.Slot` does."""
+    """A grader in a process of its own that somebody starts and ends, as `grader.grading.slot.Slot` does."""
 
     def start(self) -> None:
         """Start the process unless it runs.

@@ -2,7 +2,7 @@
 
 import sys
 
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 from tests.corpus.attempts import corpus
 from tests.corpus.judging import confusion, for_real
 

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import pytest
 
 from grader.contracts.grading import Grader
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 from tests.corpus.attempts import FIGURES, STYLES, Attempt, corpus
 from tests.corpus.judging import confusion, for_real, on_the_ideal_turtle
 

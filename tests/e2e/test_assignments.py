@@ -11,7 +11,7 @@ from grader.commands import sensitivity
 from grader.commands.validation import examine
 from grader.contracts.grading import Grader
 from grader.contracts.text import EMPTY
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
 
 CHECKLIST = [assignment.id for assignment in catalog().all()]

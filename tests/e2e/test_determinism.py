@@ -3,7 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 
 from grader.contracts.grading import Grader
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
 
 SQUARE = (LESSON / "square_mover.py").read_bytes()

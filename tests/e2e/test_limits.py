@@ -9,7 +9,7 @@ from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.limits import MIB, Limits
 from grader.contracts.outcome import RunStatus
 from grader.contracts.report import GradeStatus
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import catalog
 
 LIMITS = Limits(grace_cpu_s=0.2, output_bytes=256 * 1024, memory_bytes=192 * MIB)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.school import SQUARE, school
 
 WORK = (

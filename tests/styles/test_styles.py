@@ -17,7 +17,7 @@ from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.outcome import RunOutcome
 from grader.contracts.text import EMPTY
 from grader.contracts.trajectory import Trajectory
-from grader.slot import Slot, SlotConfig
+from grader.grading.slot import Slot, SlotConfig
 from tests.styles import expected_endings, expected_feedback, expected_threads, expected_timers
 from tests.styles.expectation import Expectation
 from tests.styles.ideal import IdealTurtle, Jump

@@ -6,7 +6,7 @@ import warnings
 from pathlib import Path
 
 OWN = (
-    "grader.grading",
+    "grader.grading.child",
     "grader.service",
     "matplotlib.backends.backend_agg",
     "matplotlib.backends.backend_svg",

@@ -11,8 +11,8 @@ from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
 from grader.contracts.report import GradeReport
+from grader.grading.slot import Slot, SlotConfig
 from grader.jail import landlock
-from grader.slot import Slot, SlotConfig
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 

@@ -1,8 +1,7 @@
 """The grading process: holds the physics, the sandbox's zygote and the checks; grades what its parent sends.
 
-Started by `grader.launch` and told by `grader.slot.Slot`, over one pipe, first its configuration and then what
-to grade. Importing PyBullet takes most of a cold start, so the zygote is started before that and warms up on
-the other core meanwhile.
+`launch` starts it. Its parent, a `slot.Slot`, then sends its configuration and the jobs over one pipe. Importing
+PyBullet takes most of a cold start, so the zygote is started before that and warms up on the other core.
 """
 
 import gc
@@ -13,13 +12,13 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
-from grader.bootstrap import build_sandbox
 from grader.contracts.errors import GraderError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
+from grader.grading.bootstrap import build_sandbox
+from grader.grading.slot import Channel, SlotConfig, job_from_message, result_message
 from grader.jail.spawn import yield_session
 from grader.sandbox import Sandbox
-from grader.slot import Channel, SlotConfig, job_from_message, result_message
 
 
 def main(arguments: list[str]) -> int:
@@ -58,7 +57,7 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
     """Grade what the parent sends. The sandbox proves itself while the physics is imported."""
     proof = threading.Thread(target=_prepare, args=(sandbox, Limits()))
     proof.start()
-    from grader.pipeline import Pipeline
+    from grader.grading.pipeline import Pipeline
 
     with Pipeline(sandbox) as pipeline:
         proof.join()

@@ -6,12 +6,12 @@ from contextlib import suppress
 
 import pytest
 
-import grader.preflight
-from grader.bootstrap import build_syntax_sandbox
+import grader.grading.preflight
 from grader.contracts.errors import InfrastructureError, SandboxError
 from grader.contracts.grading import SyntaxProblem
-from grader.preflight import SandboxPreflight
-from grader.slot import SlotConfig
+from grader.grading.bootstrap import build_syntax_sandbox
+from grader.grading.preflight import SandboxPreflight
+from grader.grading.slot import SlotConfig
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def test_checks_under_way_end_although_it_was_closed() -> None:
 
 
 def test_nobody_waits_for_ever(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(grader.preflight, "_PATIENCE_S", 0.01)
+    monkeypatch.setattr(grader.grading.preflight, "_PATIENCE_S", 0.01)
     with (
         SandboxPreflight() as preflight,
         pytest.raises(InfrastructureError, match="no syntax check was free"),

@@ -20,7 +20,7 @@ from grader.contracts.report import (
 )
 from grader.contracts.rubric import summed
 from grader.contracts.verdict import Run, Verdict
-from grader.outcome import is_repeatable, masked_stream, merge
+from grader.grading.outcome import is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec

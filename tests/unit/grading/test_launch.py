@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from grader import launch
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
-from grader.slot import Slot, SlotConfig
-from tests.unit.test_slot import ASSIGNMENT, CHILD, JOB
+from grader.grading import launch
+from grader.grading.slot import Slot, SlotConfig
+from tests.unit.grading.test_slot import ASSIGNMENT, CHILD, JOB
 
 
 def test_a_process_started_ahead_is_the_first_to_be_used(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,8 +1,8 @@
 """A slot: one supervised grading process, seen from the parent.
 
-The child (`grader.grading`) holds PyBullet, the sandbox's zygote and the checks. The parent speaks to it over
-two pipes in length-prefixed JSON; both ends are ours. When the child dies or does not answer in time, the job
-is an `InfrastructureError`, the child is replaced, and the caller may try again.
+The child (`child`) holds PyBullet, the sandbox's zygote and the checks. Parent and child exchange length-prefixed
+JSON over two pipes and trust each other. When the child dies or does not answer in time, the job fails with an
+`InfrastructureError`; the next one starts a new child, so the caller may try again.
 """
 
 import base64
@@ -21,7 +21,7 @@ from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.report import GradeReport, Measurements
-from grader.launch import Child, launch
+from grader.grading.launch import Child, launch
 
 _SPARE_S: Final = 30.0  # importing the physics on a loaded machine, checks, encoding
 _LAST_WORDS_S: Final = 1.0

@@ -11,14 +11,14 @@ from pathlib import Path
 
 import pytest
 
-from grader import launch, slot
 from grader.contracts.assignment import Assignment, Case
 from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
 from grader.contracts.text import EMPTY
-from grader.launch import Child
-from grader.slot import Slot, SlotConfig
+from grader.grading import launch, slot
+from grader.grading.launch import Child
+from grader.grading.slot import Slot, SlotConfig
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
 ASSIGNMENT = Assignment(

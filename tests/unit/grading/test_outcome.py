@@ -14,8 +14,8 @@ from grader.contracts.errors import InfrastructureError
 from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream
 from grader.contracts.services import ServiceCall, ServiceResult
 from grader.contracts.trajectory import Trajectory
+from grader.grading.outcome import is_repeatable, merge
 from grader.jail.report import JailReport, Verdict
-from grader.outcome import is_repeatable, merge
 from grader.sim.episode import EpisodeResult
 from grader.sim.frames import EXCEPTION, FINISHED, PRINTED_TOO_MUCH, STALLED, SYNTAX_ERROR, Exit
 

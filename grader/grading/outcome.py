@@ -72,7 +72,7 @@ _ZIPPED: Final = os.path.join(
     os.path.dirname(standard_library()), "python{}{}.zip".format(*sys.version_info[:2])
 )
 _MODULES: Final = (
-    (str(Path(__file__).resolve().parent / "shim"), "/opt/ros/humble/local/lib/python3.10/dist-packages"),
+    (str(Path(__file__).resolve().parents[1] / "shim"), "/opt/ros/humble/local/lib/python3.10/dist-packages"),
     (os.path.dirname(os.path.dirname(np.__file__)), "/usr/lib/python3/dist-packages"),
     (standard_library(), "/usr/lib/python3.10"),
     (_ZIPPED, "/usr/lib/python310.zip"),

@@ -37,7 +37,7 @@ class SandboxPreflight:
     """Implements `grader.contracts.grading.Preflight`; thread-safe. Use as a context manager, or call `close`."""
 
     def __init__(self, *sandboxes: Sandbox) -> None:
-        """Take over sandboxes of `grader.bootstrap.build_syntax_sandbox`: as many checks go on at once."""
+        """Take over sandboxes of `grader.grading.bootstrap.build_syntax_sandbox`: as many checks go on at once."""
         self._idle: queue.SimpleQueue[Sandbox] = queue.SimpleQueue()
         self._behind = ThreadPoolExecutor(1, thread_name_prefix="grader-preflight")
         self._closed = False

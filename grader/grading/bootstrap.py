@@ -1,8 +1,8 @@
 """Composition root: from settings to the concrete parts of a grading process."""
 
 from grader.contracts.errors import SettingsError
+from grader.grading.slot import SlotConfig
 from grader.sandbox import Mode, Sandbox
-from grader.slot import SlotConfig
 
 PRELOADED = ("rclpy._warm",)  # paid once per zygote, not once per run
 SYNTAX_CHECK = "rclpy._syntax:run"
