@@ -58,7 +58,7 @@ def set_rules(teacher: httpx.Client, students: Sequence[str]) -> None:
     """Tell the service the rules and extensions."""
     now = datetime.now(UTC)
     for assignment, rule in rules(now).items():
-        address = f"/api/v1/assignments/{assignment}/policy"
+        address = f"/api/v1/assignments/{assignment}/rules"
         teacher.put(address, json=dict(rule.body)).raise_for_status()
     more = {"due": (now + timedelta(days=2)).isoformat(), "reason": "ill"}
     for student in filter(is_extended, students):

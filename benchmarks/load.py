@@ -164,7 +164,7 @@ def looks_at_rest(client: httpx.Client) -> Looks:
     looks = Looks([], [], [])
     for number in range(10):
         body = {"attempts": number + 1, "reason": "measuring"}
-        client.put("/api/v1/assignments/hexagon/policy", json=body).raise_for_status()
+        client.put("/api/v1/assignments/hexagon/rules", json=body).raise_for_status()
         looks.cold.append(timed(client, _DASHBOARD)[0])
         took_s, answer = timed(client, _DASHBOARD)
         looks.warm.append(took_s)

@@ -25,7 +25,7 @@ COMMANDS: dict[str, str] = {
     "submit": "hand a file in to a service and wait for its grading / 提交到服务器",
     "course": "create a course and import its people / 创建课程、导入名单",
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
-    "policy": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
+    "rules": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
     "db": "back the service's database up, restore, move it / 数据库的备份、恢复与迁移",
     "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
     "demo": "grade a small class over HTTP and show the dashboard / 演示",

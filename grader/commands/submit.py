@@ -122,7 +122,7 @@ def _attempts_left(client: httpx.Client, assignment: str) -> int | None:
     if "Authorization" not in client.headers:
         return None
     try:
-        response = client.get(f"/api/v1/assignments/{assignment}/policy")
+        response = client.get(f"/api/v1/assignments/{assignment}/rules")
         left = response.json().get("attempts_left") if response.is_success else None
     except (httpx.TransportError, ValueError, AttributeError):
         return None  # what is shown besides costs nobody the result

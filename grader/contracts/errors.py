@@ -19,7 +19,7 @@ GraderError
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from grader.contracts.policy import Refusal
+    from grader.contracts.rules import Refusal
     from grader.contracts.text import Language
 
 

@@ -10,12 +10,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any
 
-from grader import policy as rules
 from grader.contracts.assignment import Assignment
 from grader.contracts.identity import Caller, Role
 from grader.contracts.judgement import judged, to_judge
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus, summed
+from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import LANGUAGES
 from grader.routes.services import Services
@@ -27,8 +27,8 @@ def hidden_from(services: Services, caller: Caller, assignment_id: str) -> froze
     """Return the ids of an assignment's rubric items that the caller does not see now."""
     if caller.course is None or caller.role is not Role.STUDENT:
         return frozenset()
-    policy = services.policies.rules(caller.course).policy(assignment_id)
-    return rules.hidden_items(policy, services.clock())
+    rules = services.rules.of(caller.course).of(assignment_id)
+    return rules.hidden_at(services.clock())
 
 
 def shown_assignment(services: Services, caller: Caller, assignment: Assignment) -> Assignment:
@@ -59,7 +59,7 @@ def shown(
         stored,
         content=content,
         sha256=digest,
-        judgements=tuple(one for one in stored.judgements if not rules.is_hidden(one.item, hidden)),
+        judgements=tuple(one for one in stored.judgements if not is_hidden(one.item, hidden)),
     )
     if submission.to_judge is None and not copy.judgements:
         return told, copy
@@ -84,8 +84,8 @@ def _without_score(submission: Submission) -> Submission:
 
 
 def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
-    titles = [item["title"] for item in report["items"] if rules.is_hidden(item["id"], hidden)]
-    items = [_silent(item, titles) for item in report["items"] if not rules.is_hidden(item["id"], hidden)]
+    titles = [item["title"] for item in report["items"] if is_hidden(item["id"], hidden)]
+    items = [_silent(item, titles) for item in report["items"] if not is_hidden(item["id"], hidden)]
     waits = _waits(items)
     unknown = waits or (report["score"] is None and not _waits(report["items"]))
     earned = None if unknown else summed(item["earned"] for item in items)

@@ -55,7 +55,7 @@ class AuditView(BaseModel):
     id: int
     at: datetime
     actor: str = Field(description="Who did it.", examples=["wang"])
-    action: str = Field(examples=["policy.change"])
+    action: str = Field(examples=["rules.change"])
     subject: str = Field(description="What was changed.", examples=["assignment square"])
     before: Any = Field(description="Null where there was nothing.")
     after: Any = Field(description="Null where there is nothing any more.")

@@ -8,14 +8,14 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from pydantic_core import PydanticCustomError
 
 from grader.contracts.instants import instant
-from grader.contracts.policy import (
-    AssignmentPolicy,
+from grader.contracts.rules import (
     Counts,
     Extension,
     LateKind,
     LateRule,
     LateStep,
     RuleError,
+    Rules,
 )
 from grader.contracts.validation_words import OUT_OF_YEARS
 from grader.routes.numbers import Number, Whole
@@ -70,7 +70,7 @@ class LateRuleBody(BaseModel):
     )
 
 
-class PolicyBody(BaseModel):
+class RulesBody(BaseModel):
     """The rules of one assignment. Instants without an offset are meant in the course's time zone."""
 
     model_config = ConfigDict(extra="forbid")
@@ -98,7 +98,7 @@ class PolicyBody(BaseModel):
     hidden_until: Instant | None = Field(default=None, description="Null: students never see them.")
 
 
-class PolicyChange(PolicyBody):
+class RulesChange(RulesBody):
     """New rules, in place of all that there were, and why."""
 
     reason: Reason = ""
@@ -137,7 +137,7 @@ class ExtensionList(BaseModel):
 class StandingView(BaseModel):
     """Where the caller stands under the rules of one assignment."""
 
-    rules: PolicyBody = Field(description="Students do not see which items are hidden.")
+    rules: RulesBody = Field(description="Students do not see which items are hidden.")
     time_zone: str = Field(examples=["Asia/Shanghai"])
     your_due: datetime | None = Field(description="With your extension.")
     attempts_used: int = Field(examples=[2])
@@ -148,7 +148,7 @@ class StandingView(BaseModel):
     )
 
 
-def policy_from(body: PolicyBody, zone: ZoneInfo) -> AssignmentPolicy:
+def rules_from(body: RulesBody, zone: ZoneInfo) -> Rules:
     """Return the rules that `body` states.
 
     Raises:
@@ -156,7 +156,7 @@ def policy_from(body: PolicyBody, zone: ZoneInfo) -> AssignmentPolicy:
     """
     steps = tuple(LateStep(after_s=step.after_s, keep=step.keep) for step in body.late.steps)
     try:
-        return AssignmentPolicy(
+        return Rules(
             opens=_aware(body.opens, zone),
             due=_aware(body.due, zone),
             late=LateRule(kind=body.late.kind, per_day=body.late.per_day, steps=steps),
@@ -171,23 +171,23 @@ def policy_from(body: PolicyBody, zone: ZoneInfo) -> AssignmentPolicy:
         raise ProblemError("invalid_rules", error.text, field=error.field) from None
 
 
-def policy_body(policy: AssignmentPolicy, *, with_hidden: bool) -> PolicyBody:
+def rules_body(rules: Rules, *, with_hidden: bool) -> RulesBody:
     """Return rules as the interface shows them."""
-    late = policy.late
-    return PolicyBody(
-        opens=policy.opens,
-        due=policy.due,
+    late = rules.late
+    return RulesBody(
+        opens=rules.opens,
+        due=rules.due,
         late=LateRuleBody(
             kind=late.kind,
             per_day=late.per_day,
             steps=[LateStepBody(after_s=step.after_s, keep=step.keep) for step in late.steps],
         ),
-        accept_late_s=policy.accept_late_s,
-        attempts=policy.attempts,
-        attempts_per_day=policy.attempts_per_day,
-        counts=policy.counts,
-        hidden_items=list(policy.hidden_items) if with_hidden else [],
-        hidden_until=policy.hidden_until,
+        accept_late_s=rules.accept_late_s,
+        attempts=rules.attempts,
+        attempts_per_day=rules.attempts_per_day,
+        counts=rules.counts,
+        hidden_items=list(rules.hidden_items) if with_hidden else [],
+        hidden_until=rules.hidden_until,
     )
 
 

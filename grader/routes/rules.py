@@ -4,10 +4,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Response
 
-from grader import policy as rules
 from grader.contracts.errors import ChangedMeanwhileError, CourseError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.policy import NO_EXTENSION, Extension
+from grader.contracts.rules import NO_EXTENSION, Extension
 from grader.contracts.text import Text
 from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, StaffDep
 from grader.routes.concealment import hidden_from
@@ -18,17 +17,17 @@ from grader.routes.rule_views import (
     ExtensionChange,
     ExtensionList,
     ExtensionView,
-    PolicyBody,
-    PolicyChange,
+    RulesBody,
+    RulesChange,
     StandingView,
     extension_from,
-    policy_body,
-    policy_from,
+    rules_body,
+    rules_from,
 )
 from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import SUBMISSIONS
 from grader.store.audit import Signature
-from grader.store.policies import ANY_STATE, Rules, tag
+from grader.store.rules import ANY_STATE, CourseRules, tag
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
 AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
@@ -44,59 +43,59 @@ IfMatch = Annotated[
 
 
 @router.get(
-    "/policy",
+    "/rules",
     summary="The rules, and where one stands",
     responses={200: {"headers": _ETAG}, **responses(*_KNOWN)},
 )
-def read_policy(
+def read_rules(
     services: ServicesDep, caller: CallerDep, response: Response, assignment_id: AssignmentId
 ) -> StandingView:
     """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
     require_published(services, assignment_id)
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
-    known = services.policies.rules(caller.course)
+    known = services.rules.of(caller.course)
     if caller.is_staff:  # a student could find out from a digest which items are hidden
-        response.headers["ETag"] = etag(tag(known.policy(assignment_id)))
+        response.headers["ETag"] = etag(tag(known.of(assignment_id)))
     return standing(services, caller, known, assignment_id)
 
 
 @router.put(
-    "/policy",
+    "/rules",
     summary="Change the rules",
     responses={
         200: {"headers": _ETAG},
         **responses(*_KNOWN, *_CHANGING, "invalid_rules"),
     },
 )
-def change_policy(  # noqa: PLR0913, PLR0917
+def change_rules(  # noqa: PLR0913, PLR0917
     services: ServicesDep,
     caller: InstructorDep,
     response: Response,
     assignment_id: AssignmentId,
-    change: PolicyChange,
+    change: RulesChange,
     if_match: IfMatch = None,
-) -> PolicyBody:
+) -> RulesBody:
     """Put new rules in place of the old ones. They hold for what was handed in before, too."""
     items = [item.id for item in require_published(services, assignment_id).items]
     signed = signature(services, caller)
-    policy = policy_from(change, services.policies.rules(caller.course).zone)
-    unknown = set(policy.hidden_items) - set(items)
+    rules = rules_from(change, services.rules.of(caller.course).zone)
+    unknown = set(rules.hidden_items) - set(items)
     if unknown:
         detail = Text(zh=f"没有这个评分项：{min(unknown)}。", en=f"There is no rubric item {min(unknown)}.")
         raise ProblemError("invalid_rules", detail, field="hidden_items", allowed=items)
     try:
-        services.policies.set(assignment_id, policy, signed, change.reason, seen=seen(if_match) or ANY_STATE)
+        services.rules.set(assignment_id, rules, signed, change.reason, seen=seen(if_match) or ANY_STATE)
     except ChangedMeanwhileError:
         raise ProblemError("changed_meanwhile") from None
-    response.headers["ETag"] = etag(tag(policy))
-    return policy_body(policy, with_hidden=True)
+    response.headers["ETag"] = etag(tag(rules))
+    return rules_body(rules, with_hidden=True)
 
 
 @router.get("/extensions", summary="Who got more", responses=responses(*_KNOWN, "forbidden"))
 def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: AssignmentId) -> ExtensionList:
     """Return all extensions of an assignment."""
     require_published(services, assignment_id)
-    extensions = services.policies.rules(caller.course).extensions.items()
+    extensions = services.rules.of(caller.course).extensions.items()
     return ExtensionList(
         extensions=[
             _extension(student, one)
@@ -122,9 +121,9 @@ def change_extension(  # noqa: PLR0913, PLR0917
     """Put an extension in place of what the student had."""
     require_published(services, assignment_id)
     signed = signature(services, caller)
-    extension = extension_from(change, services.policies.rules(caller.course).zone)
+    extension = extension_from(change, services.rules.of(caller.course).zone)
     try:
-        services.policies.extend(
+        services.rules.extend(
             assignment_id, student, extension, signed, change.reason, seen=seen(if_match) or ANY_STATE
         )
     except ChangedMeanwhileError:
@@ -145,19 +144,19 @@ def signature(services: Services, caller: Caller) -> Signature:
     return Signature(services.clock(), caller.course, caller.signature)
 
 
-def standing(services: Services, caller: Caller, known: Rules, assignment_id: str) -> StandingView:
+def standing(services: Services, caller: Caller, known: CourseRules, assignment_id: str) -> StandingView:
     """Return where `caller` stands under the rules of an assignment; `known` are those of the course."""
-    policy, person = known.policy(assignment_id), caller.person
+    rules, person = known.of(assignment_id), caller.person
     extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
     attempts = () if person is None else services.submissions.attempts(person, assignment_id, caller.course)
-    counted = rules.counting(policy, extension, attempts)
+    counted = rules.counting(extension, attempts)
     hiding = bool(hidden_from(services, caller, assignment_id))
     return StandingView(
-        rules=policy_body(policy, with_hidden=caller.role is not Role.STUDENT),
+        rules=rules_body(rules, with_hidden=caller.role is not Role.STUDENT),
         time_zone=str(known.zone),
-        your_due=rules.due_for(policy, extension),
+        your_due=rules.due_for(extension),
         attempts_used=sum(one.costs for one in attempts),
-        attempts_left=rules.attempts_left(policy, extension, attempts),
+        attempts_left=rules.attempts_left(extension, attempts),
         counted_submission=None if counted is None or hiding else SUBMISSIONS + counted.attempt.id,
         counted_score=None if counted is None or hiding else counted.score,
     )

@@ -21,9 +21,9 @@ from grader.store.doorbell import Doorbell
 from grader.store.judgements import Judgements
 from grader.store.measures import Measures
 from grader.store.past_gradings import PastGradings
-from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.regrades import Regrades
+from grader.store.rules import StoredRules
 from grader.store.standings import Standings
 from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
@@ -58,7 +58,7 @@ class Services:
     regrades: Regrades
     judgements: Judgements
     dashboard: Dashboard
-    policies: Policies
+    rules: StoredRules
     courses: Courses
     tokens: Tokens
     audit: AuditLog
@@ -101,7 +101,7 @@ class Services:
             regrades=Regrades(database),
             judgements=Judgements(database),
             dashboard=Dashboard(database),
-            policies=Policies(database),
+            rules=StoredRules(database),
             courses=Courses(database, clock),
             tokens=Tokens(database, clock),
             audit=AuditLog(database),

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from grader import policy as rules
 from grader.contracts.judgement import judged
 from grader.contracts.outcome import RunStatus
 from grader.contracts.submission import StoredReport, Submission
@@ -22,7 +21,7 @@ from grader.routes.submission_views import (
     StudentErrorView,
     SubmissionView,
 )
-from grader.store.policies import Rules
+from grader.store.rules import CourseRules
 
 SHOWN_CHARACTERS = 16_384
 SHOWN_LOGS = 200
@@ -54,7 +53,7 @@ def view(
     submission: Submission,
     stored: StoredReport | None,
     place: Place,
-    known: Rules,
+    known: CourseRules,
     language: Language,
 ) -> SubmissionView:
     """Return a submission and its latest grading in `language`, judged by the rules of its course."""
@@ -100,14 +99,14 @@ def _whole(stored: StoredReport) -> Mapping[str, Any]:
     return judged(stored).to_dict() if stored.judgements else dict(json.loads(stored.content))
 
 
-def lateness(submission: Submission, known: Rules) -> dict[str, Any]:
+def lateness(submission: Submission, known: CourseRules) -> dict[str, Any]:
     """Return the fields that tell how late a submission is and what lateness leaves of its score."""
-    policy = known.policy(submission.assignment)
+    rules = known.of(submission.assignment)
     extension = known.extension(submission.assignment, submission.student)
-    share = rules.kept_share(policy, extension, submission.received_at)
+    share = rules.kept_share(extension, submission.received_at)
     score = submission.score
-    kept = None if score is None else rules.kept_score(policy, extension, score, submission.received_at)
-    late_s = rules.late_s(policy, extension, submission.received_at)
+    kept = None if score is None else rules.kept_score(extension, score, submission.received_at)
+    late_s = rules.late_s(extension, submission.received_at)
     return {"late_s": late_s, "kept_share": share, "kept_score": kept}
 
 

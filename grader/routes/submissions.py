@@ -8,7 +8,7 @@ from fastapi import APIRouter, Depends, File, Form, Header, Path, Response, Uplo
 
 from grader.contracts.errors import SubmissionError, UploadRefusedError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.policy import Refusal
+from grader.contracts.rules import Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.contracts.text import Language, Text
 from grader.routes import concealment
@@ -199,7 +199,7 @@ def read(
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
-    known = services.policies.rules(submission.course)
+    known = services.rules.of(submission.course)
     place = Place(position, services.estimates.finish(submission, position))
     return view(submission, report, place, known, language)
 

@@ -14,7 +14,6 @@ from typing import Any
 from sqlalchemy import ColumnElement, Select, and_, case, func, select
 from sqlmodel import Session, SQLModel, col
 
-from grader import policy as rules
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Role
 from grader.contracts.judgement import ItemScore, Judgement, settled
@@ -24,7 +23,7 @@ from grader.contracts.submission import SubmissionState
 from grader.store.course_tables import MemberRow
 from grader.store.intake import as_attempts
 from grader.store.judgement_rows import judgement
-from grader.store.policies import Rules
+from grader.store.rules import CourseRules
 from grader.store.tables import GradedItemRow, GradedMistakeRow, JudgementRow, SubmissionRow
 
 Place = tuple[str, str]
@@ -55,7 +54,7 @@ class Cell:
 
 
 def counted(
-    session: Session, course: str | None, known: Rules, before: Mapping[Place, Cell]
+    session: Session, course: str | None, known: CourseRules, before: Mapping[Place, Cell]
 ) -> dict[Place, Cell]:
     """Return every cell of a class in order of student and assignment, taking from `before` what still holds."""
     marks = _marks(session, course, known)
@@ -74,7 +73,7 @@ def in_class(course: str | None) -> ColumnElement[bool]:
     return and_(col(SubmissionRow.course) == course, col(SubmissionRow.student).in_(students))
 
 
-def _marks(session: Session, course: str | None, known: Rules) -> dict[Place, Mark]:
+def _marks(session: Session, course: str | None, known: CourseRules) -> dict[Place, Mark]:
     """Return the mark of each cell.
 
     Claims and gradings raise their numbers for ever and judgements are only added, so no two changes cancel out.
@@ -99,7 +98,7 @@ def _marks(session: Session, course: str | None, known: Rules) -> dict[Place, Ma
         (student, assignment): (
             *changing,
             judgements.get((student, assignment), 0),
-            known.policy(assignment),
+            known.of(assignment),
             known.extension(assignment, student),
         )
         for student, assignment, *changing in session.execute(grouped)
@@ -107,7 +106,11 @@ def _marks(session: Session, course: str | None, known: Rules) -> dict[Place, Ma
 
 
 def _read(
-    session: Session, course: str | None, known: Rules, marks: Mapping[Place, Mark], places: Collection[Place]
+    session: Session,
+    course: str | None,
+    known: CourseRules,
+    marks: Mapping[Place, Mark],
+    places: Collection[Place],
 ) -> dict[Place, Cell]:
     among = and_(in_class(course), _among(places))
     failed = _failed(session, among)
@@ -209,7 +212,7 @@ def _union(sets: Iterable[Iterable[str]]) -> frozenset[str]:
     return frozenset().union(*sets)
 
 
-def _progress(own: list[Any], known: Rules) -> Progress:
+def _progress(own: list[Any], known: CourseRules) -> Progress:
     """Sum up one student's submissions to one assignment, given in order of arrival."""
     latest = own[-1]
     scored = [row for row in own if row.score is not None]
@@ -217,7 +220,7 @@ def _progress(own: list[Any], known: Rules) -> Progress:
     attempts = as_attempts(own)
     extension = known.extension(latest.assignment, latest.student)
     manual = next((row for row in reversed(own) if row.to_judge is not None), None)
-    counting = rules.counting(known.policy(latest.assignment), extension, attempts)
+    counting = known.of(latest.assignment).counting(extension, attempts)
     return Progress(
         student=latest.student,
         assignment=latest.assignment,

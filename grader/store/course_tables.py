@@ -72,10 +72,10 @@ class AuditRow(SQLModel, table=True):
     reason: str = Field(sa_column=text_column())
 
 
-class PolicyRow(SQLModel, table=True):
-    """The rules of one assignment in one course, as the JSON of `grader.store.policies`."""
+class RulesRow(SQLModel, table=True):
+    """The rules of one assignment in one course, as the JSON of `grader.store.rules`."""
 
-    __tablename__: ClassVar[str] = "policy"
+    __tablename__: ClassVar[str] = "rules"
 
     course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
     assignment: str = Field(primary_key=True, max_length=64)

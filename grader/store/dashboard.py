@@ -12,7 +12,7 @@ from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount
 from grader.store.class_cells import Cell, Place, counted
 from grader.store.course_tables import AuditRow
 from grader.store.database import Database
-from grader.store.policies import rules_of
+from grader.store.rules import rules_of
 from grader.store.tables import SubmissionRow
 
 

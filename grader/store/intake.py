@@ -11,15 +11,14 @@ from zoneinfo import ZoneInfo
 from sqlalchemy import ColumnElement, Select, and_, bindparam, delete, insert, select, update
 from sqlmodel import Session, col
 
-from grader import policy as rules
 from grader.contracts.errors import SubmissionError, UploadRefusedError
-from grader.contracts.policy import AssignmentPolicy, Attempt, Extension, Refusal
 from grader.contracts.report import GradeStatus
+from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.store.announcing import Announcer, waiting_as
 from grader.store.columns import UtcDateTime
 from grader.store.locks import add_once, one_at_a_time
-from grader.store.policies import ABOUT, ABOUT_FROM, rules_about
+from grader.store.rules import ABOUT, ABOUT_FROM, rules_about
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, table_of
 from grader.store.together import together
 
@@ -47,7 +46,7 @@ class _Known(NamedTuple):
     """What decides about an upload: what was sent under its key, what rules it, the student's own submissions."""
 
     keyed: tuple[str, str] | None
-    policy: AssignmentPolicy
+    rules: Rules
     extension: Extension
     zone: ZoneInfo
     own: Sequence[_Own]
@@ -197,7 +196,7 @@ def _put(session: Session, upload: NewSubmission, row: SubmissionRow, announcer:
 
 
 def _refusal(known: _Known, received_at: datetime) -> Refusal | None:
-    return rules.refusal(known.policy, known.extension, as_attempts(known.own), received_at, known.zone)
+    return known.rules.refusal(known.extension, as_attempts(known.own), received_at, known.zone)
 
 
 def _same_as_latest(session: Session, upload: NewSubmission, own: Sequence[_Own], digest: str) -> str | None:

@@ -7,8 +7,8 @@ from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.codec import from_plain
-from grader.contracts.policy import Attempt, Refusal
 from grader.contracts.report import GradeStatus
+from grader.contracts.rules import Attempt, Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.store.audit import Signature, record
 from grader.store.columns import Clock

@@ -15,7 +15,7 @@ from grader.contracts.text import Language
 from grader.web.words import say, table
 
 ACTIONS = (
-    "course.create", "member.add", "member.change", "token.issue", "token.revoke", "policy.change",
+    "course.create", "member.add", "member.change", "token.issue", "token.revoke", "rules.change",
     "extension.change", "submission.hand_in", "grade.judge", "grade.change", "regrade.applied",
     "regrade.discarded",
 )  # fmt: skip

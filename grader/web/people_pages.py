@@ -43,7 +43,7 @@ def read_audit(
 ) -> Response:
     """Show changes of grades and settings, newest first."""
     entries, more = audit_page(services, visitor.caller, before, _ENTRIES)
-    teller = Teller(language_of(request), services.policies.rules(visitor.caller.course).zone)
+    teller = Teller(language_of(request), services.rules.of(visitor.caller.course).zone)
     lines = [(one, teller.differences(one.before, one.after), address(one.subject)) for one in entries]
     return page(request, "audit.html", lines=lines, teller=teller, next_before=more, newest=before is None)
 

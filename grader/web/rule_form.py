@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.instants import instant
 from grader.contracts.numerals import decimal, whole, written
-from grader.contracts.policy import AssignmentPolicy, Counts, Extension, LateKind, LateRule, LateStep
+from grader.contracts.rules import Counts, Extension, LateKind, LateRule, LateStep, Rules
 from grader.routes.rule_views import MOST_ATTEMPTS, MOST_S, YEARS
 
 _HOUR_S = 3600
@@ -69,22 +69,22 @@ class ExtensionForm(BaseModel):
     seen_for: str = Field(default="", max_length=200)
 
 
-def form_of(policy: AssignmentPolicy, zone: ZoneInfo) -> RuleForm:
-    """Return the form that shows `policy`."""
-    late = policy.late
+def form_of(rules: Rules, zone: ZoneInfo) -> RuleForm:
+    """Return the form that shows `rules`."""
+    late = rules.late
     return RuleForm(
-        opens=shown_instant(policy.opens, zone),
-        due=shown_instant(policy.due, zone),
+        opens=shown_instant(rules.opens, zone),
+        due=shown_instant(rules.due, zone),
         late=late.kind,
         per_day=_number(late.per_day * 100) if late.per_day else "",
         step_after=[_number(step.after_s / _HOUR_S) for step in late.steps],
         step_keep=[_number(step.keep * 100) for step in late.steps],
-        accept_late="" if policy.accept_late_s is None else _number(policy.accept_late_s / _HOUR_S),
-        attempts="" if policy.attempts is None else str(policy.attempts),
-        attempts_per_day="" if policy.attempts_per_day is None else str(policy.attempts_per_day),
-        counts=policy.counts,
-        hidden_items=list(policy.hidden_items),
-        hidden_until=shown_instant(policy.hidden_until, zone),
+        accept_late="" if rules.accept_late_s is None else _number(rules.accept_late_s / _HOUR_S),
+        attempts="" if rules.attempts is None else str(rules.attempts),
+        attempts_per_day="" if rules.attempts_per_day is None else str(rules.attempts_per_day),
+        counts=rules.counts,
+        hidden_items=list(rules.hidden_items),
+        hidden_until=shown_instant(rules.hidden_until, zone),
     )
 
 
@@ -116,7 +116,7 @@ class Reader:
     zone: ZoneInfo
     errors: dict[str, str] = field(default_factory=dict)
 
-    def policy(self, form: RuleForm, before: AssignmentPolicy, items: frozenset[str]) -> AssignmentPolicy:
+    def rules(self, form: RuleForm, before: Rules, items: frozenset[str]) -> Rules:
         """Return the rules that `form` states; `before`, which the form was made from, while there are errors.
 
         `items` are the ids of the rubric.
@@ -136,7 +136,7 @@ class Reader:
         attempts_per_day = self._read("attempts_per_day", lambda: _count(form.attempts_per_day, 1))
         if self.errors or late is None:
             return before
-        return AssignmentPolicy(
+        return Rules(
             opens=opens,
             due=due,
             late=late,
@@ -154,7 +154,7 @@ class Reader:
         extra = self._read("extra_attempts", lambda: _count(form.extra_attempts, 0))
         return before if self.errors else Extension(due=due, extra_attempts=extra or 0)
 
-    def _late(self, form: RuleForm, before: AssignmentPolicy) -> LateRule:
+    def _late(self, form: RuleForm, before: Rules) -> LateRule:
         shown = form_of(before, self.zone)
         untouched = (form.late, form.per_day, form.steps()) == (shown.late, shown.per_day, shown.steps())
         return before.late if untouched else _late(form)

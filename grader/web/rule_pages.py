@@ -7,12 +7,12 @@ from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ChangedMeanwhileError, CourseError
-from grader.contracts.policy import NO_EXTENSION, Counts, Extension, LateKind
+from grader.contracts.rules import NO_EXTENSION, Counts, Extension, LateKind
 from grader.contracts.seen import Seen
 from grader.routes.published import require_published
 from grader.routes.rules import AssignmentId, signature
 from grader.routes.services import Services, ServicesDep
-from grader.store.policies import ANY_STATE, Rules, tag
+from grader.store.rules import ANY_STATE, CourseRules, tag
 from grader.web.access import InstructorDep, StaffDep, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import page
@@ -35,10 +35,8 @@ COUNTS = tuple(one.value for one in Counts)
 @router.get("")
 def read_all(request: Request, services: ServicesDep, visitor: StaffDep) -> Response:
     """Show the rules of every assignment in a line."""
-    known = services.policies.rules(visitor.caller.course)
-    lines = [
-        (one, known.policy(one.id), len(_extensions(known, one.id))) for one in services.assignments.all()
-    ]
+    known = services.rules.of(visitor.caller.course)
+    lines = [(one, known.of(one.id), len(_extensions(known, one.id))) for one in services.assignments.all()]
     return page(request, "rules.html", lines=lines, zone=known.zone, course=visitor.caller.course)
 
 
@@ -53,7 +51,7 @@ def read(  # noqa: PLR0913, PLR0917
 ) -> Response:
     """Show the rules of one assignment and who got more; `student` fills the form of extensions."""
     assignment = require_published(services, assignment_id)
-    known = services.policies.rules(visitor.caller.course)
+    known = services.rules.of(visitor.caller.course)
     extension = _extension_form(known, assignment.id, student)
     return _page(request, services, visitor, assignment, extension=extension, saved=saved)
 
@@ -69,17 +67,17 @@ def change(
     """Put new rules in place of the old ones, or show the form again with what is wrong at its fields."""
     assignment = require_published(services, assignment_id)
     signed = signature(services, visitor.caller)
-    known = services.policies.rules(visitor.caller.course)
+    known = services.rules.of(visitor.caller.course)
     reader = Reader(known.zone)
     items = frozenset(item.id for item in assignment.items)
-    policy = reader.policy(form, known.policy(assignment.id), items)
+    rules = reader.rules(form, known.of(assignment.id), items)
     if not reader.errors:
         seen = Seen.one(form.seen) if form.seen else ANY_STATE
         try:
-            services.policies.set(assignment.id, policy, signed, form.reason.strip(), seen=seen)
+            services.rules.set(assignment.id, rules, signed, form.reason.strip(), seen=seen)
         except ChangedMeanwhileError:
             reader.errors["form"] = CHANGED_MEANWHILE
-            now = services.policies.rules(visitor.caller.course).policy(assignment.id)
+            now = services.rules.of(visitor.caller.course).of(assignment.id)
             form = form.model_copy(update={"seen": tag(now)})
     if reader.errors:
         return _page(request, services, visitor, assignment, form=form, errors=reader.errors)
@@ -97,19 +95,17 @@ def extend(
     """Give one student more, or show the form again; an empty extension takes back what there was."""
     assignment = require_published(services, assignment_id)
     signed = signature(services, visitor.caller)
-    known = services.policies.rules(visitor.caller.course)
+    known = services.rules.of(visitor.caller.course)
     student = form.student.strip()
     reader = Reader(known.zone)
     extension = reader.extension(form, known.extension(assignment.id, student))
     if not reader.errors:
         try:
             seen = _seen(form, student)
-            services.policies.extend(
-                assignment.id, student, extension, signed, form.reason.strip(), seen=seen
-            )
+            services.rules.extend(assignment.id, student, extension, signed, form.reason.strip(), seen=seen)
         except ChangedMeanwhileError:
             reader.errors["form"] = EXTENDED_MEANWHILE
-            now = services.policies.rules(visitor.caller.course).extension(assignment.id, student)
+            now = services.rules.of(visitor.caller.course).extension(assignment.id, student)
             form = form.model_copy(update={"seen": tag(now), "seen_for": student})
         except CourseError:
             reader.errors["student"] = "rules.error.student"
@@ -130,10 +126,10 @@ def _page(  # noqa: PLR0913
     extension_errors: dict[str, str] | None = None,
     saved: str = "",
 ) -> Response:
-    known = services.policies.rules(visitor.caller.course)
+    known = services.rules.of(visitor.caller.course)
     values: dict[str, Any] = {
         "assignment": assignment,
-        "policy": known.policy(assignment.id),
+        "rules": known.of(assignment.id),
         "zone": known.zone,
         "form": form or _form(known, assignment.id),
         "errors": errors or {},
@@ -150,12 +146,12 @@ def _page(  # noqa: PLR0913
     return page(request, "rules_assignment.html", status=422 if errors or extension_errors else 200, **values)
 
 
-def _form(known: Rules, assignment_id: str) -> RuleForm:
-    policy = known.policy(assignment_id)
-    return form_of(policy, known.zone).model_copy(update={"seen": tag(policy)})
+def _form(known: CourseRules, assignment_id: str) -> RuleForm:
+    rules = known.of(assignment_id)
+    return form_of(rules, known.zone).model_copy(update={"seen": tag(rules)})
 
 
-def _extension_form(known: Rules, assignment_id: str, student: str) -> ExtensionForm:
+def _extension_form(known: CourseRules, assignment_id: str, student: str) -> ExtensionForm:
     extension = known.extension(assignment_id, student)
     form = extension_form_of(student, extension, known.zone)
     return form.model_copy(update={"seen": tag(extension), "seen_for": student})
@@ -168,7 +164,7 @@ def _seen(form: ExtensionForm, student: str) -> Seen:
     return Seen.one(form.seen if form.seen_for == student else tag(NO_EXTENSION))
 
 
-def _extensions(known: Rules, assignment_id: str) -> list[tuple[str, Extension]]:
+def _extensions(known: CourseRules, assignment_id: str) -> list[tuple[str, Extension]]:
     return sorted(
         (student, one)
         for (assignment, student), one in known.extensions.items()

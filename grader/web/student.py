@@ -11,7 +11,6 @@ from grader.checks import published_rubric
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language, Text
-from grader.policy import due_for, refusal
 from grader.render import quantity
 from grader.routes import rules, submissions
 from grader.routes.concealment import shown_assignment, shown_list
@@ -133,7 +132,7 @@ def _standing(services: Services, visitor: Visitor, assignment: Assignment) -> S
     caller = visitor.caller
     if caller.course is None:
         return None
-    return rules.standing(services, caller, services.policies.rules(caller.course), assignment.id)
+    return rules.standing(services, caller, services.rules.of(caller.course), assignment.id)
 
 
 def _closed(services: Services, visitor: Visitor, assignment: Assignment) -> ProblemType | None:
@@ -141,10 +140,10 @@ def _closed(services: Services, visitor: Visitor, assignment: Assignment) -> Pro
     caller = visitor.caller
     if caller.course is None or caller.person is None or caller.is_staff:
         return None
-    known = services.policies.rules(caller.course)
+    known = services.rules.of(caller.course)
     attempts = services.submissions.attempts(caller.person, assignment.id, caller.course)
     extension = known.extension(assignment.id, caller.person)
-    why = refusal(known.policy(assignment.id), extension, attempts, services.clock(), known.zone)
+    why = known.of(assignment.id).refusal(extension, attempts, services.clock(), known.zone)
     return None if why is None else PROBLEM_TYPES[why.code]
 
 
@@ -152,10 +151,10 @@ def _due(services: Services, visitor: Visitor) -> dict[str, datetime | None]:
     """Return by assignment when it is due for a member of a course."""
     if visitor.caller.course is None:
         return {}
-    known, person = services.policies.rules(visitor.caller.course), visitor.caller.person or ""
+    known, person = services.rules.of(visitor.caller.course), visitor.caller.person or ""
     return {
-        assignment: due_for(policy, known.extension(assignment, person))
-        for assignment, policy in known.policies.items()
+        assignment: rules.due_for(known.extension(assignment, person))
+        for assignment, rules in known.by_assignment.items()
     }
 
 

@@ -52,7 +52,7 @@ def read(
         open=submission.state in _OPEN,
         position=_position(services, submission),
         attempts=_attempts(services, visitor, submission),
-        late=lateness(submission, services.policies.rules(submission.course)),
+        late=lateness(submission, services.rules.of(submission.course)),
         corrections=_corrections(request, visitor, submission, stored),
         **_result(request, services, assignment, stored, case),
     )

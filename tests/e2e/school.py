@@ -17,7 +17,7 @@ from grader.api import create_app
 from grader.catalog import default_root
 from grader.commands.demo import await_grades
 from grader.contracts.identity import Role, RosterEntry
-from grader.contracts.policy import AssignmentPolicy, LateRule
+from grader.contracts.rules import LateRule, Rules
 from grader.render.terminal import console
 from grader.routes.services import Services
 from grader.service import running
@@ -105,8 +105,8 @@ def _enrol(services: Services) -> dict[str, str]:
     roster = [RosterEntry(id=one, name=name, role=role) for one, (name, role) in PEOPLE.items()]
     services.courses.import_roster(COURSE, roster, "setup")
     due = datetime.now(UTC).replace(hour=15, minute=59, second=0, microsecond=0) + timedelta(days=14)
-    rules = AssignmentPolicy(due=due, late=LateRule(kind="linear", per_day=0.1), attempts=5)
-    services.policies.set(SQUARE, rules, Signature(services.clock(), COURSE, "wang"), "开学")
+    rules = Rules(due=due, late=LateRule(kind="linear", per_day=0.1), attempts=5)
+    services.rules.set(SQUARE, rules, Signature(services.clock(), COURSE, "wang"), "开学")
     return {one: services.tokens.issue(COURSE, one, timedelta(days=1), "setup")[1] for one in PEOPLE}
 
 

@@ -134,7 +134,7 @@ def test_mistakes_are_told_in_the_readers_language(grader, tmp_path: Path) -> No
         ["course", "roster", "import", "class.csv"],
         ["token", "list"],
         ["token", "issue", "--missing"],
-        ["policy", "show"],
+        ["rules", "show"],
     ],
     ids=" ".join,
 )

@@ -12,7 +12,7 @@ from fastapi import FastAPI
 
 from grader import cli
 from grader.contracts.identity import Role, RosterEntry
-from grader.contracts.policy import AssignmentPolicy, LateRule
+from grader.contracts.rules import LateRule, Rules
 from grader.routes.services import Services
 from grader.settings import Settings
 from grader.store.audit import Signature
@@ -124,12 +124,12 @@ def test_what_lateness_leaves_is_told_and_how_many_attempts_are_left(
     services.courses.import_roster("ros", [RosterEntry(id="li", name="李", role=Role.STUDENT)], "test")
     _, token = services.tokens.issue("ros", "li", timedelta(days=1), "test")
     monkeypatch.setenv("GRADER_TOKEN", token)
-    late = AssignmentPolicy(due=START - timedelta(hours=1), late=LateRule(kind="linear", per_day=0.25))
-    services.policies.set("square", late, Signature(START, "ros", "test"))
+    late = Rules(due=START - timedelta(hours=1), late=LateRule(kind="linear", per_day=0.25))
+    services.rules.set("square", late, Signature(START, "ros", "test"))
     told = submit("good good")[2]
     assert "计 7.5 分" in told
     assert "还可提交" not in told
-    services.policies.set("square", replace(late, attempts=3), Signature(START, "ros", "test"))
+    services.rules.set("square", replace(late, attempts=3), Signature(START, "ros", "test"))
     assert "还可提交 1 次。" in submit("good")[2]
 
 

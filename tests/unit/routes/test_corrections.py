@@ -10,7 +10,7 @@ import httpx
 import pytest
 
 from grader.contracts.assignment import BY_PERSON, Assignment
-from grader.contracts.policy import AssignmentPolicy
+from grader.contracts.rules import Rules
 from grader.routes.services import Services
 from grader.store.audit import Signature
 from tests.fakes.clock import START, FakeClock
@@ -148,8 +148,8 @@ def test_a_corrected_attempt_may_become_the_best(
 def test_hidden_items_hide_their_corrections(
     client: httpx.Client, school: Any, services: Services, driven: str, give: Give
 ) -> None:
-    policy = AssignmentPolicy(hidden_items=("closed",))
-    services.policies.set("square", policy, Signature(START, "ros", "wang"))
+    rules = Rules(hidden_items=("closed",))
+    services.rules.set("square", rules, Signature(START, "ros", "wang"))
     shown = client.get(driven, headers=school.as_("li")).json()
     give(driven, "closed", 5, "wang", comment="secret")
     assert client.get(driven, headers=school.as_("li")).json() == shown

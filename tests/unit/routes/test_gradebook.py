@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member, Role, RosterEntry
-from grader.contracts.policy import AssignmentPolicy, LateRule
 from grader.contracts.report import GradeStatus
+from grader.contracts.rules import LateRule, Rules
 from grader.contracts.submission import SubmissionState
 from grader.routes.gradebook_tables import canvas, plain
 from grader.routes.services import Services
@@ -38,8 +38,8 @@ def table(response: httpx.Response) -> list[list[str]]:
 def test_every_student_has_a_line_with_what_counts(
     client: httpx.Client, services: Services, graded: Callable[..., str], clock: FakeClock, school: Any
 ) -> None:
-    late = AssignmentPolicy(due=START + timedelta(hours=1), late=LateRule(kind="linear", per_day=0.5))
-    services.policies.set("square", late, Signature(START, "ros", "test"))
+    late = Rules(due=START + timedelta(hours=1), late=LateRule(kind="linear", per_day=0.5))
+    services.rules.set("square", late, Signature(START, "ros", "test"))
     services.courses.import_roster("ros", [RosterEntry(id="li", name="李雷", role=Role.STUDENT)], "test")
     graded(b"good", student="", headers=school.as_("li"))
     clock.advance(7200)
@@ -131,7 +131,7 @@ def test_reports_for_other_graders(client: httpx.Client, graded: Callable[..., s
 def test_hidden_items_are_in_no_other_format_either(
     client: httpx.Client, services: Services, graded: Callable[..., str], school: Any
 ) -> None:
-    services.policies.set("square", AssignmentPolicy(hidden_items=("closed",)), Signature(START, "ros", "t"))
+    services.rules.set("square", Rules(hidden_items=("closed",)), Signature(START, "ros", "t"))
     url = graded(b"good good", student="", headers=school.as_("li"))
     for name in ("gradescope", "prairielearn"):
         assert len(client.get(f"{url}/{name}.json", headers=school.as_("li")).json()["tests"]) == 1

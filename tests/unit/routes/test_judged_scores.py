@@ -6,7 +6,7 @@ from typing import Any
 import httpx
 
 from grader.contracts.grading import GradingJob
-from grader.contracts.policy import AssignmentPolicy, Counts
+from grader.contracts.rules import Counts, Rules
 from grader.routes.services import Services
 from grader.store.audit import Signature
 from tests.fakes.clock import START
@@ -21,8 +21,8 @@ def test_lateness_and_the_rules_work_on_the_judged_score(
     answered: Callable[..., str],
     give: Callable[..., httpx.Response],
 ) -> None:
-    policy = AssignmentPolicy(counts=Counts.LAST)
-    services.policies.set("essay", policy, Signature(START, "ros", "wang"))
+    rules = Rules(counts=Counts.LAST)
+    services.rules.set("essay", rules, Signature(START, "ros", "wang"))
     first, last = answered(), answered(answer=ANSWER * 2)
 
     def counted() -> object:

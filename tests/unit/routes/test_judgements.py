@@ -9,7 +9,7 @@ from typing import Any
 import httpx
 import pytest
 
-from grader.contracts.policy import AssignmentPolicy
+from grader.contracts.rules import Rules
 from grader.routes.services import Services
 from grader.store.audit import Signature
 from tests.fakes.clock import START
@@ -213,8 +213,8 @@ def test_hidden_items_hide_their_points(
     give: Callable[..., httpx.Response],
 ) -> None:
     url = answered()
-    policy = AssignmentPolicy(hidden_items=("timer",))
-    services.policies.set("essay", policy, Signature(START, "ros", "wang"))
+    rules = Rules(hidden_items=("timer",))
+    services.rules.set("essay", rules, Signature(START, "ros", "wang"))
     hidden = client.get(url, headers=school.as_("li")).json()
     assert (hidden["verdict"], hidden["score"], hidden["to_judge"]) == ("needs_manual", None, 1)
     give(url, "publisher", 40, comment="good")

@@ -8,7 +8,7 @@ import httpx
 import pytest
 
 from grader.contracts.grading import GradingJob
-from grader.contracts.policy import AssignmentPolicy
+from grader.contracts.rules import Rules
 from grader.routes.services import Services
 from grader.store.audit import Signature
 from tests.fakes.clock import START, FakeClock
@@ -267,8 +267,8 @@ def test_rules_that_hide_items_hold_for_regrades(
     klass: dict[str, str],
     post: Callable[..., httpx.Response],
 ) -> None:
-    policy = AssignmentPolicy(hidden_items=("closed",))
-    services.policies.set("square", policy, Signature(START, "ros", "test"))
+    rules = Rules(hidden_items=("closed",))
+    services.rules.set("square", rules, Signature(START, "ros", "test"))
     url = post(assignment="square").headers["Location"]
     work(services, grade)
     post(f"{url}/apply", reason="x")

@@ -17,13 +17,13 @@ from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import grade, grade_next
 
 Upload = Callable[..., httpx.Response]
-POLICY = "/api/v1/assignments/square/policy"
+RULES = "/api/v1/assignments/square/rules"
 
 
 @pytest.fixture
 def ruled(client: httpx.Client, school: Any) -> Callable[..., httpx.Response]:
     def change(**rules: object) -> httpx.Response:
-        return client.put(POLICY, json=rules, headers=school.as_("wang"))
+        return client.put(RULES, json=rules, headers=school.as_("wang"))
 
     return change
 
@@ -45,12 +45,12 @@ def test_rules_are_changed_whole_and_written_down(
 ) -> None:
     assert ruled(due="2026-03-20T23:59:59", attempts=3, reason="term plan").status_code == 200
     assert ruled(attempts=5).json()["due"] is None
-    document = client.get(POLICY, headers=school.as_("li")).json()
+    document = client.get(RULES, headers=school.as_("li")).json()
     assert (document["rules"]["attempts"], document["attempts_left"]) == (5, 5)
     second, first = client.get("/api/v1/audit", headers=school.as_("wang"), params={"limit": 2}).json()[
         "entries"
     ]
-    assert (first["action"], first["actor"], first["reason"]) == ("policy.change", "wang", "term plan")
+    assert (first["action"], first["actor"], first["reason"]) == ("rules.change", "wang", "term plan")
     assert first["before"]["due"] is None
     assert first["after"]["due"] == second["before"]["due"] == "2026-03-20T23:59:59+08:00"
 
@@ -58,16 +58,16 @@ def test_rules_are_changed_whole_and_written_down(
 def test_rules_that_were_changed_meanwhile_stay(
     client: httpx.Client, ruled: Callable[..., httpx.Response], school: Any
 ) -> None:
-    seen = client.get(POLICY, headers=school.as_("ta")).headers["ETag"]
-    assert "ETag" not in client.get(POLICY, headers=school.as_("li")).headers
+    seen = client.get(RULES, headers=school.as_("ta")).headers["ETag"]
+    assert "ETag" not in client.get(RULES, headers=school.as_("li")).headers
     now = ruled(attempts=3).headers["ETag"]
     matching = {**school.as_("wang"), "If-Match": seen}
-    refused = client.put(POLICY, json={"attempts": 9}, headers=matching)
+    refused = client.put(RULES, json={"attempts": 9}, headers=matching)
     assert (refused.status_code, refused.json()["code"]) == (412, "changed_meanwhile")
-    answer = client.get(POLICY, headers=school.as_("wang"))
+    answer = client.get(RULES, headers=school.as_("wang"))
     assert (answer.json()["rules"]["attempts"], answer.headers["ETag"]) == (3, now)
     matching["If-Match"] = f"{seen}, {now}"
-    assert client.put(POLICY, json={"attempts": 9}, headers=matching).status_code == 200
+    assert client.put(RULES, json={"attempts": 9}, headers=matching).status_code == 200
 
 
 def test_an_extension_that_was_changed_meanwhile_stays(client: httpx.Client, school: Any) -> None:
@@ -85,7 +85,7 @@ def test_rules_hold_for_one_course(
     client: httpx.Client, ruled: Callable[..., httpx.Response], school: Any
 ) -> None:
     ruled(attempts=3)
-    assert client.get(POLICY, headers=school.as_("li2")).json()["rules"]["attempts"] is None
+    assert client.get(RULES, headers=school.as_("li2")).json()["rules"]["attempts"] is None
 
 
 @pytest.mark.parametrize(
@@ -169,7 +169,7 @@ def test_attempts_run_out_and_faults_cost_none(
     assert hand_in().json()["code"] == "no_attempts_left"
     for _ in range(3):
         services.queue.fail(services.queue.claim("w"), "no")
-    assert client.get(POLICY, headers=school.as_("li")).json()["attempts_left"] == 1
+    assert client.get(RULES, headers=school.as_("li")).json()["attempts_left"] == 1
     assert hand_in().status_code == 202
 
 
@@ -212,7 +212,7 @@ def test_lateness_shows_and_counts(
         0.5,
         5.0,
     )
-    standing = client.get(POLICY, headers=school.as_("li")).json()
+    standing = client.get(RULES, headers=school.as_("li")).json()
     assert (standing["counted_submission"], standing["counted_score"]) == (url, 5.0)
     (row,) = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"]
     assert (row["total_score"], row["assignments"]["square"]["passed"]) == (5.0, False)
@@ -230,7 +230,7 @@ def test_hidden_items_are_nowhere_until_their_date(
     student, teacher = school.as_("li"), school.as_("wang")
     seen = [
         client.get(path, headers=student).text
-        for path in (url, url + "/report", POLICY, "/api/v1/assignments/square")
+        for path in (url, url + "/report", RULES, "/api/v1/assignments/square")
     ]
     assert all("closed" not in text for text in seen)
     assert (json.loads(seen[0])["score"], json.loads(seen[0])["max_score"]) == (5.0, 5.0)

@@ -12,15 +12,15 @@ from sqlalchemy import text
 from grader.contracts.errors import CourseError, RegradeError, UploadRefusedError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
-from grader.contracts.policy import AssignmentPolicy
 from grader.contracts.regrade import RegradeState, Wanted
+from grader.contracts.rules import Rules
 from grader.contracts.submission import Claim, NewSubmission, SubmissionState
 from grader.store.audit import AuditLog, Signature
 from grader.store.courses import Courses
 from grader.store.database import Database
-from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.regrades import Regrades
+from grader.store.rules import StoredRules
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
@@ -69,7 +69,7 @@ def course(database: Database, clock: FakeClock) -> str:
 def test_a_limit_of_attempts_is_never_exceeded(
     database: Database, clock: FakeClock, submissions: Submissions, course: str
 ) -> None:
-    Policies(database).set("square", AssignmentPolicy(attempts=3), Signature(clock(), course, "wang"))
+    StoredRules(database).set("square", Rules(attempts=3), Signature(clock(), course, "wang"))
     made = at_once(lambda n: submissions.add(new(source=b"good # %d" % n, course=course, ruled=True)))
     kinds = Counter(type(one) for one in made)
     assert kinds[UploadRefusedError] == THREADS - 3

@@ -6,17 +6,17 @@ import pytest
 
 from grader.contracts.errors import RegradeError
 from grader.contracts.identity import Role, RosterEntry
-from grader.contracts.policy import AssignmentPolicy, Counts
 from grader.contracts.regrade import Wanted
+from grader.contracts.rules import Counts, Rules
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.store import class_cells, dashboard
 from grader.store.audit import Signature
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
-from grader.store.policies import Policies
 from grader.store.queue import Queue
 from grader.store.regrades import Regrades
+from grader.store.rules import StoredRules
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, finish, grade_next
@@ -162,8 +162,8 @@ def test_changed_rules_count_at_once_and_only_where_they_hold(
     read: list[object] = []
     original = class_cells._among
     monkeypatch.setattr(class_cells, "_among", lambda places: read.append(places) or original(places))
-    last = AssignmentPolicy(counts=Counts.LAST)
-    Policies(database).set("square", last, Signature(school.clock(), "ros", "test"))
+    last = Rules(counts=Counts.LAST)
+    StoredRules(database).set("square", last, Signature(school.clock(), "ros", "test"))
     after = school.dashboard.state("ros").progress
     assert [one.counted_score for one in before] == [10.0] * 4
     assert [one.counted_score for one in after] == [0.0, 10.0, 0.0, 10.0]

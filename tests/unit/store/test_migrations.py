@@ -105,6 +105,28 @@ def test_essays_that_an_older_migration_left_out_wait_for_people(blank_url: str)
     database.close()
 
 
+def test_rules_survive_their_new_name(blank_url: str) -> None:
+    database = at_first_release(blank_url)
+    upgrade(database, "0009")
+    with database.writing() as session:
+        for statement in (
+            """INSERT INTO course (id, title, time_zone, created_at)
+               VALUES ('ros', 'ROS', 'UTC', '2026-03-02 08:00:00.000000')""",
+            """INSERT INTO audit (at, course, actor, action, subject, "before", "after", reason)
+               VALUES ('2026-03-02 08:00:00.000000', 'ros', 'wang', 'policy.change', 'x', '{}', '{}', '')""",
+        ):
+            session.connection().exec_driver_sql(statement)
+        session.connection().exec_driver_sql(
+            "INSERT INTO policy VALUES ('ros', 'square', 'the rules', '2026-03-02 08:00:00.000000')"
+        )
+    migrate(database)
+    with database.reading() as session:
+        found = session.connection().exec_driver_sql("SELECT document FROM rules").scalar_one()
+        action = session.connection().exec_driver_sql("SELECT action FROM audit").scalar_one()
+    assert (found, action) == ("the rules", "rules.change")
+    database.close()
+
+
 def test_tables_are_not_changed_under_who_works_with_them(
     blank_url: str, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:

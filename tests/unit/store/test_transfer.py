@@ -12,8 +12,8 @@ from sqlmodel import SQLModel
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
-from grader.contracts.policy import AssignmentPolicy, Extension
 from grader.contracts.regrade import Wanted
+from grader.contracts.rules import Extension, Rules
 from grader.contracts.submission import NewSubmission, WorkerState
 from grader.store import transfer as module
 from grader.store.audit import Signature
@@ -22,9 +22,9 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.judgements import Given, Judgements
-from grader.store.policies import Policies
 from grader.store.queue import Queue, RetryPolicy
 from grader.store.regrades import Regrades
+from grader.store.rules import StoredRules
 from grader.store.schema import migrate
 from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
@@ -43,9 +43,9 @@ def fill(database: Database) -> str:
     courses.create("ros", "ROS 2 入门", "Asia/Shanghai", "me")
     courses.import_roster("ros", [RosterEntry(id="li", name="李雷", role=Role.STUDENT)], "me")
     _, token = Tokens(database, clock).issue("ros", "li", timedelta(days=1), "me")
-    policies = Policies(database)
-    policies.set("square", AssignmentPolicy(attempts=9), signed)
-    policies.extend("square", "li", Extension(extra_attempts=1), signed)
+    rules = StoredRules(database)
+    rules.set("square", Rules(attempts=9), signed)
+    rules.extend("square", "li", Extension(extra_attempts=1), signed)
     for number in range(3):
         clock.advance(1.000001)
         new = NewSubmission(

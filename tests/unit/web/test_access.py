@@ -6,7 +6,7 @@ import httpx
 import pytest
 from fastapi import Request, Response
 
-from grader.contracts.policy import AssignmentPolicy
+from grader.contracts.rules import Rules
 from grader.routes.services import Services
 from grader.store.audit import Signature
 from grader.web.entrance import own_address
@@ -188,8 +188,8 @@ class TestCourse:
     def test_hidden_items_stay_hidden(
         self, browser: Browser, services: Services, tokens: dict[str, str], put: Callable[..., str]
     ) -> None:
-        hiding = AssignmentPolicy(hidden_items=("closed",), attempts=5)
-        services.policies.set("square", hiding, Signature(services.clock(), "ros", "wang"), "")
+        hiding = Rules(hidden_items=("closed",), attempts=5)
+        services.rules.set("square", hiding, Signature(services.clock(), "ros", "wang"), "")
         own = put(student="li", course="ros")
         browser.enter(token=tokens["li"])
         for path in ("/assignments/square", own, own + "/sketch.json", "/submissions"):

@@ -20,7 +20,7 @@ def test_every_action_of_the_store_has_words() -> None:
     calls = [call for text in texts for call in re.findall(r"\brecord\((.*?)\)", text, re.DOTALL)]
     named = {one for call in calls for one in re.findall(r"\"([a-z]+\.[a-z_]+)\"", call)}
     decided = {f"regrade.{one.value}" for one in RegradeState if one is not RegradeState.OPEN}
-    assert {"policy.change", "grade.judge", "member.add"} <= named
+    assert {"rules.change", "grade.judge", "member.add"} <= named
     assert named | decided <= set(ACTIONS)
 
 
@@ -72,5 +72,5 @@ def test_what_something_was_done_to() -> None:
     assert ZH.subject("regrade 019 of square") == "作业 square 的重新评分 019"
     assert EN.subject("regrade 019 of square") == "re-grade 019 of square"
     assert EN.subject("something") == "something"
-    assert EN.action("policy.change") == "rules changed"
+    assert EN.action("rules.change") == "rules changed"
     assert EN.action("new.thing") == "new.thing"

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
-from grader.contracts.policy import AssignmentPolicy, Counts
+from grader.contracts.rules import Counts, Rules
 from grader.routes.services import Services
 from grader.store.audit import Signature
 from grader.web.people_pages import address
@@ -26,9 +26,7 @@ def rows(text: str) -> list[str]:
 
 
 def test_the_gradebook_shows_what_counts(wang: Browser, services: Services, put: Callable[..., str]) -> None:
-    services.policies.set(
-        "square", AssignmentPolicy(counts=Counts.LAST), Signature(services.clock(), "ros", "wang"), ""
-    )
+    services.rules.set("square", Rules(counts=Counts.LAST), Signature(services.clock(), "ros", "wang"), "")
     put(b"good good", student="li", course="ros")
     last = put(b"good", student="li", course="ros")
     put(b"good", student="li", course="ros", assignment="spin", grading=None)
@@ -109,7 +107,7 @@ def test_without_a_course_the_roster_says_how_to_begin(instructor: Browser) -> N
 def test_the_audit_log_is_paged(wang: Browser, services: Services) -> None:
     signed = Signature(services.clock(), "ros", "wang")
     for attempts in range(1, 60):
-        services.policies.set("square", AssignmentPolicy(attempts=attempts), signed, f"change {attempts}.")
+        services.rules.set("square", Rules(attempts=attempts), signed, f"change {attempts}.")
     newest = wang.get("/class/audit").text
     assert newest.count("rules changed") == 50
     assert "change 59." in newest

@@ -6,7 +6,7 @@ from html import unescape
 
 import pytest
 
-from grader.contracts.policy import AssignmentPolicy
+from grader.contracts.rules import Rules
 from grader.contracts.submission import SubmissionState
 from grader.routes.services import Services
 from grader.store.audit import Signature
@@ -73,8 +73,8 @@ def test_names_can_be_hidden(ta: Browser, answers: dict[str, str]) -> None:
 def test_a_list_does_not_tell_that_a_hidden_item_waits(
     ta: Browser, answers: dict[str, str], services: Services, tokens: dict[str, str]
 ) -> None:
-    hidden = AssignmentPolicy(hidden_items=("timer",))
-    services.policies.set(QUESTION, hidden, Signature(services.clock(), "ros", "test"))
+    hidden = Rules(hidden_items=("timer",))
+    services.rules.set(QUESTION, hidden, Signature(services.clock(), "ros", "test"))
     give(ta, answers["li"], "publisher")
     ta.enter(token=tokens["li"])
     assert "waiting for a person" not in ta.get(f"/submissions/{answers['li']}?lang=en").text

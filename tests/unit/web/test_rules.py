@@ -10,14 +10,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.contracts.policy import (
+from grader.contracts.rules import (
     NO_EXTENSION,
-    NO_POLICY,
-    AssignmentPolicy,
+    NO_RULES,
     Counts,
     Extension,
     LateRule,
     LateStep,
+    Rules,
 )
 from grader.routes.services import Services
 from grader.store.audit import Signature
@@ -32,7 +32,7 @@ shares = st.floats(0.0, 1.0).map(lambda one: round(one, 6))
 
 
 @st.composite
-def policies(draw: st.DrawFn) -> AssignmentPolicy:
+def rule_sets(draw: st.DrawFn) -> Rules:
     opens, due = sorted(draw(st.lists(instants, min_size=2, max_size=2, unique=True)))
     afters = sorted(draw(st.sets(st.integers(0, 10**7), min_size=1, max_size=4)))
     keeps = sorted(draw(st.lists(shares, min_size=len(afters), max_size=len(afters))), reverse=True)
@@ -42,7 +42,7 @@ def policies(draw: st.DrawFn) -> AssignmentPolicy:
             [LateRule(), LateRule(kind="linear", per_day=1 / 3), LateRule(kind="steps", steps=steps)]
         )
     )
-    return AssignmentPolicy(
+    return Rules(
         opens=draw(st.sampled_from([None, opens])),
         due=due,
         late=late,
@@ -55,21 +55,21 @@ def policies(draw: st.DrawFn) -> AssignmentPolicy:
     )
 
 
-@given(policies(), st.sampled_from(["Asia/Shanghai", "Europe/Berlin", "UTC"]))
-def test_an_untouched_form_changes_nothing(policy: AssignmentPolicy, zone: str) -> None:
+@given(rule_sets(), st.sampled_from(["Asia/Shanghai", "Europe/Berlin", "UTC"]))
+def test_an_untouched_form_changes_nothing(rules: Rules, zone: str) -> None:
     reader = Reader(ZoneInfo(zone))
-    assert reader.policy(form_of(policy, ZoneInfo(zone)), policy, frozenset("ab")) == policy
+    assert reader.rules(form_of(rules, ZoneInfo(zone)), rules, frozenset("ab")) == rules
     assert reader.errors == {}
 
 
-@given(policies())
-def test_what_is_shown_means_what_is_meant(policy: AssignmentPolicy) -> None:
+@given(rule_sets())
+def test_what_is_shown_means_what_is_meant(rules: Rules) -> None:
     """Typed anew, without the rules it was made from, a form means the same to the digits it shows."""
-    form = form_of(policy, SHANGHAI)
-    again = Reader(SHANGHAI).policy(form, NO_POLICY, frozenset("ab"))
+    form = form_of(rules, SHANGHAI)
+    again = Reader(SHANGHAI).rules(form, NO_RULES, frozenset("ab"))
     assert form_of(again, SHANGHAI) == form
-    assert again.accept_late_s == policy.accept_late_s
-    assert [one.after_s for one in again.late.steps] == [one.after_s for one in policy.late.steps]
+    assert again.accept_late_s == rules.accept_late_s
+    assert [one.after_s for one in again.late.steps] == [one.after_s for one in rules.late.steps]
 
 
 @pytest.mark.parametrize(
@@ -107,7 +107,7 @@ def test_what_is_shown_means_what_is_meant(policy: AssignmentPolicy) -> None:
 )
 def test_each_mistake_is_told_at_its_field(typed: dict, field: str, sentence: str) -> None:
     reader = Reader(SHANGHAI)
-    assert reader.policy(RuleForm(**typed), NO_POLICY, frozenset("ab")) == NO_POLICY
+    assert reader.rules(RuleForm(**typed), NO_RULES, frozenset("ab")) == NO_RULES
     assert reader.errors == {field: sentence}
 
 
@@ -118,8 +118,8 @@ def wang(browser: Browser, tokens: dict[str, str]) -> Browser:
     return browser
 
 
-def rules_of(services: Services) -> AssignmentPolicy:
-    return services.policies.rules("ros").policy("square")
+def rules_of(services: Services) -> Rules:
+    return services.rules.of("ros").of("square")
 
 
 def test_rules_are_set_on_the_clock_of_the_course(wang: Browser, services: Services) -> None:
@@ -129,7 +129,7 @@ def test_rules_are_set_on_the_clock_of_the_course(wang: Browser, services: Servi
     }  # fmt: skip
     answer = wang.post(PAGE, typed)
     assert answer.status_code == 303
-    assert rules_of(services) == AssignmentPolicy(
+    assert rules_of(services) == Rules(
         due=DUE,
         late=LateRule(kind="linear", per_day=0.1),
         accept_late_s=48 * 3600,
@@ -156,8 +156,8 @@ def test_a_student_sees_when_it_is_due_and_what_lateness_leaves(
     browser: Browser, tokens: dict[str, str], services: Services, put: Callable[..., str]
 ) -> None:
     signed = Signature(services.clock(), "ros", "wang")
-    policy = AssignmentPolicy(due=DUE, late=LateRule(kind="linear", per_day=0.1), accept_late_s=36 * 3600)
-    services.policies.set("square", policy, signed)
+    rules = Rules(due=DUE, late=LateRule(kind="linear", per_day=0.1), accept_late_s=36 * 3600)
+    services.rules.set("square", rules, signed)
     browser.get("/?lang=en")
     assert browser.enter(token=tokens["li"]).headers["Location"] == "/"
     due = browser.get("/assignments/square").text
@@ -171,10 +171,10 @@ def test_a_student_sees_when_it_is_due_and_what_lateness_leaves(
     assert f"<time>{handed_in:%Y-%m-%d %H:%M}</time>" in shown
     assert "instants.js" not in shown
     assert "time zone, Asia/Shanghai." in shown
-    earlier = replace(policy, due=services.clock() - timedelta(hours=25))
-    services.policies.set("square", earlier, signed)
+    earlier = replace(rules, due=services.clock() - timedelta(hours=25))
+    services.rules.set("square", earlier, signed)
     assert "80 % is kept, 4 points" in browser.get(result).text
-    services.policies.set("square", replace(policy, accept_late_s=0), signed)
+    services.rules.set("square", replace(rules, accept_late_s=0), signed)
     assert "Lateness: nothing is accepted after it is due" in browser.get("/assignments/square").text
 
 
@@ -184,22 +184,22 @@ def test_a_student_reads_beforehand_that_nothing_is_accepted(
     signed, now = Signature(services.clock(), "ros", "wang"), services.clock()
     browser.get("/?lang=en")
     browser.enter(token=tokens["li"])
-    closed = AssignmentPolicy(due=now - timedelta(hours=1), accept_late_s=0)
-    for policy, told in (
+    closed = Rules(due=now - timedelta(hours=1), accept_late_s=0)
+    for rules, told in (
         (closed, "The assignment is closed"),
-        (AssignmentPolicy(opens=now + timedelta(hours=1)), "The assignment is not open yet"),
+        (Rules(opens=now + timedelta(hours=1)), "The assignment is not open yet"),
     ):
-        services.policies.set("square", policy, signed)
+        services.rules.set("square", rules, signed)
         shown = browser.get("/assignments/square").text
         assert told in shown
         assert 'id="file"' not in shown
         assert "upload.js" not in shown
-        assert (" (past)" in browser.get("/").text) == (policy is closed)
-    services.policies.set("square", AssignmentPolicy(attempts=1), signed)
+        assert (" (past)" in browser.get("/").text) == (rules is closed)
+    services.rules.set("square", Rules(attempts=1), signed)
     assert 'id="file"' in browser.get("/assignments/square").text
     put(student="li", course="ros")
     assert "No attempts are left" in browser.get("/assignments/square").text
-    services.policies.extend("square", "li", Extension(extra_attempts=1), signed)
+    services.rules.extend("square", "li", Extension(extra_attempts=1), signed)
     assert 'id="file"' in browser.get("/assignments/square").text
 
 
@@ -207,7 +207,7 @@ def test_wrong_rules_change_nothing_and_lose_nothing(wang: Browser, services: Se
     typed = {"due": "2026-03-20T23:59", "late": "linear", "per_day": "a lot", "attempts": "5"}
     answer = wang.post(PAGE, typed)
     assert answer.status_code == 422
-    assert rules_of(services) == NO_POLICY
+    assert rules_of(services) == NO_RULES
     assert 'role="alert">Not saved: 1 to correct below.' in answer.text
     field = re.search(r'<input id="per_day"[^>]*>', answer.text)
     assert field is not None
@@ -222,8 +222,8 @@ def hidden(text: str, name: str) -> str:
 
 def test_rules_changed_meanwhile_are_not_lost(wang: Browser, services: Services) -> None:
     seen = re.findall(r'name="seen" value="(\w+)"', wang.get(PAGE).text)[0]
-    theirs = AssignmentPolicy(attempts=7)
-    services.policies.set("square", theirs, Signature(services.clock(), "ros", "ta"))
+    theirs = Rules(attempts=7)
+    services.rules.set("square", theirs, Signature(services.clock(), "ros", "ta"))
     mistyped = wang.post(PAGE, {"attempts": "x", "seen": seen}).text
     assert f'name="seen" value="{seen}"' in mistyped  # correcting a field is no look at the other's change
     answer = wang.post(PAGE, {"attempts": "5", "reason": "mine", "seen": seen})
@@ -240,22 +240,22 @@ def test_rules_changed_meanwhile_are_not_lost(wang: Browser, services: Services)
 def test_an_extension_given_meanwhile_is_not_lost(wang: Browser, services: Services) -> None:
     seen = hidden(wang.get(PAGE).text, "seen")
     theirs = Extension(extra_attempts=3)
-    services.policies.extend("square", "li", theirs, Signature(services.clock(), "ros", "ta"))
+    services.rules.extend("square", "li", theirs, Signature(services.clock(), "ros", "ta"))
     given_ = {"student": "li", "extra_attempts": "1", "seen": seen, "seen_for": ""}
     answer = wang.post(PAGE + "/extensions", given_, page=PAGE)
     assert answer.status_code == 422
     assert "this student has another extension" in answer.text
-    assert services.policies.rules("ros").extension("square", "li") == theirs
+    assert services.rules.of("ros").extension("square", "li") == theirs
     given_ |= {name: hidden(answer.text, name) for name in ("seen", "seen_for")}
     assert wang.post(PAGE + "/extensions", given_, page=PAGE).status_code == 303
-    assert services.policies.rules("ros").extension("square", "li") == Extension(extra_attempts=1)
+    assert services.rules.of("ros").extension("square", "li") == Extension(extra_attempts=1)
 
 
 def test_a_student_gets_more_and_it_is_taken_back(wang: Browser, services: Services) -> None:
     given_ = {"student": " li ", "due": "2026-03-27T23:59", "extra_attempts": "2", "reason": "ill"}
     answer = wang.post(PAGE + "/extensions", given_, page=PAGE)
     assert answer.status_code == 303
-    extension = services.policies.rules("ros").extension("square", "li")
+    extension = services.rules.of("ros").extension("square", "li")
     assert extension == Extension(due=datetime(2026, 3, 27, 15, 59, tzinfo=UTC), extra_attempts=2)
     page = wang.get(PAGE).text
     assert "2026-03-27 23:59" in page
@@ -264,7 +264,7 @@ def test_a_student_gets_more_and_it_is_taken_back(wang: Browser, services: Servi
     assert 'id="x-student" name="student" value="li"' in filled
     assert 'value="2026-03-27T23:59"' in filled
     wang.post(PAGE + "/extensions", {"student": "li"}, page=PAGE)
-    assert services.policies.rules("ros").extension("square", "li") == NO_EXTENSION
+    assert services.rules.of("ros").extension("square", "li") == NO_EXTENSION
     assert "+2" not in wang.get(PAGE).text
 
 
@@ -283,18 +283,18 @@ def test_a_wrong_extension_is_told_at_its_field(
     assert answer.status_code == 422
     assert f'id="{field}-error"' in answer.text
     assert re.search(rf'id="{field}"[^>]*aria-invalid="true"', answer.text)
-    assert services.policies.rules("ros").extensions == {}
+    assert services.rules.of("ros").extensions == {}
 
 
 def test_assistants_read_the_rules(browser: Browser, tokens: dict[str, str], services: Services) -> None:
-    policy = AssignmentPolicy(due=DUE, hidden_items=("closed",))
-    services.policies.set("square", policy, Signature(services.clock(), "ros", "wang"), "")
+    rules = Rules(due=DUE, hidden_items=("closed",))
+    services.rules.set("square", rules, Signature(services.clock(), "ros", "wang"), "")
     browser.enter(token=tokens["ta"])
     text = browser.get(PAGE).text
     assert 'value="2026-03-20T23:59"' in text
     assert 'type="submit">保存规则' not in text
     assert browser.post(PAGE, {"attempts": "1"}).status_code == 403
-    assert rules_of(services) == policy
+    assert rules_of(services) == rules
 
 
 def test_without_a_course_there_are_no_rules(instructor: Browser) -> None:

@@ -13,18 +13,18 @@ from sqlmodel import Session, col
 
 from grader.contracts.errors import ChangedMeanwhileError
 from grader.contracts.identity import no_course, unknown_course, unknown_members
-from grader.contracts.policy import (
+from grader.contracts.rules import (
     NO_EXTENSION,
-    NO_POLICY,
-    AssignmentPolicy,
+    NO_RULES,
     Counts,
     Extension,
     LateRule,
     LateStep,
+    Rules,
 )
 from grader.contracts.seen import Seen
 from grader.store.audit import Signature, record
-from grader.store.course_tables import CourseRow, ExtensionRow, MemberRow, PolicyRow
+from grader.store.course_tables import CourseRow, ExtensionRow, MemberRow, RulesRow
 from grader.store.database import Database
 from grader.store.locks import one_at_a_time
 from grader.store.tables import table_of
@@ -34,16 +34,16 @@ _UTC = "UTC"
 _TAG_LENGTH = 16
 ANY_STATE = Seen(None)
 
-_course_of, _policy_of, _extension_of = (table_of(row).c for row in (CourseRow, PolicyRow, ExtensionRow))
-ABOUT = (_course_of.time_zone, _policy_of.document, _extension_of.due, _extension_of.extra_attempts)
+_course_of, _rules_of, _extension_of = (table_of(row).c for row in (CourseRow, RulesRow, ExtensionRow))
+ABOUT = (_course_of.time_zone, _rules_of.document, _extension_of.due, _extension_of.extra_attempts)
 """What `rules_about` takes: columns of `ABOUT_FROM`."""
 
 _ASKED = select(literal(1).label("asked")).subquery()  # so that there is one row whatever is missing
 ABOUT_FROM = (
     outerjoin(_ASKED, table_of(CourseRow), _course_of.id == bindparam("course"))
     .outerjoin(
-        table_of(PolicyRow),
-        and_(_policy_of.course == _course_of.id, _policy_of.assignment == bindparam("assignment")),
+        table_of(RulesRow),
+        and_(_rules_of.course == _course_of.id, _rules_of.assignment == bindparam("assignment")),
     )
     .outerjoin(
         table_of(ExtensionRow),
@@ -58,29 +58,29 @@ ABOUT_FROM = (
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Rules:
+class CourseRules:
     """Everything that decides about submissions of a course. Without courses nothing is ruled."""
 
     zone: ZoneInfo
-    policies: dict[str, AssignmentPolicy]
+    by_assignment: dict[str, Rules]
     extensions: dict[tuple[str, str], Extension]
 
-    def policy(self, assignment: str) -> AssignmentPolicy:
+    def of(self, assignment: str) -> Rules:
         """Return the rules of one assignment."""
-        return self.policies.get(assignment, NO_POLICY)
+        return self.by_assignment.get(assignment, NO_RULES)
 
     def extension(self, assignment: str, person: str) -> Extension:
         """Return what one student gets beyond them."""
         return self.extensions.get((assignment, person), NO_EXTENSION)
 
 
-class Policies:
+class StoredRules:
     """Reads and changes rules; every change is in the audit log. Safe to share between threads."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
 
-    def rules(self, course: str | None) -> Rules:
+    def of(self, course: str | None) -> CourseRules:
         """Return all rules of a course as they are at one instant."""
         with self._database.reading() as session:
             return rules_of(session, course)
@@ -88,13 +88,13 @@ class Policies:
     def set(
         self,
         assignment: str,
-        policy: AssignmentPolicy,
+        rules: Rules,
         signed: Signature,
         reason: str = "",
         *,
         seen: Seen = ANY_STATE,
-    ) -> AssignmentPolicy:
-        """Make `policy` the rules of an assignment in the course of `signed`; return the rules before.
+    ) -> Rules:
+        """Make `rules` the rules of an assignment in the course of `signed`; return the rules before.
 
         Raises:
             CourseError: there is no such course.
@@ -105,21 +105,21 @@ class Policies:
             one_at_a_time(session, "course", course)
             if session.get(CourseRow, course) is None:
                 raise unknown_course(course)
-            row = session.get(PolicyRow, (course, assignment))
-            before = NO_POLICY if row is None else _read(row.document)
+            row = session.get(RulesRow, (course, assignment))
+            before = NO_RULES if row is None else _read(row.document)
             _require(seen, before)
-            document = json.dumps(to_document(policy), sort_keys=True)
+            document = json.dumps(to_document(rules), sort_keys=True)
             session.merge(
-                PolicyRow(course=course, assignment=assignment, document=document, changed_at=signed.at)
+                RulesRow(course=course, assignment=assignment, document=document, changed_at=signed.at)
             )
-            if policy != before:
+            if rules != before:
                 record(
                     session,
                     signed,
-                    "policy.change",
+                    "rules.change",
                     f"assignment {assignment}",
                     before=to_document(before),
-                    after=to_document(policy),
+                    after=to_document(rules),
                     reason=reason,
                 )
             return before
@@ -163,7 +163,7 @@ class Policies:
                 )
 
 
-def tag(rules: AssignmentPolicy | Extension) -> str:
+def tag(rules: Rules | Extension) -> str:
     """Return what names these rules, or this extension: others have another.
 
     The same instants have the same tag, whatever offset they are written with: databases give back UTC.
@@ -175,39 +175,39 @@ def tag(rules: AssignmentPolicy | Extension) -> str:
     return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
 
 
-def rules_of(session: Session, course: str | None) -> Rules:
+def rules_of(session: Session, course: str | None) -> CourseRules:
     """Return all rules of a course in the transaction of `session`."""
     if course is None:
-        return Rules(zone=ZoneInfo(_UTC), policies={}, extensions={})
+        return CourseRules(zone=ZoneInfo(_UTC), by_assignment={}, extensions={})
     row = session.get(CourseRow, course)
-    ruled = select(PolicyRow).where(col(PolicyRow.course) == course)
+    ruled = select(RulesRow).where(col(RulesRow.course) == course)
     extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)
-    policies, extensions = session.execute(ruled).scalars(), session.execute(extended).scalars()
-    return Rules(
+    rows, extensions = session.execute(ruled).scalars(), session.execute(extended).scalars()
+    return CourseRules(
         zone=ZoneInfo(_UTC if row is None else row.time_zone),
-        policies={one.assignment: _read(one.document) for one in policies},
+        by_assignment={one.assignment: _read(one.document) for one in rows},
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
     )
 
 
 def rules_about(
     zone: str | None, document: str | None, due: datetime | None, extra_attempts: int | None
-) -> tuple[AssignmentPolicy, Extension, ZoneInfo]:
+) -> tuple[Rules, Extension, ZoneInfo]:
     """Return what rules the work of a student for an assignment, from a row of `ABOUT`."""
-    policy = NO_POLICY if document is None else _read(document)
+    rules = NO_RULES if document is None else _read(document)
     extension = NO_EXTENSION if extra_attempts is None else Extension(due=due, extra_attempts=extra_attempts)
-    return policy, extension, ZoneInfo(zone or _UTC)
+    return rules, extension, ZoneInfo(zone or _UTC)
 
 
-def to_document(rules: AssignmentPolicy | Extension) -> dict[str, Any]:
+def to_document(rules: Rules | Extension) -> dict[str, Any]:
     """Return rules or an extension as JSON-ready data; instants as ISO 8601 with their offset."""
     return {
         name: one.isoformat() if isinstance(one, datetime) else one for name, one in asdict(rules).items()
     }
 
 
-def from_document(document: dict[str, Any]) -> AssignmentPolicy:
-    """Return the policy that `to_document` wrote.
+def from_document(document: dict[str, Any]) -> Rules:
+    """Return the rules that `to_document` wrote.
 
     Raises:
         ValueError: it is not one.
@@ -220,15 +220,15 @@ def from_document(document: dict[str, Any]) -> AssignmentPolicy:
             values[name] = datetime.fromisoformat(values[name])
     values["hidden_items"] = tuple(values["hidden_items"])
     values["counts"] = Counts(values["counts"])
-    return AssignmentPolicy(late=LateRule(steps=steps, **late), **values)
+    return Rules(late=LateRule(steps=steps, **late), **values)
 
 
 @lru_cache(maxsize=1_024)
-def _read(document: str) -> AssignmentPolicy:
+def _read(document: str) -> Rules:
     return from_document(json.loads(document))
 
 
-def _require(seen: Seen, before: AssignmentPolicy | Extension) -> None:
+def _require(seen: Seen, before: Rules | Extension) -> None:
     if not seen.includes(tag(before)):
         raise ChangedMeanwhileError(
             "somebody else changed this meanwhile: look again", "刚刚有人改过：请重新查看后再改"

@@ -1,4 +1,4 @@
-"""`grader policy`: show and change the rules of assignments, and extend them for single students.
+"""`grader rules`: show and change the rules of assignments, and extend them for single students.
 
 Only what is named changes; the rest stays as it is. What is replaced is shown, before and after.
 """
@@ -18,19 +18,18 @@ from grader.commands.storage import actor, add_course_option, add_data_option, c
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
 from grader.contracts.numerals import whole
-from grader.contracts.policy import NO_EXTENSION, NO_POLICY, AssignmentPolicy, Counts, Extension
+from grader.contracts.rules import NO_EXTENSION, NO_RULES, Counts, Extension, Rules
 from grader.contracts.seen import Seen
 from grader.contracts.text import Text
 from grader.contracts.validation_words import said
-from grader.policy import due_for
 from grader.routes.problems import ProblemError
-from grader.routes.rule_views import ExtensionBody, PolicyBody, extension_from, policy_from
+from grader.routes.rule_views import ExtensionBody, RulesBody, extension_from, rules_from
 from grader.store.audit import Signature
 from grader.store.columns import utc_now
-from grader.store.policies import Policies, Rules, tag, to_document
+from grader.store.rules import CourseRules, StoredRules, tag, to_document
 from grader.web.audit_lines import Teller
 
-_FIELDS = tuple(to_document(NO_POLICY))
+_FIELDS = tuple(to_document(NO_RULES))
 _TEXTS = ("opens", "due", "hidden_until", "counts")
 _NONE = ("none", "null", "")
 
@@ -81,17 +80,17 @@ def run(arguments: argparse.Namespace) -> int:
         course = chosen_course(storage, arguments.course)
         if arguments.action == "extend" and storage.courses.member(course, arguments.student) is None:
             raise unknown_members(course, arguments.student)
-        action(Policies(storage.database), Signature(utc_now(), course, actor()), arguments)
+        action(StoredRules(storage.database), Signature(utc_now(), course, actor()), arguments)
     return 0
 
 
-def _show(policies: Policies, signed: Signature, _: argparse.Namespace) -> None:
-    rules = policies.rules(signed.course)
-    document = {assignment: to_document(policy) for assignment, policy in sorted(rules.policies.items())}
-    for (assignment, student), extension in sorted(rules.extensions.items(), key=lambda item: item[0]):
+def _show(stored: StoredRules, signed: Signature, _: argparse.Namespace) -> None:
+    known = stored.of(signed.course)
+    document = {assignment: to_document(rules) for assignment, rules in sorted(known.by_assignment.items())}
+    for (assignment, student), extension in sorted(known.extensions.items(), key=lambda item: item[0]):
         if extension != NO_EXTENSION:
-            shown = document.setdefault(assignment, to_document(NO_POLICY))
-            shown.setdefault("extensions", {})[student] = to_document(_local(extension, rules.zone))
+            shown = document.setdefault(assignment, to_document(NO_RULES))
+            shown.setdefault("extensions", {})[student] = to_document(_local(extension, known.zone))
     sys.stdout.write(json.dumps(document, ensure_ascii=False, indent=2) + "\n")
 
 
@@ -99,24 +98,24 @@ def _local(extension: Extension, zone: ZoneInfo) -> Extension:
     return extension if extension.due is None else replace(extension, due=extension.due.astimezone(zone))
 
 
-def _set(policies: Policies, signed: Signature, arguments: argparse.Namespace) -> None:
+def _set(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) -> None:
     items = [item.id for item in Catalog().get(arguments.assignment).items]
-    rules = policies.rules(signed.course)
-    before = rules.policy(arguments.assignment)
-    policy = _read(_changed(before, arguments.rules), rules.zone, arguments)
-    if unknown := set(policy.hidden_items) - set(items):
-        name, known = min(unknown), ", ".join(items)
+    known = stored.of(signed.course)
+    before = known.of(arguments.assignment)
+    rules = _read(_changed(before, arguments.rules), known.zone, arguments)
+    if unknown := set(rules.hidden_items) - set(items):
+        name, all_items = min(unknown), ", ".join(items)
         raise CourseError(
-            f"{arguments.assignment} has no item {name}; it has {known}",
-            f"{arguments.assignment} 没有评分项 {name}；它有 {known}",
+            f"{arguments.assignment} has no item {name}; it has {all_items}",
+            f"{arguments.assignment} 没有评分项 {name}；它有 {all_items}",
         )
     if not arguments.dry_run:
         seen = Seen.one(tag(before))
-        policies.set(arguments.assignment, policy, signed, arguments.reason, seen=seen)
-    _tell(arguments.assignment, before, policy, rules.zone, arguments)
+        stored.set(arguments.assignment, rules, signed, arguments.reason, seen=seen)
+    _tell(arguments.assignment, before, rules, known.zone, arguments)
 
 
-def _changed(before: AssignmentPolicy, given: list[str]) -> dict[str, Any]:
+def _changed(before: Rules, given: list[str]) -> dict[str, Any]:
     """Return the rules `before` as a document, with those that were given in their places."""
     document = to_document(before)
     for rule in given:
@@ -132,7 +131,7 @@ def _changed(before: AssignmentPolicy, given: list[str]) -> dict[str, Any]:
 
 def _value(name: str, text: str) -> Any:
     if text in _NONE:
-        return to_document(NO_POLICY)[name]
+        return to_document(NO_RULES)[name]
     if name in _TEXTS:
         return text
     if name == "hidden_items":
@@ -147,9 +146,9 @@ def _value(name: str, text: str) -> Any:
         ) from None
 
 
-def _read(document: dict[str, Any], zone: ZoneInfo, arguments: argparse.Namespace) -> AssignmentPolicy:
+def _read(document: dict[str, Any], zone: ZoneInfo, arguments: argparse.Namespace) -> Rules:
     try:
-        return policy_from(PolicyBody.model_validate(document), zone)
+        return rules_from(RulesBody.model_validate(document), zone)
     except ValidationError as error:
         raise _refusal(error) from None
     except ProblemError as error:
@@ -158,16 +157,16 @@ def _read(document: dict[str, Any], zone: ZoneInfo, arguments: argparse.Namespac
         raise CourseError(told.en, told.zh) from None
 
 
-def _extend(policies: Policies, signed: Signature, arguments: argparse.Namespace) -> None:
+def _extend(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) -> None:
     Catalog().get(arguments.assignment)
-    rules = policies.rules(signed.course)
-    before = rules.extension(arguments.assignment, arguments.student)
-    extension = _extended(before, rules.zone, arguments)
+    known = stored.of(signed.course)
+    before = known.extension(arguments.assignment, arguments.student)
+    extension = _extended(before, known.zone, arguments)
     if not arguments.dry_run:
         who = (arguments.assignment, arguments.student)
-        policies.extend(*who, extension, signed, arguments.reason, seen=Seen.one(tag(before)))
-    _tell(f"{arguments.assignment}, {arguments.student}", before, extension, rules.zone, arguments)
-    _warn_of_no_effect(extension, rules, arguments)
+        stored.extend(*who, extension, signed, arguments.reason, seen=Seen.one(tag(before)))
+    _tell(f"{arguments.assignment}, {arguments.student}", before, extension, known.zone, arguments)
+    _warn_of_no_effect(extension, known, arguments)
 
 
 def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) -> Extension:
@@ -186,9 +185,9 @@ def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) 
     return replace(before, **{name: getattr(read, name) for name in given})
 
 
-def _warn_of_no_effect(extension: Extension, rules: Rules, arguments: argparse.Namespace) -> None:
-    policy = rules.policy(arguments.assignment)
-    if extension.due is not None and due_for(policy, extension) != extension.due:
+def _warn_of_no_effect(extension: Extension, known: CourseRules, arguments: argparse.Namespace) -> None:
+    rules = known.of(arguments.assignment)
+    if extension.due is not None and rules.due_for(extension) != extension.due:
         tell(
             arguments,
             zh="注意：不晚于全班的截止时间，没有作用",
@@ -204,8 +203,8 @@ def _refusal(error: ValidationError) -> CourseError:
 
 def _tell(
     what: str,
-    before: AssignmentPolicy | Extension,
-    after: AssignmentPolicy | Extension,
+    before: Rules | Extension,
+    after: Rules | Extension,
     zone: ZoneInfo,
     arguments: argparse.Namespace,
 ) -> None:

@@ -6,15 +6,14 @@ from zoneinfo import ZoneInfo
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader import policy as rules
-from grader.contracts.policy import (
+from grader.contracts.rules import (
     NO_EXTENSION,
-    AssignmentPolicy,
     Attempt,
     Counts,
     Extension,
     LateRule,
     LateStep,
+    Rules,
 )
 
 START = datetime(2026, 3, 1, tzinfo=UTC)
@@ -40,10 +39,10 @@ def late_rules(draw: st.DrawFn) -> LateRule:
 
 
 @st.composite
-def policies(draw: st.DrawFn) -> AssignmentPolicy:
+def rule_sets(draw: st.DrawFn) -> Rules:
     due = draw(st.none() | instants)
     counts = draw(st.sampled_from([Counts.BEST, Counts.LAST] + ([Counts.BEST_BEFORE_DUE] if due else [])))
-    return AssignmentPolicy(
+    return Rules(
         opens=None if due is None else draw(st.none() | st.just(due - timedelta(days=7))),
         due=due,
         late=draw(late_rules()),
@@ -67,56 +66,50 @@ attempts = st.lists(
 )
 
 
-@given(policies(), extensions, instants, instants)
-def test_waiting_never_pays(
-    policy: AssignmentPolicy, extension: Extension, one: datetime, other: datetime
-) -> None:
+@given(rule_sets(), extensions, instants, instants)
+def test_waiting_never_pays(rules: Rules, extension: Extension, one: datetime, other: datetime) -> None:
     early, late = sorted((one, other))
-    first, second = (rules.kept_share(policy, extension, at) for at in (early, late))
+    first, second = (rules.kept_share(extension, at) for at in (early, late))
     assert 0.0 <= second <= first <= 1.0
 
 
-@given(policies(), extensions, instants)
-def test_an_extension_takes_nothing_away(
-    policy: AssignmentPolicy, extension: Extension, at: datetime
-) -> None:
-    assert rules.kept_share(policy, extension, at) >= rules.kept_share(policy, NO_EXTENSION, at)
-    if rules.refusal(policy, NO_EXTENSION, [], at, ZONE) is None:
-        assert rules.refusal(policy, extension, [], at, ZONE) is None
+@given(rule_sets(), extensions, instants)
+def test_an_extension_takes_nothing_away(rules: Rules, extension: Extension, at: datetime) -> None:
+    assert rules.kept_share(extension, at) >= rules.kept_share(NO_EXTENSION, at)
+    if rules.refusal(NO_EXTENSION, [], at, ZONE) is None:
+        assert rules.refusal(extension, [], at, ZONE) is None
 
 
-@given(policies(), extensions, instants)
-def test_on_time_is_whole(policy: AssignmentPolicy, extension: Extension, at: datetime) -> None:
-    due = rules.due_for(policy, extension)
+@given(rule_sets(), extensions, instants)
+def test_on_time_is_whole(rules: Rules, extension: Extension, at: datetime) -> None:
+    due = rules.due_for(extension)
     if due is None or at <= due:
-        assert rules.kept_share(policy, extension, at) == 1.0
+        assert rules.kept_share(extension, at) == 1.0
 
 
-@given(policies(), extensions, attempts, instants)
+@given(rule_sets(), extensions, attempts, instants)
 def test_what_costs_nothing_changes_nothing(
-    policy: AssignmentPolicy, extension: Extension, made: list[Attempt], at: datetime
+    rules: Rules, extension: Extension, made: list[Attempt], at: datetime
 ) -> None:
     costly = [one for one in made if one.costs]
-    assert rules.refusal(policy, extension, made, at, ZONE) == rules.refusal(
-        policy, extension, costly, at, ZONE
-    )
-    assert rules.counting(policy, extension, made) == rules.counting(policy, extension, costly)
+    assert rules.refusal(extension, made, at, ZONE) == rules.refusal(extension, costly, at, ZONE)
+    assert rules.counting(extension, made) == rules.counting(extension, costly)
 
 
-@given(policies(), extensions, attempts)
+@given(rule_sets(), extensions, attempts)
 def test_the_order_of_looking_does_not_matter(
-    policy: AssignmentPolicy, extension: Extension, made: list[Attempt]
+    rules: Rules, extension: Extension, made: list[Attempt]
 ) -> None:
-    assert rules.counting(policy, extension, made) == rules.counting(policy, extension, made[::-1])
+    assert rules.counting(extension, made) == rules.counting(extension, made[::-1])
 
 
-@given(policies(), extensions, attempts)
-def test_the_best_keeps_most(policy: AssignmentPolicy, extension: Extension, made: list[Attempt]) -> None:
-    counted = rules.counting(policy, extension, made)
-    if counted is None or policy.counts is not Counts.BEST:
+@given(rule_sets(), extensions, attempts)
+def test_the_best_keeps_most(rules: Rules, extension: Extension, made: list[Attempt]) -> None:
+    counted = rules.counting(extension, made)
+    if counted is None or rules.counts is not Counts.BEST:
         return
     kept = [
-        rules.kept_score(policy, extension, one.score, one.received_at)
+        rules.kept_score(extension, one.score, one.received_at)
         for one in made
         if one.costs and one.score is not None
     ]
@@ -124,24 +117,24 @@ def test_the_best_keeps_most(policy: AssignmentPolicy, extension: Extension, mad
     assert counted.score <= counted.attempt.score
 
 
-@given(policies(), extensions, attempts, st.floats(0.0, 10.0), instants)
+@given(rule_sets(), extensions, attempts, st.floats(0.0, 10.0), instants)
 def test_another_attempt_never_lowers_the_best(
-    policy: AssignmentPolicy, extension: Extension, made: list[Attempt], score: float, at: datetime
+    rules: Rules, extension: Extension, made: list[Attempt], score: float, at: datetime
 ) -> None:
-    if policy.counts is Counts.LAST:
+    if rules.counts is Counts.LAST:
         return
-    before = rules.counting(policy, extension, made)
-    after = rules.counting(policy, extension, [*made, Attempt(id="new", received_at=at, score=score)])
+    before = rules.counting(extension, made)
+    after = rules.counting(extension, [*made, Attempt(id="new", received_at=at, score=score)])
     assert before is None or (after is not None and after.score >= before.score)
 
 
-@given(policies(), extensions, attempts, instants)
+@given(rule_sets(), extensions, attempts, instants)
 def test_a_refusal_that_names_an_instant_ends_then(
-    policy: AssignmentPolicy, extension: Extension, made: list[Attempt], at: datetime
+    rules: Rules, extension: Extension, made: list[Attempt], at: datetime
 ) -> None:
     made = [one for one in made if one.received_at <= at]
-    refused = rules.refusal(policy, extension, made, at, ZONE)
+    refused = rules.refusal(extension, made, at, ZONE)
     if refused is not None and refused.until is not None:
         assert refused.until > at
-        later = rules.refusal(policy, extension, made, refused.until, ZONE)
+        later = rules.refusal(extension, made, refused.until, ZONE)
         assert later is None or later.code != refused.code

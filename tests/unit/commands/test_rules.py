@@ -1,4 +1,4 @@
-"""`grader policy`, as typed: what is named changes, the rest stays, and both are shown."""
+"""`grader rules`, as typed: what is named changes, the rest stays, and both are shown."""
 
 import json
 from collections.abc import Iterator
@@ -7,12 +7,12 @@ import pytest
 
 from grader import cli
 from grader.contracts.identity import Role, RosterEntry
-from grader.contracts.policy import AssignmentPolicy, Extension
+from grader.contracts.rules import Extension, Rules
 from grader.store.audit import Signature
 from grader.store.columns import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
-from grader.store.policies import Policies
+from grader.store.rules import StoredRules
 from tests.conftest import on_sqlite
 
 
@@ -45,12 +45,12 @@ def grader(
 
 @pytest.fixture
 def shown(grader):
-    return lambda: json.loads(grader("policy", "show")[0])
+    return lambda: json.loads(grader("rules", "show")[0])
 
 
 def test_what_is_named_changes_and_the_rest_stays(grader, shown) -> None:
-    grader("policy", "set", "square", "due=2026-03-20T23:59:59", "attempts=5")
-    told = grader("policy", "set", "square", 'late={"kind": "linear", "per_day": 0.1}', "attempts=none")[1]
+    grader("rules", "set", "square", "due=2026-03-20T23:59:59", "attempts=5")
+    told = grader("rules", "set", "square", 'late={"kind": "linear", "per_day": 0.1}', "attempts=none")[1]
     assert told.splitlines() == [
         "square: changed",
         "  late             costs nothing → −10 % a day",
@@ -59,19 +59,19 @@ def test_what_is_named_changes_and_the_rest_stays(grader, shown) -> None:
     rules = shown()["square"]
     assert rules["due"] == "2026-03-20T23:59:59+08:00"
     assert (rules["late"]["per_day"], rules["attempts"]) == (0.1, None)
-    assert grader("policy", "set", "square", "attempts=none", lang="zh")[1] == "square: 没有变化\n"
+    assert grader("rules", "set", "square", "attempts=none", lang="zh")[1] == "square: 没有变化\n"
 
 
 def test_a_dry_run_shows_and_changes_nothing(grader, shown) -> None:
-    told = grader("policy", "set", "square", "due=2026-03-20T23:59:59", "--dry-run", lang="zh")[1]
+    told = grader("rules", "set", "square", "due=2026-03-20T23:59:59", "--dry-run", lang="zh")[1]
     assert "什么也没改" in told
     assert "— → 2026-03-20 23:59:59" in told
-    grader("policy", "extend", "1", "square", "--extra-attempts", "2", "--dry-run")
+    grader("rules", "extend", "1", "square", "--extra-attempts", "2", "--dry-run")
     assert shown() == {}
 
 
 def test_an_extension_changes_only_what_is_named(grader, shown) -> None:
-    extend = ("policy", "extend", "1", "square")
+    extend = ("rules", "extend", "1", "square")
     grader(*extend, "--extra-attempts", "2")
     told = grader(*extend, "--due", "2026-03-27T23:59:59", "--reason", "ill")[1]
     assert told.splitlines()[:2] == ["square, 1: changed", "  due              — → 2026-03-27 23:59:59"]
@@ -82,8 +82,8 @@ def test_an_extension_changes_only_what_is_named(grader, shown) -> None:
 
 
 def test_an_extension_without_effect_is_told(grader) -> None:
-    grader("policy", "set", "square", "due=2026-03-20T23:59:59")
-    told = grader("policy", "extend", "1", "square", "--due", "2026-03-19T23:59:59", lang="zh")[1]
+    grader("rules", "set", "square", "due=2026-03-20T23:59:59")
+    told = grader("rules", "extend", "1", "square", "--due", "2026-03-19T23:59:59", lang="zh")[1]
     assert "没有作用" in told
 
 
@@ -91,19 +91,19 @@ def test_an_extension_without_effect_is_told(grader) -> None:
 def test_what_somebody_else_changes_meanwhile_stays(
     grader, shown, database: Database, monkeypatch: pytest.MonkeyPatch, action: str
 ) -> None:
-    rules = Policies.rules
+    of = StoredRules.of
 
-    def then_somebody_else(self: Policies, course: str | None):
-        before = rules(self, course)
+    def then_somebody_else(self: StoredRules, course: str | None):
+        before = of(self, course)
         signed = Signature(utc_now(), "ros", "wang")
-        Policies(database).set("square", AssignmentPolicy(attempts=9), signed)
-        Policies(database).extend("square", "1", Extension(extra_attempts=9), signed)
+        StoredRules(database).set("square", Rules(attempts=9), signed)
+        StoredRules(database).extend("square", "1", Extension(extra_attempts=9), signed)
         return before
 
     change = {"set": ("square", "attempts=2"), "extend": ("1", "square", "--extra-attempts", "2")}[action]
     with monkeypatch.context() as patched:
-        patched.setattr(Policies, "rules", then_somebody_else)
-        assert "刚刚有人改过" in grader("policy", action, *change, status=2, lang="zh")[1]
+        patched.setattr(StoredRules, "of", then_somebody_else)
+        assert "刚刚有人改过" in grader("rules", action, *change, status=2, lang="zh")[1]
     assert (shown()["square"]["attempts"], shown()["square"]["extensions"]["1"]["extra_attempts"]) == (9, 9)
 
 
@@ -128,7 +128,7 @@ def test_what_somebody_else_changes_meanwhile_stays(
 )
 def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: str, en: str) -> None:
     for language, words in (("zh", zh), ("en", en)):
-        told = grader("policy", "set", "square", rule, status=2, lang=language)[1]
+        told = grader("rules", "set", "square", rule, status=2, lang=language)[1]
         assert told.startswith("grader: ")
         assert words in told
     assert shown() == {}
@@ -147,5 +147,5 @@ def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: s
     ],
 )
 def test_extensions_that_make_no_sense(grader, shown, arguments: tuple[str, ...], zh: str) -> None:
-    assert zh in grader("policy", "extend", *arguments, status=2, lang="zh")[1]
+    assert zh in grader("rules", "extend", *arguments, status=2, lang="zh")[1]
     assert shown() == {}

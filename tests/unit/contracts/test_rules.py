@@ -3,16 +3,16 @@ from zoneinfo import ZoneInfo
 
 import pytest
 
-from grader import policy as rules
-from grader.contracts.policy import (
+from grader.contracts.rules import (
     NO_EXTENSION,
-    NO_POLICY,
-    AssignmentPolicy,
+    NO_RULES,
     Attempt,
     Counts,
     Extension,
     LateRule,
     LateStep,
+    Rules,
+    is_hidden,
 )
 
 SHANGHAI = ZoneInfo("Asia/Shanghai")
@@ -24,26 +24,26 @@ def attempt(number: int, at: datetime, score: float | None = None, costs: bool =
     return Attempt(id=str(number), received_at=at, score=score, costs=costs)
 
 
-def refused(policy: AssignmentPolicy, at: datetime, *made: Attempt, extension: Extension = NO_EXTENSION):
-    refusal = rules.refusal(policy, extension, made, at, SHANGHAI)
+def refused(rules: Rules, at: datetime, *made: Attempt, extension: Extension = NO_EXTENSION):
+    refusal = rules.refusal(extension, made, at, SHANGHAI)
     return None if refusal is None else refusal.code
 
 
 def test_without_rules_everything_goes() -> None:
-    assert refused(NO_POLICY, DUE, *(attempt(n, DUE) for n in range(99))) is None
-    assert rules.kept_share(NO_POLICY, NO_EXTENSION, DUE) == 1.0
+    assert refused(NO_RULES, DUE, *(attempt(n, DUE) for n in range(99))) is None
+    assert NO_RULES.kept_share(NO_EXTENSION, DUE) == 1.0
 
 
 def test_the_due_instant_itself_is_on_time() -> None:
-    policy = AssignmentPolicy(due=DUE, accept_late_s=0)
-    assert refused(policy, DUE) is None
-    assert refused(policy, DUE + timedelta(microseconds=1)) == "closed"
-    assert refused(policy, datetime(2026, 3, 20, 15, 59, 59, tzinfo=UTC)) is None
-    assert refused(policy, datetime(2026, 3, 20, 16, 0, 0, tzinfo=UTC)) == "closed"
+    rules = Rules(due=DUE, accept_late_s=0)
+    assert refused(rules, DUE) is None
+    assert refused(rules, DUE + timedelta(microseconds=1)) == "closed"
+    assert refused(rules, datetime(2026, 3, 20, 15, 59, 59, tzinfo=UTC)) is None
+    assert refused(rules, datetime(2026, 3, 20, 16, 0, 0, tzinfo=UTC)) == "closed"
 
 
 def test_linear_costs_each_begun_day() -> None:
-    policy = AssignmentPolicy(due=DUE, late=LateRule(kind="linear", per_day=0.25))
+    rules = Rules(due=DUE, late=LateRule(kind="linear", per_day=0.25))
     days = [
         timedelta(0),
         timedelta(seconds=1),
@@ -51,7 +51,7 @@ def test_linear_costs_each_begun_day() -> None:
         timedelta(days=1, seconds=1),
         timedelta(days=9),
     ]
-    assert [rules.kept_share(policy, NO_EXTENSION, DUE + late) for late in days] == [
+    assert [rules.kept_share(NO_EXTENSION, DUE + late) for late in days] == [
         1.0,
         0.75,
         0.75,
@@ -62,42 +62,42 @@ def test_linear_costs_each_begun_day() -> None:
 
 def test_steps() -> None:
     steps = (LateStep(after_s=600, keep=0.9), LateStep(after_s=7200, keep=0.5))
-    policy = AssignmentPolicy(due=DUE, late=LateRule(kind="steps", steps=steps))
+    rules = Rules(due=DUE, late=LateRule(kind="steps", steps=steps))
     late = [timedelta(minutes=10), timedelta(minutes=11), 3 * HOUR]
-    assert [rules.kept_share(policy, NO_EXTENSION, DUE + one) for one in late] == [1.0, 0.9, 0.5]
+    assert [rules.kept_share(NO_EXTENSION, DUE + one) for one in late] == [1.0, 0.9, 0.5]
 
 
 def test_an_extension_moves_due_and_cut_off() -> None:
-    policy = AssignmentPolicy(due=DUE, accept_late_s=3600, late=LateRule(kind="linear", per_day=0.5))
+    rules = Rules(due=DUE, accept_late_s=3600, late=LateRule(kind="linear", per_day=0.5))
     extension = Extension(due=DUE + 24 * HOUR)
-    assert refused(policy, DUE + 25 * HOUR, extension=extension) is None
-    assert refused(policy, DUE + 26 * HOUR, extension=extension) == "closed"
-    assert rules.kept_share(policy, extension, DUE + 23 * HOUR) == 1.0
-    assert rules.due_for(policy, Extension(due=DUE - HOUR)) == DUE
+    assert refused(rules, DUE + 25 * HOUR, extension=extension) is None
+    assert refused(rules, DUE + 26 * HOUR, extension=extension) == "closed"
+    assert rules.kept_share(extension, DUE + 23 * HOUR) == 1.0
+    assert rules.due_for(Extension(due=DUE - HOUR)) == DUE
 
 
 def test_attempts_run_out() -> None:
-    policy = AssignmentPolicy(attempts=2)
+    rules = Rules(attempts=2)
     made = (attempt(1, DUE), attempt(2, DUE, costs=False), attempt(3, DUE))
-    assert refused(policy, DUE, *made) == "no_attempts_left"
-    assert refused(policy, DUE, *made[:2]) is None
-    assert refused(policy, DUE, *made, extension=Extension(extra_attempts=1)) is None
+    assert refused(rules, DUE, *made) == "no_attempts_left"
+    assert refused(rules, DUE, *made[:2]) is None
+    assert refused(rules, DUE, *made, extension=Extension(extra_attempts=1)) is None
 
 
 def test_a_day_is_a_day_of_the_course() -> None:
-    policy = AssignmentPolicy(attempts_per_day=1)
+    rules = Rules(attempts_per_day=1)
     before_midnight = datetime(2026, 3, 20, 15, 59, tzinfo=UTC)  # 23:59 in Shanghai
     after = before_midnight + timedelta(minutes=2)
-    assert refused(policy, after, attempt(1, before_midnight)) is None
-    assert refused(policy, after + HOUR, attempt(1, after)) == "no_attempts_today"
-    until = rules.refusal(policy, NO_EXTENSION, [attempt(1, after)], after, SHANGHAI).until
+    assert refused(rules, after, attempt(1, before_midnight)) is None
+    assert refused(rules, after + HOUR, attempt(1, after)) == "no_attempts_today"
+    until = rules.refusal(NO_EXTENSION, [attempt(1, after)], after, SHANGHAI).until
     assert until == datetime(2026, 3, 22, tzinfo=SHANGHAI)
 
 
 def test_a_day_with_a_clock_change_ends_at_midnight() -> None:
     berlin = ZoneInfo("Europe/Berlin")
     at = datetime(2026, 3, 29, 12, tzinfo=berlin)  # a day of 23 hours
-    refusal = rules.refusal(AssignmentPolicy(attempts_per_day=1), NO_EXTENSION, [attempt(1, at)], at, berlin)
+    refusal = Rules(attempts_per_day=1).refusal(NO_EXTENSION, [attempt(1, at)], at, berlin)
     assert refusal.until == datetime(2026, 3, 29, 22, tzinfo=UTC)
 
 
@@ -112,23 +112,23 @@ def test_which_attempt_counts() -> None:
     ]
     expected = {Counts.BEST: ("1", 6.0), Counts.LAST: ("4", 3.5), Counts.BEST_BEFORE_DUE: ("1", 6.0)}
     for counts, (id_, score) in expected.items():
-        counted = rules.counting(AssignmentPolicy(due=DUE, late=late, counts=counts), NO_EXTENSION, made)
+        counted = Rules(due=DUE, late=late, counts=counts).counting(NO_EXTENSION, made)
         assert (counted.attempt.id, counted.score) == (id_, score)
-    assert rules.counting(NO_POLICY, NO_EXTENSION, made).attempt.id == "3"
-    assert rules.counting(NO_POLICY, NO_EXTENSION, made[4:]) is None
+    assert NO_RULES.counting(NO_EXTENSION, made).attempt.id == "3"
+    assert NO_RULES.counting(NO_EXTENSION, made[4:]) is None
 
 
 def test_hidden_items_show_in_time() -> None:
-    policy = AssignmentPolicy(hidden_items=("closed",), hidden_until=DUE)
-    hidden = rules.hidden_items(policy, DUE - HOUR)
-    assert [rules.is_hidden(one, hidden) for one in ("closed", "small/closed", "closed/x", "sides")] == [
+    rules = Rules(hidden_items=("closed",), hidden_until=DUE)
+    hidden = rules.hidden_at(DUE - HOUR)
+    assert [is_hidden(one, hidden) for one in ("closed", "small/closed", "closed/x", "sides")] == [
         True,
         True,
         False,
         False,
     ]
-    assert rules.hidden_items(policy, DUE) == frozenset()
-    assert rules.hidden_items(AssignmentPolicy(hidden_items=("a",)), DUE) == {"a"}
+    assert rules.hidden_at(DUE) == frozenset()
+    assert Rules(hidden_items=("a",)).hidden_at(DUE) == {"a"}
 
 
 @pytest.mark.parametrize(
@@ -143,7 +143,7 @@ def test_hidden_items_show_in_time() -> None:
 )
 def test_rules_that_make_no_sense(values: dict[str, object], why: str) -> None:
     with pytest.raises(ValueError, match=why):
-        AssignmentPolicy(**values)
+        Rules(**values)
 
 
 @pytest.mark.parametrize(

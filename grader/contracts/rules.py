@@ -1,0 +1,292 @@
+"""The rules of an assignment in a course: what is accepted, what lateness costs, which attempt counts.
+
+Every instant has a time zone. What the rules say about a submission depends only on the instant it was received:
+waiting in the queue, grading and grading again change nothing. There is no clock and no store here, so the same
+question always has the same answer.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import datetime, time, timedelta
+from enum import StrEnum
+from typing import Literal
+from zoneinfo import ZoneInfo
+
+from grader.contracts.text import Text
+
+LateKind = Literal["none", "linear", "steps"]
+_DAY_S = 86_400
+_SCORE_DIGITS = 2  # as rubric items are rounded
+
+
+class RuleError(ValueError):
+    """Rules that contradict themselves; the message is English.
+
+    Attributes:
+        field: the rule that is wrong. text: what is wrong with it, in both languages.
+    """
+
+    def __init__(self, field: str, *, zh: str, en: str) -> None:
+        super().__init__(en)
+        self.field = field
+        self.text = Text(zh=zh, en=en)
+
+
+class Counts(StrEnum):
+    """Which of a student's attempts counts."""
+
+    BEST = "best"
+    LAST = "last"
+    BEST_BEFORE_DUE = "best_before_due"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LateStep:
+    """What is kept of the points of a submission that is late by more than `after_s`."""
+
+    after_s: int
+    keep: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LateRule:
+    """What lateness costs.
+
+    Attributes:
+        kind: ``none``: nothing; ``linear``: `per_day` of the points for each begun day; ``steps``.
+        per_day: share of the points, in (0, 1].
+        steps: by rising `after_s`; `keep` never rises.
+    """
+
+    kind: LateKind = "none"
+    per_day: float = 0.0
+    steps: tuple[LateStep, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.kind == "linear" and not 0.0 < self.per_day <= 1.0:
+            raise RuleError(
+                "late.per_day",
+                zh="late.per_day 要大于 0、不超过 1。",
+                en="late.per_day must be more than 0 and at most 1",
+            )
+        if self.kind == "steps" and not self.steps:
+            raise RuleError(
+                "late.steps", zh="late.steps 至少要有一档。", en="late.steps must name at least one step"
+            )
+        if any(not (step.after_s >= 0 and 0.0 <= step.keep <= 1.0) for step in self.steps):
+            raise RuleError(
+                "late.steps",
+                zh="late.steps：after_s 不能小于 0，keep 在 0 到 1 之间。",
+                en="late.steps: after_s must be at least 0, keep from 0 to 1",
+            )
+        pairs = list(zip(self.steps, self.steps[1:], strict=False))
+        if any(second.after_s <= first.after_s or second.keep > first.keep for first, second in pairs):
+            raise RuleError(
+                "late.steps",
+                zh="late.steps：after_s 要一档比一档大，keep 不能变大。",
+                en="late.steps must rise in after_s and not rise in keep",
+            )
+
+    def kept_share(self, late_s: float) -> float:
+        """Return the share of the points that is kept `late_s` seconds after the due date; it never rises."""
+        if late_s <= 0.0 or self.kind == "none":
+            return 1.0
+        if self.kind == "linear":
+            begun_days = -(-late_s // _DAY_S)
+            return max(1.0 - begun_days * self.per_day, 0.0)
+        passed = [step.keep for step in self.steps if late_s > step.after_s]
+        return passed[-1] if passed else 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Extension:
+    """What one student gets beyond the rules: a later due date, more attempts. It never takes anything away."""
+
+    due: datetime | None = None
+    extra_attempts: int = 0
+
+    def __post_init__(self) -> None:
+        if self.due is not None and self.due.tzinfo is None:
+            raise RuleError("due", zh="due 要有时区。", en="due needs a time zone")
+        if self.extra_attempts < 0:
+            raise RuleError(
+                "extra_attempts", zh="extra_attempts 不能小于 0。", en="extra_attempts must be at least 0"
+            )
+
+
+NO_EXTENSION = Extension()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Attempt:
+    """One submission as the rules see it.
+
+    Attributes:
+        score: None while it is not graded.
+        costs: False when the service failed to grade it: then it uses up no attempt and never counts.
+    """
+
+    id: str
+    received_at: datetime
+    score: float | None = None
+    costs: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Counted:
+    """The attempt that counts, and what of its score is kept after lateness (`score`)."""
+
+    attempt: Attempt
+    score: float
+
+
+RefusalCode = Literal["not_open_yet", "closed", "no_attempts_left", "no_attempts_today"]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refusal:
+    """Why an upload is not accepted. `until`: when it would be; None: never, unless the rules change."""
+
+    code: RefusalCode
+    until: datetime | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rules:
+    """The rules of one assignment; the default allows everything at any time.
+
+    Attributes:
+        opens: nothing is accepted before. due: what comes later is late. Either may be None.
+        accept_late_s: how long after `due` submissions are accepted; None: for ever, 0: not at all.
+        attempts, attempts_per_day: how many in all, and in one calendar day of the course; None: any number.
+        hidden_items: rubric items that students do not see before `hidden_until`; None: they never see them.
+    """
+
+    opens: datetime | None = None
+    due: datetime | None = None
+    late: LateRule = LateRule()
+    accept_late_s: int | None = None
+    attempts: int | None = None
+    attempts_per_day: int | None = None
+    counts: Counts = Counts.BEST
+    hidden_items: tuple[str, ...] = ()
+    hidden_until: datetime | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("opens", "due", "hidden_until"):
+            instant: datetime | None = getattr(self, name)
+            if instant is not None and instant.tzinfo is None:
+                raise RuleError(name, zh=f"{name} 要有时区。", en=f"{name} needs a time zone")
+        if self.opens is not None and self.due is not None and self.opens >= self.due:
+            raise RuleError("due", zh="due（截止）要晚于 opens（开放）。", en="due must be later than opens")
+        for name in ("attempts", "attempts_per_day"):
+            number: int | None = getattr(self, name)
+            if number is not None and number < 1:
+                raise RuleError(name, zh=f"{name} 不能小于 1。", en=f"{name} must be at least 1")
+        if self.accept_late_s is not None and self.accept_late_s < 0:
+            raise RuleError(
+                "accept_late_s", zh="accept_late_s 不能小于 0。", en="accept_late_s must be at least 0"
+            )
+        if self.due is None and self.counts is Counts.BEST_BEFORE_DUE:
+            raise RuleError(
+                "counts",
+                zh="counts 用 best_before_due 时要有 due（截止时间）。",
+                en="counts best_before_due needs a due date",
+            )
+
+    def due_for(self, extension: Extension) -> datetime | None:
+        """Return the due date of one student, never earlier than everybody's. None: there is none."""
+        if self.due is None or extension.due is None:
+            return self.due
+        return max(self.due, extension.due)
+
+    def late_s(self, extension: Extension, received_at: datetime) -> float:
+        """Return how many seconds after the student's due date `received_at` is; 0.0 when it is not."""
+        due = self.due_for(extension)
+        return 0.0 if due is None else max((received_at - due).total_seconds(), 0.0)
+
+    def kept_share(self, extension: Extension, received_at: datetime) -> float:
+        """Return the share of its points that a submission keeps, in [0, 1]."""
+        return self.late.kept_share(self.late_s(extension, received_at))
+
+    def kept_score(self, extension: Extension, score: float, received_at: datetime) -> float:
+        """Return what of `score` is kept after lateness, rounded as scores are."""
+        return round(score * self.kept_share(extension, received_at), _SCORE_DIGITS)
+
+    def refusal(
+        self, extension: Extension, earlier: Sequence[Attempt], received_at: datetime, zone: ZoneInfo
+    ) -> Refusal | None:
+        """Return why an upload received at `received_at` is refused, or None.
+
+        Args:
+            extension: what this student gets beyond the rules.
+            earlier: the student's attempts so far; those that cost nothing are not counted.
+            received_at: instant of the upload.
+            zone: the course's time zone; the limit per day is per calendar day there.
+        """
+        if self.opens is not None and received_at < self.opens:
+            return Refusal(code="not_open_yet", until=self.opens)
+        due = self.due_for(extension)
+        if (
+            due is not None
+            and self.accept_late_s is not None
+            and received_at > due + timedelta(seconds=self.accept_late_s)
+        ):
+            return Refusal(code="closed")
+        costly = [attempt for attempt in earlier if attempt.costs]
+        left = self.attempts_left(extension, costly)
+        if left is not None and left <= 0:
+            return Refusal(code="no_attempts_left")
+        return self._too_many_today(costly, received_at, zone)
+
+    def attempts_left(self, extension: Extension, earlier: Sequence[Attempt]) -> int | None:
+        """Return how many attempts a student has left in all; None: any number."""
+        if self.attempts is None:
+            return None
+        used = sum(attempt.costs for attempt in earlier)
+        return max(self.attempts + extension.extra_attempts - used, 0)
+
+    def counting(self, extension: Extension, attempts: Sequence[Attempt]) -> Counted | None:
+        """Return the attempt that counts; None while no attempt has a score.
+
+        The first one counts of attempts that keep the same score. With ``last`` the last graded one counts.
+        """
+        graded = sorted(
+            (one for one in attempts if one.costs and one.score is not None),
+            key=lambda one: (one.received_at, one.id),
+        )
+        if self.counts is Counts.BEST_BEFORE_DUE:
+            graded = [one for one in graded if self.late_s(extension, one.received_at) <= 0.0]
+        if not graded:
+            return None
+        kept = [
+            Counted(attempt=one, score=self.kept_score(extension, one.score or 0.0, one.received_at))
+            for one in graded
+        ]
+        return kept[-1] if self.counts is Counts.LAST else max(kept, key=lambda one: one.score)
+
+    def hidden_at(self, now: datetime) -> frozenset[str]:
+        """Return the ids of the rubric items that students do not see at `now`."""
+        if self.hidden_until is not None and now >= self.hidden_until:
+            return frozenset()
+        return frozenset(self.hidden_items)
+
+    def _too_many_today(
+        self, costly: Sequence[Attempt], received_at: datetime, zone: ZoneInfo
+    ) -> Refusal | None:
+        if self.attempts_per_day is None:
+            return None
+        today = received_at.astimezone(zone).date()
+        used = sum(attempt.received_at.astimezone(zone).date() == today for attempt in costly)
+        if used < self.attempts_per_day:
+            return None
+        tomorrow = datetime.combine(today + timedelta(days=1), time(), zone)
+        return Refusal(code="no_attempts_today", until=tomorrow)
+
+
+NO_RULES = Rules()
+
+
+def is_hidden(item_id: str, hidden: frozenset[str]) -> bool:
+    """Return whether an item of a report (``id``, or ``case/id``) is one of the `hidden` ones."""
+    return item_id in hidden or item_id.rpartition("/")[2] in hidden
