@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 from grader.checks.measure import Check, Kind, Option, Options
 from grader.contracts.assignment import BY_PERSON, Assignment
 from grader.contracts.text import Text
+from grader.messages.quantity import is_unit
 
 Misfit = tuple[str, Text]
 """A field (``items.2.measure``), and what is wrong with it and what to do."""
@@ -20,7 +21,11 @@ def misfits(assignment: Assignment, check: Kind) -> Iterator[Misfit]:
         where = "options" if not case.options else f"cases.{i}.options"
         yield from _in_options(check, options, where)
     for i, item in enumerate(assignment.items):
-        if item.measure not in check.measures and item.measure != BY_PERSON:
+        if item.measure in check.measures:
+            unit = check.measures[item.measure].unit
+            if not is_unit(unit):
+                yield f"items.{i}.measure", _no_unit(check, item.measure, unit)
+        elif item.measure != BY_PERSON:
             yield f"items.{i}.measure", _no_measure(check, item.measure)
     if assignment.calls and "offered" not in check.measures:
         yield "calls", _unused(check, "service", zh="不调用服务", en="calls no services")
@@ -54,6 +59,13 @@ def _no_measure(check: Kind, name: str) -> Text:
     return Text(
         zh=f"检查 {check.kind!r} 没有测量值 {name!r}，可用：{known}",
         en=f"{name!r} is no measure of {check.kind!r}; use one of {known}",
+    )
+
+
+def _no_unit(check: Kind, name: str, unit: object) -> Text:
+    return Text(
+        zh=f"检查 {check.kind!r} 的测量值 {name!r} 用了未知的单位 {unit!r}：在检查的代码里改正",
+        en=f"the check {check.kind!r} has {name!r} in the unknown unit {unit!r}; correct it in the check's code",
     )
 
 

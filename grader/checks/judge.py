@@ -6,13 +6,13 @@ from dataclasses import replace
 
 from grader.checks import credit
 from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake
-from grader.checks.quantity import number, number_beside, plain
 from grader.checks.rubric_text import wanted
 from grader.contracts.assignment import BY_PERSON, ItemSpec
 from grader.contracts.record import positional_record
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, say
+from grader.messages.quantity import number, number_beside
 
 _BLOCKING = (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
 
@@ -129,10 +129,7 @@ def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
     if kind.form == "flag":
         answer = "yes" if measure.value >= 1.0 else "no"
         return say(f"{check.kind}.{spec.measure}.{answer}", **measure.details)
-    if kind.form == "count":
-        value = plain(measure.value, 0)
-    else:
-        value = number_beside(measure.value, kind.unit, (spec.low, spec.high))
+    value = number_beside(measure.value, kind.unit, (spec.low, spec.high))
     return say(f"{check.kind}.{spec.measure}.seen", value=value, **measure.details)
 
 

@@ -8,6 +8,7 @@ from typing import Literal
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.record import positional_record, record
+from grader.contracts.rubric import Unit
 from grader.contracts.text import Text
 from grader.contracts.verdict import Run
 from grader.messages import say
@@ -21,11 +22,11 @@ class MeasureKind:
     """A quantity that a check computes. Its texts are ``<check>.<name>.{name,seen,hint}`` in the catalogs.
 
     Attributes:
-        unit: ``m``, ``deg``, ``s``, ``%`` or empty.
+        unit: of its values; empty for counts and flags.
         form: how it reads: a number with a unit, a whole number, or yes (1) and no (0).
     """
 
-    unit: str = ""
+    unit: Unit = ""
     form: Form = "quantity"
 
 

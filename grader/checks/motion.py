@@ -10,13 +10,13 @@ from grader.checks.credit import fits
 from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option, one_of
 from grader.checks.mistakes.motion import motion_mistakes
-from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.contracts.verdict import Run
 from grader.messages import say
+from grader.messages.quantity import number
 
 DIRECTIONS = ("forward", "backward")
 Bools = NDArray[np.bool_]

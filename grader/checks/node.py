@@ -2,11 +2,11 @@
 
 from grader.checks.measure import Check, Findings, Measure, MeasureKind
 from grader.checks.mistakes.node import node_mistakes
-from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.verdict import Run
+from grader.messages.quantity import number
 
 MEASURES = {
     "nodes": MeasureKind(form="count"),

@@ -2,10 +2,10 @@
 
 from grader.checks.measure import UNMEASURED, Findings, Measure, MeasureKind, Option, TextCheck, one_of
 from grader.checks.mistakes.number import number_mistakes
-from grader.checks.quantity import plain
-from grader.checks.spoken_quantity import UNITS, SpokenQuantity, quantities
 from grader.contracts.assignment import Answer, Assignment
+from grader.contracts.rubric import Unit
 from grader.contracts.text import EMPTY, Text
+from grader.messages.quantity import ANSWER_UNITS, SpokenQuantity, is_unit, number, quantities
 
 MEASURES = {"correct": MeasureKind(form="flag"), "with_unit": MeasureKind(form="flag")}
 _DECIMALS = 3
@@ -13,7 +13,7 @@ _DECIMALS = 3
 
 def examine(assignment: Assignment, text: str) -> Findings:
     """Compare the given number with the known answers."""
-    unit = str(assignment.options["unit"])
+    unit = _unit(assignment)
     given = given_answer(text, unit)
     if given is None:
         return Findings({"correct": UNMEASURED, "with_unit": UNMEASURED}, number_mistakes(None, None, unit))
@@ -21,7 +21,7 @@ def examine(assignment: Assignment, text: str) -> Findings:
     answer = None if value is None else _known(assignment, value)
     right = answer is not None and answer.right
     values = {
-        "given": f"{plain(given.value, _DECIMALS)} {given.unit}".strip(),
+        "given": f"{number(given.value, '1', _DECIMALS)} {given.unit}".strip(),
         "remark": EMPTY if answer is None else answer.remark,
     }
     measures = {
@@ -31,12 +31,18 @@ def examine(assignment: Assignment, text: str) -> Findings:
     return Findings(measures, number_mistakes(given, answer, unit))
 
 
-def given_answer(text: str, unit: str) -> SpokenQuantity | None:
+def given_answer(text: str, unit: Unit) -> SpokenQuantity | None:
     """Return the quantity that answers: the last one in a fitting unit, else the last number of all."""
     found = list(quantities(text))
     fitting = [each for each in found if each.unit and each.in_unit(unit) is not None]
     chosen = fitting or found
     return chosen[-1] if chosen else None
+
+
+def _unit(assignment: Assignment) -> Unit:
+    unit = assignment.options["unit"]
+    assert is_unit(unit), unit  # `_problem_with_unit` let no other through
+    return unit
 
 
 def _known(assignment: Assignment, value: float) -> Answer | None:
@@ -46,7 +52,7 @@ def _known(assignment: Assignment, value: float) -> Answer | None:
 
 
 def _problem_with_unit(value: Option) -> Text | None:
-    return None if value in UNITS else one_of(UNITS)
+    return None if value in ANSWER_UNITS else one_of(ANSWER_UNITS)
 
 
 def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:

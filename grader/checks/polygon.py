@@ -8,13 +8,13 @@ from grader.checks.driven_polygon import DrivenPolygon, driven_polygon
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes.polygon import polygon_mistakes
 from grader.checks.polygon_sketch import polygon_sketch
-from grader.checks.quantity import listed, number
 from grader.checks.wanted_polygon import WantedPolygon, wanted_polygon
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.text import Text
 from grader.contracts.verdict import Run
 from grader.geometry.figure import PolygonFigure
+from grader.messages.quantity import listed, number
 
 MEASURES = {
     "distance_m": MeasureKind("m"),

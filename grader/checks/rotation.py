@@ -8,12 +8,12 @@ from grader.checks.credit import fits
 from grader.checks.drive import drive_of
 from grader.checks.measure import Check, Findings, Measure, MeasureKind
 from grader.checks.mistakes.rotation import rotation_mistakes
-from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
 from grader.contracts.verdict import Run
 from grader.geometry.path import Path
 from grader.messages import say
+from grader.messages.quantity import number
 
 MAX_STARTS = 200  # parts of a path are looked at from so many samples on
 MEASURES = {

@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 from grader.checks.measure import Kind, MeasureKind
-from grader.checks.quantity import SUFFIX, plain
 from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
-from grader.contracts.rubric import PublishedItem, PublishedRubric
+from grader.contracts.rubric import PublishedItem, PublishedRubric, Unit
 from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, join, say
+from grader.messages.quantity import number
 
-_MOST_DIGITS = 4
+_MOST_DECIMALS = 4
 
 
 def wanted(kind: MeasureKind, spec: ItemSpec) -> Text:
@@ -82,5 +82,5 @@ def _earns_parts(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> bool:
     return spec.ramp > 0.0 or any(_earns_parts(specs[need], specs) for need in spec.needs)
 
 
-def _number(value: float | None, unit: str) -> str:
-    return "" if value is None else plain(value, _MOST_DIGITS) + SUFFIX[unit]
+def _number(value: float | None, unit: Unit) -> str:
+    return "" if value is None else number(value, unit, _MOST_DECIMALS)

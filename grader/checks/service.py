@@ -5,13 +5,13 @@ from typing import Any
 
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
 from grader.checks.mistakes.service import service_mistakes
-from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import RunStatus
 from grader.contracts.services import ServiceResult
 from grader.contracts.text import Text
 from grader.contracts.verdict import Run
+from grader.messages.quantity import number
 
 MEASURES = {
     "nodes": MeasureKind(form="count"),

@@ -3,12 +3,12 @@
 from collections.abc import Sequence
 
 from grader.checks.measure import Findings, Mistake
-from grader.checks.quantity import plain
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.verdict import Verdict
 from grader.messages import enumerated, say
+from grader.messages.quantity import points
 
 _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 
@@ -55,15 +55,15 @@ def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
 
 
 def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:
-    earned, points = sum(item.earned for item in items), sum(item.points for item in items)
+    earned, most = sum(item.earned for item in items), sum(item.points for item in items)
     if earned <= 0.0:
-        return say("summary.nothing", points=plain(points, 2))
+        return say("summary.nothing", points=points(most))
     own = (item.title for item in wrong if item.hint != EMPTY)  # not what another one holds back
     titles = enumerated(list(dict.fromkeys(own)))  # an item may fail in several cases
     return say(
         "summary.partial",
-        earned=plain(earned, 2),
-        points=plain(points, 2),
+        earned=points(earned),
+        points=points(most),
         passed=len(items) - len(wrong),
         count=len(items),
         items=titles,

@@ -20,9 +20,9 @@ from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_language_opt
 from grader.contracts.errors import InfrastructureError, SubmissionError, UnknownAssignmentError
 from grader.contracts.report import report_from
 from grader.contracts.text import LANGUAGES, Text, trouble
+from grader.messages.quantity import points
 from grader.render.escape import visible, visible_line
 from grader.render.labels import SUBMISSION_STATE
-from grader.render.quantity import score
 from grader.render.terminal import console, render_report
 from grader.settings import is_loopback
 
@@ -112,8 +112,8 @@ def _tell_lateness(document: dict[str, Any], arguments: argparse.Namespace) -> N
     if kept is not None and kept != document["score"]:
         tell(
             arguments,
-            zh=f"截止后提交，按规则计 {score(kept)} 分。",
-            en=f"Handed in after it was due: {score(kept)} points are kept.",
+            zh=f"截止后提交，按规则计 {points(kept)} 分。",
+            en=f"Handed in after it was due: {points(kept)} points are kept.",
         )
 
 

@@ -2,9 +2,13 @@
 
 from collections.abc import Iterable
 from enum import StrEnum
+from typing import Literal
 
 from grader.contracts.record import record
 from grader.contracts.text import EMPTY, Text
+
+Unit = Literal["s", "ms", "min", "m", "cm", "km", "rad", "deg", "m/s", "rad/s", "deg/s", "Hz", "%", "1", ""]
+"""Unit of a number; `grader.messages.quantity` knows how each is written. ``1``: a ratio. Empty: a count."""
 
 
 class ItemStatus(StrEnum):
@@ -26,7 +30,7 @@ class RubricItem:
         points: most it can earn; earned: 0 <= earned <= points, rounded to 1e-2.
         measured: the measured quantity, None when nothing could be measured.
         target, tolerance: what full credit needs: |measured - target| <= tolerance, or as `message` says.
-        unit: ``m``, ``deg``, ``s``, ``%`` or empty.
+        unit: of `measured`, `target` and `tolerance`.
         wanted: what earns full credit, in words and numbers: ``90° ± 3°``, ``at least 0.5 m``, ``yes``.
         message: what was seen. hint: one next step, empty when nothing is to be done.
     """
@@ -39,7 +43,7 @@ class RubricItem:
     measured: float | None = None
     target: float | None = None
     tolerance: float | None = None
-    unit: str = ""
+    unit: Unit = ""
     message: Text = EMPTY
     hint: Text = EMPTY
     wanted: Text = EMPTY

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from grader.contracts.assignment import WINDOW_M
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
 from grader.contracts.trajectory import Floats, Trajectory
-from grader.render import palette, quantity
+from grader.messages import quantity
+from grader.render import palette
 from grader.render.placing import Board, Label
 from grader.render.scene import Scene
 from grader.render.typeface import drawable
@@ -133,7 +134,7 @@ def _side_label(side: SketchSide, centre: Point) -> Label:
     out_x, out_y = _away(middle, centre)
     side_of = 1.0 if x * out_x + y * out_y >= 0 else -1.0
     away = (side_of * x, side_of * y) if abs(x) + abs(y) > 1e-6 else (0.0, 1.0)
-    text = f"{'✗ ' if side.ok is False else ''}{side.length_m:.2f} m"
+    text = f"{'✗ ' if side.ok is False else ''}{quantity.number(side.length_m, 'm')}"
     colour = palette.verdict(side.ok)
     return Label(at_m=middle, text=text, away=away, colour=colour, size_pt=10.5, boxed=side.ok is False)
 
@@ -141,8 +142,9 @@ def _side_label(side: SketchSide, centre: Point) -> Label:
 def _corner_label(corner: SketchCorner, centre: Point, signed: bool) -> Label:
     """Return the exterior angle, to stand inside the figure; signed when not all turns go one way."""
     x, y = _away(corner.at_m, centre)
-    angle = quantity.signed(corner.angle_deg, 1) if signed else f"{abs(corner.angle_deg):.1f}"
-    text = f"{'✗ ' if corner.ok is False else ''}{angle}°"
+    angle_deg = corner.angle_deg
+    angle = quantity.signed(angle_deg, "deg") if signed else quantity.number(abs(angle_deg), "deg")
+    text = f"{'✗ ' if corner.ok is False else ''}{angle}"
     colour = palette.verdict(corner.ok)
     return Label(at_m=corner.at_m, text=text, away=(-x, -y), colour=colour, boxed=corner.ok is False)
 
@@ -150,7 +152,7 @@ def _corner_label(corner: SketchCorner, centre: Point, signed: bool) -> Label:
 def _remarks(sketch: FigureSketch, scene: Scene, centre: Point) -> Iterator[Label]:
     if (gap := sketch.gap) is not None and not gap.ok:
         middle = _between(gap.start_m, gap.end_m, 0.5)
-        text = scene.word("gap", length=f"{gap.length_m:.2f}")
+        text = scene.word("gap", length=quantity.number(gap.length_m, "m"))
         colour = palette.verdict(gap.ok)
         yield Label(at_m=middle, text=text, away=_away(middle, centre), colour=colour, boxed=gap.ok is False)
     for label in sketch.labels:

@@ -12,7 +12,7 @@ from rich.text import Text
 
 from grader.contracts.report import GradeStatus
 from grader.contracts.text import Language
-from grader.render import quantity
+from grader.messages import quantity
 from grader.render.escape import visible_line
 from grader.render.labels import SUBMISSION_STATE, word
 
@@ -86,7 +86,7 @@ def _cell(entry: Json, language: Language) -> Text:
     full = isinstance(most, int | float) and best >= most
     mark = "✓" if full else "✗" if entry.get("passed") is False else ""
     tries = f"×{attempts}" if isinstance(attempts, int) and attempts > 1 else ""
-    return Text(f"{mark}{quantity.score(best)}{tries}", style=_STYLES[mark])
+    return Text(f"{mark}{quantity.points(best)}{tries}", style=_STYLES[mark])
 
 
 def _assignments(assignments: Sequence[Json], language: Language) -> Table:
@@ -122,11 +122,11 @@ def _name(entry: Json) -> str:
 def _shown(value: object) -> str:
     if value is None:
         return quantity.NOTHING
-    return quantity.score(value) if isinstance(value, float) else visible_line(str(value), _NAME_CHARACTERS)
+    return quantity.points(value) if isinstance(value, float) else visible_line(str(value), _NAME_CHARACTERS)
 
 
 def _percent(value: object) -> str:
-    return f"{value * 100:.0f} %" if isinstance(value, int | float) else quantity.NOTHING
+    return quantity.number(value * 100, "%", 0) if isinstance(value, int | float) else quantity.NOTHING
 
 
 def _object(value: object) -> Json:

@@ -6,7 +6,8 @@ from matplotlib.patches import Circle
 
 from grader.contracts.figure import FigureSketch
 from grader.contracts.trajectory import Floats
-from grader.render import palette, quantity
+from grader.messages import quantity
+from grader.render import palette
 from grader.render.scene import Scene
 from grader.render.symbols import draw_end, draw_start
 from grader.render.typeface import drawable
@@ -60,7 +61,7 @@ def _words(axes: Axes, scene: Scene, sketch: FigureSketch, turned_deg: float) ->
     """Write the turn that was judged, else the last heading's, and the sketch's remarks into the middle."""
     ok = sketch.corners[0].ok if sketch.corners else None
     total_deg = sketch.corners[0].angle_deg if sketch.corners else turned_deg
-    total = f"{'✗ ' if ok is False else ''}{quantity.signed(total_deg, 1)}°"
+    total = f"{'✗ ' if ok is False else ''}{quantity.signed(total_deg, 'deg')}"
     axes.text(0, 0.08, total, ha="center", va="center", fontsize=19, color=_colour(ok))
     axes.text(0, -0.12, scene.word("turned"), ha="center", va="center", fontsize=10, color=palette.MUTED)
     for i, label in enumerate(sketch.labels):

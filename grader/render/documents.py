@@ -3,7 +3,7 @@
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Language
-from grader.render import quantity
+from grader.messages import quantity
 from grader.render.escape import visible
 from grader.render.labels import GRADE_STATUS, ITEM_STATUS, word
 

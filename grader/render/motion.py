@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajectory
+from grader.messages import quantity
 from grader.render import palette
 from grader.render.scene import Scene
 
@@ -67,7 +68,7 @@ def draw_turned(axes: Axes, scene: Scene) -> None:
             color=palette.MUTED,
             lw=1.4,
             ls=(0, (5, 3)),
-            label=f"{scene.word('one_turn')} {abs(level):g}°",
+            label=f"{scene.word('one_turn')} {quantity.number(abs(level), 'deg')}",
         )
         axes.margins(y=0.12)
     axes.legend(

@@ -13,9 +13,11 @@ from rich.console import Console
 from rich.containers import Lines
 from rich.text import Text
 
+from grader.messages.quantity import SUFFIXES
+
 _NEVER_FIRST = frozenset("，。、；：！？）》」』】”’…％%°,.;:!?)]}")
 _NEVER_LAST = frozenset("（《「『【“‘([{")
-_UNIT = re.compile(r"\d\s(?:%|(?:m|s|m/s|rad/s)(?![\w/]))", re.ASCII)
+_UNIT = re.compile(rf"\d(?:{'|'.join(map(re.escape, SUFFIXES))})(?![\w/])", re.ASCII)
 _WIDE = 2
 
 

@@ -11,7 +11,7 @@ from rich.text import Text
 from grader.contracts.assignment import Assignment
 from grader.contracts.rubric import PublishedItem, PublishedRubric
 from grader.contracts.text import Language
-from grader.render import quantity
+from grader.messages import quantity
 from grader.render.escape import visible, visible_line
 from grader.render.labels import word
 from grader.render.prose import Prose
@@ -33,18 +33,18 @@ def render_list(assignments: Sequence[Assignment], *, language: Language) -> Ren
     for one in assignments:
         title = Prose(visible_line(one.title.get(language)), style="bold")
         title.append(f"\n{visible(one.brief.get(language)).strip()}", style="not bold dim")
-        table.add_row(one.id, title, quantity.score(one.max_score))
+        table.add_row(one.id, title, quantity.points(one.max_score))
     return table
 
 
 def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) -> Iterator[RenderableType]:
-    most = quantity.score(rubric.max_score)
+    most = quantity.points(rubric.max_score)
     title = Text.assemble(
         (visible_line(rubric.title.get(language)), "bold"), f"  {assignment.id}  ", style=""
     )
     worth = word("worth", language, points=most)
     if assignment.input == "script":  # a text is read, not run
-        worth += word("time_limit", language, seconds=quantity.score(rubric.horizon_s))
+        worth += word("time_limit", language, seconds=quantity.points(rubric.horizon_s))
     yield title.append(worth, "cyan")
     if brief := rubric.brief.get(language):
         yield Padding(Prose(visible(brief).strip()), (1, 0, 0, 0))
@@ -55,7 +55,7 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
     for item in rubric.items:
         table.add_row(
             _item(item, language),
-            quantity.score(item.points),
+            quantity.points(item.points),
             Text(visible_line(item.wanted.get(language))),
         )
     yield table

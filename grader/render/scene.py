@@ -9,7 +9,7 @@ from grader.contracts.report import GradeReport
 from grader.contracts.rubric import summed
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Trajectory
-from grader.render import quantity
+from grader.messages import quantity
 from grader.render.labels import word
 
 _MOVED_M = 0.02
@@ -94,8 +94,8 @@ def compose(  # noqa: PLR0913, PLR0917
 
 
 def _points(earned: float | None, points: float, language: Language) -> str:
-    shown = word("not_yet", language) if earned is None else quantity.score(earned)
-    return f"{word('score', language)} {shown} / {quantity.score(points)}"
+    shown = word("not_yet", language) if earned is None else quantity.points(earned)
+    return f"{word('score', language)} {shown} / {quantity.points(points)}"
 
 
 def _case_title(assignment: Assignment, case_id: str, language: Language) -> str:

@@ -20,8 +20,8 @@ from grader.contracts.report import CaseRun, GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
 from grader.contracts.text import Text as Sentence
+from grader.messages import quantity
 from grader.messages.details import explained
-from grader.render import quantity
 from grader.render.escape import visible, visible_line
 from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, note_sentence, word
 from grader.render.prose import Prose
@@ -83,11 +83,11 @@ def _header(report: GradeReport, language: Language, file_name: str, title: Sent
 
 
 def _score(report: GradeReport, language: Language) -> Text:
-    most = quantity.score(report.max_score)
+    most = quantity.points(report.max_score)
     if report.score is None:
         return Text(f"{word('score', language)} {word('not_yet', language)} / {most}", style="bold yellow")
     full = report.score >= report.max_score
-    text = Text(f"{word('score', language)} {quantity.score(report.score)} / {most}")
+    text = Text(f"{word('score', language)} {quantity.points(report.score)} / {most}")
     if full:
         text.append(f" {word('full_marks', language)}")
     text.stylize("bold green" if full else "bold yellow")
@@ -104,7 +104,7 @@ def _rubric(report: GradeReport, language: Language) -> Table:
     for item in report.items:
         style = _STYLE[item.status]
         mark = Text(f"{ITEM_MARK[item.status]} {ITEM_STATUS[item.status].get(language)}", style=style)
-        points = f"{quantity.score(item.earned)}/{quantity.score(item.points)}"
+        points = f"{quantity.points(item.earned)}/{quantity.points(item.points)}"
         table.add_row(
             mark,
             _item(item, language),

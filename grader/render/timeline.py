@@ -11,13 +11,14 @@ from rich.text import Text
 from grader.contracts.outcome import RunOutcome
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Command, Trajectory
+from grader.messages import quantity
 from grader.messages.details import explained
-from grader.render import quantity
 from grader.render.escape import visible, visible_line
 from grader.render.labels import RUN_STATUS, WALL, word
 
 MOST_EVENTS = 200
 _NANO = 1e-9
+_TIME_DECIMALS = 3  # as the log lines of ROS show
 _SAME_COMMAND = 1e-9
 _LEVEL_STYLE = {30: "yellow", 40: "red", 50: "bold red"}
 
@@ -42,7 +43,7 @@ def render_timeline(
     table.add_column(word("time", language), justify="right", no_wrap=True)
     table.add_column(word("event", language), overflow="fold")
     for event in _bounded(sorted(_events(outcome, trajectory, language), key=lambda e: e.t_ns), language):
-        table.add_row(f"{event.t_ns * _NANO:.3f} s", Text(event.text, style=event.style))
+        table.add_row(f"{event.t_ns * _NANO:.{_TIME_DECIMALS}f} s", Text(event.text, style=event.style))
     return table
 
 
@@ -74,12 +75,11 @@ def _equal(one: Command, other: Command) -> bool:
 
 
 def _command_run(command: Command, last_ns: int, count: int, language: Language) -> Event:
-    v = quantity.number(command.v_mps, 3)
-    w = quantity.number(command.w_radps, 3)
-    text = f"{word('command', language)} v = {v} m/s, ω = {w} rad/s"
+    v, w = quantity.number(command.v_mps, "m/s"), quantity.number(command.w_radps, "rad/s")
+    text = f"{word('command', language)} v = {v}, ω = {w}"
     if count > 1:
-        seconds = (last_ns - command.t_ns) * _NANO
-        text += "  " + word("repeated", language, count=count, seconds=seconds)
+        time = quantity.number((last_ns - command.t_ns) * _NANO, "s", _TIME_DECIMALS)
+        text += "  " + word("repeated", language, count=count, time=time)
     return Event(command.t_ns, text, "cyan")
 
 

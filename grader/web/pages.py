@@ -17,7 +17,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from grader.contracts.text import LANGUAGES, Language
-from grader.render import quantity
+from grader.messages import quantity
 from grader.render.escape import visible_html
 from grader.render.labels import GRADE_STATUS, SUBMISSION_STATE
 from grader.web import forms
@@ -105,8 +105,8 @@ def _environment() -> Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters["points"] = quantity.score
-    environment.filters["number"] = quantity.plain
+    environment.filters["points"] = quantity.points
+    environment.filters["number"] = quantity.exact
     environment.filters["local"] = _local
     environment.globals.update(GRADE_STATUS=GRADE_STATUS, SUBMISSION_STATE=SUBMISSION_STATE)
     return environment

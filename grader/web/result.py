@@ -11,8 +11,8 @@ from grader.contracts.outcome import Blame, LogRecord, RunOutcome, Stream, Stude
 from grader.contracts.report import CaseRun, GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
+from grader.messages import quantity
 from grader.messages.details import explained
-from grader.render import quantity
 from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, RUN_STATUS, note_sentence, word
 from grader.routes.submission_document import SHOWN_CHARACTERS, SHOWN_LOGS
 
@@ -100,8 +100,8 @@ def result_page(report: GradeReport, assignment: Assignment | None, language: La
     """Return `report` in `language`; `assignment` names the cases, if it is still published."""
     share = 0.0 if report.score is None or report.max_score <= 0.0 else report.score / report.max_score
     return ResultPage(
-        score=word("not_yet", language) if report.score is None else quantity.score(report.score),
-        max_score=quantity.score(report.max_score),
+        score=word("not_yet", language) if report.score is None else quantity.points(report.score),
+        max_score=quantity.points(report.max_score),
         percent=round(100.0 * share),
         full=share >= 1.0,
         pending=report.score is None,
@@ -121,8 +121,8 @@ def item_line(item: RubricItem, language: Language) -> ItemLine:
         status=item.status.value,
         mark=ITEM_MARK[item.status].replace("-", "–"),
         status_text=ITEM_STATUS[item.status].get(language),
-        earned=quantity.NOTHING if item.status is ItemStatus.NEEDS_MANUAL else quantity.score(item.earned),
-        points=quantity.score(item.points),
+        earned=quantity.NOTHING if item.status is ItemStatus.NEEDS_MANUAL else quantity.points(item.earned),
+        points=quantity.points(item.points),
         measured=quantity.measured(item, language),
         wanted=quantity.wanted(item, language),
         message=item.message.get(language),
@@ -137,7 +137,7 @@ def figure_parts(figure: FigureSketch, language: Language, names: dict[str, str]
         parts.append(FigurePart(name=f"{names['side']} {number}", value=_length(side), ok=side.ok))
         if number <= len(figure.corners):
             corner = figure.corners[number - 1]
-            angle = f"{quantity.signed(corner.angle_deg, 1)}°"
+            angle = quantity.signed(corner.angle_deg, "deg")
             parts.append(FigurePart(name=f"{names['corner']} {number}", value=angle, ok=corner.ok))
     if figure.gap is not None:
         parts.append(FigurePart(name=names["gap"], value=_length(figure.gap), ok=figure.gap.ok))
@@ -145,7 +145,7 @@ def figure_parts(figure: FigureSketch, language: Language, names: dict[str, str]
 
 
 def _length(side: SketchSide) -> str:
-    return f"{quantity.number(side.length_m, 2)} m"
+    return quantity.number(side.length_m, "m")
 
 
 def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> RunPart:
@@ -157,7 +157,7 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
         title=title or run.case,
         ended=RUN_STATUS[outcome.status].get(language),
         normal=outcome.blame is Blame.NOBODY,
-        seconds=f"{outcome.duration_ns * 1e-9:.2f}",
+        seconds=quantity.number(outcome.duration_ns * 1e-9, "1", 1),
         error=outcome.error,
         detail=explained(outcome.status, outcome.detail).get(language),
         notes=_notes(outcome, language),

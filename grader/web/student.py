@@ -11,7 +11,7 @@ from grader.checks import published_rubric
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language, Text
-from grader.render import quantity
+from grader.messages import quantity
 from grader.routes import rules, submissions
 from grader.routes.concealment import shown_assignment, shown_list
 from grader.routes.problem_types import PROBLEM_TYPES, ProblemType
@@ -167,7 +167,7 @@ def _late(standing: StandingView, language: Language) -> str:
     cost = teller.value("late", standing.rules.late.model_dump())
     if accepted_s is None:
         return cost
-    hours = quantity.plain(accepted_s / 3_600)
+    hours = quantity.exact(accepted_s / 3_600)
     return cost + say("comma", language) + say("rules.accept_short", language, hours=hours)
 
 

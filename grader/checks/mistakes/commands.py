@@ -8,11 +8,11 @@ import numpy as np
 from grader.checks.drive import is_motion
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes.script import noted
-from grader.checks.quantity import number
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Floats, Trajectory
 from grader.contracts.verdict import Run
 from grader.messages.details import explained
+from grader.messages.quantity import number
 
 TWIST = "geometry_msgs/msg/Twist"
 _USAGE = 2  # argparse's exit code

@@ -10,9 +10,9 @@ from grader.checks.drive import Drive
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
-from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.verdict import Run
+from grader.messages.quantity import number
 
 MIN_MOTION_M = 0.05
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot

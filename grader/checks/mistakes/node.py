@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes.script import script_mistakes
-from grader.checks.quantity import number
 from grader.contracts.outcome import RunOutcome, RunStatus
+from grader.messages.quantity import number
 
 
 def node_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:

@@ -1,11 +1,12 @@
 """Mistakes told by the number that should have answered a question."""
 
 from grader.checks.measure import Mistake, mistake
-from grader.checks.spoken_quantity import SpokenQuantity
 from grader.contracts.assignment import Answer
+from grader.contracts.rubric import Unit
+from grader.messages.quantity import SpokenQuantity
 
 
-def number_mistakes(given: SpokenQuantity | None, answer: Answer | None, unit: str) -> tuple[Mistake, ...]:
+def number_mistakes(given: SpokenQuantity | None, answer: Answer | None, unit: Unit) -> tuple[Mistake, ...]:
     """Return what is known about a wrong answer.
 
     Args:

@@ -12,7 +12,6 @@ from grader.checks.driven_polygon import DrivenPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
-from grader.checks.quantity import listed, number
 from grader.checks.wanted_polygon import FULL_TURN_DEG, WantedPolygon
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
@@ -20,6 +19,7 @@ from grader.contracts.trajectory import Command
 from grader.contracts.verdict import Run
 from grader.geometry.figure import PolygonFigure
 from grader.messages import say
+from grader.messages.quantity import listed, number
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 NEAR_DEG = 6.0  # corners this close to the wanted ones say that the figure was meant

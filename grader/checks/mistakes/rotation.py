@@ -10,10 +10,10 @@ from grader.checks.drive import Drive
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
 from grader.checks.mistakes.commands import command_mistakes
 from grader.checks.mistakes.script import script_mistakes
-from grader.checks.quantity import number
 from grader.contracts.assignment import Assignment
 from grader.contracts.verdict import Run
 from grader.geometry.segmentation import segment
+from grader.messages.quantity import number
 
 SAME_DEG = 4.0
 MIN_TURN_DEG = 3.0

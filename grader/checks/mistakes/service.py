@@ -4,10 +4,10 @@ from collections.abc import Iterator
 
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes.script import script_mistakes
-from grader.checks.quantity import number
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.services import ServiceResult
 from grader.contracts.verdict import Run
+from grader.messages.quantity import number
 
 _OWN_TYPES = (
     "rcl_interfaces/",

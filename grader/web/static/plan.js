@@ -135,7 +135,7 @@ export class Plan {
     }
     for (const corner of corners) {
       const at = this.place(corner.at_m);
-      this.remark(at, `${corner.angle_deg.toFixed(1)}°`, corner.ok, this.outward(at));
+      this.remark(at, `${Number(corner.angle_deg.toFixed(1))}°`, corner.ok, this.outward(at));
     }
     for (const [line] of lines) {
       this.length(line);
@@ -152,7 +152,7 @@ export class Plan {
     const [ox, oy] = this.outward(middle);
     const [nx, ny] = [y1 - y2, x2 - x1];
     const away = nx * ox + ny * oy >= 0 ? [nx, ny] : [-nx, -ny];
-    this.remark(middle, `${length.toFixed(2)} m`, ok, away);
+    this.remark(middle, `${Number(length.toFixed(2))} m`, ok, away);
   }
 
   /** The direction from the middle of the figure. */

@@ -6,6 +6,7 @@ import pytest
 
 from grader.catalog import Catalog
 from grader.checks import CHECKS, evaluate, problems, published_rubric
+from grader.checks.measure import MeasureKind
 from grader.contracts.assignment import Assignment, Case, ItemSpec
 from grader.contracts.errors import AssignmentError
 from grader.contracts.rubric import ItemStatus
@@ -51,6 +52,17 @@ def test_what_rests_on_little_counts_in_part_and_says_so() -> None:
     assert "Equal sides" not in verdict.summary.en
     half = graded("square", drive(polygon_legs(4, corners_deg=[90, 98, 90, 90])))
     assert item(half, "lengths").earned == lengths.points
+
+
+def test_a_measure_in_an_unknown_unit_is_told_before_anything_is_graded(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    measures = {**CHECKS["rotation"].measures, "turned_deg": MeasureKind("furlong")}  # type: ignore[arg-type]
+    monkeypatch.setattr("grader.checks.KINDS", {"rotation": replace(CHECKS["rotation"], measures=measures)})
+    ((field, told),) = problems(assignment("spin"))
+    assert field == "items.1.measure"
+    assert "'furlong'" in told.en
+    assert "'furlong'" in told.zh
 
 
 def test_several_cases_divide_the_points() -> None:

@@ -9,9 +9,9 @@ from hypothesis import strategies as st
 
 from grader.checks import evaluate, evaluate_text, problems, published_rubric
 from grader.checks.number import given_answer
-from grader.checks.spoken_quantity import quantities
 from grader.contracts.errors import AssignmentError
 from grader.contracts.rubric import ItemStatus
+from grader.messages.quantity import quantities
 from tests.unit.checks.ideal_turtle import drive, run_of
 from tests.unit.checks.shipped import assignment, item, score
 

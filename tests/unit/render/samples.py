@@ -189,6 +189,7 @@ def square_report() -> GradeReport:
                 target=0.0,
                 tolerance=5.0,
                 unit="%",
+                wanted=t("不超过 5 %", "at most 5 %"),
                 message=t("第 3 条边 1.62 m,其余约 2.00 m。", "Side 3 is 1.62 m."),
             ),
             item(
@@ -198,6 +199,7 @@ def square_report() -> GradeReport:
                 target=90.0,
                 tolerance=3.0,
                 unit="deg",
+                wanted=t("90° ± 3°"),
             ),
             item(
                 ItemStatus.PARTIAL,
@@ -208,6 +210,7 @@ def square_report() -> GradeReport:
                 target=0.0,
                 tolerance=0.1,
                 unit="m",
+                wanted=t("不超过 0.1 m", "at most 0.1 m"),
                 hint=t("四条边一样长时,图形就会闭合。", "It closes when all sides are equal."),
             ),
             item(ItemStatus.NOT_CHECKED, id="rest", title=t("最后停下", "At rest at the end")),

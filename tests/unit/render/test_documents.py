@@ -59,7 +59,7 @@ def test_prairielearn_fields() -> None:
     assert isinstance(tests, list)
     for test in tests:
         assert set(test) <= PRAIRIELEARN_TEST
-    assert tests[1]["description"] == "Wanted: 0 ± 5 %"
+    assert tests[1]["description"] == "Wanted: at most 5 %"
 
 
 @pytest.mark.parametrize(("score", "share"), [(0.0, 0.0), (10.0, 1.0), (11.0, 1.0)])

@@ -74,5 +74,5 @@ def test_notes(note: Note, zh: str) -> None:
 
 
 def test_values_are_filled_in() -> None:
-    assert word("gap", "en", length="0.29") == "gap 0.29 m"
-    assert word("gap", "zh", length="0.29") == "缺口 0.29 m"
+    assert word("gap", "en", length="0.29 m") == "gap 0.29 m"
+    assert word("gap", "zh", length="0.29 m") == "缺口 0.29 m"

@@ -21,10 +21,10 @@ def test_events_in_order_of_time() -> None:
     motion = IdealTurtle().go(1.0, 0.0, 2.0).go(0.0, -1.5, 1.0).trajectory((contact,))
     run = outcome(duration_ns=5 * SECOND)
     assert lines(run, motion) == [
-        " 0.000 s   速度命令 v = 1.000 m/s, ω = 0.000 rad/s  共 20 条，持续 1.90 s",
+        " 0.000 s   速度命令 v = 1 m/s, ω = 0 rad/s  共 20 条，持续 1.9 s",
         " 0.001 s   [INFO] [square_mover]: 🎯 正方形控制节点启动!",
         " 1.000 s   撞到右墙",
-        " 2.000 s   速度命令 v = 0.000 m/s, ω = -1.500 rad/s  共 10 条，持续 0.90 s",
+        " 2.000 s   速度命令 v = 0 m/s, ω = -1.5 rad/s  共 10 条，持续 0.9 s",
         " 2.100 s   [INFO] [square_mover]: ✓ 直行完成",
         " 5.000 s   结束: 程序正常结束",
     ]
