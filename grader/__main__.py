@@ -16,7 +16,7 @@ def main() -> None:
     arguments = sys.argv[1:]
     if arguments[:1] == ["check"]:
         _check(arguments)
-    from grader.cli import run
+    from grader.commands.cli import run
 
     sys.exit(run(arguments))
 
@@ -29,7 +29,7 @@ def _check(arguments: list[str]) -> "NoReturn":
     """
     launch_ahead()
     gc.disable()
-    from grader.cli import run
+    from grader.commands.cli import run
 
     code = run(arguments)
     for stream in filter(None, (sys.stdout, sys.stderr)):

@@ -32,8 +32,8 @@ from grader.routes import (
 from grader.routes.bodies import BoundedBodies
 from grader.routes.headers import SafeHeaders
 from grader.routes.observing import Observed
-from grader.routes.services import Services
 from grader.routes.stopping import told_to_stop
+from grader.use_cases.services import Services
 from grader.web import routing as pages
 
 ServicesOpener = Callable[[], AbstractContextManager[Services]]
@@ -94,7 +94,7 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
 
 
 def _from_environment() -> AbstractContextManager[Services]:
-    from grader.service import running
+    from grader.composition import running
     from grader.settings import load
 
     return running(load())

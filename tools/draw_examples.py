@@ -18,7 +18,7 @@ sys.path.insert(0, str(ROOT))
 from grader.catalog import Catalog  # noqa: E402
 from grader.contracts.grading import GradingJob  # noqa: E402
 from grader.grading.slot import Slot, SlotConfig  # noqa: E402
-from grader.plots import draw  # noqa: E402
+from grader.use_cases.pictures import draw  # noqa: E402
 
 OUT = ROOT / "docs" / "images"
 EXAMPLES = {

@@ -211,7 +211,7 @@ def _plot(arguments: argparse.Namespace, assignment: Assignment, result: Grading
 
     # on a new machine it would tell of its search for fonts, none of which is used
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
-    from grader.plots import draw
+    from grader.use_cases.pictures import draw
 
     out: Path = arguments.plot
     form: PictureForm = "png" if out.suffix.lower() == ".png" else "svg"

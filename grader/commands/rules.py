@@ -22,7 +22,6 @@ from grader.contracts.rules import NO_EXTENSION, NO_RULES, Counts, Extension, Ru
 from grader.contracts.seen import Seen
 from grader.contracts.text import Text
 from grader.contracts.validation_words import said
-from grader.routes.problems import ProblemError
 from grader.routes.rule_views import ExtensionBody, RulesBody, extension_from, rules_from
 from grader.store.audit import Signature
 from grader.store.columns import utc_now
@@ -151,10 +150,6 @@ def _read(document: dict[str, Any], zone: ZoneInfo, arguments: argparse.Namespac
         return rules_from(RulesBody.model_validate(document), zone)
     except ValidationError as error:
         raise _refusal(error) from None
-    except ProblemError as error:
-        told = error.text
-        assert isinstance(told, Text)
-        raise CourseError(told.en, told.zh) from None
 
 
 def _extend(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) -> None:

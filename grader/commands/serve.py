@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; running gradings finish first."""
     from grader.api import create_app
     from grader.commands.storage import database_url
-    from grader.service import running
+    from grader.composition import running
     from grader.settings import load
     from grader.telemetry import logs
 

@@ -26,7 +26,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Grade until told to stop; running gradings finish first. A second signal does not wait for them."""
     from grader.commands.storage import database_url
-    from grader.service import running_worker
+    from grader.composition import running_worker
     from grader.settings import load
     from grader.telemetry import logs
 

@@ -4,6 +4,7 @@ GraderError
 ├── AssignmentError        the instructor's file is wrong: names file, field and fix
 ├── UnknownAssignmentError no assignment of that name
 ├── SubmissionError        the student's file cannot be accepted: names the reason and the fix
+├── RefusedError           what somebody asks for is not done: names the kind, the place and what is accepted
 ├── CourseError            a course, its people or its rules cannot be changed as asked
 │   └── ChangedMeanwhileError     somebody else changed the same since it was looked at
 ├── RegradeError           a re-grade cannot be opened or decided
@@ -16,11 +17,11 @@ GraderError
 └── InfrastructureError    anything else on the grader's side; retried
 """
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from grader.contracts.rules import Refusal
-    from grader.contracts.text import Language
+    from grader.contracts.text import Language, Text
 
 
 class GraderError(Exception):
@@ -58,6 +59,31 @@ class SubmissionError(GraderError):
     def __init__(self, code: str, message: str, zh: str = "") -> None:
         super().__init__(message, zh or message)
         self.code = code
+
+
+class RefusedError(GraderError):
+    """A use case does not do what was asked.
+
+    Attributes:
+        code: stable name of the kind of refusal; `grader.routes.problem_types` has its title and what to do.
+        detail: what happened this time; None: the title of the kind says it all.
+        retry_after_s: after how many seconds the same may be asked again; None: waiting does not help.
+        members: where it is wrong and what would be accepted: `field`, `line`, `column`, `text`, `allowed`.
+    """
+
+    def __init__(
+        self,
+        code: str,
+        detail: "Text | None" = None,
+        *,
+        retry_after_s: int | None = None,
+        **members: object,
+    ) -> None:
+        super().__init__(code if detail is None else detail.en, "" if detail is None else detail.zh)
+        self.code = code
+        self.detail = detail
+        self.retry_after_s = retry_after_s
+        self.members: dict[str, Any] = members
 
 
 class CourseError(GraderError):

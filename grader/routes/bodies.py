@@ -10,8 +10,8 @@ from starlette.datastructures import Headers
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
-from grader.routes.problems import ProblemError
 
 MOST_BYTES = 1024 * 1024
 """Of a body without files: the longest list of students a form takes is a third of it."""
@@ -45,7 +45,7 @@ class Bounded:
     """
 
     def __init__(
-        self, receive: Receive, headers: Headers, limit: int, refuse: Callable[[], ProblemError]
+        self, receive: Receive, headers: Headers, limit: int, refuse: Callable[[], RefusedError]
     ) -> None:
         self._receive = receive
         self._left = limit
@@ -57,7 +57,7 @@ class Bounded:
         """Return the next part of the body.
 
         Raises:
-            ProblemError: there are more than the limit, or the request says so.
+            RefusedError: there are more than the limit, or the request says so.
         """
         message = await self._receive()
         self._left -= len(message.get("body", b""))
@@ -87,18 +87,18 @@ def media_type(headers: Headers) -> str:
     return headers.get("content-type", "").partition(";")[0].strip().lower()
 
 
-def too_large(limit: int) -> ProblemError:
+def too_large(limit: int) -> RefusedError:
     """Return the problem of a file beyond `limit` bytes."""
     kib = limit // 1024
-    return ProblemError(
+    return RefusedError(
         "too_large",
         Text(zh=f"文件最大 {kib} KiB。", en=f"A file may have at most {kib} KiB."),
         field="file",
     )
 
 
-def _too_long() -> ProblemError:
+def _too_long() -> RefusedError:
     kib = MOST_BYTES // 1024
-    return ProblemError(
+    return RefusedError(
         "too_large", Text(zh=f"请求内容最大 {kib} KiB。", en=f"A request may have at most {kib} KiB.")
     )

@@ -10,14 +10,14 @@ from fastapi import APIRouter, Header, Query, Response
 from grader.contracts.dashboard import ClassState
 from grader.contracts.identity import Caller, Role
 from grader.contracts.text import Language
-from grader.routes.access import ENTRY_PROBLEMS, StaffDep
+from grader.routes.access import ENTRY_PROBLEMS, ServicesDep, StaffDep
 from grader.routes.dashboard_document import Selection, overview, selected
 from grader.routes.dashboard_views import DashboardView
 from grader.routes.health import alive
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import responses
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import LanguageDep
+from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
 _MOST = 100_000

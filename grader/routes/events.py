@@ -21,11 +21,11 @@ from grader.contracts.progress import ClassStanding, Standing
 from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
 from grader.render.labels import SUBMISSION_STATE
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, StaffDep
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep, ServicesDep, StaffDep
 from grader.routes.problems import responses
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId
-from grader.routes.watching import Subject, Watch
+from grader.use_cases.following import Subject, Watch
+from grader.use_cases.services import Services
 
 submission = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], dependencies=[SIGHT])
 dashboard = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
@@ -91,7 +91,7 @@ async def watched(
     """Yield a watch that knows where `subject` stands; its place is free again when the answer is over.
 
     Raises:
-        ProblemError: too many watch. NothingNewError: `last_event_id` is that of the last event there will be.
+        RefusedError: too many watch. NothingNewError: `last_event_id` is that of the last event there will be.
     """
     address = None if owner.is_known or request.client is None else request.client.host
     with services.watching.watch(subject, owner.name, address) as watch:

@@ -9,11 +9,11 @@ from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
 from grader.contracts.text import Language
 from grader.render.documents import to_gradescope, to_prairielearn
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, StaffDep
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep, ServicesDep, StaffDep
 from grader.routes.gradebook_tables import Scores, canvas, plain
 from grader.routes.problems import responses
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
+from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1", tags=["gradebook"])
 exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT])
@@ -108,7 +108,7 @@ def exported(
     """Return the report of a submission as `caller` may see it, with the points that people gave, for a platform.
 
     Raises:
-        ProblemError: there is no such submission, or no grading yet.
+        RefusedError: there is no such submission, or no grading yet.
     """
     _, stored = graded(services, submission_id, caller)
     if platform == "prairielearn":

@@ -6,9 +6,8 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from grader.contracts.regrade import PastGrading
-from grader.routes.access import ENTRY_PROBLEMS, StaffDep
+from grader.routes.access import ENTRY_PROBLEMS, ServicesDep, StaffDep
 from grader.routes.problems import responses
-from grader.routes.services import ServicesDep
 from grader.routes.submissions import SIGHT, SubmissionId
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])

@@ -8,8 +8,9 @@ from pydantic import BaseModel, Field
 
 from grader import __version__
 from grader.contracts.submission import QueueState, WorkerState
+from grader.routes.access import ServicesDep
 from grader.routes.problems import responses
-from grader.routes.services import Services, ServicesDep
+from grader.use_cases.services import Services
 
 router = APIRouter(tags=["health"])
 

@@ -5,13 +5,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
 
-from grader.contracts.errors import JudgementError
+from grader.contracts.errors import JudgementError, RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.numerals import written
 from grader.contracts.report import report_from
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language, Text
-from grader.routes.access import ENTRY_PROBLEMS, StaffDep
+from grader.routes.access import ENTRY_PROBLEMS, ServicesDep, StaffDep
 from grader.routes.judgement_views import (
     JudgementBody,
     ManualItemsView,
@@ -22,11 +22,11 @@ from grader.routes.judgement_views import (
 )
 from grader.routes.numbers import QueryWhole
 from grader.routes.preconditions import seen
-from grader.routes.problems import ProblemError, responses
-from grader.routes.services import Services, ServicesDep
+from grader.routes.problems import responses
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
 from grader.store.audit import Signature
 from grader.store.judgements import Given, WaitingFor
+from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/judgements", tags=["judgements"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["judgements"], dependencies=[SIGHT])
@@ -118,7 +118,7 @@ def items_of(services: Services, language: Language, submission_id: str) -> Manu
     """Return the rubric items of a submission with what people gave for them.
 
     Raises:
-        ProblemError: there is no such submission, or no grading yet.
+        RefusedError: there is no such submission, or no grading yet.
     """
     submission, stored = graded(services, submission_id)
     return manual_items(submission, stored, report_from(stored.content), language)
@@ -150,7 +150,7 @@ def _tagged(
         if one.item == item:
             response.headers.update({"ETag": one.etag, "Cache-Control": "no-store"})
             return one
-    raise ProblemError("item_not_found", field="item", allowed=[one.item for one in items])
+    raise RefusedError("item_not_found", field="item", allowed=[one.item for one in items])
 
 
 @of_submission.put(
@@ -200,11 +200,11 @@ def give(  # noqa: PLR0913, PLR0917
     """Keep what a person gives for an item in the state that `if_match` names.
 
     Raises:
-        ProblemError: the points do not fit, there is no such item, only an instructor may correct it, the reason
+        RefusedError: the points do not fit, there is no such item, only an instructor may correct it, the reason
             is missing, or somebody judged it meanwhile.
     """
     if not math.isclose(body.points, round(body.points, 2), abs_tol=1e-9):
-        raise ProblemError("invalid_points", field="points")
+        raise RefusedError("invalid_points", field="points")
     given = Given(
         item=item,
         points=round(body.points, 2),
@@ -218,15 +218,15 @@ def give(  # noqa: PLR0913, PLR0917
         raise _problem(services, submission_id, given, error) from None
 
 
-def _problem(services: Services, submission_id: str, given: Given, error: JudgementError) -> ProblemError:
+def _problem(services: Services, submission_id: str, given: Given, error: JudgementError) -> RefusedError:
     if error.code in _REFUSALS:
-        return ProblemError(_REFUSALS[error.code])
+        return RefusedError(_REFUSALS[error.code])
     if error.code == "reason":
-        return ProblemError("invalid_request", _REASON, field="comment")
+        return RefusedError("invalid_request", _REASON, field="comment")
     items = report_from(graded(services, submission_id)[1].content).items
     if error.code == "range":
         most = next((written(one.points) for one in items if one.id == given.item), "?")
         detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
-        return ProblemError("invalid_points", detail, field="points")
+        return RefusedError("invalid_points", detail, field="points")
     allowed = [one.id for one in items if given.corrects or one.status is ItemStatus.NEEDS_MANUAL]
-    return ProblemError("item_not_found", field="item", allowed=allowed)
+    return RefusedError("item_not_found", field="item", allowed=allowed)

@@ -6,10 +6,11 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Response
 from fastapi.security import HTTPAuthorizationCredentials
 
-from grader.routes.access import bearer, identify, unauthorized
-from grader.routes.problems import ProblemError, responses
-from grader.routes.services import Services, ServicesDep
+from grader.contracts.errors import RefusedError
+from grader.routes.access import ServicesDep, bearer
+from grader.routes.problems import responses
 from grader.telemetry.metrics import MEDIA_TYPE
+from grader.use_cases.services import Services
 
 router = APIRouter(tags=["health"])
 
@@ -22,16 +23,16 @@ def require_reader(
     Not even this machine is let in without: a proxy on it would let everybody in.
 
     Raises:
-        ProblemError: no token, or one that opens nothing; or a student's.
+        RefusedError: no token, or one that opens nothing; or a student's.
     """
     token = None if credentials is None else credentials.credentials
     if token is not None and _is_own(services, token):
         return
-    caller = identify(services, token)
+    caller = services.callers.identify(token)
     if caller is None or caller.role is None:
-        raise unauthorized()
+        raise RefusedError("unauthorized")
     if not caller.is_staff:
-        raise ProblemError("forbidden")
+        raise RefusedError("forbidden")
 
 
 @router.get(

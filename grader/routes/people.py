@@ -8,10 +8,10 @@ from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, Field
 
 from grader.contracts.identity import AuditEntry, Caller, Role
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, StaffDep
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, ServicesDep, StaffDep
 from grader.routes.numbers import QueryWhole
 from grader.routes.problems import responses
-from grader.routes.services import Services, ServicesDep
+from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100

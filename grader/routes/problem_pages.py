@@ -5,8 +5,9 @@ from typing import Annotated
 from fastapi import APIRouter, Path
 from pydantic import BaseModel, Field
 
+from grader.contracts.errors import RefusedError
 from grader.routes.problem_types import PROBLEM_TYPES
-from grader.routes.problems import ProblemError, responses
+from grader.routes.problems import responses
 from grader.routes.submissions import LanguageDep
 
 router = APIRouter(prefix="/api/v1/problems", tags=["problems"])
@@ -30,7 +31,7 @@ def read(
     """Return what a kind of problem means and what to do about it."""
     kind = PROBLEM_TYPES.get(code)
     if kind is None:
-        raise ProblemError("problem_not_found", allowed=sorted(PROBLEM_TYPES))
+        raise RefusedError("problem_not_found", allowed=sorted(PROBLEM_TYPES))
     return ProblemTypeView(
         code=code, status=kind.status, title=kind.title.get(language), fix=kind.fix.get(language)
     )

@@ -1,17 +1,24 @@
 """Every kind of problem the interface answers with: status, what it means, what to do. Codes are stable."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from grader.contracts.text import Text
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ProblemType:
-    """One kind of problem. `fix` is what the person who sees it can do."""
+    """One kind of problem.
+
+    Attributes:
+        fix: what the person who sees it can do.
+        headers: of every answer with this problem.
+    """
 
     status: int
     title: Text
     fix: Text
+    headers: Mapping[str, str] = field(default_factory=dict)
 
 
 _RETRY = Text(zh="稍等片刻再试。", en="Wait a moment and try again.")
@@ -39,6 +46,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             en="Send the header Authorization: Bearer, followed by your token; ask the instructor for a new one "
             "when it has expired or is lost. Without courses it is the token shown when the service started.",
         ),
+        headers={"WWW-Authenticate": 'Bearer realm="grader"'},
     ),
     "not_open_yet": ProblemType(
         status=403,
@@ -151,6 +159,7 @@ PROBLEM_TYPES: dict[str, ProblemType] = {
             zh="用 multipart/form-data 上传，例如 curl -F file=@square_mover.py。",
             en="Send multipart/form-data, for example with curl -F file=@square_mover.py.",
         ),
+        headers={"Accept": "multipart/form-data"},
     ),
     "wrong_file_type": ProblemType(
         status=415,

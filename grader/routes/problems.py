@@ -6,14 +6,14 @@ from collections.abc import Mapping
 from http import HTTPStatus
 from typing import Any
 
-from fastapi import FastAPI, HTTPException, Request
+from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException as StarletteHTTPException
 from starlette.routing import Match
 
-from grader.contracts.errors import InfrastructureError
+from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.text import Language, Text
 from grader.contracts.validation_words import said
 from grader.render.escape import visible, visible_line
@@ -90,32 +90,9 @@ class Problem(BaseModel):
     errors: list[FieldError] | None = Field(default=None, description="Every field that was not accepted.")
 
 
-class ProblemError(HTTPException):
-    """Answers the request with a problem document.
-
-    Args:
-        code: a key of `PROBLEM_TYPES`, which gives status, title and fix.
-        detail: what happened this time; the title when left out.
-        members: further members of `Problem`.
-    """
-
-    def __init__(
-        self,
-        code: str,
-        detail: Text | str | None = None,
-        *,
-        headers: Mapping[str, str] | None = None,
-        **members: Any,
-    ) -> None:
-        super().__init__(PROBLEM_TYPES[code].status, headers=dict(headers or {}))
-        self.code = code
-        self.text = detail
-        self.members = members
-
-
 def install(app: FastAPI) -> None:
     """Make every failure of `app` a problem document."""
-    app.add_exception_handler(ProblemError, _on_problem)
+    app.add_exception_handler(RefusedError, _on_refused)
     app.add_exception_handler(StarletteHTTPException, _on_http_error)
     app.add_exception_handler(RequestValidationError, _on_invalid)
     app.add_exception_handler(InfrastructureError, _on_unavailable)
@@ -183,13 +160,24 @@ def _answer(
     )
 
 
-async def _on_problem(request: Request, error: Exception) -> JSONResponse:
-    assert isinstance(error, ProblemError)
-    return _answer(request, error.code, error.text, headers=error.headers, **error.members)
+async def _on_refused(request: Request, error: Exception) -> JSONResponse:
+    assert isinstance(error, RefusedError)
+    return _refused(request, error)
+
+
+def _refused(request: Request, error: RefusedError) -> JSONResponse:
+    headers = dict(PROBLEM_TYPES[error.code].headers)
+    if error.retry_after_s is not None:
+        headers["Retry-After"] = str(error.retry_after_s)
+    return _answer(request, error.code, error.detail, headers=headers, **error.members)
 
 
 async def _on_http_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, StarletteHTTPException)
+    if isinstance(
+        error.__cause__, RefusedError
+    ):  # FastAPI calls whatever fails while a body is read malformed
+        return _refused(request, error.__cause__)
     code = _BY_STATUS.get(error.status_code, "refused")
     headers = dict(error.headers or {})
     if error.status_code == HTTPStatus.METHOD_NOT_ALLOWED and (allowed := _methods(request)):

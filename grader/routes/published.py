@@ -1,10 +1,9 @@
 """Assignments as a request names them."""
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.errors import RefusedError, UnknownAssignmentError
 from grader.contracts.text import Language
-from grader.routes.problems import ProblemError
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 
 
 def published(services: Services, assignment_id: str) -> Assignment | None:
@@ -21,11 +20,11 @@ def require_published(
     """Return an assignment.
 
     Raises:
-        ProblemError: of the kind `code`, about `field` of the request: it is not published. Names those that are.
+        RefusedError: of the kind `code`, about `field` of the request: it is not published. Names those that are.
     """
     assignment = published(services, assignment_id)
     if assignment is None:
-        raise ProblemError(code, field=field, allowed=[one.id for one in services.assignments.all()])
+        raise RefusedError(code, field=field, allowed=[one.id for one in services.assignments.all()])
     return assignment
 
 

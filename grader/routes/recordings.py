@@ -9,18 +9,19 @@ from fastapi.concurrency import run_in_threadpool
 from pydantic import BaseModel, Field
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.errors import RefusedError
 from grader.contracts.figure import PictureForm
 from grader.contracts.identity import Caller
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep
-from grader.routes.concealment import shown_assignment
-from grader.routes.plots import PlotSpec
-from grader.routes.problems import ProblemError, responses
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep, ServicesDep
+from grader.routes.problems import responses
 from grader.routes.published import require_published
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
+from grader.use_cases.pictures import PlotSpec
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import shown_assignment
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"], dependencies=[SIGHT])
 CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]
@@ -97,7 +98,7 @@ def trajectory(
     """Return the answer with a recorded trajectory, compressed if `accept_encoding` takes that.
 
     Raises:
-        ProblemError: there is no grading, or nothing was recorded in such a run.
+        RefusedError: there is no grading, or nothing was recorded in such a run.
     """
     _, report = graded(services, submission_id)
     content, sha256 = _recorded(services, report, case)
@@ -156,7 +157,7 @@ async def picture(  # noqa: PLR0913, PLR0917
     """Return the answer with the picture of one run, as `caller` may see it.
 
     Raises:
-        ProblemError: there is no grading, nothing was recorded in such a run, or nobody knows the assignment.
+        RefusedError: there is no grading, nothing was recorded in such a run, or nobody knows the assignment.
     """
     assignment, report, recorded, case_id = await run_in_threadpool(
         _drawable, services, submission_id, caller, case
@@ -176,7 +177,7 @@ def _recorded(services: Services, report: StoredReport, case: str | None) -> tup
     case_id = _case_id(report, case)
     content = services.submissions.trajectory(report, case_id)
     if content is None:
-        raise ProblemError("no_trajectory", field="case", allowed=list(report.cases))
+        raise RefusedError("no_trajectory", field="case", allowed=list(report.cases))
     return content, report.cases[case_id]
 
 

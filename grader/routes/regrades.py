@@ -6,16 +6,16 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Path, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from grader.contracts.errors import RegradeError
+from grader.contracts.errors import RefusedError, RegradeError
 from grader.contracts.identity import Caller
 from grader.contracts.regrade import Regrade, RegradeState, ScoreChange, Wanted, Which
-from grader.routes.access import ENTRY_PROBLEMS, InstructorDep, StaffDep
+from grader.routes.access import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
 from grader.routes.numbers import QueryWhole
-from grader.routes.problems import ProblemError, responses
+from grader.routes.problems import responses
 from grader.routes.published import require_published
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import SUBMISSIONS
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
 Ending = Literal["apply", "discard"]
@@ -137,13 +137,13 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
     """Start a re-grade and tell workers that there is work.
 
     Raises:
-        ProblemError: the assignment is not published, nothing is to be graded, or a re-grade of it is open.
+        RefusedError: the assignment is not published, nothing is to be graded, or a re-grade of it is open.
     """
     require_published(services, wanted.assignment, field="assignment")
     try:
         opened = services.regrades.open(wanted, _signed(services, caller))
     except RegradeError as error:
-        raise ProblemError(_CODES[error.code]) from None
+        raise RefusedError(_CODES[error.code]) from None
     services.doorbell.ring()
     return opened
 
@@ -172,11 +172,11 @@ def found(services: Services, caller: Caller, regrade_id: str) -> Regrade:
     """Return a re-grade of the caller's course.
 
     Raises:
-        ProblemError: there is none of that id.
+        RefusedError: there is none of that id.
     """
     regrade = services.regrades.get(regrade_id, caller.course)
     if regrade is None:
-        raise ProblemError("regrade_not_found")
+        raise RefusedError("regrade_not_found")
     return regrade
 
 
@@ -210,13 +210,13 @@ def decide(services: Services, caller: Caller, regrade_id: str, how: Ending, rea
     """Apply or discard a re-grade.
 
     Raises:
-        ProblemError: there is none of that id, it is decided already, or still running.
+        RefusedError: there is none of that id, it is decided already, or still running.
     """
     act = services.regrades.apply if how == "apply" else services.regrades.discard
     try:
         return act(regrade_id, _signed(services, caller), reason)
     except RegradeError as error:
-        raise ProblemError(_CODES[error.code]) from None
+        raise RefusedError(_CODES[error.code]) from None
 
 
 def _signed(services: Services, caller: Caller) -> Signature:

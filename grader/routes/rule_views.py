@@ -7,6 +7,7 @@ from zoneinfo import ZoneInfo
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
 from pydantic_core import PydanticCustomError
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.instants import instant
 from grader.contracts.rules import (
     Counts,
@@ -19,7 +20,6 @@ from grader.contracts.rules import (
 )
 from grader.contracts.validation_words import OUT_OF_YEARS
 from grader.routes.numbers import Number, Whole
-from grader.routes.problems import ProblemError
 
 MOST_S = 10 * 366 * 86_400
 MOST_ATTEMPTS = 10_000
@@ -152,7 +152,7 @@ def rules_from(body: RulesBody, zone: ZoneInfo) -> Rules:
     """Return the rules that `body` states.
 
     Raises:
-        ProblemError: they make no sense together.
+        RefusedError: they make no sense together.
     """
     steps = tuple(LateStep(after_s=step.after_s, keep=step.keep) for step in body.late.steps)
     try:
@@ -168,7 +168,7 @@ def rules_from(body: RulesBody, zone: ZoneInfo) -> Rules:
             hidden_until=_aware(body.hidden_until, zone),
         )
     except RuleError as error:
-        raise ProblemError("invalid_rules", error.text, field=error.field) from None
+        raise RefusedError("invalid_rules", error.text, field=error.field) from None
 
 
 def rules_body(rules: Rules, *, with_hidden: bool) -> RulesBody:

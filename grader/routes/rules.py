@@ -4,14 +4,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Response
 
-from grader.contracts.errors import ChangedMeanwhileError, CourseError
+from grader.contracts.errors import ChangedMeanwhileError, CourseError, RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.rules import NO_EXTENSION, Extension
 from grader.contracts.text import Text
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, StaffDep
-from grader.routes.concealment import hidden_from
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, ServicesDep, StaffDep
 from grader.routes.preconditions import etag, seen
-from grader.routes.problems import ProblemError, responses
+from grader.routes.problems import responses
 from grader.routes.published import require_published
 from grader.routes.rule_views import (
     ExtensionChange,
@@ -24,10 +23,11 @@ from grader.routes.rule_views import (
     rules_body,
     rules_from,
 )
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_views import SUBMISSIONS
 from grader.store.audit import Signature
 from grader.store.rules import ANY_STATE, CourseRules, tag
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import hidden_from
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
 AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
@@ -82,11 +82,11 @@ def change_rules(  # noqa: PLR0913, PLR0917
     unknown = set(rules.hidden_items) - set(items)
     if unknown:
         detail = Text(zh=f"没有这个评分项：{min(unknown)}。", en=f"There is no rubric item {min(unknown)}.")
-        raise ProblemError("invalid_rules", detail, field="hidden_items", allowed=items)
+        raise RefusedError("invalid_rules", detail, field="hidden_items", allowed=items)
     try:
         services.rules.set(assignment_id, rules, signed, change.reason, seen=seen(if_match) or ANY_STATE)
     except ChangedMeanwhileError:
-        raise ProblemError("changed_meanwhile") from None
+        raise RefusedError("changed_meanwhile") from None
     response.headers["ETag"] = etag(tag(rules))
     return rules_body(rules, with_hidden=True)
 
@@ -127,9 +127,9 @@ def change_extension(  # noqa: PLR0913, PLR0917
             assignment_id, student, extension, signed, change.reason, seen=seen(if_match) or ANY_STATE
         )
     except ChangedMeanwhileError:
-        raise ProblemError("changed_meanwhile") from None
+        raise RefusedError("changed_meanwhile") from None
     except CourseError:
-        raise ProblemError("unknown_student", field="student") from None
+        raise RefusedError("unknown_student", field="student") from None
     return _extension(student, extension)
 
 
@@ -137,10 +137,10 @@ def signature(services: Services, caller: Caller) -> Signature:
     """Return who changes something now.
 
     Raises:
-        ProblemError: there is no course whose settings could be changed.
+        RefusedError: there is no course whose settings could be changed.
     """
     if caller.course is None:
-        raise ProblemError("no_course")
+        raise RefusedError("no_course")
     return Signature(services.clock(), caller.course, caller.signature)
 
 

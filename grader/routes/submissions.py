@@ -6,21 +6,21 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, File, Form, Header, Path, Response, UploadFile, status
 
-from grader.contracts.errors import SubmissionError, UploadRefusedError
+from grader.contracts.errors import RefusedError, SubmissionError, UploadRefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.rules import Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.contracts.text import Language, Text
-from grader.routes import concealment
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep
+from grader.routes.access import ENTRY_PROBLEMS, CallerDep, ServicesDep
 from grader.routes.language import requested_language
-from grader.routes.problems import ProblemError, responses
+from grader.routes.problems import responses
 from grader.routes.published import require_published
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_document import Place, receipt, view
 from grader.routes.submission_views import Receipt, SubmissionView
 from grader.routes.uploads import UploadRoute, arrival, check_content, checked_name, submitter
 from grader.telemetry.context import note
+from grader.use_cases import visibility
+from grader.use_cases.services import Services
 
 uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
 
@@ -59,11 +59,11 @@ def require_sight(services: ServicesDep, caller: CallerDep, submission_id: Submi
     """Dependency of everything that shows one submission.
 
     Raises:
-        ProblemError: there is none of that id, or it is somebody else's: a caller cannot tell which.
+        RefusedError: there is none of that id, or it is somebody else's: a caller cannot tell which.
     """
     submission = services.submissions.get(submission_id)
     if submission is None or not caller.may_see(submission.course, submission.student):
-        raise ProblemError("submission_not_found")
+        raise RefusedError("submission_not_found")
     note(submission=submission.id, assignment=submission.assignment)
 
 
@@ -139,7 +139,7 @@ def hand_in(  # noqa: PLR0913, PLR0917
     """Take in what a form brought: check it, store it, queue it.
 
     Raises:
-        ProblemError: it is refused; nothing was stored.
+        RefusedError: it is refused; nothing was stored.
     """
     student = submitter(services, caller, student)
     services.upload_limit.take(f"{caller.course}/{student}")
@@ -170,14 +170,14 @@ def _store(services: Services, new: NewSubmission, file: UploadFile) -> tuple[Su
     source = file.file.read(services.settings.max_upload_bytes + 1)
     check_content(services, source, name, published.input)
     if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
-        raise ProblemError("too_many_open", headers={"Retry-After": str(_RETRY_AFTER_S)}, field="student")
+        raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
     new = replace(new, file_name=name, source=source, assignment_version=published.version)
     try:
         return services.submissions.accept(new)
     except UploadRefusedError as error:
         raise _refused(error.refusal) from None
     except SubmissionError as error:
-        raise ProblemError(error.code) from None
+        raise RefusedError(error.code) from None
 
 
 @router.get(
@@ -193,14 +193,14 @@ def read(
     submission_id: SubmissionId,
 ) -> SubmissionView:
     """Return where a submission stands; once graded, with score, rubric items, feedback and what ran."""
-    submission, report = concealment.shown(services, caller, *found(services, submission_id))
+    submission, report = visibility.shown(services, caller, *found(services, submission_id))
     waiting = submission.state is SubmissionState.QUEUED
     position = services.queue.position(submission_id) if waiting else None
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
     known = services.rules.of(submission.course)
-    place = Place(position, services.estimates.finish(submission, position))
+    place = Place(position, services.watching.estimates.finish(submission, position))
     return view(submission, report, place, known, language)
 
 
@@ -241,7 +241,7 @@ def read_source(services: ServicesDep, submission_id: SubmissionId) -> Response:
     """Return what the student uploaded: a script, or the answer to a question."""
     submission, source = services.submissions.get(submission_id), services.submissions.source(submission_id)
     if submission is None or source is None:
-        raise ProblemError("submission_not_found")
+        raise RefusedError("submission_not_found")
     headers = {"ETag": f'"{submission.sha256}"', "Cache-Control": "private, no-cache"}
     return Response(source, media_type="text/plain; charset=utf-8", headers=headers)
 
@@ -250,11 +250,11 @@ def found(services: Services, submission_id: str) -> tuple[Submission, StoredRep
     """Return a submission and its grading, if there is one yet.
 
     Raises:
-        ProblemError: there is no such submission.
+        RefusedError: there is no such submission.
     """
     pair = services.submissions.with_report(submission_id)
     if pair is None:
-        raise ProblemError("submission_not_found")
+        raise RefusedError("submission_not_found")
     return pair
 
 
@@ -264,15 +264,15 @@ def graded(
     """Return a submission and its latest grading, as `caller` may see it when one is named.
 
     Raises:
-        ProblemError: there is no such submission, or no grading yet.
+        RefusedError: there is no such submission, or no grading yet.
     """
     submission, report = found(services, submission_id)
     if report is None:
         state = submission.state.value
         detail = Text(zh=f"提交的状态是 {state}。", en=f"The submission is {state}.")
-        raise ProblemError("not_graded_yet", detail, headers={"Retry-After": str(_RETRY_AFTER_S)})
+        raise RefusedError("not_graded_yet", detail, retry_after_s=_RETRY_AFTER_S)
     if caller is not None:
-        submission, shown = concealment.shown(services, caller, submission, report)
+        submission, shown = visibility.shown(services, caller, submission, report)
         report = shown or report
     return submission, report
 
@@ -282,9 +282,9 @@ def _require_accepted(refusal: Refusal | None) -> None:
         raise _refused(refusal)
 
 
-def _refused(refusal: Refusal) -> ProblemError:
+def _refused(refusal: Refusal) -> RefusedError:
     if refusal.until is None:
-        return ProblemError(refusal.code)
+        return RefusedError(refusal.code)
     until = refusal.until.isoformat(timespec="seconds")
     detail = Text(zh=f"{until} 之后可以提交。", en=f"Uploads are accepted from {until} on.")
-    return ProblemError(refusal.code, detail)
+    return RefusedError(refusal.code, detail)

@@ -10,7 +10,7 @@ from fastapi import Request, Response
 from fastapi.routing import APIRoute
 
 from grader.contracts.assignment import SUFFIXES, Input
-from grader.contracts.errors import InfrastructureError, SandboxError, SubmissionError
+from grader.contracts.errors import InfrastructureError, RefusedError, SandboxError, SubmissionError
 from grader.contracts.grading import SyntaxProblem
 from grader.contracts.identity import Caller, is_person_id
 from grader.contracts.outcome import StudentError
@@ -19,8 +19,7 @@ from grader.contracts.upload import check_source
 from grader.messages.exceptions import meaning
 from grader.render.escape import visible_line
 from grader.routes.bodies import media_type, too_large, with_file
-from grader.routes.problems import ProblemError
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
 _LONGEST_NAME = 100
@@ -39,7 +38,7 @@ class UploadRoute(APIRoute):
 
         async def bounded(request: Request) -> Response:
             if media_type(request.headers) != "multipart/form-data":
-                raise ProblemError("unsupported_media_type", headers={"Accept": "multipart/form-data"})
+                raise RefusedError("unsupported_media_type")
             request.state.arrived_at = request.app.state.services.clock()
             limit = request.app.state.services.settings.max_upload_bytes
             return await handle(with_file(request, limit))
@@ -65,10 +64,10 @@ def checked_student(student: str) -> str:
     """Return a well-formed student id.
 
     Raises:
-        ProblemError: it is not one.
+        RefusedError: it is not one.
     """
     if not is_person_id(student):
-        raise ProblemError("invalid_student", field="student")
+        raise RefusedError("invalid_student", field="student")
     return student
 
 
@@ -76,16 +75,16 @@ def submitter(services: Services, caller: Caller, student: str) -> str:
     """Return whose work an upload is, given what its form says.
 
     Raises:
-        ProblemError: it names nobody, or somebody the caller may not hand in for.
+        RefusedError: it names nobody, or somebody the caller may not hand in for.
     """
     if caller.course is None or caller.person is None:
         return checked_student(student)
     if student in ("", caller.person):
         return caller.person
     if not caller.is_instructor:
-        raise ProblemError("forbidden", field="student")
+        raise RefusedError("forbidden", field="student")
     if services.courses.member(caller.course, checked_student(student)) is None:
-        raise ProblemError("unknown_student", field="student")
+        raise RefusedError("unknown_student", field="student")
     return student
 
 
@@ -93,13 +92,13 @@ def checked_name(file_name: str | None, kind: Input) -> str:
     """Return the last part of the name the student's browser sent, one printable line.
 
     Raises:
-        ProblemError: it is not the name of what the assignment asks for, a Python script or a text.
+        RefusedError: it is not the name of what the assignment asks for, a Python script or a text.
     """
     name = visible_line(re.split(r"[/\\]", file_name or "")[-1].strip(), _LONGEST_NAME)
     endings = SUFFIXES[kind]
     if not name.lower().endswith(endings) or name.lower() in endings:
         shown = name or "—"
-        raise ProblemError(
+        raise RefusedError(
             "wrong_file_type",
             Text(
                 zh=f"收到的文件名是 {shown}，这个作业要交的文件以 {' 或 '.join(endings)} 结尾。",
@@ -114,7 +113,7 @@ def check_content(services: Services, source: bytes, file_name: str, kind: Input
     """Refuse what could not run at all.
 
     Raises:
-        ProblemError: too large, empty, not UTF-8, not text, or not Python.
+        RefusedError: too large, empty, not UTF-8, not text, or not Python.
     """
     limit = services.settings.max_upload_bytes
     if len(source) > limit:
@@ -122,7 +121,7 @@ def check_content(services: Services, source: bytes, file_name: str, kind: Input
     try:
         check_source(source, limit)
     except SubmissionError as error:
-        raise ProblemError(error.code, Text(zh=error.zh, en=str(error)), field="file") from error
+        raise RefusedError(error.code, Text(zh=error.zh, en=str(error)), field="file") from error
     if kind == "text":
         return
     try:
@@ -134,11 +133,11 @@ def check_content(services: Services, source: bytes, file_name: str, kind: Input
         raise _syntax_error(problem)
 
 
-def _syntax_error(problem: SyntaxProblem) -> ProblemError:
+def _syntax_error(problem: SyntaxProblem) -> RefusedError:
     kind, _, message = visible_line(problem.message, _LONGEST_LINE).partition(": ")
     error = StudentError(type=kind, message=message or kind, line=problem.line, traceback="")
     _, text = meaning(error, "syntax_error")
-    return ProblemError(
+    return RefusedError(
         "syntax_error",
         text,
         field="file",

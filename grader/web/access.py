@@ -1,6 +1,6 @@
 """Who looks at a page, and what they may see. The only place of the pages that knows.
 
-The browser keeps what `grader.routes.access.identify` recognises: a bearer token, here in a cookie that lasts as
+The browser keeps what `grader.use_cases.callers` recognises: a bearer token, here in a cookie that lasts as
 long as the browser is open. While the service has no courses, a student says their id and is believed, as on
 the JSON interface.
 """
@@ -12,14 +12,13 @@ from urllib.parse import urlencode
 from fastapi import Depends, Request, Response
 from fastapi.responses import RedirectResponse
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
-from grader.routes.access import identify
-from grader.routes.concealment import shown
-from grader.routes.problems import ProblemError
-from grader.routes.services import Services
 from grader.routes.submissions import found
 from grader.routes.uploads import checked_student
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import shown
 from grader.web.forms import set_private_cookie
 
 STUDENT_COOKIE = "grader_student"
@@ -70,7 +69,7 @@ def present(request: Request) -> Visitor:
     """Dependency of every page: the visitor.
 
     Raises:
-        ProblemError: a student of a course asks too often.
+        RefusedError: a student of a course asks too often.
     """
     visitor, services = visitor_of(request), _services(request)
     if visitor.caller.course is not None and not visitor.staff:
@@ -86,12 +85,12 @@ def require_staff(visitor: VisitorDep) -> Visitor:
 
     Raises:
         EnterFirstError: nobody has said who they are.
-        ProblemError: the visitor is a student.
+        RefusedError: the visitor is a student.
     """
     if not visitor.staff:
         if visitor.caller.role is None:
             raise EnterFirstError
-        raise ProblemError("forbidden")
+        raise RefusedError("forbidden")
     return visitor
 
 
@@ -102,10 +101,10 @@ def require_instructor(visitor: StaffDep) -> Visitor:
     """Dependency of pages and forms that show or change what only instructors may.
 
     Raises:
-        ProblemError: the visitor is an assistant.
+        RefusedError: the visitor is an assistant.
     """
     if not visitor.caller.is_instructor:
-        raise ProblemError("forbidden")
+        raise RefusedError("forbidden")
     return visitor
 
 
@@ -127,13 +126,13 @@ def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Subm
 
     Raises:
         EnterFirstError: the visitor has not said who they are.
-        ProblemError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
+        RefusedError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
     """
     require_known(visitor)
     submission, stored = found(services, submission_id)
     own = visitor.staff or visitor.student == submission.student
     if not (own and visitor.caller.may_see(submission.course, submission.student)):
-        raise ProblemError("submission_not_found")
+        raise RefusedError("submission_not_found")
     return shown(services, visitor.caller, submission, stored)
 
 
@@ -141,7 +140,7 @@ def enter_student(request: Request, response: Response, student: str) -> None:
     """Remember on this browser who a visitor of a service without courses says to be.
 
     Raises:
-        ProblemError: it is no student id.
+        RefusedError: it is no student id.
         EnterFirstError: in a course, saying so is not enough.
     """
     if not visitor_of(request).open:
@@ -151,7 +150,7 @@ def enter_student(request: Request, response: Response, student: str) -> None:
 
 def enter_by_token(request: Request, response: Response, token: str) -> Caller | None:
     """Remember a token on this browser; None, and nothing changed, when it opens nothing."""
-    caller = identify(_services(request), token)
+    caller = _services(request).callers.identify(token)
     if caller is not None:
         set_private_cookie(request, response, TOKEN_COOKIE, token)
     return caller
@@ -171,9 +170,9 @@ def ask_to_enter(request: Request) -> RedirectResponse:
 
 def _visitor(request: Request) -> Visitor:
     services = _services(request)
-    is_open = identify(services, None) is not None
+    is_open = services.callers.identify(None) is not None
     token = request.cookies.get(TOKEN_COOKIE)
-    caller = ANYBODY if token is None else identify(services, token) or ANYBODY
+    caller = ANYBODY if token is None else services.callers.identify(token) or ANYBODY
     said = request.cookies.get(STUDENT_COOKIE, "")
     student = said if is_open and is_person_id(said) else caller.person
     zone = None if caller.course is None else services.courses.get(caller.course).time_zone

@@ -4,14 +4,15 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
+from grader.routes.access import ServicesDep
 from grader.routes.dashboard import class_overview
 from grader.routes.dashboard_views import STUCK_ATTEMPTS, DashboardView
 from grader.routes.health import health_of
-from grader.routes.problems import ProblemError
-from grader.routes.services import Services, ServicesDep
+from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.comparison import compare
@@ -47,7 +48,7 @@ def read_assignment(
     overview = _overview(request, services, visitor)
     statistics = next((one for one in overview.assignments if one.id == assignment_id), None)
     if statistics is None:
-        raise ProblemError("assignment_not_found")
+        raise RefusedError("assignment_not_found")
     language = language_of(request)
     mistakes = [
         (one.code, outline(language, f"mistake.{one.code}") or one.code, one.students)
@@ -64,7 +65,7 @@ def read_student(
     attempts = services.submissions.of_student(student, assignment or None, course=visitor.caller.course)
     known = names(services, visitor.caller)
     if not attempts and student not in known:
-        raise ProblemError("submission_not_found")
+        raise RefusedError("submission_not_found")
     by_assignment: dict[str, list[Submission]] = {one.id: [] for one in services.assignments.all()}
     for one in attempts:
         by_assignment.setdefault(one.assignment, []).append(one)
@@ -115,7 +116,7 @@ def _overview(request: Request, services: Services, visitor: Visitor) -> Dashboa
 def _graded(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport]:
     submission, stored = access.seen(services, visitor, submission_id)
     if stored is None:
-        raise ProblemError("not_graded_yet")
+        raise RefusedError("not_graded_yet")
     return submission, stored
 
 

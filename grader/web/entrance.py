@@ -6,8 +6,8 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
+from grader.contracts.errors import RefusedError
 from grader.routes.problem_types import PROBLEM_TYPES
-from grader.routes.problems import ProblemError
 from grader.web import access
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
@@ -53,9 +53,10 @@ def enter(request: Request, entry: Annotated[Entry, Form()]) -> Response:
     response = RedirectResponse(own_address(entry.next) or "/submissions", status_code=303)
     try:
         access.enter_student(request, response, entry.student.strip())
-    except ProblemError as problem:
-        fix = PROBLEM_TYPES[problem.code].fix.get(language)
-        return _ask(request, entry, problem.status_code, Refusal(field="student", text=fix))
+    except RefusedError as problem:
+        kind = PROBLEM_TYPES[problem.code]
+        refusal = Refusal(field="student", text=kind.fix.get(language))
+        return _ask(request, entry, kind.status, refusal)
     return response
 
 

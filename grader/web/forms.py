@@ -12,7 +12,7 @@ from typing import Annotated
 
 from fastapi import Form, Request, Response
 
-from grader.routes.problems import ProblemError
+from grader.contracts.errors import RefusedError
 
 FIELD = "form_token"
 COOKIE = "grader_form"
@@ -45,11 +45,11 @@ def require_own_form(
     """Dependency of everything that a form changes.
 
     Raises:
-        ProblemError: the form was not sent by one of our pages, or the browser was closed in between.
+        RefusedError: the form was not sent by one of our pages, or the browser was closed in between.
     """
     known = request.cookies.get(COOKIE, "")
     own_site = request.headers.get("sec-fetch-site", "none") in _OWN
     if not (
         own_site and _TOKEN.fullmatch(known) and hmac.compare_digest(known.encode(), form_token.encode())
     ):
-        raise ProblemError("foreign_form")
+        raise RefusedError("foreign_form")

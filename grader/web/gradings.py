@@ -5,13 +5,14 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import JSONResponse
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
+from grader.routes.access import ServicesDep
 from grader.routes.gradebook import Platform, exported
 from grader.routes.numbers import QueryWhole
-from grader.routes.problems import ProblemError
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SubmissionId
+from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.comparison import compare
@@ -98,5 +99,5 @@ def _export(
 def _grading(services: Services, submission_id: str, attempt: int) -> StoredReport:
     stored = services.past_gradings.get(submission_id, attempt)
     if stored is None:
-        raise ProblemError("submission_not_found")
+        raise RefusedError("submission_not_found")
     return stored

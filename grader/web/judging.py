@@ -10,16 +10,17 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field, ValidationError
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import LONGEST_COMMENT
 from grader.contracts.numerals import decimal, written
 from grader.contracts.submission import Submission
 from grader.routes import judgements
+from grader.routes.access import ServicesDep
 from grader.routes.judgement_views import JudgementBody, ManualItemsView, ManualItemView
-from grader.routes.problems import ProblemError
 from grader.routes.published import published
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submissions import SubmissionId
 from grader.store.judgements import WaitingFor
+from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import StaffDep, Visitor, require_staff
 from grader.web.forms import require_own_form
@@ -115,7 +116,7 @@ def judge(
     if body is not None:
         try:
             judgements.give(services, visitor.caller, submission.id, form.item, body, form.seen or None)
-        except ProblemError as problem:
+        except RefusedError as problem:
             if problem.code not in _AT_FIELDS:
                 raise
             errors = dict([_AT_FIELDS[problem.code]])
@@ -234,7 +235,7 @@ def _chosen(judged: ManualItemsView, item_id: str, *, corrects: bool) -> ManualI
     """Return the item that was asked for, else of those left to people the first that waits, else the first.
 
     Raises:
-        ProblemError: the submission has no such item, or the machine judged it and the visitor `corrects` nothing.
+        RefusedError: the submission has no such item, or the machine judged it and the visitor `corrects` nothing.
     """
     wanted = [
         one
@@ -242,5 +243,5 @@ def _chosen(judged: ManualItemsView, item_id: str, *, corrects: bool) -> ManualI
         if (one.item == item_id if item_id else one.machine is None) and (corrects or one.machine is None)
     ]
     if not wanted:
-        raise ProblemError("item_not_found")
+        raise RefusedError("item_not_found")
     return next((one for one in wanted if one.waits), wanted[0])

@@ -7,10 +7,10 @@ from fastapi import APIRouter, Depends, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from grader.routes.access import ServicesDep
 from grader.routes.events import LastEventId, events, owner_of, progress_event, watched
-from grader.routes.services import ServicesDep
 from grader.routes.submissions import SubmissionId
-from grader.routes.watching import Watch
+from grader.use_cases.following import Watch
 from grader.web import access
 from grader.web.access import VisitorDep
 from grader.web.pages import language_of

@@ -7,15 +7,16 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import JSONResponse, RedirectResponse
 from pydantic import BaseModel, Field
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import is_person_id
 from grader.contracts.judgement import judged
 from grader.contracts.regrade import Wanted, Which
 from grader.routes import regrades
+from grader.routes.access import ServicesDep
 from grader.routes.problem_types import PROBLEM_TYPES
-from grader.routes.problems import ProblemError
 from grader.routes.published import published
 from grader.routes.regrades import RegradeId, RegradeSummary
-from grader.routes.services import Services, ServicesDep
+from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import InstructorDep, StaffDep, require_staff
 from grader.web.comparison import compare
@@ -74,7 +75,7 @@ def start(
     try:
         wanted = Wanted(assignment=order.assignment, which=order.which, students=tuple(students))
         started = regrades.open_regrade(services, visitor.caller, wanted)
-    except ProblemError as problem:
+    except RefusedError as problem:
         return _list(request, services, visitor, order, _refusal(request, problem))
     return RedirectResponse(f"/class/regrades/{started.id}", status_code=303)
 
@@ -124,7 +125,7 @@ def read_change(
     submission, _ = access.seen(services, visitor, submission_id)
     first, second = services.past_gradings.around(regrade.id, submission.id)
     if first is None or second is None:
-        raise ProblemError("not_graded_yet")
+        raise RefusedError("not_graded_yet")
     both = compare(judged(first), judged(second), "", "", language_of(request))
     return page(
         request,
@@ -201,7 +202,7 @@ def _refused_students(
     return None
 
 
-def _refusal(request: Request, problem: ProblemError) -> Refusal:
+def _refusal(request: Request, problem: RefusedError) -> Refusal:
     language = language_of(request)
     if problem.code == "nothing_to_regrade":
         return Refusal(field="students", text=say("regrade.nothing_fits", language))

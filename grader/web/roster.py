@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from grader.contracts.identity import Caller, Role
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 
 
 def names(services: Services, caller: Caller) -> dict[str, str]:

@@ -9,10 +9,11 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ChangedMeanwhileError, CourseError
 from grader.contracts.rules import NO_EXTENSION, Counts, Extension, LateKind
 from grader.contracts.seen import Seen
+from grader.routes.access import ServicesDep
 from grader.routes.published import require_published
 from grader.routes.rules import AssignmentId, signature
-from grader.routes.services import Services, ServicesDep
 from grader.store.rules import ANY_STATE, CourseRules, tag
+from grader.use_cases.services import Services
 from grader.web.access import InstructorDep, StaffDep, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import page

@@ -14,8 +14,8 @@ from grader.contracts.report import CaseRun, GradeReport
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
 from grader.contracts.verdict import Run
-from grader.routes.concealment import shown_assignment
-from grader.routes.services import Services
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import shown_assignment
 
 
 def run_of(report: GradeReport, case: str | None) -> CaseRun | None:

@@ -9,18 +9,19 @@ from fastapi.responses import RedirectResponse
 
 from grader.checks import published_rubric
 from grader.contracts.assignment import SUFFIXES, Assignment
+from grader.contracts.errors import RefusedError
 from grader.contracts.submission import Submission
-from grader.contracts.text import Language, Text
+from grader.contracts.text import Language
 from grader.messages import quantity
 from grader.routes import rules, submissions
-from grader.routes.concealment import shown_assignment, shown_list
+from grader.routes.access import ServicesDep
 from grader.routes.problem_types import PROBLEM_TYPES, ProblemType
-from grader.routes.problems import ProblemError
 from grader.routes.published import require_published
 from grader.routes.rule_views import StandingView
-from grader.routes.services import Services, ServicesDep
 from grader.routes.uploads import UploadRoute, arrival_of
 from grader.telemetry.context import note
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import shown_assignment, shown_list
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
 from grader.web.audit_lines import Teller
@@ -80,7 +81,7 @@ def hand_in(  # noqa: PLR0913, PLR0917
         receipt = submissions.hand_in(
             services, visitor.caller, arrival_of(request), file, assignment.id, given
         )
-    except ProblemError as problem:
+    except RefusedError as problem:
         note(code=problem.code)
         return _assignment_page(request, assignment, problem, student)
     response = RedirectResponse(f"/submissions/{receipt.id}", status_code=303)
@@ -105,7 +106,7 @@ def _attempts(services: Services, visitor: Visitor, assignment: str | None = Non
 
 
 def _assignment_page(
-    request: Request, assignment: Assignment, problem: ProblemError | None = None, given: str = ""
+    request: Request, assignment: Assignment, problem: RefusedError | None = None, given: str = ""
 ) -> Response:
     services: Services = request.app.state.services
     visitor, language = access.visitor_of(request), language_of(request)
@@ -113,7 +114,7 @@ def _assignment_page(
     return page(
         request,
         "assignment.html",
-        status=200 if problem is None else problem.status_code,
+        status=200 if problem is None else PROBLEM_TYPES[problem.code].status,
         assignment=assignment,
         rubric=published_rubric(shown_assignment(services, visitor.caller, assignment)),
         standing=standing,
@@ -171,13 +172,13 @@ def _late(standing: StandingView, language: Language) -> str:
     return cost + say("comma", language) + say("rules.accept_short", language, hours=hours)
 
 
-def _refusal(problem: ProblemError, language: Language) -> dict[str, Any]:
+def _refusal(problem: RefusedError, language: Language) -> dict[str, Any]:
     """Return what the form says about a file that was not accepted."""
-    kind, detail = PROBLEM_TYPES[problem.code], problem.text
+    kind, detail = PROBLEM_TYPES[problem.code], problem.detail
     return {
         "field": problem.members.get("field", "file"),
         "title": kind.title.get(language),
-        "detail": detail.get(language) if isinstance(detail, Text) else detail,
+        "detail": None if detail is None else detail.get(language),
         "fix": kind.fix.get(language),
         "line": problem.members.get("line"),
         "text": problem.members.get("text"),

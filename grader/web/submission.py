@@ -7,19 +7,20 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.errors import RefusedError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import judged
 from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.render.labels import SUBMISSION_STATE
 from grader.routes import recordings
-from grader.routes.concealment import shown_list
+from grader.routes.access import ServicesDep
 from grader.routes.judgement_views import ManualItemView, manual_items
-from grader.routes.problems import ProblemError
 from grader.routes.published import published
-from grader.routes.services import Services, ServicesDep
 from grader.routes.submission_document import lateness
 from grader.routes.submissions import SubmissionId
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import shown_list
 from grader.web import access
 from grader.web.access import Visitor, VisitorDep
 from grader.web.pages import language_of, page
@@ -171,7 +172,7 @@ def _result(
     report = judged(stored)
     run = run_of(report, case)
     if run is None and case is not None:
-        raise ProblemError("no_trajectory", field="case", allowed=list(stored.cases))
+        raise RefusedError("no_trajectory", field="case", allowed=list(stored.cases))
     figure = (
         None if run is None else measured_figure(services, access.visitor_of(request).caller, stored, run)
     )

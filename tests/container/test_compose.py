@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import yaml
 
-from grader.cli import COMMANDS
+from grader.commands.cli import COMMANDS
 from grader.contracts.limits import MIB, Limits
 from grader.settings import Settings, load
 from tests.fakes import postgres

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from grader import cli
+from grader.commands import cli
 from tests.e2e.grading_slot import LESSON, catalog
 
 

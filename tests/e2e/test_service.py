@@ -16,10 +16,10 @@ import pytest
 
 from grader.api import create_app
 from grader.contracts.grading import SandboxState
-from grader.routes.services import Services
 from grader.settings import Settings
 from grader.store.columns import utc_now
 from grader.store.workers import presence
+from grader.use_cases.services import Services
 from grader.worker import Worker, WorkerConfig, WorkerParts
 from tests.fakes import server
 from tests.fakes.grading import FakeGrader

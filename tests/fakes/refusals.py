@@ -4,7 +4,7 @@ import unicodedata
 
 import httpx
 
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 
 
 def problem(response: httpx.Response, status: int, code: str) -> dict:

@@ -12,13 +12,12 @@ import uvicorn
 from fastapi import FastAPI
 
 from grader.api import create_app
-from grader.routes.access import InstructorGate
-from grader.routes.plots import PlotCache, Plotter
-from grader.routes.services import Services
 from grader.settings import Settings
 from grader.store.columns import Clock
 from grader.store.database import Database
 from grader.store.queue import RetryPolicy
+from grader.use_cases.pictures import PlotCache, Plotter
+from grader.use_cases.services import Services
 from tests.fakes.grading import FakeAssignments, FakePreflight
 
 TOKEN = "correct-horse-battery-staple"
@@ -50,7 +49,7 @@ def services(
         assignments=FakeAssignments(),
         preflight=FakePreflight(),
         plots=PlotCache(plotter or FakePlotter(), 8),
-        gate=InstructorGate(TOKEN),
+        instructor_token=TOKEN,
     )
 
 

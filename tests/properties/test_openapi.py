@@ -24,8 +24,8 @@ from schemathesis.specs.openapi import checks
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, WorkerState
-from grader.routes.services import Services
 from grader.settings import Settings
+from grader.use_cases.services import Services
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import grade

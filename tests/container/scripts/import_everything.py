@@ -6,8 +6,8 @@ import warnings
 from pathlib import Path
 
 OWN = (
+    "grader.composition",
     "grader.grading.child",
-    "grader.service",
     "matplotlib.backends.backend_agg",
     "matplotlib.backends.backend_svg",
     "numpy.linalg",

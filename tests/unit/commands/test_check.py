@@ -4,8 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from grader import cli
-from grader.commands import check, run
+from grader.commands import check, cli, run
 from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
 
 DIED = InfrastructureError("the grading process ended unexpectedly (exit code 1)")

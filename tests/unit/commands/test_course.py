@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grader import cli
+from grader.commands import cli
 from grader.contracts.identity import Role
 from grader.store.columns import utc_now
 from grader.store.database import Database

@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from grader import cli, service
+from grader import composition
+from grader.commands import cli
 from grader.contracts.submission import NewSubmission
 from grader.settings import Settings
 from grader.store.columns import utc_now
@@ -143,7 +144,7 @@ def test_a_service_that_leaves_grading_to_others_is_not_overlooked(
     db("backup", tmp_path / "backup.db")
     settings = Settings(database_url=f"sqlite:///{tmp_path / 'grader.db'}", slots=0)
     database.close()
-    with service.running(settings, FakePreflight()):
+    with composition.running(settings, FakePreflight()):
         assert "stop it first" in db("restore", tmp_path / "backup.db", status=2)
     db("restore", tmp_path / "backup.db")
 
@@ -223,7 +224,7 @@ def test_postgresql_is_backed_up_and_restored(
     assert cli.run(["db", "restore", backup, "--lang", "en"]) == 2
     assert "not empty" in capsys.readouterr().err
     settings = Settings(database_url=postgres_url, slots=0)
-    with service.running(settings, FakePreflight()):
+    with composition.running(settings, FakePreflight()):
         assert cli.run(["db", "restore", "--replace", backup, "--lang", "en"]) == 2
     assert "in use by grader serve" in capsys.readouterr().err
     # the server notices a little later that the service's connections ended

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader import cli
+from grader.commands import cli
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import Extension, Rules
 from grader.store.audit import Signature

@@ -10,12 +10,12 @@ from pathlib import Path
 import pytest
 from fastapi import FastAPI
 
-from grader import cli
+from grader.commands import cli
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import LateRule, Rules
-from grader.routes.services import Services
 from grader.settings import Settings
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from tests.fakes import server
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import grade_next

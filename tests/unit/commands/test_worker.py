@@ -2,7 +2,7 @@ import logging
 
 import pytest
 
-from grader.cli import run
+from grader.commands.cli import run
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ import pytest
 from fastapi import FastAPI
 
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.routes.services import Services
 from grader.settings import Settings
+from grader.use_cases.services import Services
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.courses import PreparedCourses

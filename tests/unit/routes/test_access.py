@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.server import TOKEN, openapi_document
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import httpx
 import pytest
 
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.fakes.refusals import nothing_stored, problem
 
 Upload = Callable[..., httpx.Response]

@@ -11,8 +11,8 @@ import pytest
 
 from grader.contracts.assignment import BY_PERSON, Assignment
 from grader.contracts.rules import Rules
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.essays import grade_essay, question
 from tests.unit.routes.conftest import work

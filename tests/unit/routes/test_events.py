@@ -12,7 +12,7 @@ import pytest
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.submission import Claim
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.fakes import grading, server
 from tests.fakes.clock import FakeClock
 from tests.fakes.waiting import PATIENCE_S, wait_until

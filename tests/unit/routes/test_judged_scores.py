@@ -7,8 +7,8 @@ import httpx
 
 from grader.contracts.grading import GradingJob
 from grader.contracts.rules import Counts, Rules
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from tests.fakes.clock import START
 from tests.fakes.essays import ANSWER, grade_essay, question
 from tests.unit.routes.conftest import work

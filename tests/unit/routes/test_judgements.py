@@ -10,8 +10,8 @@ import httpx
 import pytest
 
 from grader.contracts.rules import Rules
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from tests.fakes.clock import START
 from tests.fakes.essays import ANSWER
 

@@ -11,8 +11,8 @@ from pydantic import SecretStr
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import WorkerState
-from grader.routes.services import Services
 from grader.telemetry.metrics import Metrics, exported
+from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.server import TOKEN
 

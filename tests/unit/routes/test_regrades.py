@@ -9,8 +9,8 @@ import pytest
 
 from grader.contracts.grading import GradingJob
 from grader.contracts.rules import Rules
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import grade
 from tests.unit.routes.conftest import work

@@ -7,7 +7,7 @@ from datetime import timedelta
 import httpx
 
 from grader.contracts.grading import GradingJob
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import assignment, grade
 from tests.unit.routes.test_overviews import worker

@@ -7,8 +7,8 @@ from typing import Any
 import httpx
 import pytest
 
-from grader.routes.services import Services
 from grader.telemetry import logs
+from grader.use_cases.services import Services
 from tests.fakes.server import TOKEN
 
 

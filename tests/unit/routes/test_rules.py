@@ -12,7 +12,7 @@ import pytest
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.rubric import ItemStatus
 from grader.messages import say
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import grade, grade_next
 

@@ -12,8 +12,8 @@ from grader.catalog import Catalog
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.grading import AssignmentSource, GradingJob, GradingResult
 from grader.contracts.submission import NewSubmission
-from grader.routes.services import Services
 from grader.settings import Settings
+from grader.use_cases.services import Services
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.courses import PreparedCourses

@@ -7,8 +7,8 @@ import pytest
 from fastapi import Request, Response
 
 from grader.contracts.rules import Rules
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from grader.web.entrance import own_address
 from grader.web.forms import COOKIE, set_private_cookie
 from tests.fakes import server

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import pytest
 
 from grader.messages import outline
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.unit.web.conftest import Browser
 
 

@@ -6,7 +6,7 @@ from html import unescape
 
 import pytest
 
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.unit.web.conftest import Browser
 
 

@@ -8,8 +8,8 @@ from collections.abc import Callable
 import pytest
 
 from grader.contracts.rules import Counts, Rules
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from grader.web.people_pages import address
 from tests.unit.web.conftest import Browser
 

@@ -8,9 +8,9 @@ import pytest
 
 from grader.contracts.rules import Rules
 from grader.contracts.submission import SubmissionState
-from grader.routes.services import Services
 from grader.store.audit import Signature
 from grader.store.judgements import Given
+from grader.use_cases.services import Services
 from tests.fakes.essays import grade_essay
 from tests.unit.web.conftest import Browser
 

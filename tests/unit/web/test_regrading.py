@@ -10,8 +10,8 @@ import pytest
 from grader.contracts.grading import GradingJob
 from grader.contracts.regrade import Wanted
 from grader.routes.regrades import ScoreChangeView
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from grader.web.regrade_table import ChangesQuery, changes
 from tests.unit.web.conftest import Browser
 

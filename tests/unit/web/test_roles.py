@@ -9,8 +9,8 @@ from fastapi.routing import APIRoute
 
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.regrade import Wanted
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from grader.web.access import TOKEN_COOKIE
 from grader.web.forms import COOKIE, FIELD
 from grader.web.routing import ROUTERS

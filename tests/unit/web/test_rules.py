@@ -19,8 +19,8 @@ from grader.contracts.rules import (
     LateStep,
     Rules,
 )
-from grader.routes.services import Services
 from grader.store.audit import Signature
+from grader.use_cases.services import Services
 from grader.web.rule_form import Reader, RuleForm, form_of
 from tests.unit.web.conftest import Browser
 

@@ -9,7 +9,7 @@ import pytest
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.outcome import Endpoint, LogRecord, Note, RunOutcome, RunStatus, Stream, StudentError
 from grader.render.escape import visible
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.fakes.grading import grade
 from tests.unit.web.conftest import Browser
 

@@ -9,7 +9,7 @@ from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.outcome import Stream
 from grader.contracts.report import CaseOutput
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 from tests.fakes.grading import grade
 from tests.unit.web.conftest import Browser
 

@@ -1,16 +1,9 @@
-"""What the routes work with, handed to them by the composition root."""
+"""What use cases work with, made by the composition root."""
 
 from dataclasses import dataclass
-from typing import Annotated, Self
-
-from fastapi import Depends, Request
+from typing import Self
 
 from grader.contracts.grading import AssignmentSource, Preflight
-from grader.routes.access import InstructorGate
-from grader.routes.estimates import Estimates
-from grader.routes.limits import RateLimit
-from grader.routes.plots import PlotCache
-from grader.routes.watching import Watching, WatchLimits
 from grader.settings import Settings
 from grader.store.audit import AuditLog
 from grader.store.columns import Clock
@@ -29,14 +22,17 @@ from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
 from grader.store.workers import Workers
 from grader.telemetry.metrics import Metrics
+from grader.use_cases.callers import Callers, RateLimit
+from grader.use_cases.following import Estimates, Watching, WatchLimits
+from grader.use_cases.pictures import PlotCache
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Services:
-    """Everything an endpoint may use.
+    """Everything a use case may work with.
 
     Attributes:
-        gate: recognises the instructor of a service without courses.
+        callers: recognises who asks.
         request_limit: of each student's requests. upload_limit: of each student's uploads.
     """
 
@@ -46,7 +42,7 @@ class Services:
     preflight: Preflight
 
     # who asks, and how often
-    gate: InstructorGate
+    callers: Callers
     request_limit: RateLimit
     upload_limit: RateLimit
 
@@ -65,7 +61,6 @@ class Services:
 
     # what is kept in this process: drawn, guessed, followed, measured
     plots: PlotCache
-    estimates: Estimates
     doorbell: Doorbell
     watching: Watching
     metrics: Metrics
@@ -81,17 +76,18 @@ class Services:
         assignments: AssignmentSource,
         preflight: Preflight,
         plots: PlotCache,
-        gate: InstructorGate,
+        instructor_token: str,
     ) -> Self:
         """Return the services over one database that is up to date."""
         queue, workers = Queue(database, clock, policy), Workers(database, clock)
+        courses, tokens = Courses(database, clock), Tokens(database, clock)
         watching = _watching(database, settings, Estimates(queue, workers, clock, settings.silent_s))
         return cls(
             settings=settings,
             clock=clock,
             assignments=assignments,
             preflight=preflight,
-            gate=gate,
+            callers=Callers(courses, tokens, instructor_token),
             request_limit=RateLimit(settings.requests_per_minute, clock),
             upload_limit=RateLimit(settings.uploads_per_minute, clock),
             submissions=Submissions(database, clock),
@@ -102,11 +98,10 @@ class Services:
             judgements=Judgements(database),
             dashboard=Dashboard(database),
             rules=StoredRules(database),
-            courses=Courses(database, clock),
-            tokens=Tokens(database, clock),
+            courses=courses,
+            tokens=tokens,
             audit=AuditLog(database),
             plots=plots,
-            estimates=watching.estimates,
             doorbell=watching.doorbell,
             watching=watching,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
@@ -124,12 +119,3 @@ def _metrics(measures: Measures, watching: Watching) -> Metrics:
     metrics = Metrics(measures.state)
     metrics.measure_streams(lambda: watching.streams)
     return metrics
-
-
-async def _services(request: Request) -> Services:
-    # a coroutine runs on the event loop; any other dependency would wait for a thread
-    services: Services = request.app.state.services
-    return services
-
-
-ServicesDep = Annotated[Services, Depends(_services)]

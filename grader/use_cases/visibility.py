@@ -18,7 +18,7 @@ from grader.contracts.rubric import ItemStatus, summed
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import LANGUAGES
-from grader.routes.services import Services
+from grader.use_cases.services import Services
 
 _EMPTY = {"zh": "", "en": ""}
 

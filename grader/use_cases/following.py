@@ -1,7 +1,8 @@
-"""Everybody who watches a submission or a class, told by one thread that looks at the rows.
+"""Where submissions and classes stand, now and as it changes, and when a grading will probably be done.
 
-The rows are the truth, so it makes no difference which process grades. However many watch, one look serves all of
-them, and each watcher keeps the latest standing only: a slow one misses steps in between, and delays nobody.
+One thread reads the rows for everybody who watches in this process. The rows are the truth, so it makes no
+difference which process grades. Each watcher keeps only the latest standing: a slow one misses steps in between
+and delays nobody.
 """
 
 import asyncio
@@ -11,21 +12,65 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 
-from grader.contracts.errors import InfrastructureError
+from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.progress import ClassStanding, Standing
-from grader.routes.estimates import Estimates
-from grader.routes.problems import ProblemError
+from grader.contracts.submission import Submission, SubmissionState
+from grader.store.columns import Clock
 from grader.store.doorbell import Doorbell
+from grader.store.queue import Queue
 from grader.store.standings import Standings
+from grader.store.workers import Workers
 
 Subject = tuple[str, str | None]
 """``("submission", id)`` or ``("class", course)``."""
 
+_FRESH_S = 5.0  # the mean of gradings and the number of slots change slowly
 _PAUSE_S = 0.1  # however often the doorbell rings
 _CLASS_EVERY = 4  # looks at submissions per look at classes, which reads more rows
-_LATER = {"Retry-After": "5"}  # a place is free whenever some page is closed or a stream has lived its time
+_LATER_S = 5  # a place is free whenever some page is closed or a stream has lived its time
 _log = logging.getLogger(__name__)
+
+
+class Estimates:
+    """Guesses when gradings will be done, from how long they took lately; safe to share between threads."""
+
+    def __init__(self, queue: Queue, workers: Workers, clock: Clock, silent_s: float) -> None:
+        self._queue = queue
+        self._workers = workers
+        self._clock = clock
+        self._silent_s = silent_s
+        self._lock = threading.Lock()
+        self._measured_at: datetime | None = None
+        self._mean_s: float | None = None
+        self._slots = 0
+
+    def finish(self, submission: Submission | Standing, position: int | None) -> datetime | None:
+        """Return when a submission will probably be graded; None when it is, or nobody can say.
+
+        Args:
+            submission: waiting or being graded.
+            position: how many are before it while it waits.
+        """
+        now = self._clock()
+        mean_s, slots = self._measured(now)
+        if mean_s is None or slots == 0:
+            return None
+        if submission.state is SubmissionState.RUNNING and submission.started_at is not None:
+            return max(submission.started_at + timedelta(seconds=mean_s), now)
+        if position is None:
+            return None
+        return now + timedelta(seconds=(position // slots + 1) * mean_s)
+
+    def _measured(self, now: datetime) -> tuple[float | None, int]:
+        with self._lock:
+            if self._measured_at is None or (now - self._measured_at).total_seconds() >= _FRESH_S:
+                alive = self._workers.alive(self._silent_s)
+                self._slots = sum(worker.slots for worker in alive if worker.sandbox_ready)
+                self._mean_s = self._queue.mean_duration_s()
+                self._measured_at = now
+            return self._mean_s, self._slots
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -122,7 +167,7 @@ class Watching:
             address: where it comes from if `owner` is only what somebody says.
 
         Raises:
-            ProblemError: too many watch, or the service stops.
+            RefusedError: too many watch, or the service stops.
         """
         watch, shares = Watch(subject), {owner: self.limits.most_each}
         if address is not None:
@@ -156,11 +201,11 @@ class Watching:
     def _add(self, watch: Watch, shares: Mapping[str, int]) -> None:
         with self._lock:
             if self._closing.is_set():
-                raise ProblemError("unavailable")
+                raise RefusedError("unavailable")
             if any(self._taken[name] >= most for name, most in shares.items()):
-                raise ProblemError("too_many_streams", headers=_LATER)
+                raise RefusedError("too_many_streams", retry_after_s=_LATER_S)
             if len(self._watches) >= self.limits.most:
-                raise ProblemError("streams_full", headers=_LATER)
+                raise RefusedError("streams_full", retry_after_s=_LATER_S)
             self._watches[watch] = tuple(shares)
             self._taken.update(shares.keys())
             if self._thread is None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader import cli
+from grader.commands import cli
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Plots of trajectories, drawn off the event loop, one at a time, and remembered."""
+"""Plots of what was recorded: drawn from a stored grading by one thread, and the last ones kept."""
 
 import asyncio
 from collections import OrderedDict
@@ -6,10 +6,14 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Protocol
 
+from grader.checks import sketch
+from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import PictureForm
+from grader.contracts.report import CaseRun, GradeReport, report_from
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
+from grader.contracts.verdict import Run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -64,3 +68,40 @@ class PlotCache:
         while len(self._plots) > self._entries:
             self._plots.popitem(last=False)
         return picture
+
+
+def draw_stored(assignment: Assignment, report: StoredReport, trajectory: bytes, spec: PlotSpec) -> bytes:
+    """Draw one graded run with matplotlib, as a `Plotter`."""
+    graded = report_from(report.content)
+    return draw(assignment, graded, trajectory, spec.language, spec.form, case=spec.case)
+
+
+def draw(  # noqa: PLR0913
+    assignment: Assignment,
+    report: GradeReport,
+    trajectory: bytes,
+    language: Language,
+    form: PictureForm = "png",
+    *,
+    case: str | None = None,
+) -> bytes:
+    """Return the plot of one of the report's runs; the figure is measured again.
+
+    Args:
+        assignment: the version that was graded.
+        report: the graded report.
+        trajectory: of that run, as `grader.contracts.trajectory_json.encode` wrote it.
+        language: of all words in the plot.
+        form: file format.
+        case: which run; None: the first.
+    """
+    from grader.render.plot import plot  # matplotlib takes a second to import
+
+    motion = trajectory_json.decode(trajectory)
+    run = _run(report, case)
+    figure = sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
+    return plot(assignment, report, motion, figure, language, form=form, case=run.case)
+
+
+def _run(report: GradeReport, case: str | None) -> CaseRun:
+    return next(run for run in report.runs if case is None or run.case == case)

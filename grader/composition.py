@@ -1,4 +1,4 @@
-"""The composition root of the service: from settings to a store, workers and everything the routes use."""
+"""The composition root: from settings to the service with everything it works with, or to a worker alone."""
 
 import logging
 import sys
@@ -9,17 +9,11 @@ from dataclasses import replace
 from grader.catalog import Catalog
 from grader.catalog.cache import AssignmentMemory
 from grader.catalog.refreshed import RefreshedAssignments
-from grader.contracts.assignment import Assignment
 from grader.contracts.errors import SandboxError, SettingsError
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
-from grader.contracts.report import report_from
-from grader.contracts.submission import StoredReport
 from grader.grading.bootstrap import build_sandbox, build_syntax_sandbox
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
-from grader.routes.access import InstructorGate, new_token
-from grader.routes.plots import PlotCache, PlotSpec
-from grader.routes.services import Services
 from grader.settings import Settings, is_loopback
 from grader.store.checkpoints import checkpoints
 from grader.store.columns import Clock
@@ -33,6 +27,9 @@ from grader.store.server_clock import clock_of
 from grader.store.work import WorkSource
 from grader.store.workers import Workers, presence
 from grader.telemetry.metrics import Metrics, exported
+from grader.use_cases.callers import new_token
+from grader.use_cases.pictures import PlotCache, draw_stored
+from grader.use_cases.services import Services
 from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
@@ -65,8 +62,8 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             policy=_policy(settings),
             assignments=RefreshedAssignments(Catalog(cache=AssignmentMemory())),
             preflight=preflight or stack.enter_context(_preflight()),
-            plots=PlotCache(_plot, settings.plot_cache_entries),
-            gate=InstructorGate(_token(settings, courses)),
+            plots=PlotCache(draw_stored, settings.plot_cache_entries),
+            instructor_token=_token(settings, courses),
         )
         stack.callback(services.plots.close)
         stack.callback(services.watching.close)
@@ -205,10 +202,3 @@ def _probe() -> SandboxState:
             missing_layers=sandbox.missing_layers,
             detail="; ".join(breaches),
         )
-
-
-def _plot(assignment: Assignment, report: StoredReport, trajectory: bytes, spec: PlotSpec) -> bytes:
-    from grader.plots import draw  # matplotlib takes a second to import: not at start
-
-    graded = report_from(report.content)
-    return draw(assignment, graded, trajectory, spec.language, spec.form, case=spec.case)

@@ -4,8 +4,9 @@ import logging
 
 import pytest
 
-from grader import service
+from grader import composition
 from grader.contracts.errors import SandboxUnavailableError, SettingsError
+from grader.contracts.identity import OPERATOR
 from grader.settings import Settings
 from tests.fakes.grading import FakePreflight
 
@@ -21,20 +22,20 @@ def told(capsys: pytest.CaptureFixture[str]) -> list[str]:
 def test_a_token_is_made_and_told_at_each_start(
     database_url: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    with service.running(settings(database_url), FakePreflight()) as services:
+    with composition.running(settings(database_url), FakePreflight()) as services:
         (token,) = told(capsys)
         assert len(token) >= 32
-        assert services.gate.admits(token)
-        assert not services.gate.admits(token[:-1])
-    with service.running(settings(database_url), FakePreflight()):
+        assert services.callers.identify(token) is OPERATOR
+        assert services.callers.identify(token[:-1]) is None
+    with composition.running(settings(database_url), FakePreflight()):
         (other,) = told(capsys)
         assert other != token
 
 
 def test_the_operators_token_is_not_told(database_url: str, capsys: pytest.CaptureFixture[str]) -> None:
     mine = settings(database_url, instructor_token="3q9fKx72LmVb0pTzQQ")
-    with service.running(mine, FakePreflight()) as services:
-        assert services.gate.admits("3q9fKx72LmVb0pTzQQ")
+    with composition.running(mine, FakePreflight()) as services:
+        assert services.callers.identify("3q9fKx72LmVb0pTzQQ") is OPERATOR
     assert told(capsys) == []
 
 
@@ -44,8 +45,8 @@ def test_a_host_without_a_sandbox_takes_uploads_and_says_so(
     def refuse(_: object) -> None:
         raise SandboxUnavailableError("this host lacks seccomp")
 
-    monkeypatch.setattr(service, "build_syntax_sandbox", refuse)
-    with caplog.at_level(logging.ERROR), service.running(settings(database_url)) as services:
+    monkeypatch.setattr(composition, "build_syntax_sandbox", refuse)
+    with caplog.at_level(logging.ERROR), composition.running(settings(database_url)) as services:
         assert services.preflight.check(b"def broken(", "a.py") is None
     assert "lacks seccomp" in caplog.text
 
@@ -54,24 +55,24 @@ def test_leaving_this_machine_needs_a_course_or_consent(database_url: str) -> No
     network = settings(database_url, host="0.0.0.0")
     with (
         pytest.raises(SettingsError, match=r"course create.*ALLOW_ANONYMOUS_NETWORK"),
-        service.running(network, FakePreflight()),
+        composition.running(network, FakePreflight()),
     ):
         pass
-    with service.running(settings(database_url), FakePreflight()) as services:
+    with composition.running(settings(database_url), FakePreflight()) as services:
         services.courses.create("ros", "ROS", "UTC", "test")
-    with service.running(network, FakePreflight()) as services:
+    with composition.running(network, FakePreflight()) as services:
         assert services.courses.exist()
 
 
 def test_consent_suffices(database_url: str) -> None:
     network = settings(database_url, host="0.0.0.0", allow_anonymous_network=True)
-    with service.running(network, FakePreflight()) as services:
+    with composition.running(network, FakePreflight()) as services:
         assert not services.courses.exist()
 
 
 def test_with_a_course_no_token_is_made(database_url: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with service.running(settings(database_url), FakePreflight()) as services:
+    with composition.running(settings(database_url), FakePreflight()) as services:
         services.courses.create("ros", "ROS", "UTC", "test")
         assert len(told(capsys)) == 1
-    with service.running(settings(database_url), FakePreflight()):
+    with composition.running(settings(database_url), FakePreflight()):
         assert told(capsys) == []
