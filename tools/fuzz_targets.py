@@ -19,11 +19,11 @@ SHIM: Final = ROOT / "grader" / "shim"
 if str(SHIM) not in sys.path:
     sys.path.insert(0, str(SHIM))
 
-import rclpy._interfaces  # noqa: E402, F401 - makes the interface packages importable
+import rclpy._interfaces.own  # noqa: E402, F401 - makes the interface packages importable
 from rclpy import _cdr as shim_cdr  # noqa: E402
 from rclpy import _wire as shim_wire  # noqa: E402
-from rclpy._definitions import INTERFACES  # noqa: E402
-from rclpy._messages import CLASSES, interface_class  # noqa: E402
+from rclpy._interfaces.definitions import INTERFACES  # noqa: E402
+from rclpy._interfaces.messages import CLASSES, interface_class  # noqa: E402
 
 from grader.contracts.errors import ProtocolError  # noqa: E402
 from grader.jail import policy  # noqa: E402
@@ -104,7 +104,7 @@ def jail_wire(data: bytes) -> bool:
 
 
 def jail_cdr(data: bytes) -> bool:
-    """`rclpy._cdr.deserialize`: what is read can be serialized, and then reads the same."""
+    """`rclpy._interfaces.cdr.deserialize`: what is read can be serialized, and then reads the same."""
     (index,) = struct.unpack("<H", data[:2].ljust(2, b"\0"))
     message_class = CLASSES[SHIM_TYPES[index % len(SHIM_TYPES)]]
     try:

@@ -4,8 +4,8 @@ from grader.contracts.errors import SettingsError
 from grader.grading.slot import SlotConfig
 from grader.sandbox import Mode, Sandbox
 
-PRELOADED = ("rclpy._warm",)  # paid once per zygote, not once per run
-SYNTAX_CHECK = "rclpy._syntax:run"
+PRELOADED = ("rclpy._process.warm",)  # paid once per zygote, not once per run
+SYNTAX_CHECK = "rclpy._process.syntax:run"
 
 
 def build_sandbox(config: SlotConfig) -> Sandbox:

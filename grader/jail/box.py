@@ -49,7 +49,7 @@ class Sandbox:
         mode: Mode = Mode.STRICT,
         shim_path: Path = SHIM_PATH,
         *,
-        entry: str = "rclpy._runner:run",
+        entry: str = "rclpy._process.runner:run",
         preload: tuple[str, ...] = (),
         without: Set[Layer] = frozenset(),
     ) -> None:

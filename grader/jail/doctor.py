@@ -103,7 +103,7 @@ class Diagnosis:
         return "\n".join([*lines, "", f"{verdict} {self.error}".rstrip()])
 
 
-def run_doctor(shim: Path = SHIM_PATH, entry: str = "rclpy._runner:run") -> Diagnosis:
+def run_doctor(shim: Path = SHIM_PATH, entry: str = "rclpy._process.runner:run") -> Diagnosis:
     """Try every layer on this host. Takes about half a second; leaves nothing behind."""
     host = _describe_host()
     try:

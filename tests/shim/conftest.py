@@ -37,10 +37,10 @@ WORLD: dict[str, Any] = {
 }
 
 _PATH = f"import sys; sys.path.insert(0, {str(SHIM)!r})"
-_FULL = f"{_PATH}; from rclpy import _runner"
+_FULL = f"{_PATH}; from rclpy._process import runner"
 _BARE = (
     f"{_PATH}; p = type(sys)('rclpy'); p.__path__ = [{str(SHIM)!r} + '/rclpy']; sys.modules['rclpy'] = p;"
-    " from rclpy import _runner"
+    " from rclpy._process import runner"
 )
 
 PYTHON = os.environ.get("SHIM_PYTHON", sys.executable)

@@ -40,7 +40,7 @@ os.dup2(err, 2)
 os.close(out)
 os.close(err)
 resource.setrlimit(resource.RLIMIT_CPU, (int(asked), int(asked)))
-_runner.run(channel)
+runner.run(channel)
 """
 
 
@@ -48,7 +48,7 @@ class Forks:
     """One process that others are forked from, until this process ends."""
 
     def __init__(self, python: str, load: str) -> None:
-        """Start it; `load` is the statement that brings `_runner`."""
+        """Start it; `load` is the statement that brings `runner`."""
         self._control, theirs = socket.socketpair()
         self._control.settimeout(HANG_S)
         with theirs:

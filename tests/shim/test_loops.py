@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-SOURCE = Path(__file__).resolve().parents[2] / "grader" / "shim" / "rclpy" / "_loops.py"
+SOURCE = Path(__file__).resolve().parents[2] / "grader" / "shim" / "rclpy" / "_process" / "loops.py"
 _spec = importlib.util.spec_from_file_location("loops_under_test", SOURCE)
 assert _spec is not None
 assert _spec.loader is not None

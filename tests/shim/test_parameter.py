@@ -136,7 +136,7 @@ def test_services_and_events(run_script):
 
 def test_parameter_files(run_script):
     script = """
-        from rclpy._yaml import parse_document, parse_value
+        from rclpy._rcl.yaml import parse_document, parse_value
         print(parse_document("/**:\\n  ros__parameters:\\n    s: 0.5 # c\\n    l:\\n      - 1\\n      - 2\\n"
             "    n:\\n      f: no\\nwalker:\\n  ros__parameters: {}\\n".replace(" {}", "")))
         for text in ("1", "0x10", "1.0", "1e3", ".inf", "yes", "'yes'", "abc", "[1, 2.5]", "['a', b]", "[]"):

@@ -31,7 +31,7 @@ def test_nothing_costly_is_imported_with_a_node_and_its_messages() -> None:
 
 
 def _with_warm_shim(program: str) -> list[str]:
-    head = f"import sys\nsys.path.insert(0, {str(SHIM)!r})\nimport rclpy._warm\n"
+    head = f"import sys\nsys.path.insert(0, {str(SHIM)!r})\nimport rclpy._process.warm\n"
     command = [sys.executable, "-I", "-S", "-c", head + program]
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.splitlines()
 

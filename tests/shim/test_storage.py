@@ -9,7 +9,7 @@ PACKAGES = "/home/teacher/.venv/lib/python3/site-packages"
 LOOK = f"""
 import sys
 from importlib.machinery import ModuleSpec
-from rclpy._storage import Storage
+from rclpy._storage.tree import Storage
 
 class Finder:
     # as in a confined process, where numpy's folder is on no path

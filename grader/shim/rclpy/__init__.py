@@ -6,7 +6,7 @@ listed in docs/fidelity.md.
 
 from __future__ import annotations
 
-from rclpy import _importer as _importer  # makes interface packages importable
+from rclpy._interfaces import importer as _importer  # noqa: F401 - makes the interface packages importable
 from rclpy.context import Context as Context
 from rclpy.parameter import Parameter as Parameter
 from rclpy.signals import SignalHandlerOptions as SignalHandlerOptions

@@ -17,30 +17,160 @@ Not promised: that a computation takes any virtual time, or that time passes as 
 
 from __future__ import annotations
 
-from rclpy._scheduler import (
-    CHARGE_NS,
-    FIRST_IDENT,
-    FOREVER_NS,
-    IDENT_STEP,
-    MAX_THREADS,
-    SIGINT,
-    SPINS_PER_SLICE,
-    TIMER_SLACK_NS,
-    Scheduler,
-    Thread,
-    charge_of,
-    never,
-)
+import _thread
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable
+    from typing import NoReturn, Protocol
 
-    from rclpy._protocols import World
+    class World(Protocol):
+        """What the kernel needs of the link to the episode."""
+
+        coupled: bool
+
+        def advance(self, target_ns: int) -> int:
+            """Let the world run to `target_ns`, deliver what is due, return the instant reached."""
+
+    class Sentinel(Protocol):
+        """A lock that somebody who joins a thread waits for."""
+
+        def locked(self) -> bool:
+            """Return whether it is held."""
+
+        def release(self) -> None:
+            """Release it."""
 
 
-class Kernel(Scheduler):
-    """Clock and scheduler of the student's process; use the module's one object `kernel`."""
+FOREVER_NS = 1 << 62
+"""Deadline of a wait that only its condition can end."""
+
+CHARGE_NS = 1_000
+"""What a look at a clock, a publish or a question without blocking costs."""
+
+CHARGE_STEPS = ((1_000, CHARGE_NS), (5_000, 10_000), (20_000, 100_000))
+"""(operations without a blocking wait, charge in ns up to there); `CHARGE_MAX_NS` beyond the last."""
+
+CHARGE_MAX_NS = 1_000_000
+TIMER_SLACK_NS = 50_000
+"""Shortest real sleep: Linux' default timer slack (prctl(2), PR_SET_TIMERSLACK)."""
+
+SLICE_NS = 1_000_000
+"""Virtual time after which a thread that never blocks lets the others run."""
+
+SPINS_PER_SLICE = 1_000
+"""Turns of a loop that neither blocks nor asks before the others run."""
+
+GRACE_NS = 10_000_000_000
+"""Virtual time between the first Ctrl+C, the second one and the end."""
+
+FIRST_IDENT = 0x7F00_0000_1000
+"""Thread identifiers look like Linux' but are the same in each run."""
+
+IDENT_STEP = 0x1000
+MAX_THREADS = 64
+SIGINT = 2
+SIGALRM = 14
+
+
+class StalledError(RuntimeError):
+    """Every thread waits for something that can never happen. The text names the calls."""
+
+
+class Thread:
+    """A thread known to the kernel, and what it waits for while it is blocked.
+
+    Attributes:
+        name: for the sentence that explains a stall.
+        ready: whether the awaited condition holds; cheap, free of side effects.
+        deadline_ns: instant at which the wait ends anyway.
+        why: the student's call, or empty when only the stack can tell.
+        idle: waiting for ever is normal here (a spinning node), not a stall.
+        ident: what the script sees as `threading.get_ident()`; os_ident: the true one.
+        sentinel: released when the thread has ended.
+    """
+
+    __slots__ = (
+        "baton",
+        "daemon",
+        "deadline_ns",
+        "ident",
+        "idle",
+        "name",
+        "os_ident",
+        "ready",
+        "sentinel",
+        "streak",
+        "why",
+    )
+
+    def __init__(self, name: str, ident: int, daemon: bool = False) -> None:
+        self.name = name
+        self.ident = ident
+        self.os_ident = _get_ident()
+        self.daemon = daemon
+        self.sentinel: Sentinel | None = None
+        self.baton = _allocate_lock()
+        self.baton.acquire()
+        self.ready: Callable[[], bool] = _always
+        self.deadline_ns = FOREVER_NS
+        self.why = ""
+        self.idle = False
+        self.streak = 0
+
+
+def _always() -> bool:
+    return True
+
+
+def never() -> bool:
+    """Return False: the condition of a wait that only time ends."""
+    return False
+
+
+def _nothing() -> None:
+    pass
+
+
+class Kernel:
+    """Clock and scheduler of the student's process; use the module's one object `kernel`.
+
+    Attributes:
+        now_ns: current virtual time; reading it is free.
+        epoch_ns: wall clock at virtual time 0, nanoseconds since 1970.
+        horizon_ns: virtual instant of Ctrl+C.
+        interrupted: whether the horizon has been reached.
+        running: the thread that runs.
+        threads: those alive, in order of creation; the first is the main thread.
+        deliver: called in the main thread with the number of a signal that arrived there.
+        on_terminate: called instead of ending the run when SIGTERM arrives and the script has no handler.
+        end: called (in any thread) with the exit reason when the run cannot go on; does not return.
+    """
+
+    def __init__(self) -> None:
+        self.now_ns = 0
+        self.epoch_ns = 0
+        self.horizon_ns = FOREVER_NS
+        self.interrupted = False
+        self.main = Thread("main thread", FIRST_IDENT)
+        self.running = self.main
+        self.threads = [self.main]
+        self.deliver: Callable[[int], None] = _raise_keyboard_interrupt
+        self.at_horizon: Callable[[], None] = _nothing
+        self.on_terminate: Callable[[], None] | None = None
+        self.end: Callable[[str], NoReturn] = _raise_stalled
+        self._world: World | None = None
+        self._limit_ns = FOREVER_NS
+        self._alarm_ns = FOREVER_NS
+        self._signals: list[int] = []
+        self._started = 0
+        self._on_interrupt: list[Callable[[], None]] = []
+        self._streak = 0
+        self._spent_ns = 0
+        self._spins = SPINS_PER_SLICE
+        self._quiet_until_ns = FOREVER_NS
+        self._preempt_ns = FOREVER_NS
+        self._slice_end_ns = 0
 
     # Interface for the rest of the shim ------------------------------------------------------------
 
@@ -206,5 +336,152 @@ class Kernel(Scheduler):
         """Run none of the callbacks registered so far: the script has replaced the handler of SIGINT."""
         self._on_interrupt.clear()
 
+    # Turns and time ---------------------------------------------------------------------------------
+
+    def replan(self) -> None:
+        """Recompute up to when the running thread may go on without a look at the others."""
+        limit_ns = min(self._limit_ns, self._alarm_ns)
+        if self._signals:
+            limit_ns = 0
+        if self._coupled() is not None or len(self.threads) > 1:
+            self._quiet_until_ns = 0
+            others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=limit_ns)
+            self._preempt_ns = min(limit_ns, self._slice_end_ns, max(others_ns, self.now_ns + 1))
+        else:
+            self._quiet_until_ns = self._preempt_ns = limit_ns
+
+    def _block(self, me: Thread) -> bool:
+        while True:
+            chosen = self._choose(self.threads.index(me))
+            if chosen is not me:
+                self._hand_over(chosen)
+                me.baton.acquire()
+            self.replan()
+            if self._signals and me is self.main:
+                self._deliver()
+            if me.ready():
+                return True
+            if me.deadline_ns <= self.now_ns:
+                return False
+
+    def _choose(self, position: int) -> Thread:
+        """Return the thread to run after the one at `position`, letting time pass until there is one."""
+        while True:
+            threads = self.threads
+            if self._signals:
+                return self.main
+            for thread in (*threads[position + 1 :], *threads[: position + 1]):
+                if thread.deadline_ns <= self.now_ns or thread.ready():
+                    return thread
+            self._pass_time(threads)
+
+    def _hand_over(self, chosen: Thread) -> None:
+        # Nothing in here can fail half-way, not even with RecursionError; `chosen` makes the new plan.
+        self._quiet_until_ns = self._preempt_ns = 0
+        self.running.streak = self._streak
+        self.running = chosen
+        self._streak = chosen.streak
+        chosen.baton.release()
+
+    def _pass_time(self, threads: Iterable[Thread]) -> None:
+        """Nobody can run: move time to the next instant at which somebody may."""
+        target_ns = min(self._alarm_ns, *(thread.deadline_ns for thread in threads))
+        if target_ns == FOREVER_NS and self._coupled() is None and not any(t.idle for t in threads):
+            self.end("stalled")
+        self._move_to(min(target_ns, self._limit_ns))
+
+    def _coupled(self) -> World | None:
+        """Return the world if time may only move with its consent."""
+        world = self._world
+        return world if world is not None and world.coupled and not self.interrupted else None
+
+    def _move_to(self, target_ns: int) -> None:
+        """Let time pass up to `target_ns` or the first event before it."""
+        world = self._coupled()
+        if world is not None:
+            target_ns = world.advance(max(target_ns, self.now_ns))
+        self.now_ns = max(self.now_ns, target_ns)
+        self._slice_end_ns = self.now_ns + SLICE_NS
+        self._on_time()
+
+    def _on_time(self) -> None:
+        """Send the signals that are due."""
+        if self.now_ns >= self._alarm_ns:
+            self._alarm_ns = FOREVER_NS
+            self._signals.append(SIGALRM)
+        if self.now_ns >= self._limit_ns:
+            self._interrupt()
+
+    def _interrupt(self) -> None:
+        if self._limit_ns >= self.horizon_ns + 2 * GRACE_NS:
+            self.end("interrupted")
+        self._limit_ns += GRACE_NS
+        if not self.interrupted:
+            self.at_horizon()
+        self.interrupted = True
+        self._tell_of_interrupt()
+        self._signals.append(SIGINT)
+
+    def _tell_of_interrupt(self) -> None:
+        for callback in self._on_interrupt:
+            callback()
+
+    def _pause(self) -> None:
+        """A charge went past the end of the slice: catch up with the world, let the others run."""
+        world = self._coupled()
+        if world is not None:
+            target_ns = min(self.now_ns, self.horizon_ns)
+            while world.advance(target_ns) < target_ns:
+                pass
+        self._slice_end_ns = self.now_ns + SLICE_NS
+        self._on_time()
+        self._yield()
+
+    def _yield(self) -> None:
+        me = self.running
+        before = (me.ready, me.deadline_ns)
+        me.ready = _always
+        try:
+            self._block(me)
+        finally:
+            me.ready, me.deadline_ns = before
+
+    def _spin(self) -> None:
+        """A loop has gone round `SPINS_PER_SLICE` times: if it may wait for others, let time pass."""
+        self._spins = SPINS_PER_SLICE
+        if self._quiet_until_ns:
+            return
+        others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=FOREVER_NS)
+        self._streak += 1
+        slice_ns = charge_of(self._streak) * SPINS_PER_SLICE
+        self._move_to(max(self.now_ns, min(self.now_ns + slice_ns, others_ns, self._limit_ns)))
+        self._yield()
+
+    def _deliver(self) -> None:
+        while self._signals:
+            number = self._signals.pop(0)
+            self.replan()
+            self.deliver(number)
+
+
+def charge_of(streak: int) -> int:
+    """Return the charge of the operation number `streak` since the last blocking wait."""
+    for operations, charge_ns in CHARGE_STEPS:
+        if streak <= operations:
+            return charge_ns
+    return CHARGE_MAX_NS
+
+
+def _raise_keyboard_interrupt(number: int) -> None:
+    if number == SIGINT:
+        raise KeyboardInterrupt
+
+
+def _raise_stalled(reason: str) -> NoReturn:
+    raise StalledError(reason)
+
+
+_allocate_lock = _thread.allocate_lock
+_get_ident = _thread.get_ident
 
 kernel = Kernel()

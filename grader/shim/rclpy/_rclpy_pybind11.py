@@ -9,21 +9,21 @@ if TYPE_CHECKING:
     from typing import Any
 
 _HOMES = {
-    "_actions": {"GoalEvent": "GoalEvent"},
-    "_clocks": {
+    "action._native": {"GoalEvent": "GoalEvent"},
+    "_rcl.clocks": {
         "Clock": "ClockHandle",
         "ClockEvent": "ClockEvent",
         "Timer": "TimerHandle",
         "rcl_duration_t": "NativeDuration",
         "rcl_time_point_t": "TimePoint",
     },
-    "_endpoints": {"Publisher": "PublisherHandle", "Subscription": "SubscriptionHandle"},
-    "_enums": {
+    "_rcl.endpoints": {"Publisher": "PublisherHandle", "Subscription": "SubscriptionHandle"},
+    "_rcl.enums": {
         "ClockChange": "ClockChange",
         "ClockType": "ClockType",
         "SignalHandlerOptions": "SignalHandlerOptions",
     },
-    "_errors": {
+    "_rcl.errors": {
         "InvalidHandle": "InvalidHandle",
         "NodeNameNonExistentError": "NodeNameNonExistentError",
         "NotImplementedError": "NativeNotImplementedError",
@@ -34,24 +34,24 @@ _HOMES = {
         "UnknownROSArgsError": "UnknownROSArgsError",
         "UnsupportedEventTypeError": "UnsupportedEventTypeError",
     },
-    "_handles": {"Context": "ContextHandle", "Destroyable": "Handle", "GuardCondition": "GuardHandle"},
-    "_lifecycle_machine": {
+    "_rcl.handles": {"Context": "ContextHandle", "Destroyable": "Handle", "GuardCondition": "GuardHandle"},
+    "lifecycle._machine": {
         "LifecycleStateMachine": "LifecycleStateMachine",
         "TransitionCallbackReturnType": "TransitionCallbackReturnType",
     },
-    "_node_handle": {"Node": "NodeHandle"},
-    "_qos_native": {
+    "_rcl.node_handle": {"Node": "NodeHandle"},
+    "_rcl.qos": {
         "QoSCompatibility": "QoSCompatibility",
         "RMW_DURATION_INFINITE": "INFINITE_NS",
         "rmw_qos_profile_t": "NativeQos",
     },
-    "_service_endpoints": {
+    "_rcl.service_endpoints": {
         "Client": "ClientHandle",
         "Service": "ServiceHandle",
         "rmw_request_id_t": "RequestId",
         "rmw_service_info_t": "ServiceInfo",
     },
-    "_wait_set": {"WaitSet": "WaitSet"},
+    "_rcl.wait_set": {"WaitSet": "WaitSet"},
     "qos_event": {
         "QoSEvent": "QoSEventHandle",
         "rcl_publisher_event_type_t": "QoSPublisherEventType",

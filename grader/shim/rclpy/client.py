@@ -9,7 +9,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from rclpy._service_endpoints import ClientHandle
+    from rclpy._rcl.service_endpoints import ClientHandle
     from rclpy.callback_groups import CallbackGroup
     from rclpy.context import Context
     from rclpy.qos import QoSProfile

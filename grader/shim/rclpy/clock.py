@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rclpy._clocks import ClockEvent, ClockHandle
-from rclpy._enums import ClockChange as ClockChange
-from rclpy._enums import ClockType as ClockType
+from rclpy._rcl.clocks import ClockEvent, ClockHandle
+from rclpy._rcl.enums import ClockChange as ClockChange
+from rclpy._rcl.enums import ClockType as ClockType
 from rclpy.duration import Duration
 from rclpy.exceptions import NotInitializedException
 from rclpy.time import Time

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 
-from rclpy import _logs
-from rclpy._handles import ContextHandle, required
 from rclpy._kernel import kernel
+from rclpy._rcl import logs
+from rclpy._rcl.handles import ContextHandle, required
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class Context:
         if initialize_logging and not self._logging_initialized:
             g_logging_ref_count += 1
             if g_logging_ref_count == 1:
-                _logs.configure(handle.ros_args.levels, rosout=handle.ros_args.rosout)
+                logs.configure(handle.ros_args.levels, rosout=handle.ros_args.rosout)
             self._logging_initialized = True
 
     def _valid(self) -> bool:
@@ -97,7 +97,7 @@ class Context:
         if self._logging_initialized:
             g_logging_ref_count -= 1
             if g_logging_ref_count == 0:
-                _logs.finish()
+                logs.finish()
             self._logging_initialized = False
 
     def _remove_callback(self, weak_method: Any) -> None:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._clocks import NativeDuration
-from rclpy._qos_native import INFINITE_NS
+from rclpy._rcl.clocks import INFINITE_NS, NativeDuration
 from rclpy.constants import S_TO_NS
 
 TYPE_CHECKING = False
@@ -60,7 +59,7 @@ class Duration:
 
     def to_msg(self) -> Any:
         """Return a builtin_interfaces/msg/Duration."""
-        from rclpy._interfaces import Duration as DurationMsg
+        from rclpy._interfaces.own import Duration as DurationMsg
 
         seconds, nanoseconds = divmod(self.nanoseconds, S_TO_NS)
         return DurationMsg(sec=seconds, nanosec=nanoseconds)
@@ -68,7 +67,7 @@ class Duration:
     @classmethod
     def from_msg(cls, msg: Any) -> Duration:
         """Return the span a builtin_interfaces/msg/Duration holds; TypeError for anything else."""
-        from rclpy._interfaces import Duration as DurationMsg
+        from rclpy._interfaces.own import Duration as DurationMsg
 
         if not isinstance(msg, DurationMsg):
             raise TypeError("Must pass a builtin_interfaces.msg.Duration object")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._errors import InvalidHandle as InvalidHandle
+from rclpy._rcl.errors import InvalidHandle as InvalidHandle
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-from rclpy._dispatch import Dispatcher
-from rclpy._dispatch import await_or_execute as await_or_execute
-from rclpy._executor_states import (
-    ConditionReachedException,
-    ExternalShutdownException,
-    ShutdownException,
-    Spinning,
-    TimeoutException,
-    TimeoutObject,
-)
+from collections import deque
+
 from rclpy._kernel import kernel
-from rclpy._watch import Watch
-from rclpy._workers import WorkerPool
+from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
 from rclpy.exceptions import InvalidHandle as InvalidHandle
 from rclpy.guard_condition import GuardCondition
 from rclpy.task import Future, Task
+from rclpy.task import await_or_execute as await_or_execute
 from rclpy.utilities import get_default_context, timeout_sec_to_nsec
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Generator, Sequence
+    from collections.abc import Callable, Coroutine, Generator, Sequence
+    from types import TracebackType
     from typing import Any
 
     from rclpy.context import Context
@@ -46,12 +39,93 @@ def _is_done(future: Any) -> bool:
     return bool(future._done if isinstance(future, Future) else future.done())
 
 
-class Executor(Dispatcher):
+class TimeoutException(Exception):
+    """A wait timed out."""
+
+
+class ShutdownException(Exception):
+    """The executor was shut down."""
+
+
+class ExternalShutdownException(Exception):
+    """The context was shut down from elsewhere."""
+
+
+class ConditionReachedException(Exception):
+    """The future waited for is done."""
+
+
+class TimeoutObject:
+    """A timeout that its owner updates between waits."""
+
+    def __init__(self, timeout: float) -> None:
+        self._timeout = timeout
+
+    @property
+    def timeout(self) -> float:
+        return self._timeout
+
+    @timeout.setter
+    def timeout(self, timeout: float) -> None:
+        self._timeout = timeout
+
+
+class _Spinning:
+    """While inside, an executor waits for ever by nature: an idle node is no deadlock."""
+
+    def __init__(self, executor: Executor) -> None:
+        self._executor = executor
+
+    def __enter__(self) -> None:
+        self._executor._spinning += 1
+
+    def __exit__(
+        self, t: type[BaseException] | None, v: BaseException | None, tb: TracebackType | None
+    ) -> None:
+        self._executor._spinning -= 1
+
+
+class _WorkTracker:
+    """Which threads are running callbacks."""
+
+    def __init__(self) -> None:
+        self._running: list[object] = []
+
+    def __enter__(self) -> None:
+        self._running.append(kernel.running)
+
+    def __exit__(
+        self, t: type[BaseException] | None, v: BaseException | None, tb: TracebackType | None
+    ) -> None:
+        self._running.remove(kernel.running)
+
+    def wait(self, timeout_sec: float | None = None) -> bool:
+        """Block until no other thread runs one; False when the timeout (None or negative: never) came first.
+
+        The caller's own callback does not count: `rclpy.shutdown()` in a callback ends the spin
+        (ros2/rclpy#944, mended in Humble).
+        """
+        me = kernel.running
+
+        def idle() -> bool:
+            return all(thread is me for thread in self._running)
+
+        if idle():
+            return True
+        deadline_ns = None
+        if timeout_sec is not None and timeout_sec >= 0:
+            deadline_ns = kernel.now_ns + timeout_sec_to_nsec(timeout_sec)
+        return kernel.wait(idle, deadline_ns, "executor.shutdown() waits for callbacks to end")
+
+
+class Executor:
     """Base of the executors; a custom one defines `spin_once`, using `wait_for_ready_callbacks`."""
 
     def __init__(self, *, context: Context | None = None) -> None:
         super().__init__()
         self._context = get_default_context() if context is None else context
+        self._tasks: list[tuple[Task, Any, Node | None]] = []
+        self._work_tracker = _WorkTracker()
         self._nodes: dict[Node, None] = {}
         self._guard: GuardCondition | None = GuardCondition(
             callback=None, callback_group=None, context=self._context
@@ -117,13 +191,13 @@ class Executor(Dispatcher):
 
     def spin(self) -> None:
         """Run callbacks until shutdown."""
-        with Spinning(self):
+        with _Spinning(self):
             while self._context._valid() and not self._is_shutdown:
                 self.spin_once()
 
     def _spin_while_valid(self) -> None:
         """Run callbacks until the context is shut down: what `rclpy.spin` does."""
-        with Spinning(self):
+        with _Spinning(self):
             while self._context._valid():
                 self.spin_once()
 
@@ -183,7 +257,7 @@ class Executor(Dispatcher):
                     yielded = True
                     yield task, entity, node
             self._tasks = [item for item in self._tasks if not item[0]._done]
-            watch = Watch(self, using)
+            watch = Watch(self.can_execute, using)
             self._block(watch, guard, deadline_ns)
             timed_out = deadline_ns is not None and kernel.now_ns >= deadline_ns
             watch.settle()
@@ -230,6 +304,106 @@ class Executor(Dispatcher):
             except StopIteration:
                 self._cb_iter = None
 
+    # What is done with something that is ready: take what it has, run its callback in a task ---------
+
+    def _take_timer(self, tmr: Any) -> None:
+        tmr.handle.require()
+        tmr.handle.call_timer()
+
+    async def _execute_timer(self, tmr: Any, _: Any) -> None:
+        await await_or_execute(tmr.callback)
+
+    def _take_subscription(self, sub: Any) -> Any:
+        sub.handle.require()
+        taken = sub.handle.take_message(sub.msg_type, sub.raw)
+        return None if taken is None else taken[0]
+
+    async def _execute_subscription(self, sub: Any, msg: Any) -> None:
+        if msg:
+            await await_or_execute(sub.callback, msg)
+
+    def _take_client(self, client: Any) -> Any:
+        client.handle.require()
+        return client.handle.take_response(client.srv_type.Response)
+
+    async def _execute_client(self, client: Any, seq_and_response: Any) -> None:
+        header, response = seq_and_response
+        if header is None:
+            return
+        try:
+            future = client.get_pending_request(header.request_id.sequence_number)
+        except KeyError:
+            return  # the request was cancelled
+        future._set_executor(self)
+        future.set_result(response)
+
+    def _take_service(self, srv: Any) -> Any:
+        srv.handle.require()
+        return srv.handle.service_take_request(srv.srv_type.Request)
+
+    async def _execute_service(self, srv: Any, request_and_header: Any) -> None:
+        if request_and_header is None:
+            return
+        request, header = request_and_header
+        if request:
+            response = await await_or_execute(srv.callback, request, srv.srv_type.Response())
+            srv.send_response(response, header)
+
+    def _take_guard_condition(self, gc: Any) -> None:
+        gc._executor_triggered = False
+
+    async def _execute_guard_condition(self, gc: Any, _: Any) -> None:
+        await await_or_execute(gc.callback)
+
+    async def _execute_waitable(self, waitable: Any, data: Any) -> None:
+        for future in waitable._futures:
+            future._set_executor(self)
+        await waitable.execute(data)
+
+    def _means(
+        self, kind: int
+    ) -> tuple[Callable[[Any], Any], Callable[[Any, Any], Coroutine[Any, Any, None]]]:
+        if kind == TIMER:
+            return self._take_timer, self._execute_timer
+        if kind == SUBSCRIPTION:
+            return self._take_subscription, self._execute_subscription
+        if kind == GUARD:
+            return self._take_guard_condition, self._execute_guard_condition
+        if kind == CLIENT:
+            return self._take_client, self._execute_client
+        if kind == SERVICE:
+            return self._take_service, self._execute_service
+        return (lambda waitable: waitable.take_data()), self._execute_waitable
+
+    def _make_handler(
+        self,
+        entity: Any,
+        node: Node,
+        take_from_wait_list: Callable[[Any], Any],
+        call_coroutine: Callable[[Any, Any], Coroutine[Any, Any, None]],
+    ) -> Task:
+        """Return the task that takes what an entity has and runs its callback, by its group's rules."""
+        entity._executor_event = True
+
+        async def handler(entity: Any, is_shutdown: bool) -> None:
+            if is_shutdown or not entity.callback_group.beginning_execution(entity):
+                entity._executor_event = False
+                self.wake()
+                return
+            with self._work_tracker:
+                taken = take_from_wait_list(entity)
+                entity._executor_event = False
+                self.wake()
+                try:
+                    await call_coroutine(entity, taken)
+                finally:
+                    entity.callback_group.ending_execution(entity)
+                    self.wake()
+
+        task = Task(handler, (entity, self._is_shutdown), executor=self)
+        self._tasks.append((task, entity, node))
+        return task
+
 
 class SingleThreadedExecutor(Executor):
     """Runs callbacks in the thread that spins."""
@@ -256,6 +430,59 @@ class SingleThreadedExecutor(Executor):
     ) -> None:
         """Wait for one callback and run it."""
         self._spin_once_impl(timeout_sec)
+
+
+class WorkerPool:
+    """Runs callables in up to `size` threads, started when they are needed.
+
+    What a callable raises is lost, as in a thread pool nobody asks for results. The end of the program waits for
+    what has been submitted, as it does for upstream's thread pool.
+    """
+
+    def __init__(self, size: int) -> None:
+        if size <= 0:
+            raise ValueError("max_workers must be greater than 0")
+        self._max_workers = size
+        self._work: deque[Callable[[], Any]] = deque()
+        self._idle = 0
+        self._started = 0
+        self._busy = 0
+
+    def submit(self, work: Callable[[], Any]) -> None:
+        """Have `work` called in one of the threads."""
+        self._work.append(work)
+        if self._idle < len(self._work) and self._started < self._max_workers:
+            self._start()
+
+    def _start(self) -> None:
+        import threading
+
+        if not self._started:
+            target: Any = threading
+            target._register_atexit(self._finish)
+        self._started += 1
+        threading.Thread(
+            target=self._run, name=f"ThreadPoolExecutor-0_{self._started - 1}", daemon=True
+        ).start()
+
+    def _run(self) -> None:
+        while True:
+            self._idle += 1
+            kernel.wait(lambda: bool(self._work), None, "a worker of the executor", idle=True)
+            self._idle -= 1
+            if self._work:
+                work = self._work.popleft()
+                self._busy += 1
+                try:
+                    work()
+                except BaseException:  # noqa: S110
+                    pass
+                finally:
+                    self._busy -= 1
+
+    def _finish(self) -> None:
+        why = "the end of the program waits for callbacks of the executor's threads"
+        kernel.wait(lambda: not self._busy and not self._work, None, why)
 
 
 class MultiThreadedExecutor(Executor):

@@ -1,6 +1,6 @@
 """Expansion of relative and private names."""
 
-from rclpy._names import expand
+from rclpy._rcl.names import expand
 
 
 def expand_topic_name(topic_name: str, node_name: str, node_namespace: str) -> str:

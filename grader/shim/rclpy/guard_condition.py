@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._handles import GuardHandle, required
+from rclpy._rcl.handles import GuardHandle, required
 from rclpy.utilities import get_default_context
 
 TYPE_CHECKING = False

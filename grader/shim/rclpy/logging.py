@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy import _logs
+from rclpy._rcl import logs
 from rclpy.impl.logging_severity import LoggingSeverity as LoggingSeverity
 from rclpy.impl.rcutils_logger import RcutilsLogger
 
@@ -22,12 +22,12 @@ def get_logger(name: str) -> RcutilsLogger:
 
 def initialize() -> None:
     """Begin logging (done by itself)."""
-    _logs.initialize()
+    logs.initialize()
 
 
 def shutdown() -> None:
     """End logging and forget all levels."""
-    _logs.reset()
+    logs.reset()
 
 
 def clear_config() -> None:
@@ -38,21 +38,21 @@ def clear_config() -> None:
 
 def set_logger_level(name: str, level: int) -> None:
     """Set the least severity a logger shows; the empty name is the root."""
-    _logs.set_level(name, LoggingSeverity(level))
+    logs.set_level(name, LoggingSeverity(level))
 
 
 def get_logger_effective_level(name: str) -> LoggingSeverity:
     """Return the least severity a logger shows."""
-    return LoggingSeverity(_logs.effective_level(name))
+    return LoggingSeverity(logs.effective_level(name))
 
 
 def get_logging_severity_from_string(log_severity: str) -> LoggingSeverity:
     """Return the severity of a name in any case; RuntimeError for an unknown one."""
-    return LoggingSeverity(_logs.severity_of(log_severity))
+    return LoggingSeverity(logs.severity_of(log_severity))
 
 
 def get_logging_directory() -> Path:
     """Return the directory log files would be written to."""
     from pathlib import Path
 
-    return Path(_logs.directory())
+    return Path(logs.directory())

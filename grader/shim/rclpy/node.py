@@ -4,43 +4,83 @@ from __future__ import annotations
 
 from _weakref import ref
 
-from rclpy._errors import NodeNameNonExistentError as NodeNameNonExistentError
 from rclpy._forwarding import forwarding
-from rclpy._handles import required
-from rclpy._lazy_type import LazyType
-from rclpy._node_entities import EntityMixin
-from rclpy._node_graph import GraphMixin
-from rclpy._node_handle import NodeHandle
-from rclpy._node_parameters import ParameterMixin
-from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy._interfaces.messages import class_of
+from rclpy._interfaces.own import LazyType
+from rclpy._rcl.endpoints import PublisherHandle, SubscriptionHandle
+from rclpy._rcl.errors import NodeNameNonExistentError as NodeNameNonExistentError
+from rclpy._rcl.handles import required
+from rclpy._rcl.names import expand
+from rclpy._rcl.node_handle import NodeHandle
+from rclpy._rcl.parameter_rules import check_descriptor, check_descriptors, named_declaration
+from rclpy._rcl.rosout import open_rosout
+from rclpy._rcl.service_endpoints import ClientHandle, ServiceHandle
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
+from rclpy.client import Client
 from rclpy.clock import ROSClock
-from rclpy.exceptions import NotInitializedException
+from rclpy.constants import S_TO_NS
+from rclpy.exceptions import (
+    InvalidParameterTypeException,
+    InvalidParameterValueException,
+    InvalidTopicNameException,
+    NotInitializedException,
+    ParameterAlreadyDeclaredException,
+    ParameterImmutableException,
+    ParameterNotDeclaredException,
+    ParameterUninitializedException,
+)
+from rclpy.guard_condition import GuardCondition
 from rclpy.logging import get_logger
-from rclpy.parameter import Parameter
+from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter
 from rclpy.publisher import Publisher
-from rclpy.qos import qos_profile_parameter_events
+from rclpy.qos import QoSProfile, qos_profile_parameter_events, qos_profile_services_default
+from rclpy.service import Service
+from rclpy.subscription import Subscription
+from rclpy.timer import Rate, Timer
+from rclpy.type_support import check_is_valid_msg_type, check_is_valid_srv_type
 from rclpy.utilities import get_default_context
+from rclpy.validate_full_topic_name import validate_full_topic_name
 from rclpy.validate_namespace import validate_namespace
 from rclpy.validate_node_name import validate_node_name
+from rclpy.validate_topic_name import validate_topic_name
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
-    from typing import Any
+    from collections.abc import Callable, Iterator, Mapping, Sequence
+    from typing import Any, Protocol
 
+    from rclpy._rcl.graph import Names
     from rclpy.callback_groups import CallbackGroup
-    from rclpy.client import Client
     from rclpy.clock import Clock
     from rclpy.context import Context
-    from rclpy.executors import Executor
-    from rclpy.guard_condition import GuardCondition
     from rclpy.impl.rcutils_logger import RcutilsLogger
-    from rclpy.service import Service
-    from rclpy.subscription import Subscription
-    from rclpy.timer import Timer
+    from rclpy.qos_event import PublisherEventCallbacks, SubscriptionEventCallbacks
+    from rclpy.qos_overriding_options import QoSOverridingOptions
+    from rclpy.topic_endpoint_info import TopicEndpointInfo
     from rclpy.waitable import Waitable
 
+    NamesAndTypes = list[tuple[str, list[str]]]
+    SetCallback = Callable[[list[Parameter]], Any]
+
+    class Executor(Protocol):
+        """What a node needs of its executor; importing `rclpy.executors` for it would close a circle."""
+
+        def add_node(self, node: Node) -> bool:
+            """Serve the node."""
+
+        def remove_node(self, node: Node) -> None:
+            """Stop serving the node."""
+
+        def wake(self) -> None:
+            """Have a blocked wait look again."""
+
+        def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+            """Have a function or coroutine function run."""
+
+
 HIDDEN_NODE_PREFIX = "_"
+NOT_SET = Parameter.Type.NOT_SET
+_GID_BYTES = 24
 
 __getattr__ = forwarding(
     __name__,
@@ -73,7 +113,7 @@ __getattr__ = forwarding(
 )
 
 
-class Node(EntityMixin, ParameterMixin, GraphMixin):
+class Node:
     """A node of the ROS graph: the entry point to topics, services, timers and parameters.
 
     Args:
@@ -93,6 +133,9 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
         InvalidNodeNameException, InvalidNamespaceException: a name is invalid.
     """
 
+    PARAM_REL_TOL = 1e-6
+    """Relative tolerance when a float parameter is held against its range."""
+
     def __init__(
         self,
         node_name: str,
@@ -109,8 +152,18 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
     ) -> None:
         self.__handle = None
         self._context = get_default_context() if context is None else context
-        EntityMixin.__init__(self)
-        ParameterMixin.__init__(self, allow_undeclared_parameters)
+        self._publishers: list[Publisher] = []
+        self._subscriptions: list[Subscription] = []
+        self._clients: list[Client] = []
+        self._services: list[Service] = []
+        self._timers: list[Timer] = []
+        self._guards: list[GuardCondition] = []
+        self._waitables: list[Waitable] = []
+        self._rate_group = ReentrantCallbackGroup()
+        self._parameters: dict[str, Parameter] = {}
+        self._descriptors: dict[str, Any] = {}
+        self._parameters_callbacks: list[SetCallback] = []
+        self._allow_undeclared_parameters = allow_undeclared_parameters
         self._default_callback_group: CallbackGroup = MutuallyExclusiveCallbackGroup()
         self.__executor_weakref: Callable[[], Executor | None] | None = None
         if not self._context._valid():
@@ -119,7 +172,7 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
             node_name, namespace or "", cli_args, use_global_arguments, enable_rosout
         )
         self._logger = get_logger(self.__node.logger_name())
-        self._parameter_event_publisher = self._create_event_publisher()
+        self._parameter_event_publisher: Publisher | None = self._create_event_publisher()
         self._parameter_overrides = self.__node.get_parameters(Parameter)
         self._parameter_overrides.update({p.name: p for p in parameter_overrides or ()})
         self._clock = ROSClock()
@@ -137,7 +190,7 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
             self._parameter_service = ParameterService(self)
 
     def _declare_overrides(self) -> None:
-        from rclpy._interfaces import ParameterDescriptor
+        from rclpy._interfaces.own import ParameterDescriptor
 
         overrides = self._parameter_overrides.items()
         self.declare_parameters(
@@ -154,19 +207,18 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
                 f" arg3: object, arg4: bool, arg5: bool)\n\nInvoked with: {name!r}, {namespace!r}"
             )
         try:
-            return NodeHandle(
-                name, namespace, required(self._context.handle), cli_args, use_global, enable_rosout
-            )
+            handle = NodeHandle(name, namespace, required(self._context.handle), cli_args, use_global)
         except ValueError:
             validate_node_name(name)
             if not namespace.startswith("/"):
                 namespace = "/" + namespace
             validate_namespace(namespace)
             raise
+        if enable_rosout:
+            open_rosout(handle)
+        return handle
 
     def _create_event_publisher(self) -> Publisher:
-        from rclpy._endpoints import PublisherHandle
-
         kind = LazyType("rcl_interfaces/msg/ParameterEvent")
         qos = qos_profile_parameter_events
         impl = PublisherHandle(self.__node, kind, "/parameter_events", qos.get_c_qos_profile())
@@ -264,6 +316,280 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
         """Return the node's logger."""
         return self._logger
 
+    # Entities -------------------------------------------------------------------------------------
+
+    def _validate_topic_or_service_name(self, name: str, *, is_service: bool = False) -> None:
+        handle = self.handle
+        validate_node_name(handle.name)
+        validate_namespace(handle.namespace)
+        validate_topic_name(name, is_service=is_service)
+        full = expand(name, handle.name, handle.namespace)
+        validate_full_topic_name(full, is_service=is_service)
+
+    def _validate_qos_or_depth_parameter(self, qos_or_depth: QoSProfile | int) -> QoSProfile:
+        if isinstance(qos_or_depth, QoSProfile):
+            return qos_or_depth
+        if not isinstance(qos_or_depth, int):
+            raise TypeError(f"Expected QoSProfile or int, but received {type(qos_or_depth)!r}")
+        if qos_or_depth < 0:
+            raise ValueError("history depth must be greater than or equal to zero")
+        return QoSProfile(depth=qos_or_depth)
+
+    def _prepare_topic(
+        self,
+        kind: type[Publisher] | type[Subscription],
+        topic: str,
+        qos: QoSProfile,
+        options: QoSOverridingOptions | None,
+    ) -> None:
+        """Check the name as upstream does, exceptions included, and let parameters override the QoS."""
+        self.handle.require()
+        try:
+            final = self.handle.resolve(topic, False, False)
+        except RuntimeError:
+            try:
+                self._validate_topic_or_service_name(topic)
+            except InvalidTopicNameException as error:
+                raise error from None
+            raise
+        if options is not None:
+            from rclpy.qos_overriding_options import _declare_qos_parameters
+
+            _declare_qos_parameters(kind, self, final, qos, options)
+
+    def add_waitable(self, waitable: Waitable) -> None:
+        """Have the node's executor wait for a custom waitable."""
+        self._waitables.append(waitable)
+        self._wake_executor()
+
+    def remove_waitable(self, waitable: Waitable) -> None:
+        """Undo `add_waitable`."""
+        self._waitables.remove(waitable)
+        self._wake_executor()
+
+    def create_publisher(
+        self,
+        msg_type: Any,
+        topic: str,
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: PublisherEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
+        publisher_class: type[Publisher] = Publisher,
+    ) -> Publisher:
+        """Create a publisher.
+
+        Args:
+            msg_type: class of its messages.
+            topic: name, made absolute and remapped.
+            qos_profile: profile, or depth of a reliable KEEP_LAST history.
+            callback_group: of its event handlers.
+            event_callbacks: for events of QoS.
+            qos_overriding_options: which settings parameters may change.
+            publisher_class: class of the result.
+
+        Raises:
+            InvalidTopicNameException: the name is invalid. TypeError, ValueError: the profile is.
+        """
+        qos_profile = self._validate_qos_or_depth_parameter(qos_profile)
+        group = callback_group or self.default_callback_group
+        self._prepare_topic(Publisher, topic, qos_profile, qos_overriding_options)
+        check_is_valid_msg_type(msg_type)
+        impl = PublisherHandle(self.handle, class_of(msg_type), topic, qos_profile.get_c_qos_profile())
+        return self._add_publisher(
+            publisher_class, impl, (msg_type, topic, qos_profile), event_callbacks, group
+        )
+
+    def _add_publisher(
+        self,
+        publisher_class: type[Publisher],
+        impl: PublisherHandle,
+        identity: tuple[Any, str, QoSProfile],
+        event_callbacks: PublisherEventCallbacks | None,
+        group: CallbackGroup,
+    ) -> Publisher:
+        from rclpy.qos_event import PublisherEventCallbacks
+
+        callbacks = event_callbacks or PublisherEventCallbacks()
+        try:
+            publisher = publisher_class(impl, *identity, event_callbacks=callbacks, callback_group=group)
+        except Exception:
+            impl.destroy_when_not_in_use()
+            raise
+        self._publishers.append(publisher)
+        self._wake_executor()
+        for handler in publisher.event_handlers:
+            self.add_waitable(handler)
+        return publisher
+
+    def create_subscription(
+        self,
+        msg_type: Any,
+        topic: str,
+        callback: Callable[[Any], Any],
+        qos_profile: QoSProfile | int,
+        *,
+        callback_group: CallbackGroup | None = None,
+        event_callbacks: SubscriptionEventCallbacks | None = None,
+        qos_overriding_options: QoSOverridingOptions | None = None,
+        raw: bool = False,
+    ) -> Subscription:
+        """Create a subscription; `callback` gets each message (bytes when `raw`). Raises as a publisher."""
+        from rclpy.qos_event import SubscriptionEventCallbacks
+
+        qos_profile = self._validate_qos_or_depth_parameter(qos_profile)
+        group = callback_group or self.default_callback_group
+        self._prepare_topic(Subscription, topic, qos_profile, qos_overriding_options)
+        check_is_valid_msg_type(msg_type)
+        msg_type = class_of(msg_type)
+        impl = SubscriptionHandle(self.handle, msg_type, topic, qos_profile.get_c_qos_profile())
+        try:
+            callbacks = event_callbacks or SubscriptionEventCallbacks()
+            identity = (impl, msg_type, topic, callback, group, qos_profile, raw)
+            subscription = Subscription(*identity, event_callbacks=callbacks)
+        except Exception:
+            impl.destroy_when_not_in_use()
+            raise
+        group.add_entity(subscription)
+        self._subscriptions.append(subscription)
+        self._wake_executor()
+        for handler in subscription.event_handlers:
+            self.add_waitable(handler)
+        return subscription
+
+    def create_client(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Client:
+        """Create a client of a service; InvalidServiceNameException when the name is invalid."""
+        group = self.default_callback_group if callback_group is None else callback_group
+        check_is_valid_srv_type(srv_type)
+        impl = self._service_endpoint(ClientHandle, srv_type, srv_name, qos_profile)
+        client = Client(self.context, impl, srv_type, srv_name, qos_profile, group)
+        group.add_entity(client)
+        self._clients.append(client)
+        self._wake_executor()
+        return client
+
+    def create_service(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        *,
+        qos_profile: QoSProfile = qos_profile_services_default,
+        callback_group: CallbackGroup | None = None,
+    ) -> Service:
+        """Offer a service: `callback` gets request and response and returns the response."""
+        check_is_valid_srv_type(srv_type)
+        return self._add_service(srv_type, srv_name, callback, qos_profile, callback_group)
+
+    def _add_service(
+        self,
+        srv_type: Any,
+        srv_name: str,
+        callback: Callable[[Any, Any], Any],
+        qos_profile: QoSProfile,
+        callback_group: CallbackGroup | None,
+    ) -> Service:
+        group = self.default_callback_group if callback_group is None else callback_group
+        impl = self._service_endpoint(ServiceHandle, srv_type, srv_name, qos_profile)
+        service = Service(impl, srv_type, srv_name, callback, group, qos_profile)
+        group.add_entity(service)
+        self._services.append(service)
+        self._wake_executor()
+        return service
+
+    def _service_endpoint(self, kind: Any, srv_type: Any, name: str, qos: QoSProfile) -> Any:
+        try:
+            return kind(self.handle, srv_type, name, qos.get_c_qos_profile())
+        except ValueError:
+            pass
+        self._validate_topic_or_service_name(name, is_service=True)
+        raise RuntimeError(f"failed to create service or client {name!r}")
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[[], Any] | None,
+        callback_group: CallbackGroup | None = None,
+        clock: Clock | None = None,
+    ) -> Timer:
+        """Have `callback` called every period (seconds), first after one; RCLError when it is negative."""
+        period_ns = int(float(timer_period_sec) * S_TO_NS)
+        group = self.default_callback_group if callback_group is None else callback_group
+        chosen = self._clock if clock is None else clock
+        timer = Timer(callback, group, period_ns, chosen, context=self.context)
+        group.add_entity(timer)
+        self._timers.append(timer)
+        self._wake_executor()
+        return timer
+
+    def create_guard_condition(
+        self, callback: Callable[[], Any], callback_group: CallbackGroup | None = None
+    ) -> GuardCondition:
+        """Create a guard condition: `callback` is executed after each trigger."""
+        group = self.default_callback_group if callback_group is None else callback_group
+        guard = GuardCondition(callback, group, context=self.context)
+        group.add_entity(guard)
+        self._guards.append(guard)
+        self._wake_executor()
+        return guard
+
+    def create_rate(self, frequency: float, clock: Clock | None = None) -> Rate:
+        """Create a rate (in hertz) to sleep with; ValueError unless `frequency` is positive."""
+        if frequency <= 0:
+            raise ValueError("frequency must be > 0")
+        timer = self.create_timer(1.0 / frequency, None, self._rate_group, clock)
+        return Rate(timer, context=self.context)
+
+    # Destruction ----------------------------------------------------------------------------------
+
+    def _destroy(self, members: list[Any], entity: Any) -> bool:
+        if entity not in members:
+            return False
+        members.remove(entity)
+        for handler in getattr(entity, "event_handlers", ()):
+            self._waitables.remove(handler)
+        entity.destroy()
+        self._wake_executor()
+        return True
+
+    def destroy_publisher(self, publisher: Publisher) -> bool:
+        """Destroy a publisher of this node; whether it was one."""
+        return self._destroy(self._publishers, publisher)
+
+    def destroy_subscription(self, subscription: Subscription) -> bool:
+        """Destroy a subscription of this node; whether it was one."""
+        return self._destroy(self._subscriptions, subscription)
+
+    def destroy_client(self, client: Client) -> bool:
+        """Destroy a client of this node; whether it was one."""
+        return self._destroy(self._clients, client)
+
+    def destroy_service(self, service: Service) -> bool:
+        """Destroy a service of this node; whether it was one."""
+        return self._destroy(self._services, service)
+
+    def destroy_timer(self, timer: Timer) -> bool:
+        """Destroy a timer of this node; whether it was one."""
+        return self._destroy(self._timers, timer)
+
+    def destroy_guard_condition(self, guard: GuardCondition) -> bool:
+        """Destroy a guard condition of this node; whether it was one."""
+        return self._destroy(self._guards, guard)
+
+    def destroy_rate(self, rate: Rate) -> bool:
+        """Destroy a rate of this node and wake its sleepers; whether it was one."""
+        success = self.destroy_timer(rate._timer)
+        rate.destroy()
+        return success
+
     def destroy_node(self) -> None:
         """Destroy the node and what it consists of; a second time does nothing."""
         self._parameter_event_publisher = None
@@ -281,13 +607,378 @@ class Node(EntityMixin, ParameterMixin, GraphMixin):
         self.__node.destroy_when_not_in_use()
         self._wake_executor()
 
+    # Declaring -----------------------------------------------------------------------------------
 
-def _name_methods_as_upstream() -> None:
-    """Give the methods of the parts their names in upstream's one class: TypeErrors show them."""
-    for part in Node.__mro__[1:-1]:
-        for name, member in vars(part).items():
-            if callable(member):
-                member.__qualname__ = f"Node.{name}"
+    def declare_parameter(
+        self, name: str, value: Any = None, descriptor: Any = None, ignore_override: bool = False
+    ) -> Parameter:
+        """Declare a parameter and return it with its value from the command line, or else `value`.
+
+        Raises:
+            ParameterAlreadyDeclaredException: it is declared. InvalidParameterException: its name is empty.
+            InvalidParameterValueException: a callback or the descriptor rejects the value.
+            InvalidParameterTypeException: the command line gives it another type.
+        """
+        if value is None and descriptor is None:
+            declaration: tuple[Any, ...] = (name,)
+        elif descriptor is None:
+            from rclpy._interfaces.own import ParameterDescriptor
+
+            declaration = (name, value, ParameterDescriptor())
+        else:
+            declaration = (name, value, descriptor)
+        return self.declare_parameters("", [declaration], ignore_override)[0]
+
+    def declare_parameters(
+        self, namespace: str, parameters: Sequence[tuple[Any, ...]], ignore_override: bool = False
+    ) -> list[Parameter]:
+        """Declare parameters given as (name), (name, value or type) or (name, value, descriptor).
+
+        Raises:
+            TypeError: an entry has another form.
+            ValueError: a type is given together with dynamic typing, or is NOT_SET.
+        """
+        wanted: list[Parameter] = []
+        descriptors: dict[str, Any] = {}
+        overrides = {} if ignore_override else self._parameter_overrides
+        for index, entry in enumerate(parameters):
+            name, value, descriptor = named_declaration(index, entry, namespace, overrides)
+            wanted.append(Parameter(name, value=value))
+            descriptors[name] = descriptor
+        known = [parameter.name for parameter in wanted if parameter.name in self._parameters]
+        if any(known):
+            raise ParameterAlreadyDeclaredException(known)
+        self._set_parameters(wanted, descriptors, raise_on_failure=True, allow_undeclared_parameters=True)
+        return [self._parameters[parameter.name] for parameter in wanted]
+
+    def undeclare_parameter(self, name: str) -> None:
+        """Forget a parameter; ParameterNotDeclaredException, ParameterImmutableException."""
+        if not self.has_parameter(name):
+            raise ParameterNotDeclaredException(name)
+        if self._descriptors[name].read_only:
+            raise ParameterImmutableException(name)
+        del self._parameters[name]
+        del self._descriptors[name]
+
+    # Reading -------------------------------------------------------------------------------------
+
+    def has_parameter(self, name: str) -> bool:
+        """Whether a parameter is declared."""
+        return name in self._parameters
+
+    def get_parameter_types(self, names: list[str]) -> list[Any]:
+        """Return the types of parameters; see `get_parameter_type`."""
+        _require_names(names)
+        return [self.get_parameter_type(name) for name in names]
+
+    def get_parameter_type(self, name: str) -> Any:
+        """Return the number of a parameter's type; ParameterNotDeclaredException."""
+        if self.has_parameter(name):
+            return self._parameters[name].type_.value
+        if self._allow_undeclared_parameters:
+            return NOT_SET
+        raise ParameterNotDeclaredException(name)
+
+    def get_parameters(self, names: list[str]) -> list[Parameter]:
+        """Return parameters; see `get_parameter`."""
+        _require_names(names)
+        return [self.get_parameter(name) for name in names]
+
+    def get_parameter(self, name: str) -> Parameter:
+        """Return a parameter; ParameterNotDeclaredException, ParameterUninitializedException."""
+        if self.has_parameter(name):
+            parameter = self._parameters[name]
+            if parameter.type_ != NOT_SET or self._descriptors[name].dynamic_typing:
+                return parameter
+            raise ParameterUninitializedException(name)
+        if self._allow_undeclared_parameters:
+            return Parameter(name, NOT_SET, None)
+        raise ParameterNotDeclaredException(name)
+
+    def get_parameter_or(self, name: str, alternative_value: Parameter | None = None) -> Parameter:
+        """Return a parameter, or the alternative when it is not declared or has no value."""
+        parameter = self._parameters.get(name)
+        if parameter is None or parameter.type_ == NOT_SET:
+            return Parameter(name, NOT_SET) if alternative_value is None else alternative_value
+        return parameter
+
+    def get_parameters_by_prefix(self, prefix: str) -> dict[str, Parameter]:
+        """Return the parameters whose names begin with ``prefix.``, by the rest of their names."""
+        if prefix:
+            prefix = prefix + PARAMETER_SEPARATOR_STRING
+        return {
+            name[len(prefix) :]: parameter
+            for name, parameter in self._parameters.items()
+            if name.startswith(prefix)
+        }
+
+    # Setting -------------------------------------------------------------------------------------
+
+    def set_parameters(self, parameter_list: list[Parameter]) -> list[Any]:
+        """Set parameters one by one and return a SetParametersResult for each."""
+        return self._set_parameters(parameter_list)
+
+    def _set_parameters(
+        self,
+        parameter_list: list[Parameter],
+        descriptors: Mapping[str, Any] | None = None,
+        raise_on_failure: bool = False,
+        allow_undeclared_parameters: bool = False,
+    ) -> list[Any]:
+        results = []
+        for parameter in parameter_list:
+            if not allow_undeclared_parameters:
+                self._check_undeclared_parameters([parameter])
+            result = self._set_parameters_atomically(
+                [parameter], descriptors, allow_not_set_type=allow_undeclared_parameters
+            )
+            if raise_on_failure and not result.successful:
+                if descriptors is not None and result.reason.startswith("Wrong parameter type"):
+                    expected = Parameter.Type(descriptors[parameter.name].type).name
+                    raise InvalidParameterTypeException(parameter, expected)
+                raise InvalidParameterValueException(parameter.name, parameter.value, result.reason)
+            results.append(result)
+        return results
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> Any:
+        """Set all parameters or none and return one SetParametersResult."""
+        self._check_undeclared_parameters(parameter_list)
+        return self._set_parameters_atomically(parameter_list)
+
+    def _check_undeclared_parameters(self, parameter_list: list[Parameter]) -> None:
+        if not all(isinstance(parameter, Parameter) for parameter in parameter_list):
+            raise TypeError(f"parameter must be instance of type '{Parameter!r}'")
+        undeclared = (p.name for p in parameter_list if p.name not in self._parameters)
+        if not self._allow_undeclared_parameters and any(undeclared):
+            # Upstream names what is left of the generator after `any`: usually nothing.
+            raise ParameterNotDeclaredException(list(undeclared))
+
+    def _set_parameters_atomically(
+        self,
+        parameter_list: list[Parameter],
+        descriptors: Mapping[str, Any] | None = None,
+        allow_not_set_type: bool = False,
+    ) -> Any:
+        """Check, ask the callbacks, store and publish the change; NOT_SET undeclares unless allowed."""
+        result = check_descriptors(
+            parameter_list,
+            self._descriptors if descriptors is None else descriptors,
+            self._parameters,
+            check_read_only=descriptors is None,
+        )
+        if not result.successful:
+            return result
+        for callback in self._parameters_callbacks:
+            result = callback(parameter_list)
+            if not result.successful:
+                return result
+        event: dict[str, list[Parameter]] = {"new": [], "changed": [], "deleted": []}
+        for parameter in parameter_list:
+            event[self._store(parameter, descriptors, allow_not_set_type)].append(parameter)
+        self._publish_parameter_event(event)
+        from rclpy._interfaces.own import SetParametersResult
+
+        return SetParametersResult(successful=True)
+
+    def _store(
+        self, parameter: Parameter, descriptors: Mapping[str, Any] | None, allow_not_set_type: bool
+    ) -> str:
+        """Store one parameter and return what happened to it."""
+        name = parameter.name
+        if parameter.type_ == NOT_SET and not allow_not_set_type:
+            self._parameters.pop(name, None)
+            self._descriptors.pop(name, None)
+            return "deleted"
+        if descriptors is not None:
+            self._descriptors[name] = descriptors[name]
+        elif name not in self._descriptors:
+            from rclpy._interfaces.own import ParameterDescriptor
+
+            self._descriptors[name] = ParameterDescriptor(dynamic_typing=True)
+        old = self._parameters.get(name)
+        self._parameters[name] = parameter
+        return "new" if old is None or old.type_ == NOT_SET else "changed"
+
+    def _publish_parameter_event(self, event: dict[str, list[Parameter]]) -> None:
+        publisher = self._parameter_event_publisher
+        if publisher is None or not publisher.handle.readers:
+            return
+        from rclpy._interfaces.own import ParameterEvent
+
+        message = ParameterEvent(node=self.get_fully_qualified_name())
+        for what, parameters in event.items():
+            setattr(message, f"{what}_parameters", [parameter.to_parameter_msg() for parameter in parameters])
+        message.stamp = self.get_clock().now().to_msg()
+        publisher.publish(message)
+
+    def add_on_set_parameters_callback(self, callback: SetCallback) -> None:
+        """Have `callback` asked before parameters are set; the last added is asked first."""
+        self._parameters_callbacks.insert(0, callback)
+
+    def remove_on_set_parameters_callback(self, callback: SetCallback) -> None:
+        """Undo `add_on_set_parameters_callback`; ValueError when it was not added."""
+        self._parameters_callbacks.remove(callback)
+
+    # Descriptors of parameters --------------------------------------------------------------------
+
+    def _apply_descriptor(
+        self, parameter: Parameter, descriptor: Any = None, check_read_only: bool = True
+    ) -> Any:
+        if descriptor is None:
+            descriptor = self.describe_parameter(parameter.name)
+        return check_descriptor(parameter, descriptor, self._parameters, check_read_only)
+
+    def describe_parameter(self, name: str) -> Any:
+        """Return a parameter's ParameterDescriptor; ParameterNotDeclaredException."""
+        if name in self._descriptors:
+            return self._descriptors[name]
+        if not self._allow_undeclared_parameters:
+            raise ParameterNotDeclaredException(name)
+        from rclpy._interfaces.own import ParameterDescriptor
+
+        return ParameterDescriptor()
+
+    def describe_parameters(self, names: list[str]) -> list[Any]:
+        """Return the descriptors of parameters; see `describe_parameter`."""
+        return [self.describe_parameter(name) for name in names]
+
+    def set_descriptor(self, name: str, descriptor: Any, alternative_value: Any = None) -> Any:
+        """Give a parameter another descriptor and return its ParameterValue.
+
+        Raises:
+            ParameterNotDeclaredException: it is not declared. ParameterImmutableException: it is read-only.
+            InvalidParameterValueException: neither its value nor the alternative fits.
+        """
+        if name not in self._parameters:
+            if not self._allow_undeclared_parameters:
+                raise ParameterNotDeclaredException(name)
+            return self._value_message(name)
+        if self.describe_parameter(name).read_only:
+            raise ParameterImmutableException(name)
+        candidates = [self._parameters[name]]
+        if alternative_value is not None:
+            from rclpy._interfaces.own import Parameter as ParameterMsg
+
+            message = ParameterMsg(name=name, value=alternative_value)
+            candidates.append(Parameter.from_parameter_msg(message))
+        for candidate in candidates:
+            result = self._apply_descriptor(candidate, descriptor, False)
+            if result.successful:
+                self._parameters[name] = candidate
+                self._descriptors[name] = descriptor
+                return self._value_message(name)
+        raise InvalidParameterValueException(name, candidates[-1].value, result.reason)
+
+    def _value_message(self, name: str) -> Any:
+        parameter = self._parameters.get(name) or Parameter(name, Parameter.Type.NOT_SET)
+        return parameter.get_parameter_value()
+
+    # Questions about the graph --------------------------------------------------------------------
+
+    def _graph_handle(self) -> NodeHandle:
+        handle = self.handle
+        handle.require()
+        return handle
+
+    def resolve_topic_name(self, topic: str, *, only_expand: bool = False) -> str:
+        """Return a topic name made absolute and, unless `only_expand`, remapped; RCLError when invalid."""
+        return self._graph_handle().resolve(topic, only_expand, False)
+
+    def resolve_service_name(self, service: str, *, only_expand: bool = False) -> str:
+        """Return a service name made absolute and, unless `only_expand`, remapped; RCLError when invalid."""
+        return self._graph_handle().resolve(service, only_expand, True)
+
+    def get_publisher_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> NamesAndTypes:
+        """Return the topics a node publishes; NodeNameNonExistentError."""
+        handle = self._graph_handle()
+        return handle.names_and_types_by_node(handle.graph.writers, node_name, node_namespace)
+
+    def get_subscriber_names_and_types_by_node(
+        self, node_name: str, node_namespace: str, no_demangle: bool = False
+    ) -> NamesAndTypes:
+        """Return the topics a node listens to; NodeNameNonExistentError."""
+        handle = self._graph_handle()
+        return handle.names_and_types_by_node(handle.graph.readers, node_name, node_namespace)
+
+    def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
+        """Return the services a node offers; NodeNameNonExistentError."""
+        handle = self._graph_handle()
+        return handle.names_and_types_by_node(handle.graph.servers, node_name, node_namespace)
+
+    def get_client_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
+        """Return the services a node has clients of; NodeNameNonExistentError."""
+        handle = self._graph_handle()
+        return handle.names_and_types_by_node(handle.graph.clients, node_name, node_namespace)
+
+    def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
+        """Return all topics with their types."""
+        handle = self._graph_handle()
+        return handle.names_and_types(handle.graph.writers, handle.graph.readers)
+
+    def get_service_names_and_types(self) -> NamesAndTypes:
+        """Return all services with their types."""
+        handle = self._graph_handle()
+        return handle.names_and_types(handle.graph.servers)
+
+    def get_node_names(self) -> list[str]:
+        """Return the names of all nodes."""
+        return [name for name, _ in self._graph_handle().get_node_names_and_namespaces()]
+
+    def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
+        """Return the names and namespaces of all nodes."""
+        return self._graph_handle().get_node_names_and_namespaces()
+
+    def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
+        """Return the names, namespaces and security enclaves of all nodes."""
+        return self._graph_handle().get_node_names_and_namespaces_with_enclaves()
+
+    def _full_topic_name(self, topic_name: str) -> str:
+        handle = self._graph_handle()
+        full = expand(topic_name, handle.name, handle.namespace)
+        validate_full_topic_name(full)
+        return full
+
+    def count_publishers(self, topic_name: str) -> int:
+        """Return how many publishers a topic has."""
+        return self._graph_handle().get_count_publishers(self._full_topic_name(topic_name))
+
+    def count_subscribers(self, topic_name: str) -> int:
+        """Return how many subscriptions a topic has."""
+        return self._graph_handle().get_count_subscribers(self._full_topic_name(topic_name))
+
+    def _infos(self, topic_name: str, no_mangle: bool, kind: Names, number: int) -> list[TopicEndpointInfo]:
+        from rclpy.topic_endpoint_info import TopicEndpointInfo
+
+        name = topic_name
+        if not no_mangle:
+            name = self._graph_handle().remap(self._full_topic_name(topic_name), "topic")
+        return [
+            TopicEndpointInfo(
+                node_name=endpoint.owner[0],
+                node_namespace=endpoint.owner[1],
+                topic_type=endpoint.type_name,
+                endpoint_type=number,
+                endpoint_gid=list(endpoint.gid.to_bytes(_GID_BYTES, "big")),
+                qos_profile={**endpoint.qos.to_dict(), "history": 3, "depth": 0},
+            )
+            for endpoint in kind.at(name)
+        ]
+
+    def get_publishers_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """Return what is known of a topic's publishers."""
+        return self._infos(topic_name, no_mangle, self._graph_handle().graph.writers, 1)
+
+    def get_subscriptions_info_by_topic(
+        self, topic_name: str, no_mangle: bool = False
+    ) -> list[TopicEndpointInfo]:
+        """Return what is known of a topic's subscriptions."""
+        return self._infos(topic_name, no_mangle, self._graph_handle().graph.readers, 2)
 
 
-_name_methods_as_upstream()
+def _require_names(names: list[str]) -> None:
+    if not all(isinstance(name, str) for name in names):
+        raise TypeError("All names must be instances of type str")

@@ -114,7 +114,7 @@ class Parameter:
 
     def get_parameter_value(self) -> Any:
         """Return the value as rcl_interfaces/msg/ParameterValue."""
-        from rclpy._interfaces import ParameterValue
+        from rclpy._interfaces.own import ParameterValue
 
         message = ParameterValue(type=self._type_.value)
         field = _FIELDS.get(self._type_.value)
@@ -124,7 +124,7 @@ class Parameter:
 
     def to_parameter_msg(self) -> Any:
         """Return the parameter as rcl_interfaces/msg/Parameter."""
-        from rclpy._interfaces import Parameter as ParameterMsg
+        from rclpy._interfaces.own import Parameter as ParameterMsg
 
         return ParameterMsg(name=self._name, value=self.get_parameter_value())
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from _weakref import ref
 
-from rclpy._lazy_type import LazyType
+from rclpy._interfaces.own import LazyType
 from rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
 from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter
 from rclpy.qos import qos_profile_parameters
@@ -100,7 +100,7 @@ class ParameterService:
         return response
 
     def _set(self, messages: list[Any]) -> Any:
-        from rclpy._interfaces import SetParametersResult
+        from rclpy._interfaces.own import SetParametersResult
 
         try:
             return self._get_node().set_parameters_atomically(

@@ -8,7 +8,7 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from rclpy._endpoints import PublisherHandle
+    from rclpy._rcl.endpoints import PublisherHandle
     from rclpy.callback_groups import CallbackGroup
     from rclpy.qos import QoSProfile
     from rclpy.qos_event import PublisherEventCallbacks, QoSEventHandler

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from enum import Enum
 
-from rclpy._enums import PrintedIntEnum
-from rclpy._qos_native import NativeQos, check_compatible
-from rclpy._qos_native import QoSCompatibility as QoSCompatibility
+from rclpy._rcl.enums import PrintedIntEnum
+from rclpy._rcl.qos import NativeQos, check_compatible
+from rclpy._rcl.qos import QoSCompatibility as QoSCompatibility
 from rclpy.duration import Duration
 
 TYPE_CHECKING = False

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from rclpy._dispatch import await_or_execute
-from rclpy._enums import NativeEnum
-from rclpy._errors import UnsupportedEventTypeError as UnsupportedEventTypeError
-from rclpy._handles import Handle
+from rclpy._rcl.enums import NativeEnum
+from rclpy._rcl.errors import UnsupportedEventTypeError as UnsupportedEventTypeError
+from rclpy._rcl.handles import Handle
 from rclpy.logging import get_logger
 from rclpy.qos import qos_policy_name_from_kind
+from rclpy.task import await_or_execute
 from rclpy.waitable import NumberOfEntities, Waitable
 
 TYPE_CHECKING = False
@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from rclpy._endpoints import EndpointHandle
-    from rclpy._wait_set import WaitSet
+    from rclpy._rcl.endpoints import EndpointHandle
+    from rclpy._rcl.wait_set import WaitSet
     from rclpy.callback_groups import CallbackGroup
 
     Callback = Callable[[Any], Any]

@@ -11,10 +11,19 @@ from rclpy.subscription import Subscription
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
-    from typing import Any
+    from typing import Any, Protocol
 
-    from rclpy.node import Node
     from rclpy.parameter import Parameter
+
+    class Node(Protocol):
+        """What is needed of a node; importing `rclpy.node` for it would close a circle."""
+
+        def declare_parameter(self, name: str, value: Any, descriptor: Any) -> Parameter:
+            """Declare a parameter."""
+
+        def get_parameter(self, name: str) -> Parameter:
+            """Return a parameter."""
+
 
 _ENUMS = (
     QoSPolicyKind.LIVELINESS,
@@ -69,7 +78,7 @@ class QoSOverridingOptions:
 
 def __getattr__(name: str) -> Any:
     if name in ("QosCallbackResult",):
-        from rclpy._interfaces import SetParametersResult
+        from rclpy._interfaces.own import SetParametersResult
 
         return SetParametersResult
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
@@ -105,7 +114,7 @@ def _declare_qos_parameters(
 
 
 def _declare(node: Node, name: str, qos: QoSProfile, policy: QoSPolicyKind, tail: str) -> Parameter:
-    from rclpy._interfaces import ParameterDescriptor
+    from rclpy._interfaces.own import ParameterDescriptor
 
     descriptor = ParameterDescriptor()
     descriptor.description = policy.name.lower() + tail

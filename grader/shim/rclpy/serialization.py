@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy import _cdr
+from rclpy._interfaces import cdr
 from rclpy.type_support import check_for_type_support
 
 TYPE_CHECKING = False
@@ -13,10 +13,10 @@ if TYPE_CHECKING:
 def serialize_message(message: Any) -> bytes:
     """Return the CDR form of a message."""
     check_for_type_support(type(message))
-    return _cdr.serialize(message)
+    return cdr.serialize(message)
 
 
 def deserialize_message(serialized_message: bytes, message_type: Any) -> Any:
     """Return the message of `message_type` that the bytes hold."""
     check_for_type_support(message_type)
-    return _cdr.deserialize(serialized_message, message_type)
+    return cdr.deserialize(serialized_message, message_type)

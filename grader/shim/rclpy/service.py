@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from rclpy._service_endpoints import RequestId, ServiceInfo
+from rclpy._rcl.service_endpoints import RequestId, ServiceInfo
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from rclpy._service_endpoints import ServiceHandle
+    from rclpy._rcl.service_endpoints import ServiceHandle
     from rclpy.callback_groups import CallbackGroup
     from rclpy.qos import QoSProfile
 

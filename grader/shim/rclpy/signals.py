@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rclpy._enums import SignalHandlerOptions as SignalHandlerOptions
-from rclpy._handles import shutdown_all_contexts
 from rclpy._kernel import kernel
+from rclpy._rcl.enums import SignalHandlerOptions as SignalHandlerOptions
+from rclpy._rcl.handles import shutdown_all_contexts
 from rclpy.guard_condition import GuardCondition
 
 TYPE_CHECKING = False

@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from rclpy._endpoints import SubscriptionHandle
+    from rclpy._rcl.endpoints import SubscriptionHandle
     from rclpy.callback_groups import CallbackGroup
     from rclpy.qos import QoSProfile
     from rclpy.qos_event import QoSEventHandler, SubscriptionEventCallbacks

@@ -9,9 +9,14 @@ from rclpy._kernel import kernel
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Mapping, Sequence
-    from typing import Any
+    from typing import Any, Protocol
 
-    from rclpy.executors import Executor
+    class Executor(Protocol):
+        """What futures need of an executor; importing `rclpy.executors` for it would close a circle."""
+
+        def create_task(self, callback: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
+            """Have a function or coroutine function run."""
+
 
 _CO_COROUTINE = 0x80
 """``inspect.CO_COROUTINE``: importing inspect costs more than all of rclpy."""
@@ -28,6 +33,13 @@ def is_coroutine_function(callback: Any) -> bool:
         callback = inner
     code = getattr(callback, "__code__", None)
     return code is not None and bool(code.co_flags & _CO_COROUTINE)
+
+
+async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:
+    """Call a function, or await a coroutine function."""
+    if is_coroutine_function(callback):
+        return await callback(*args)
+    return callback(*args)
 
 
 def _no_executor() -> None:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from rclpy._clocks import TimePoint
-from rclpy._enums import ClockType
+from rclpy._rcl.clocks import TimePoint
+from rclpy._rcl.enums import ClockType
 from rclpy.duration import Duration
 
 TYPE_CHECKING = False
@@ -104,7 +104,7 @@ class Time:
 
     def to_msg(self) -> Any:
         """Return a builtin_interfaces/msg/Time."""
-        from rclpy._interfaces import Time as TimeMsg
+        from rclpy._interfaces.own import Time as TimeMsg
 
         seconds, nanoseconds = self.seconds_nanoseconds()
         return TimeMsg(sec=seconds, nanosec=nanoseconds)
@@ -112,7 +112,7 @@ class Time:
     @classmethod
     def from_msg(cls, msg: Any, clock_type: ClockType = ClockType.ROS_TIME) -> Time:
         """Return the point a builtin_interfaces/msg/Time holds; TypeError for anything else."""
-        from rclpy._interfaces import Time as TimeMsg
+        from rclpy._interfaces.own import Time as TimeMsg
 
         if not isinstance(msg, TimeMsg):
             raise TypeError("Must pass a builtin_interfaces.msg.Time object")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from _weakref import ref
 
-from rclpy._enums import ClockType
+from rclpy._rcl.enums import ClockType
 from rclpy.clock import ROSClock
 from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -55,7 +55,7 @@ class TimeSource:
     def _subscribe_to_clock_topic(self) -> None:
         node = self._get_node()
         if self._clock_sub is None and node is not None:
-            from rclpy._interfaces import Clock as ClockMsg
+            from rclpy._interfaces.own import Clock as ClockMsg
 
             self._clock_sub = node.create_subscription(
                 ClockMsg,
@@ -111,7 +111,7 @@ class TimeSource:
             clock.set_ros_time_override(self._last_time_set)
 
     def _on_parameter_event(self, parameter_list: list[Parameter]) -> Any:
-        from rclpy._interfaces import SetParametersResult
+        from rclpy._interfaces.own import SetParametersResult
 
         for parameter in parameter_list:
             if parameter.name == USE_SIM_TIME_NAME:

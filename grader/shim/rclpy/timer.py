@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rclpy._clocks import TimerHandle
-from rclpy._handles import required
 from rclpy._kernel import kernel
+from rclpy._rcl.clocks import TimerHandle
+from rclpy._rcl.handles import required
 from rclpy.exceptions import InvalidHandle, ROSInterruptException
 from rclpy.utilities import get_default_context
 

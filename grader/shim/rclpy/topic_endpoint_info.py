@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._enums import PrintedIntEnum
+from rclpy._rcl.enums import PrintedIntEnum
 from rclpy.qos import QoSHistoryPolicy, QoSPresetProfiles, QoSProfile
 
 TYPE_CHECKING = False

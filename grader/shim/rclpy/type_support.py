@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._messages import STRUCTURES, class_of
+from rclpy._interfaces.messages import STRUCTURES, class_of
 from rclpy.exceptions import NoTypeSupportImportedException
 
 TYPE_CHECKING = False

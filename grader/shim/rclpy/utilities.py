@@ -29,7 +29,7 @@ def get_default_context(*, shutting_down: bool = False) -> Context:
 
 def remove_ros_args(args: Sequence[str] | None = None) -> list[str]:
     """Return the command line (default `sys.argv`) without the arguments for ROS."""
-    from rclpy._ros_args import remove_ros_args as strip
+    from rclpy._rcl.ros_args import remove_ros_args as strip
 
     return strip(sys.argv if args is None else args)
 

@@ -1,6 +1,6 @@
 """Validation of fully qualified topic and service names."""
 
-from rclpy._names import full_topic_name_fault
+from rclpy._rcl.names import full_topic_name_fault
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 
 

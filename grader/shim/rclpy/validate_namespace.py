@@ -1,6 +1,6 @@
 """Validation of namespaces."""
 
-from rclpy._names import namespace_fault
+from rclpy._rcl.names import namespace_fault
 from rclpy.exceptions import InvalidNamespaceException
 
 

@@ -1,6 +1,6 @@
 """Validation of node names."""
 
-from rclpy._names import node_name_fault
+from rclpy._rcl.names import node_name_fault
 from rclpy.exceptions import InvalidNodeNameException
 
 

@@ -1,6 +1,6 @@
 """Validation of topic and service names as scripts give them."""
 
-from rclpy._names import topic_name_fault
+from rclpy._rcl.names import topic_name_fault
 from rclpy.exceptions import InvalidServiceNameException, InvalidTopicNameException
 
 TOPIC_SEPARATOR_STRING = "/"

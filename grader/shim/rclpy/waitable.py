@@ -7,7 +7,7 @@ if TYPE_CHECKING:
     from types import TracebackType
     from typing import Any
 
-    from rclpy._wait_set import WaitSet
+    from rclpy._rcl.wait_set import WaitSet
     from rclpy.callback_groups import CallbackGroup
     from rclpy.task import Future
 

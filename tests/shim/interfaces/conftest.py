@@ -8,4 +8,4 @@ SHIM = str(Path(__file__).resolve().parents[3] / "grader" / "shim")
 if SHIM not in sys.path:
     sys.path.insert(0, SHIM)
 
-import rclpy._interfaces  # noqa: E402, F401 - makes the interface packages importable
+import rclpy._interfaces.own  # noqa: E402, F401 - makes the interface packages importable

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 from hypothesis import strategies as st
-from rclpy._definitions import INTERFACES, Field
-from rclpy._field_types import ARRAY_CODES, numpy_type
-from rclpy._messages import CLASSES, STRUCTURES
+from rclpy._interfaces.definitions import INTERFACES, Field
+from rclpy._interfaces.field_types import ARRAY_CODES, numpy_type
+from rclpy._interfaces.messages import CLASSES, STRUCTURES
 
 for _interface in INTERFACES.values():
     importlib.import_module(_interface.module)

@@ -7,9 +7,9 @@ import pytest
 from geometry_msgs.msg import Point, Polygon, Twist, Vector3
 from hypothesis import given
 from hypothesis import strategies as st
-from rclpy._cdr import CdrError, deserialize, serialize
-from rclpy._definitions import Field
-from rclpy._messages import CLASSES, STRUCTURES, interface_name
+from rclpy._interfaces.cdr import CdrError, deserialize, serialize
+from rclpy._interfaces.definitions import Field
+from rclpy._interfaces.messages import CLASSES, STRUCTURES, interface_name
 from rosbags.typesys import Stores, get_typestore
 from std_msgs.msg import Empty, Float64MultiArray, String
 from test_msgs.msg import Arrays, BoundedSequences, MultiNested, Strings, WStrings

@@ -7,7 +7,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from rclpy._definitions import INTERFACES
+from rclpy._interfaces.definitions import INTERFACES
 from rosbags.typesys import Stores, get_typestore
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -6,8 +6,8 @@ import sys
 from typing import Any
 
 import pytest
-from rclpy import _interfaces
-from rclpy._definitions import INTERFACES
+from rclpy._interfaces import own
+from rclpy._interfaces.definitions import INTERFACES
 
 
 def test_every_interface_is_importable_both_ways() -> None:
@@ -76,7 +76,7 @@ def test_unknown_names_give_pythons_errors(statement: str, error: type[Exception
 
 
 def run(code: str, shim: str) -> str:
-    program = f"import sys; sys.path.insert(0, {shim!r}); import rclpy._interfaces\n{code}"
+    program = f"import sys; sys.path.insert(0, {shim!r}); import rclpy._interfaces.own\n{code}"
     return subprocess.run(
         [sys.executable, "-I", "-S", "-c", program], capture_output=True, text=True, check=True
     ).stdout
@@ -89,8 +89,8 @@ def shim() -> str:
 
 def test_a_class_is_built_only_when_asked_for_and_needs_no_numpy(shim: str) -> None:
     code = """
-from rclpy._messages import STRUCTURES
-from rclpy._cdr import deserialize, serialize
+from rclpy._interfaces.messages import STRUCTURES
+from rclpy._interfaces.cdr import deserialize, serialize
 import nav_msgs.msg, geometry_msgs.msg
 before = len(STRUCTURES)
 geometry_msgs.msg.Twist
@@ -104,14 +104,14 @@ print(before, sorted(after), 'numpy' in sys.modules)
 
 def test_rclpys_own_types_come_by_their_short_names(shim: str) -> None:
     code = """
-from rclpy import _interfaces
-print(_interfaces.type_name(_interfaces.LogType), _interfaces.type_name(_interfaces.GetParameters))
-print(hasattr(_interfaces, 'Twist'))
+from rclpy._interfaces import own
+print(own.type_name(own.LogType), own.type_name(own.GetParameters))
+print(hasattr(own, 'Twist'))
 """
     assert run(code, shim) == "rcl_interfaces/msg/Log rcl_interfaces/srv/GetParameters\nFalse\n"
 
 
 def test_every_annotated_short_name_exists() -> None:
-    names = [name for name in _interfaces.__annotations__ if name[0].isupper()]
+    names = [name for name in own.__annotations__ if name[0].isupper()]
     assert "ParameterValue" in names
-    assert all(hasattr(_interfaces, name) for name in names)
+    assert all(hasattr(own, name) for name in names)

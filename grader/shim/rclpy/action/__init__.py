@@ -1,7 +1,5 @@
 """Actions: goals that take time, give feedback and can be cancelled."""
 
-from rclpy._server_goals import CancelResponse as CancelResponse
-from rclpy._server_goals import GoalResponse as GoalResponse
 from rclpy.action.client import ActionClient as ActionClient
 from rclpy.action.graph import (
     get_action_client_names_and_types_by_node as get_action_client_names_and_types_by_node,
@@ -11,3 +9,5 @@ from rclpy.action.graph import (
     get_action_server_names_and_types_by_node as get_action_server_names_and_types_by_node,
 )
 from rclpy.action.server import ActionServer as ActionServer
+from rclpy.action.server import CancelResponse as CancelResponse
+from rclpy.action.server import GoalResponse as GoalResponse

@@ -1,6 +1,6 @@
 """Severities of log messages."""
 
-from rclpy._enums import PrintedIntEnum
+from rclpy._rcl.enums import PrintedIntEnum
 
 
 class LoggingSeverity(PrintedIntEnum):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from rclpy import _logs
+from rclpy._rcl import logs
 from rclpy.clock import Clock
 from rclpy.impl.logging_severity import LoggingSeverity
 
@@ -161,15 +161,15 @@ class RcutilsLogger:
 
     def set_level(self, level: int) -> None:
         """Set the least severity shown; ValueError for an unknown one."""
-        _logs.set_level(self.name, LoggingSeverity(level))
+        logs.set_level(self.name, LoggingSeverity(level))
 
     def get_effective_level(self) -> LoggingSeverity:
         """Return the least severity shown."""
-        return LoggingSeverity(_logs.effective_level(self.name))
+        return LoggingSeverity(logs.effective_level(self.name))
 
     def is_enabled_for(self, severity: int) -> bool:
         """Whether messages of a severity are shown."""
-        return _logs.is_enabled(self.name, LoggingSeverity(severity))
+        return logs.is_enabled(self.name, LoggingSeverity(severity))
 
     def log(self, message: str, severity: int, **kwargs: Any) -> bool:
         """Log a message.
@@ -187,7 +187,7 @@ class RcutilsLogger:
             ValueError: the same line logged with another severity, name or filter before.
         """
         severity = severity if type(severity) is LoggingSeverity else LoggingSeverity(severity)
-        if not _logs.is_enabled(self.name, severity):
+        if not logs.is_enabled(self.name, severity):
             return False
         name = kwargs.pop("name", self.name)
         filters = get_filters_from_kwargs(**kwargs) if kwargs else []
@@ -204,7 +204,7 @@ class RcutilsLogger:
         for key in filters:
             if not supported_filters[key].should_log(context):
                 return False
-        _logs.log(severity, name, message, caller.function_name, caller.file_path, caller.line_number)
+        logs.log(severity, name, message, caller.function_name, caller.file_path, caller.line_number)
         return True
 
     def debug(self, message: str, **kwargs: Any) -> bool:

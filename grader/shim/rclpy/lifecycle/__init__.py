@@ -1,6 +1,6 @@
 """Managed nodes: configured, activated and shut down from outside."""
 
-from rclpy._lifecycle_machine import TransitionCallbackReturnType as TransitionCallbackReturn
+from rclpy.lifecycle._machine import TransitionCallbackReturnType as TransitionCallbackReturn
 from rclpy.lifecycle.managed_entity import ManagedEntity, SimpleManagedEntity
 from rclpy.lifecycle.node import LifecycleNode, LifecycleNodeMixin, LifecycleState
 from rclpy.lifecycle.publisher import LifecyclePublisher

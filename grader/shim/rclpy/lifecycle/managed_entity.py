@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import wraps
 
-from rclpy._lifecycle_machine import TransitionCallbackReturnType as TransitionCallbackReturn
+from rclpy.lifecycle._machine import TransitionCallbackReturnType as TransitionCallbackReturn
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections import namedtuple
 
-from rclpy import _interfaces
-from rclpy._errors import RCLError
-from rclpy._lifecycle_machine import LifecycleStateMachine
-from rclpy._lifecycle_machine import TransitionCallbackReturnType as TransitionCallbackReturn
+from rclpy._interfaces import own
+from rclpy._rcl.errors import RCLError
+from rclpy.lifecycle._machine import LifecycleStateMachine
+from rclpy.lifecycle._machine import TransitionCallbackReturnType as TransitionCallbackReturn
 from rclpy.lifecycle.managed_entity import ManagedEntity
 from rclpy.lifecycle.publisher import LifecyclePublisher
 from rclpy.node import Node
@@ -49,17 +49,17 @@ class LifecycleNodeMixin(ManagedEntity):
         self._state_machine = LifecycleStateMachine(node.handle, enable_communication_interface)
         if enable_communication_interface:
             for name, kind, callback in (
-                ("change_state", _interfaces.ChangeState, self.__on_change_state),
-                ("get_state", _interfaces.GetState, self.__on_get_state),
-                ("get_available_states", _interfaces.GetAvailableStates, self.__on_get_available_states),
+                ("change_state", own.ChangeState, self.__on_change_state),
+                ("get_state", own.GetState, self.__on_get_state),
+                ("get_available_states", own.GetAvailableStates, self.__on_get_available_states),
                 (
                     "get_available_transitions",
-                    _interfaces.GetAvailableTransitions,
+                    own.GetAvailableTransitions,
                     self.__on_get_available_transitions,
                 ),
                 (
                     "get_transition_graph",
-                    _interfaces.GetAvailableTransitions,
+                    own.GetAvailableTransitions,
                     self.__on_get_transition_graph,
                 ),
             ):
@@ -188,7 +188,7 @@ class LifecycleNodeMixin(ManagedEntity):
 
     def __on_get_available_states(self, req: Any, resp: Any) -> Any:
         for ident, label in self._state_machine.available_states:
-            resp.available_states.append(_interfaces.State(id=ident, label=label))
+            resp.available_states.append(own.State(id=ident, label=label))
         return resp
 
     def __on_get_available_transitions(self, req: Any, resp: Any) -> Any:
@@ -200,7 +200,7 @@ class LifecycleNodeMixin(ManagedEntity):
 
 def _describe(transitions: list[tuple[int, str, int, str, int, str]], resp: Any) -> Any:
     for ident, label, start, start_label, goal, goal_label in transitions:
-        item = _interfaces.TransitionDescription()
+        item = own.TransitionDescription()
         item.transition.id, item.transition.label = ident, label
         item.start_state.id, item.start_state.label = start, start_label
         item.goal_state.id, item.goal_state.label = goal, goal_label

@@ -1,0 +1,1 @@
+"""Message, service and action classes, built from their definitions when a script asks for them, and their CDR."""

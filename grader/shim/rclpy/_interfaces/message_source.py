@@ -1,0 +1,141 @@
+"""Writes the Python source of message classes, with the rules of rosidl_generator_py 0.14.4 (ROS 2 Humble).
+
+What a student can notice is the same as there: keyword-only constructors, slots, defaults, which values a
+field accepts, and the texts of the assertions. Two things differ: an object built without arguments skips
+the checks its defaults would pass anyway, and a fixed-size array of numbers stays bytes inside the message
+until somebody looks at it, so that a script that never does does not pay for importing numpy.
+"""
+
+from __future__ import annotations
+
+from rclpy._interfaces.definitions import Field, Structure
+from rclpy._interfaces.field_types import (
+    ARRAY_CODES,
+    alias,
+    is_numeric,
+    is_packed,
+    numpy_type,
+    packed_size,
+    type_text,
+)
+from rclpy._interfaces.setter_source import setter
+
+_ZEROS = {
+    "boolean": "False",
+    "octet": "b'\\x00'",
+    "string": "''",
+    "wstring": "''",
+    "float": "0.0",
+    "double": "0.0",
+}
+
+
+def class_source(structure: Structure) -> str:
+    """Return the definition of the message class of a structure."""
+    name, fields = structure.name, structure.fields
+    lines = [f"class {name}(metaclass=Metaclass_{name}):", *_docstring(structure)]
+    lines.append(f"    __slots__ = {['_' + field.name for field in fields]!r}")
+    lines.append(f"    _fields_and_field_types = { {field.name: type_text(field) for field in fields}!r}")
+    lines.append(f"    SLOT_TYPES = _slot_types_{name}")
+    lines += [f"    {constant} = {value}" for constant, value in structure.constants]
+    lines += [_default_attribute(field) for field in fields if field.default is not None]
+    lines += _constructor(fields)
+    lines += _equality(fields)
+    lines += ["    __repr__ = _message_repr", "    get_fields_and_field_types = _get_fields_and_field_types"]
+    for field in fields:
+        lines += _property(field)
+    return "\n".join(lines) + "\n"
+
+
+def default_source(field: Field) -> str:
+    """Return the expression of a field's default as an attribute of class and metaclass."""
+    if is_packed(field):
+        return f"_to_numpy({field.default}, {numpy_type(field)!r})"
+    if field.is_sequence and is_numeric(field):
+        return f"_array({ARRAY_CODES[field.base]!r}, {field.default})"
+    return str(field.default)
+
+
+def _docstring(structure: Structure) -> list[str]:
+    if not structure.constants:
+        return [f'    """Message class {structure.name!r}."""']
+    names = [f"      {name}" for name, _ in structure.constants]
+    return ['    """', f"    Message class {structure.name!r}.", "", "    Constants:", *names, '    """']
+
+
+def _default_attribute(field: Field) -> str:
+    attribute = f"{field.name.upper()}__DEFAULT"
+    if is_packed(field):  # looked up on the class, so that numpy is not imported to define it
+        return f"    {attribute} = _property(lambda self: type(self).{attribute})"
+    return f"    {attribute} = {default_source(field)}"
+
+
+def _initial(field: Field) -> str:
+    """Return the expression of what a slot holds when its field is not given."""
+    if is_packed(field):
+        if field.default is None:
+            return f"bytes({packed_size(field)})"
+        return f"_array({ARRAY_CODES[field.base]!r}, {field.default}).tobytes()"
+    if field.default is not None:
+        return default_source(field)
+    if field.is_sequence:
+        return f"_array({ARRAY_CODES[field.base]!r})" if is_numeric(field) else "[]"
+    if field.is_message:
+        single = f"{alias(field.base)}()"
+        return single if field.size is None else f"[{single} for _ in range({field.size})]"
+    zero = _ZEROS.get(field.base, "0")
+    return zero if field.size is None else f"[{zero}] * {field.size}"
+
+
+def _constructor(fields: list[Field]) -> list[str]:
+    lines = ["    def __init__(self, **kwargs):"]
+    lines += [f"        self._{field.name} = {_initial(field)}" for field in fields]
+    lines += ["        if not kwargs:", "            return", "        _check_arguments(self, kwargs)"]
+    for field in fields:
+        lines += [
+            f"        if {field.name!r} in kwargs:",
+            *(f"            {line}" for line in _assignment(field)),
+        ]
+    return lines
+
+
+def _assignment(field: Field) -> list[str]:
+    """Return the statements of a constructor that set a field from its argument."""
+    given = f"kwargs[{field.name!r}]"
+    if field.default is not None or not (is_numeric(field) and field.is_nested):
+        return [f"self.{field.name} = {given}"]
+    code = ARRAY_CODES[field.base]
+    if field.is_sequence:
+        return [f"self.{field.name} = _array({code!r}, {given})"]
+    return [
+        f"self._{field.name} = _pack({given}, {code!r}, {field.size})",
+        f"if self._{field.name} is None:",
+        f"    self.{field.name} = _to_numpy({given}, {numpy_type(field)!r})",
+        f"    assert self.{field.name}.shape == ({field.size}, )",
+    ]
+
+
+def _equality(fields: list[Field]) -> list[str]:
+    lines = [
+        "    def __eq__(self, other):",
+        "        if not isinstance(other, self.__class__):",
+        "            return False",
+    ]
+    for field in fields:
+        differ = f"self.{field.name} != other.{field.name}"
+        # Humble's own rule: arrays differ only if all their elements do.
+        lines += [f"        if all({differ}):" if is_packed(field) else f"        if {differ}:"]
+        lines += ["            return False"]
+    return [*lines, "        return True"]
+
+
+def _property(field: Field) -> list[str]:
+    name = field.name
+    getter = f"_getter('_{name}')"
+    if is_packed(field):
+        getter = f"_array_getter('_{name}', {ARRAY_CODES[field.base]!r}, {numpy_type(field)!r})"
+    return [
+        f"    def {name}(self, value):",
+        *(f"        {line}" for line in setter(field)),
+        f"    {name} = _property({getter}, {name}, None, \"Message field '{name}'.\")",
+    ]

@@ -1,0 +1,195 @@
+"""Exceptions in the student's own terms: frames of the student's file only, causes kept."""
+
+from __future__ import annotations
+
+import sys
+
+from rclpy._kernel import Kernel, Thread
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+    from types import FrameType, TracebackType
+    from typing import Any
+
+
+_BARE_MODULES = ("builtins", "__main__")
+"""Whose exceptions are named without their module."""
+
+
+class Script:
+    """The script that runs: its name, and its lines for `linecache`."""
+
+    def __init__(self) -> None:
+        self.file_name = ""
+        self.source = b""
+
+    def lines(self) -> list[str]:
+        """Return the source lines, decoded as Python does; empty when they cannot be decoded."""
+        import tokenize
+        from io import BytesIO, TextIOWrapper
+
+        try:
+            encoding, _ = tokenize.detect_encoding(BytesIO(self.source).readline)
+            text = TextIOWrapper(BytesIO(self.source), encoding).read()
+        except (SyntaxError, UnicodeError, LookupError):
+            return []
+        lines = text.splitlines(keepends=True)
+        if lines and not lines[-1].endswith("\n"):
+            lines[-1] += "\n"
+        return lines
+
+
+script = Script()
+
+
+def prime_linecache(linecache: Any) -> None:
+    """Let tracebacks and `inspect` find the source, which is in no file."""
+    entry = (len(script.source), None, script.lines(), script.file_name)
+    linecache.cache[script.file_name] = entry
+
+
+def patch_traceback(traceback: Any) -> None:
+    """Let tracebacks that a script prints or logs show its own frames only: no other is the same on each host."""
+    summary = traceback.StackSummary
+    extract = summary._extract_from_extended_frame_gen.__func__
+
+    def extract_own(kind: Any, /, frames: Iterable[tuple[FrameType, Any]], **options: Any) -> Any:
+        own = ((frame, place) for frame, place in frames if frame.f_code.co_filename == script.file_name)
+        return extract(kind, own, **options)
+
+    summary._extract_from_extended_frame_gen = classmethod(extract_own)
+
+
+def line_of(error: BaseException) -> int:
+    """Return the line of the innermost frame of the student's file; 0 when there is none."""
+    if isinstance(error, SyntaxError) and error.filename == script.file_name:
+        return error.lineno or 0
+    line = 0
+    traceback: TracebackType | None = error.__traceback__
+    while traceback is not None:
+        if traceback.tb_frame.f_code.co_filename == script.file_name:
+            line = traceback.tb_lineno or 0
+        traceback = traceback.tb_next
+    return line
+
+
+def message_of(error: BaseException) -> str:
+    """Return `str(error)`, whatever the class does."""
+    try:
+        return error.msg if isinstance(error, SyntaxError) else str(error)
+    except Exception:
+        return "<exception str() failed>"
+
+
+def one_line(error: BaseException) -> str:
+    """Return ``Type: message``."""
+    message = message_of(error)
+    return f"{type(error).__name__}: {message}" if message else type(error).__name__
+
+
+def format_exception(error: BaseException) -> str:
+    """Return the traceback as Python prints it, with the student's frames only."""
+    try:
+        import traceback
+
+        exception = traceback.TracebackException(type(error), error, error.__traceback__, compact=True)
+        _add_texts(exception)
+        return "".join(exception.format())
+    except Exception:
+        return f"{one_line(error)}\n"
+
+
+def _add_texts(exception: Any) -> None:
+    """Give each SyntaxError of the compiler in the chain its line, which Python looks up in the file."""
+    seen: set[int] = set()
+    waiting = [exception]
+    while waiting:
+        one = waiting.pop()
+        if one is None or id(one) in seen:
+            continue
+        seen.add(id(one))
+        if getattr(one, "filename", None) == script.file_name and not getattr(one, "text", None):
+            lines = script.lines()
+            number = int(one.lineno or 0)
+            one.text = lines[number - 1] if 0 < number <= len(lines) else one.text
+        waiting += [one.__cause__, one.__context__, *(getattr(one, "exceptions", None) or ())]
+
+
+def print_exception(error: BaseException) -> None:
+    """Print the traceback to stderr."""
+    try:
+        sys.stderr.write(format_exception(error))
+        sys.stderr.flush()
+    except (OSError, ValueError, AttributeError):
+        pass  # the script has closed or replaced its stderr
+
+
+def excepthook(_: type[BaseException], error: BaseException, __: TracebackType | None) -> None:
+    """`sys.excepthook`: what Python prints, without our frames."""
+    print_exception(error)
+
+
+def unraisablehook(args: Any, /) -> None:
+    """`sys.unraisablehook`: what Python prints of errors in `__del__` and in exit functions, without our frames.
+
+    It raises nothing: Python would print where in this file that happened.
+    """
+    try:
+        sys.stderr.write(_format_unraisable(args))
+        sys.stderr.flush()
+    except BaseException:  # noqa: S110 - also of a stderr of the script's own
+        pass
+
+
+def _format_unraisable(args: Any) -> str:
+    """Return what `write_unraisable_exc_file` of CPython 3.11's Python/errors.c writes."""
+    text = ""
+    if args.object is not None:
+        text = f"{args.err_msg or 'Exception ignored in'}: {_repr_of(args.object)}\n"
+    elif args.err_msg:
+        text = f"{args.err_msg}:\n"
+    if args.exc_traceback is not None:
+        text += _format_frames(args)
+    module = args.exc_type.__module__
+    text += (
+        args.exc_type.__qualname__ if module in _BARE_MODULES else f"{module}.{args.exc_type.__qualname__}"
+    )
+    return text + ("\n" if args.exc_value is None else f": {_str_of(args.exc_value)}\n")
+
+
+def _format_frames(args: Any) -> str:
+    """Return the student's frames under their heading; empty when there are none."""
+    import traceback
+
+    frames = traceback.format_tb(args.exc_traceback)
+    return "".join(["Traceback (most recent call last):\n", *frames]) if frames else ""
+
+
+def _repr_of(value: object) -> str:
+    try:
+        return repr(value)
+    except Exception:
+        return "<object repr() failed>"
+
+
+def _str_of(error: BaseException) -> str:
+    try:
+        return str(error)
+    except Exception:
+        return "<exception str() failed>"
+
+
+def explain_stall(kernel: Kernel) -> str:
+    """Return one sentence per blocked thread: who waits in which line for what."""
+    frames = sys._current_frames()
+    return "; ".join(_explain(thread, frames.get(thread.os_ident)) for thread in kernel.threads)
+
+
+def _explain(thread: Thread, frame: FrameType | None) -> str:
+    call = ""
+    while frame is not None and frame.f_code.co_filename != script.file_name:
+        call = frame.f_code.co_qualname
+        frame = frame.f_back
+    place = f", line {frame.f_lineno}" if frame is not None else ""
+    return f"{thread.name}{place}: {thread.why or f'{call}() waits for ever'}"

@@ -1,0 +1,292 @@
+"""What the confined process executes: get ready, read START, run the script, send EXIT, end.
+
+`run` is called with nothing of the script in memory and does not return. Descriptors: 0 /dev/null, 1 and 2
+pipes, and the channel.
+"""
+
+from __future__ import annotations
+
+import builtins
+import gc
+import os
+import sys
+from types import CodeType, ModuleType
+
+import rclpy._interfaces.importer  # noqa: F401 - the interface packages can be imported from now on
+from rclpy import _wire
+from rclpy._kernel import kernel
+from rclpy._link import Descriptor, link
+from rclpy._patches import install, output, tracebacks
+from rclpy._process import loops
+from rclpy._storage.entries import WORK
+from rclpy._storage.tree import storage
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, NoReturn
+
+PIPE_BYTES = 65_536
+"""Capacity of a Linux pipe; a longer stdin is served from memory."""
+
+_end_process = os._exit
+
+
+class Ending:
+    """How the run ended, put together step by step and sent once."""
+
+    def __init__(self) -> None:
+        self.reason = _wire.FINISHED
+        self.code = 0
+        self.type = ""
+        self.message = ""
+        self.line = 0
+        self.text = ""
+
+    def set_error(self, error: BaseException, reason: int = _wire.RAISED) -> None:
+        """Take over an exception that ended the script."""
+        self.reason = reason
+        self.code = 1
+        self.type = type(error).__name__
+        self.message = tracebacks.message_of(error)
+        self.line = tracebacks.line_of(error)
+        self.text = tracebacks.format_exception(error)
+
+    def send_and_exit(self) -> NoReturn:
+        """Send EXIT and end the process, whatever still runs."""
+        try:
+            link.exit(
+                _wire.Exit(
+                    min(kernel.now_ns, kernel.horizon_ns),
+                    self.reason,
+                    kernel.interrupted,
+                    self.code,
+                    self.type,
+                    self.message,
+                    self.line,
+                    self.text,
+                )
+            )
+        finally:
+            _end_process(self.code & 0xFF)
+
+
+ending = Ending()
+
+
+def run(channel: int = 3) -> NoReturn:
+    """Run the script that START brings over descriptor `channel`; what needs no START is done before it comes."""
+    _get_ready()
+    text, source = link.receive_start(Descriptor(channel))
+    import json
+
+    start: dict[str, Any] = json.loads(text)
+    tracebacks.script.file_name = start["file_name"]
+    tracebacks.script.source = source
+    kernel.start_episode(start["horizon_ns"], start["epoch_ns"])
+    link.connect_world(start["world"])
+    module = _prepare(start, source)
+    kernel.at_horizon = _tell_interrupt
+    code = _compile(source)
+    if code is not None:
+        del source
+        _execute(module, code)
+    _finish()
+
+
+def _tell_interrupt() -> None:
+    """Let the episode know at once: from now on the script has only its grace of CPU time."""
+    link.note("interrupted", "")
+    link.flush()
+
+
+def _get_ready() -> None:
+    """Make the process look as Python makes it for any script."""
+    install.install()
+    kernel.end = end_now
+    setattr(os, "_exit", exit_now)  # noqa: B010 - mypy compares the names of parameters
+    sys.dont_write_bytecode = True
+    sys.excepthook = sys.__excepthook__ = tracebacks.excepthook
+    sys.unraisablehook = tracebacks.unraisablehook
+    setattr(sys, "__unraisablehook__", tracebacks.unraisablehook)  # noqa: B010 - unknown to mypy as a variable
+    output.open_streams()
+    _add_site_builtins()
+    setattr(builtins, loops.CHECKPOINT, kernel.checkpoint)
+
+
+def _prepare(start: dict[str, Any], source: bytes) -> ModuleType:
+    """Make the process look as Python makes it for ``python3 student.py``."""
+    install.begin(start["seed"])
+    storage.place_script(start["file_name"], source)
+    sys.argv = [start["file_name"], *start["args"]]
+    sys.orig_argv = [sys.executable, *sys.argv]
+    sys.path.insert(0, WORK)
+    _open_stdin(start["stdin"])
+    output.budget.limit(start.get("output_bytes"), _end_at_output_limit)
+    module = ModuleType("__main__")
+    names: dict[str, Any] = {"__file__": start["file_name"], "__builtins__": builtins, "__cached__": None}
+    module.__dict__.update(names)
+    sys.modules["__main__"] = module
+    from rclpy._patches.audit import watch
+
+    watch()
+    return module
+
+
+def _open_stdin(stdin: str) -> None:
+    """Give the script its input."""
+    data = stdin.encode()
+    if data and len(data) <= PIPE_BYTES:
+        reading, writing = os.pipe()
+        os.write(writing, data)
+        os.close(writing)
+        os.dup2(reading, 0)
+        os.close(reading)
+    stream: Any
+    if len(data) > PIPE_BYTES:
+        from io import StringIO
+
+        stream = StringIO(stdin)
+    else:
+        stream = open(0, encoding="utf-8", closefd=False)  # noqa: SIM115
+    sys.stdin = stream
+    setattr(sys, "__stdin__", stream)  # noqa: B010 - declared final
+
+
+def _add_site_builtins() -> None:
+    """Add `exit`, `quit` and `help`, which the module `site` provides on a PC."""
+    import _sitebuiltins
+
+    end_of_file = "Ctrl-D (i.e. EOF)"
+    for name in ("quit", "exit"):
+        setattr(builtins, name, _sitebuiltins.Quitter(name, end_of_file))
+    setattr(builtins, "help", _sitebuiltins._Helper())  # noqa: B010 - mypy knows help as a function
+
+
+def _compile(source: bytes) -> CodeType | None:
+    """Compile the script; None, with the error as the run's ending, when it is not Python."""
+    try:
+        return loops.compile_script(source, tracebacks.script.file_name)
+    except BaseException as error:
+        ending.set_error(error, _wire.BAD_SYNTAX)
+        tracebacks.print_exception(error)
+        return None
+
+
+def _execute(module: ModuleType, code: CodeType) -> None:
+    """Run the script up to the end of its main thread, with its other threads and exit handlers."""
+    gc.collect()  # from here on the collector runs at the same points in each run
+    _guard(lambda: exec(code, module.__dict__))  # noqa: S102
+    _guard(_join_threads)
+    _guard(_run_exit_handlers)
+    if b"__del__" in tracebacks.script.source:
+        _guard(lambda: _finalize(module))
+
+
+def _finalize(module: ModuleType) -> None:
+    """Call what the script's objects have as `__del__`, which may publish a stop, as the end of Python does.
+
+    Python's last collection finds the module with all it holds unreachable and finalizes the instances while
+    the globals are still there (PEP 442); here the module stays, so its instances go first.
+    """
+    names = module.__dict__
+    for name in [name for name, value in names.items() if hasattr(type(value), "__del__")]:
+        del names[name]
+    gc.collect()
+
+
+def _guard(step: Any) -> None:
+    """Run one step; let whatever it raises end the script as Python would."""
+    try:
+        step()
+    except SystemExit as error:
+        _leave(error.code)
+    except KeyboardInterrupt as error:
+        if kernel.interrupted:
+            ending.code = 130
+        else:
+            _fail(error)
+    except BaseException as error:
+        _fail(error)
+
+
+def _leave(code: object) -> None:
+    if code is None:
+        ending.code = 0
+    elif isinstance(code, int):
+        ending.code = code
+    else:
+        ending.code = 1
+        print(code, file=sys.stderr)  # noqa: T201
+
+
+def _fail(error: BaseException) -> None:
+    ending.set_error(error)
+    try:
+        sys.excepthook(type(error), error, error.__traceback__)
+    except BaseException as second:
+        print("Error in sys.excepthook:", file=sys.stderr)  # noqa: T201
+        tracebacks.print_exception(second)
+
+
+def _join_threads() -> None:
+    """Wait for non-daemon threads as Python does; after Ctrl+C nobody waits any more."""
+    threading: Any = sys.modules.get("threading")
+    if threading is None:
+        return
+    from rclpy._patches.threads import end_main_thread
+
+    end_main_thread(threading)
+    if not kernel.interrupted:
+        for call in reversed(threading._threading_atexits):
+            call()
+        kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
+
+
+def _only_daemons() -> bool:
+    return all(thread.daemon for thread in kernel.threads[1:])
+
+
+def _run_exit_handlers() -> None:
+    import atexit
+
+    atexit._run_exitfuncs()
+
+
+def _finish() -> NoReturn:
+    _flush()
+    ending.send_and_exit()
+
+
+def _flush() -> None:
+    for stream in (sys.stdout, sys.__stdout__, sys.stderr, sys.__stderr__):
+        try:
+            if stream is not None:
+                stream.flush()
+        except (OSError, ValueError, AttributeError):
+            pass  # closed or replaced by the script
+
+
+def end_now(reason: str) -> NoReturn:
+    """End the run from whichever thread found that it cannot go on."""
+    if reason == "stalled" and not kernel.interrupted:
+        ending.reason = _wire.STALLED
+        ending.code = 1
+        ending.text = tracebacks.explain_stall(kernel)
+    elif reason.startswith("signal "):
+        ending.code = 128 + int(reason.split()[1])
+    else:
+        ending.code = 130
+    _finish()
+
+
+def _end_at_output_limit() -> NoReturn:
+    """End the run at the byte it may no longer print; flushing would print more."""
+    ending.reason = _wire.PRINTED_TOO_MUCH
+    ending.code = 1
+    ending.send_and_exit()
+
+
+def exit_now(code: int) -> NoReturn:
+    """`os._exit`: end at once; buffered output is lost, as on a PC."""
+    ending.code = int(code)
+    ending.send_and_exit()

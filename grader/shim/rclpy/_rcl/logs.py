@@ -1,0 +1,245 @@
+"""Console logging and /rosout: what rcutils and rcl's logging_rosout do.
+
+Lines go to the process's stderr, not to `sys.stderr`, as upstream's C code writes them.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+
+from rclpy._kernel import kernel
+from rclpy._patches.output import budget
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, Protocol
+
+    class LogPublisher(Protocol):
+        """What logging needs of the publisher of a node's records."""
+
+        def context_valid(self) -> bool:
+            """Whether publishing is possible."""
+
+        def send(self, data: bytes) -> None:
+            """Deliver a serialised record."""
+
+
+NAMES = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
+INFO = 20
+FORMAT = "[{severity}] [{time}] [{name}]: {message}"
+ROSOUT_BYTES = 8_192
+"""Longest text a record on /rosout carries: a frame of the channel is bounded."""
+
+_COLOURS = {10: "\033[32m", 20: "\033[0m", 30: "\033[33m", 40: "\033[31m", 50: "\033[31m"}
+
+
+class _Settings:
+    """What the environment says, read when logging starts."""
+
+    def __init__(self) -> None:
+        environment = os.environ
+        self.format = environment.get("RCUTILS_CONSOLE_OUTPUT_FORMAT") or FORMAT
+        self.coloured = environment.get("RCUTILS_COLORIZED_OUTPUT") == "1"
+        self.fd = 1 if environment.get("RCUTILS_LOGGING_USE_STDOUT") == "1" else 2
+
+
+_settings: _Settings | None = None
+_levels: dict[str, int] = {}
+_rosout: dict[str, LogPublisher] = {}
+_rosout_open = False
+
+
+def configure(levels: dict[str, int], *, rosout: bool) -> None:
+    """Begin logging for a context with the levels of its command line."""
+    global _settings, _rosout_open
+    _settings = _settings or _Settings()
+    _rosout_open = rosout
+    for name, level in levels.items():
+        _levels[name] = level
+
+
+def finish() -> None:
+    """End logging to /rosout: the last context was shut down."""
+    global _rosout_open
+    _rosout_open = False
+
+
+def reset() -> None:
+    """Forget levels and settings, as rcutils' shutdown does."""
+    global _settings
+    _settings = None
+    _levels.clear()
+
+
+def set_level(name: str, level: int) -> None:
+    """Set the level of a logger; 0 makes it follow its parents; the empty name is the root."""
+    if level or not name:
+        _levels[name] = level
+    else:
+        _levels.pop(name, None)
+
+
+def effective_level(name: str) -> int:
+    """Return the level of a logger or of its nearest parent that has one."""
+    while name:
+        level = _levels.get(name)
+        if level:
+            return level
+        name = name.rpartition(".")[0]
+    return _levels.get("", INFO)
+
+
+def is_enabled(name: str, severity: int) -> bool:
+    """Whether a message of that severity would be shown."""
+    if not _levels:
+        return severity >= INFO
+    return severity >= effective_level(name)
+
+
+def log(severity: int, name: str, message: str | bytes, function: str, file: str, line: int) -> None:
+    """Write one line to the console and publish it on the node's /rosout.
+
+    Raises:
+        TypeError: the message is no text, with the text of upstream's C binding.
+    """
+    if isinstance(message, bytes):
+        message = message.decode("utf-8", "replace")
+    if not isinstance(message, str):
+        raise TypeError(
+            "rclpy_logging_rcutils_log(): incompatible function arguments. "
+            "The following argument types are supported:\n"
+            "    1. (arg0: int, arg1: str, arg2: str, arg3: str, arg4: str, arg5: int) -> None\n\n"
+            f"Invoked with: {severity!r}, {name!r}, {message!r}, {function!r}, {file!r}, {line}"
+        )
+    stamp_ns = kernel.epoch_ns + kernel.now_ns
+    _print(int(severity), name, message, stamp_ns, (function, file, line))
+    publisher = _rosout.get(name) if _rosout_open else None
+    if publisher is not None:
+        _publish(publisher, _record(stamp_ns, int(severity), name, message, (function, file, line)))
+
+
+def _print(severity: int, name: str, message: str, stamp_ns: int, place: tuple[str, str, int]) -> None:
+    global _settings
+    settings = _settings
+    if settings is None:
+        settings = _settings = _Settings()
+    seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
+    if settings.format is FORMAT:
+        text = f"[{NAMES[severity]}] [{seconds}.{nanoseconds:09d}] [{name}]: {message}\n"
+    else:
+        text = _formatted(settings.format, severity, name, message, stamp_ns, place) + "\n"
+    if settings.coloured:
+        text = f"{_COLOURS[severity]}{text[:-1]}\033[0m\n"
+    write(text, settings.fd)
+
+
+def _formatted(
+    pattern: str, severity: int, name: str, message: str, stamp_ns: int, place: tuple[str, str, int]
+) -> str:
+    values = {
+        "severity": NAMES[severity],
+        "time": f"{stamp_ns // 1_000_000_000}.{stamp_ns % 1_000_000_000:09d}",
+        "time_as_nanoseconds": f"{stamp_ns:019d}",
+        "name": name,
+        "function_name": place[0],
+        "file_name": place[1],
+        "line_number": str(place[2]),
+        "message": message,
+    }
+    pieces = pattern.replace("\\n", "\n").replace("\\t", "\t").split("{")
+    text = pieces[0]
+    for piece in pieces[1:]:
+        key, brace, rest = piece.partition("}")
+        text += values[key] + rest if brace and key in values else "{" + piece
+    return text
+
+
+def write(text: str, fd: int = 2) -> None:
+    """Write text to a file descriptor of the process; a closed one loses it."""
+    data = text.encode("utf-8", "backslashreplace")
+    try:
+        while data:
+            data = data[budget.write(fd, data) :]
+    except OSError:
+        return
+
+
+# /rosout -------------------------------------------------------------------------------------------
+
+
+def attach_rosout(name: str, publisher: LogPublisher) -> None:
+    """Have the logger of that name publish on `publisher`, unless another node's does: the first one stays."""
+    _rosout.setdefault(name, publisher)
+
+
+def detach_rosout(name: str, publisher: LogPublisher) -> None:
+    """Undo `attach_rosout`."""
+    if _rosout.get(name) is publisher:
+        del _rosout[name]
+
+
+def _publish(publisher: LogPublisher, record: bytes) -> None:
+    if publisher.context_valid():
+        publisher.send(record)
+    else:
+        from rclpy._rcl.errors import PUBLISHER_CONTEXT
+
+        write(f"Failed to publish log message to rosout: {PUBLISHER_CONTEXT}\n")
+
+
+_HEAD = struct.Struct("<iIB3x")
+_LENGTH = struct.Struct("<I")
+
+
+def _text(text: str) -> bytes:
+    data = text.encode("utf-8", "replace")[:ROSOUT_BYTES]
+    return _LENGTH.pack(len(data) + 1) + data + b"\0" * (4 - len(data) % 4)
+
+
+def _record(stamp_ns: int, level: int, name: str, message: str, place: tuple[Any, Any, Any]) -> bytes:
+    """Return an rcl_interfaces/msg/Log as CDR, without the cost of building the message."""
+    function, file, line = place
+    seconds, nanoseconds = divmod(stamp_ns, 1_000_000_000)
+    return (
+        b"\0\1\0\0"
+        + _HEAD.pack(seconds, nanoseconds, level)
+        + _text(name)
+        + _text(message)
+        + _text(file)
+        + _text(function)
+        + _LENGTH.pack(line)
+    )
+
+
+# Questions of rclpy.logging --------------------------------------------------------------------------
+
+
+def initialize() -> None:
+    """Read the environment again."""
+    global _settings
+    _settings = _Settings()
+
+
+def severity_of(name: str) -> int:
+    """Return the number of a severity by its name in any case.
+
+    Raises:
+        RuntimeError: there is no such severity. ValueError: `name` is no text.
+    """
+    if not isinstance(name, str):
+        raise ValueError("Log severity must be a string")
+    for number, known in ((0, "UNSET"), *NAMES.items()):
+        if known == name.upper():
+            return number
+    raise RuntimeError(f"Failed to get log severity from name: {name}, at ./src/logging.c:406")
+
+
+def directory() -> str:
+    """Return the directory of log files by rcl_logging's rules (ROS_LOG_DIR, ROS_HOME, ~/.ros)."""
+    environment = os.environ
+    home = os.path.expanduser("~")
+    chosen = environment.get("ROS_LOG_DIR")
+    if not chosen:
+        chosen = os.path.join(environment.get("ROS_HOME") or os.path.join(home, ".ros"), "log")
+    return os.path.normpath(chosen.replace("~", home, 1) if chosen.startswith("~") else chosen)

@@ -1,0 +1,209 @@
+"""QoS settings as the middleware sees them, and which offers meet which requests."""
+
+from __future__ import annotations
+
+from rclpy._rcl.clocks import INFINITE_NS, NativeDuration
+from rclpy._rcl.enums import NativeEnum
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+
+RELIABLE = 1
+BEST_EFFORT = 2
+TRANSIENT_LOCAL = 1
+VOLATILE = 2
+KEEP_LAST = 1
+KEEP_ALL = 2
+AUTOMATIC = 1
+MANUAL_BY_TOPIC = 3
+SYSTEM_DEFAULT = 0
+
+DURABILITY_KIND = 1 << 1
+DEADLINE_KIND = 1 << 2
+LIVELINESS_KIND = 1 << 3
+RELIABILITY_KIND = 1 << 4
+
+_FIELDS = (
+    "history",
+    "depth",
+    "reliability",
+    "durability",
+    "lifespan",
+    "deadline",
+    "liveliness",
+    "liveliness_lease_duration",
+    "avoid_ros_namespace_conventions",
+)
+
+_PREDEFINED = {
+    "qos_profile_default": (KEEP_LAST, 10, RELIABLE, VOLATILE),
+    "qos_profile_unknown": (3, 0, 3, 3),
+    "qos_profile_system_default": (0, 0, 0, 0),
+    "qos_profile_sensor_data": (KEEP_LAST, 5, BEST_EFFORT, VOLATILE),
+    "qos_profile_services_default": (KEEP_LAST, 10, RELIABLE, VOLATILE),
+    "qos_profile_parameters": (KEEP_LAST, 1000, RELIABLE, VOLATILE),
+    "qos_profile_parameter_events": (KEEP_LAST, 1000, RELIABLE, VOLATILE),
+    "rcl_action_qos_profile_status_default": (KEEP_LAST, 1, RELIABLE, TRANSIENT_LOCAL),
+}
+"""Name -> history, depth, reliability and durability (rmw/qos_profiles.h, rcl_action/default_qos.h)."""
+
+
+class NativeQos:
+    """One QoS profile; enumerations are held as their numbers, durations in nanoseconds (0: default)."""
+
+    __slots__ = (*_FIELDS,)
+
+    def __init__(
+        self,
+        history: int,
+        depth: int,
+        reliability: int,
+        durability: int,
+        lifespan: NativeDuration | int = 0,
+        deadline: NativeDuration | int = 0,
+        liveliness: int = SYSTEM_DEFAULT,
+        liveliness_lease_duration: NativeDuration | int = 0,
+        avoid_ros_namespace_conventions: bool = False,
+    ) -> None:
+        self.history = int(history)
+        self.depth = depth
+        self.reliability = int(reliability)
+        self.durability = int(durability)
+        self.lifespan = _nanoseconds(lifespan)
+        self.deadline = _nanoseconds(deadline)
+        self.liveliness = int(liveliness)
+        self.liveliness_lease_duration = _nanoseconds(liveliness_lease_duration)
+        self.avoid_ros_namespace_conventions = avoid_ros_namespace_conventions
+
+    @classmethod
+    def predefined(cls, name: str) -> NativeQos:
+        """Return the profile the middleware knows under `name`."""
+        profile = cls(*_PREDEFINED[name])
+        if name == "qos_profile_unknown":
+            profile.liveliness = 4
+        return profile
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return keyword arguments for `rclpy.qos.QoSProfile`."""
+        from rclpy.duration import Duration
+
+        values = {name: getattr(self, name) for name in _FIELDS}
+        for name in ("lifespan", "deadline", "liveliness_lease_duration"):
+            values[name] = Duration(nanoseconds=values[name])
+        return values
+
+    @property
+    def kept(self) -> int | None:
+        """Most samples a queue of this profile holds; None: no bound."""
+        if self.history == KEEP_ALL:
+            return None
+        return max(1, self.depth)
+
+    @property
+    def reliable(self) -> bool:
+        """Whether the profile asks for reliable delivery."""
+        return self.reliability != BEST_EFFORT
+
+    @property
+    def transient(self) -> bool:
+        """Whether the profile asks for samples published earlier."""
+        return self.durability == TRANSIENT_LOCAL
+
+
+def _nanoseconds(duration: NativeDuration | int) -> int:
+    return duration if isinstance(duration, int) else duration.nanoseconds
+
+
+def _bound_ns(duration_ns: int) -> int:
+    """Return a period of which 0 means none at all."""
+    return duration_ns or INFINITE_NS
+
+
+def incompatible_policy(offered: NativeQos, requested: NativeQos) -> int:
+    """Return the kind of the last policy in which an offer falls short of a request, 0 when it does not.
+
+    The rules are those of DDS (requested/offered), as Fast DDS applies them: a reader that leaves
+    reliability to the system is a best-effort one.
+    """
+    kind = 0
+    if offered.durability != TRANSIENT_LOCAL and requested.durability == TRANSIENT_LOCAL:
+        kind = DURABILITY_KIND
+    if _bound_ns(offered.deadline) > _bound_ns(requested.deadline):
+        kind = DEADLINE_KIND
+    if offered.liveliness < requested.liveliness == MANUAL_BY_TOPIC or (
+        _bound_ns(offered.liveliness_lease_duration) > _bound_ns(requested.liveliness_lease_duration)
+    ):
+        kind = LIVELINESS_KIND
+    if offered.reliability == BEST_EFFORT and requested.reliability == RELIABLE:
+        kind = RELIABILITY_KIND
+    return kind
+
+
+class QoSCompatibility(NativeEnum):
+    """Verdict of a comparison of two profiles."""
+
+    OK = 0
+    WARNING = 1
+    ERROR = 2
+
+
+class CompatibilityResult:
+    """Verdict with its reasons, each ended by a semicolon."""
+
+    def __init__(self) -> None:
+        self.compatibility = QoSCompatibility.OK
+        self.reason = ""
+
+    def add(self, verdict: QoSCompatibility, text: str) -> None:
+        """Add one reason; an error outweighs warnings and hides their texts."""
+        if verdict.value < self.compatibility.value:
+            return
+        if verdict.value > self.compatibility.value:
+            self.reason = ""
+        self.compatibility = verdict
+        self.reason += f"{verdict.name}: {text};"
+
+
+def check_compatible(offered: NativeQos, requested: NativeQos) -> CompatibilityResult:
+    """Compare two profiles as rmw_dds_common's qos.cpp does: errors first, otherwise warnings."""
+    result = CompatibilityResult()
+    error, warning = QoSCompatibility.ERROR, QoSCompatibility.WARNING
+    if offered.reliability == BEST_EFFORT and requested.reliability == RELIABLE:
+        result.add(error, "Best effort publisher and reliable subscription")
+    if offered.durability == VOLATILE and requested.durability == TRANSIENT_LOCAL:
+        result.add(error, "Volatile publisher and transient local subscription")
+    _check_periods(offered, requested, result)
+    if result.compatibility is error:
+        return result
+    _warn_of_defaults(offered, requested, result, warning)
+    return result
+
+
+def _check_periods(offered: NativeQos, requested: NativeQos, result: CompatibilityResult) -> None:
+    error = QoSCompatibility.ERROR
+    if requested.deadline and not offered.deadline:
+        result.add(error, "Subscription has a deadline, but publisher does not")
+    elif requested.deadline and offered.deadline > requested.deadline:
+        result.add(error, "Subscription deadline is less than publisher deadline")
+    if offered.liveliness == AUTOMATIC and requested.liveliness == MANUAL_BY_TOPIC:
+        result.add(error, "Publisher's liveliness is automatic and subscription's is manual by topic")
+    lease_ns, wanted_ns = offered.liveliness_lease_duration, requested.liveliness_lease_duration
+    if wanted_ns and not lease_ns:
+        result.add(error, "Subscription has a liveliness lease duration, but publisher does not")
+    elif wanted_ns and lease_ns > wanted_ns:
+        result.add(error, "Subscription liveliness lease duration is less than publisher")
+
+
+def _warn_of_defaults(
+    offered: NativeQos, requested: NativeQos, result: CompatibilityResult, warning: QoSCompatibility
+) -> None:
+    names = {RELIABLE: "reliable", BEST_EFFORT: "best effort"}
+    vague = {0: "system default", 3: "unknown"}
+    for field, known in (("reliability", names), ("durability", {1: "transient local", 2: "volatile"})):
+        first, second = getattr(offered, field), getattr(requested, field)
+        if first in vague or second in vague:
+            one = vague.get(first) or known.get(first, "best available")
+            two = vague.get(second) or known.get(second, "best available")
+            result.add(warning, f"{field.capitalize()} of publisher is {one} and of subscription {two}")
