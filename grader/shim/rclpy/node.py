@@ -150,16 +150,8 @@ class Node:
         allow_undeclared_parameters: bool = False,
         automatically_declare_parameters_from_overrides: bool = False,
     ) -> None:
-        self.__handle = None
         self._context = get_default_context() if context is None else context
-        self._publishers: list[Publisher] = []
-        self._subscriptions: list[Subscription] = []
-        self._clients: list[Client] = []
-        self._services: list[Service] = []
-        self._timers: list[Timer] = []
-        self._guards: list[GuardCondition] = []
-        self._waitables: list[Waitable] = []
-        self._rate_group = ReentrantCallbackGroup()
+        self._start_without_entities()
         self._parameters: dict[str, Parameter] = {}
         self._descriptors: dict[str, Any] = {}
         self._parameters_callbacks: list[SetCallback] = []
@@ -179,6 +171,16 @@ class Node:
         if automatically_declare_parameters_from_overrides:
             self._declare_overrides()
         self._start_services(self._clock, start_parameter_services)
+
+    def _start_without_entities(self) -> None:
+        self._publishers: list[Publisher] = []
+        self._subscriptions: list[Subscription] = []
+        self._clients: list[Client] = []
+        self._services: list[Service] = []
+        self._timers: list[Timer] = []
+        self._guards: list[GuardCondition] = []
+        self._waitables: list[Waitable] = []
+        self._rate_group = ReentrantCallbackGroup()
 
     def _start_services(self, clock: ROSClock, of_parameters: bool) -> None:
         from rclpy.parameter_service import ParameterService
