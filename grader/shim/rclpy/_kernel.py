@@ -43,32 +43,46 @@ if TYPE_CHECKING:
 
 
 FOREVER_NS = 1 << 62
-"""Deadline of a wait that only its condition can end."""
+"""Deadline of a wait that only its condition can end: 146 years, as a small integer of 64 bits."""
 
 CHARGE_NS = 1_000
-"""What a look at a clock, a publish or a question without blocking costs."""
+"""What a look at a clock, a publish or a question without blocking costs: about what it costs on a PC.
+
+It must not be 0: two looks at a clock must differ, and ``while time.time() < end: pass`` must end."""
 
 CHARGE_STEPS = ((1_000, CHARGE_NS), (5_000, 10_000), (20_000, 100_000))
-"""(operations without a blocking wait, charge in ns up to there); `CHARGE_MAX_NS` beyond the last."""
+"""(operations without a blocking wait, charge in ns up to there); `CHARGE_MAX_NS` beyond the last.
+
+A script that waits a second in a busy loop asks a million times at 1 us each, which would take seconds of CPU
+time. Since the charge grows, that second costs some 15,000 questions. The first thousand stay at 1 us: a callback
+that looks at the clock now and then must not become late by its own questions."""
 
 CHARGE_MAX_NS = 1_000_000
+"""The last step is as long as a slice: shorter than a pose's 16 ms, so a busy loop on the pose sees each one."""
+
 TIMER_SLACK_NS = 50_000
 """Shortest real sleep: Linux' default timer slack (prctl(2), PR_SET_TIMERSLACK)."""
 
 SLICE_NS = 1_000_000
-"""Virtual time after which a thread that never blocks lets the others run."""
+"""Virtual time after which a thread that never blocks lets the others run.
+
+The world is asked as often (`_pause`), so this also bounds how late a message reaches a busy loop."""
 
 SPINS_PER_SLICE = 1_000
-"""Turns of a loop that neither blocks nor asks before the others run."""
+"""Turns of a loop that neither blocks nor asks before the others run: a slice, were each turn charged."""
 
 GRACE_NS = 10_000_000_000
-"""Virtual time between the first Ctrl+C, the second one and the end."""
+"""Virtual time between the first Ctrl+C, the second one and the end.
+
+Long enough for a script that stops the turtle and waits for it before it leaves."""
 
 FIRST_IDENT = 0x7F00_0000_1000
 """Thread identifiers look like Linux' but are the same in each run."""
 
 IDENT_STEP = 0x1000
 MAX_THREADS = 64
+"""As many as the sandbox's limit on processes leaves; one more is "can't start new thread" on every host."""
+
 SIGINT = 2
 SIGALRM = 14
 
@@ -186,8 +200,8 @@ class Kernel:
             KeyboardInterrupt: in the main thread, when the horizon is reached.
         """
         self._streak = streak = self._streak + 1
-        self._spins = SPINS_PER_SLICE
-        if streak <= 1_000:
+        self._spins = SPINS_PER_SLICE  # time passes here already: a checkpoint need not let it pass as well
+        if streak <= 1_000:  # the first of `CHARGE_STEPS`, inlined: this runs at each look and each publish
             self.now_ns += CHARGE_NS
             self._spent_ns += CHARGE_NS
         else:
@@ -221,6 +235,7 @@ class Kernel:
             self.charge()
             return
         target_ns = self.now_ns + (duration_ns if duration_ns > TIMER_SLACK_NS else TIMER_SLACK_NS)
+        # Nothing else can happen until `_quiet_until_ns`: most scripts sleep here, without the scheduler's cost.
         if target_ns < self._quiet_until_ns:
             self.now_ns = target_ns
             self._streak = 0
@@ -257,7 +272,7 @@ class Kernel:
         me.why = why
         me.idle = idle
         if me.deadline_ns <= self.now_ns:
-            self.charge()
+            self.charge()  # a timeout of 0 does not block: a loop that polls must let time pass
         else:
             self._streak = 0
             self._spins = SPINS_PER_SLICE
@@ -321,6 +336,7 @@ class Kernel:
     def raise_signal(self, number: int) -> None:
         """Let a signal arrive at the main thread."""
         if number == SIGINT:
+            # At once, as upstream's C handler does it; KeyboardInterrupt waits for the main thread.
             self._tell_of_interrupt()
         self._signals.append(number)
         self.replan()
@@ -339,13 +355,18 @@ class Kernel:
     # Turns and time ---------------------------------------------------------------------------------
 
     def replan(self) -> None:
-        """Recompute up to when the running thread may go on without a look at the others."""
+        """Recompute up to when the running thread may go on without a look at the others.
+
+        Whatever changes the threads, the signals, the alarm or the coupling calls this afterwards: `charge` and
+        `sleep_ns` compare with these two instants and look at nothing else.
+        """
         limit_ns = min(self._limit_ns, self._alarm_ns)
         if self._signals:
-            limit_ns = 0
+            limit_ns = 0  # the next charge must come to `_pause`, which delivers them
         if self._coupled() is not None or len(self.threads) > 1:
-            self._quiet_until_ns = 0
+            self._quiet_until_ns = 0  # every sleep goes through the scheduler
             others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=limit_ns)
+            # Not before now + 1: a thread that is due keeps no other from the one operation it is about to do.
             self._preempt_ns = min(limit_ns, self._slice_end_ns, max(others_ns, self.now_ns + 1))
         else:
             self._quiet_until_ns = self._preempt_ns = limit_ns
@@ -357,8 +378,10 @@ class Kernel:
                 self._hand_over(chosen)
                 me.baton.acquire()
             self.replan()
+            # Signals come before the condition, as in Python: Ctrl+C interrupts a wait that could end just now.
             if self._signals and me is self.main:
                 self._deliver()
+            # The condition comes before the deadline: what arrived in time is not reported as a timeout.
             if me.ready():
                 return True
             if me.deadline_ns <= self.now_ns:
@@ -369,7 +392,8 @@ class Kernel:
         while True:
             threads = self.threads
             if self._signals:
-                return self.main
+                return self.main  # only the main thread handles signals, whatever it waits for
+            # Round robin from the one after the last: the first in the list alone would starve the others.
             for thread in (*threads[position + 1 :], *threads[: position + 1]):
                 if thread.deadline_ns <= self.now_ns or thread.ready():
                     return thread
@@ -386,12 +410,13 @@ class Kernel:
     def _pass_time(self, threads: Iterable[Thread]) -> None:
         """Nobody can run: move time to the next instant at which somebody may."""
         target_ns = min(self._alarm_ns, *(thread.deadline_ns for thread in threads))
+        # While the world is coupled something may still arrive, and a spinning node may idle until the horizon.
         if target_ns == FOREVER_NS and self._coupled() is None and not any(t.idle for t in threads):
             self.end("stalled")
         self._move_to(min(target_ns, self._limit_ns))
 
     def _coupled(self) -> World | None:
-        """Return the world if time may only move with its consent."""
+        """Return the world if time may only move with its consent; after Ctrl+C it is not asked any more."""
         world = self._world
         return world if world is not None and world.coupled and not self.interrupted else None
 
@@ -400,7 +425,7 @@ class Kernel:
         world = self._coupled()
         if world is not None:
             target_ns = world.advance(max(target_ns, self.now_ns))
-        self.now_ns = max(self.now_ns, target_ns)
+        self.now_ns = max(self.now_ns, target_ns)  # charges may have gone past the instant the world reached
         self._slice_end_ns = self.now_ns + SLICE_NS
         self._on_time()
 
@@ -417,9 +442,9 @@ class Kernel:
             self.end("interrupted")
         self._limit_ns += GRACE_NS
         if not self.interrupted:
-            self.at_horizon()
+            self.at_horizon()  # before anything of the script runs: it may use up its CPU time without returning
         self.interrupted = True
-        self._tell_of_interrupt()
+        self._tell_of_interrupt()  # the contexts are shut down before KeyboardInterrupt is seen, as upstream
         self._signals.append(SIGINT)
 
     def _tell_of_interrupt(self) -> None:
@@ -430,6 +455,7 @@ class Kernel:
         """A charge went past the end of the slice: catch up with the world, let the others run."""
         world = self._coupled()
         if world is not None:
+            # Charges may have gone past the horizon; the world ends there and takes no later instant.
             target_ns = min(self.now_ns, self.horizon_ns)
             while world.advance(target_ns) < target_ns:
                 pass
@@ -450,7 +476,7 @@ class Kernel:
         """A loop has gone round `SPINS_PER_SLICE` times: if it may wait for others, let time pass."""
         self._spins = SPINS_PER_SLICE
         if self._quiet_until_ns:
-            return
+            return  # alone and uncoupled: nothing can change what the loop waits for, and computing takes no time
         others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=FOREVER_NS)
         self._streak += 1
         slice_ns = charge_of(self._streak) * SPINS_PER_SLICE
@@ -460,7 +486,7 @@ class Kernel:
     def _deliver(self) -> None:
         while self._signals:
             number = self._signals.pop(0)
-            self.replan()
+            self.replan()  # before the handler, which may sleep, charge or raise
             self.deliver(number)
 
 
