@@ -76,7 +76,7 @@ class Catalog:
         return self._named(assignment_id).place(field)
 
     def wrong_attempts(self, assignment_id: str) -> tuple[WrongAttempt, ...]:
-        """Return the wrong scripts that come with an assignment and the verdicts they must get.
+        """Return the wrong scripts that come with an assignment and the scores they must get.
 
         Raises:
             UnknownAssignmentError: there is none of that name.

@@ -191,7 +191,7 @@ class AnswerModel(_Model):
 
 
 class WrongModel(_Model):
-    """A wrong file and the verdict it must get."""
+    """A wrong file and the score it must get."""
 
     file: Annotated[str, Field(pattern=WRONG_FILE_PATTERN)]
     score: tuple[float, float]

@@ -1,4 +1,4 @@
-"""Checks: pure functions from what happened to judged rubric items.
+"""Checks: pure functions from what happened to scored rubric items.
 
 `evaluate` and `evaluate_text` are the only entry points of grading; `published_rubric` says beforehand what
 will be looked for, `sketch` what a plot should show, and `problems` what is wrong with an assignment's use of
@@ -10,16 +10,16 @@ from dataclasses import replace
 
 from grader.checks import essay, motion, node, number, polygon, rotation, service
 from grader.checks.fit import misfits
-from grader.checks.judge import WHOLE, Portion, judge
 from grader.checks.measure import Check, Findings, Kind, TextCheck
 from grader.checks.rubric_text import published
+from grader.checks.scoring import WHOLE, Portion, score_items
 from grader.checks.summary import summarise, summarise_text
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.rubric import PublishedRubric
+from grader.contracts.scoring import Run, Scoring
 from grader.contracts.text import Text
-from grader.contracts.verdict import Run, Verdict
 
 CHECKS: Mapping[str, Check] = {
     check.kind: check for check in (node.CHECK, motion.CHECK, rotation.CHECK, polygon.CHECK, service.CHECK)
@@ -28,8 +28,8 @@ TEXT_CHECKS: Mapping[str, TextCheck] = {check.kind: check for check in (number.C
 KINDS: Mapping[str, Kind] = {**CHECKS, **TEXT_CHECKS}
 
 
-def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Verdict:
-    """Judge a submitted script by its runs, one per case of the assignment.
+def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
+    """Score a submitted script by its runs, one for each case of the assignment.
 
     Each item's points are divided evenly among the runs; with several runs the items are named
     ``case/item``. Deterministic and total: nothing a script did makes it raise.
@@ -43,13 +43,13 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Verdict:
     for part, run in enumerate(runs):
         findings = check.examine(_in_case(assignment, run.case), run)
         portion = Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE
-        items += judge(check, assignment.items, findings, portion)
+        items += score_items(check, assignment.items, findings, portion)
         seen.append(findings)
     return summarise(items, seen, [run.outcome for run in runs])
 
 
-def evaluate_text(assignment: Assignment, text: str) -> Verdict:
-    """Judge a submitted text. Deterministic and total: no text makes it raise.
+def evaluate_text(assignment: Assignment, text: str) -> Scoring:
+    """Score a submitted text. Deterministic and total: no text makes it raise.
 
     Raises:
         AssignmentError: the assignment does not fit its check, or asks for a script.
@@ -57,9 +57,9 @@ def evaluate_text(assignment: Assignment, text: str) -> Verdict:
     _raise_problem(assignment)
     check = TEXT_CHECKS.get(assignment.check)
     if check is None:
-        raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} judges scripts, not texts")
+        raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} scores scripts, not texts")
     findings = check.examine(assignment, text)
-    items = judge(check, assignment.items, findings)
+    items = score_items(check, assignment.items, findings)
     return summarise_text(items, findings)
 
 
@@ -101,7 +101,7 @@ def _in_case(assignment: Assignment, case_id: str) -> Assignment:
 def _script_check(assignment: Assignment) -> Check:
     _raise_problem(assignment)
     if assignment.check not in CHECKS:
-        raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} judges texts, not scripts")
+        raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} scores texts, not scripts")
     return CHECKS[assignment.check]
 
 

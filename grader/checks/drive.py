@@ -1,12 +1,12 @@
-"""What the checks on motion have in common: the driven path, the judged part of it, and how it ended."""
+"""What the checks on motion have in common: the driven path, the part of it that counts, and how it ended."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Command, Ints, Trajectory
-from grader.contracts.verdict import Run
 from grader.geometry.path import Path, driven_path
 
 MOVING_MPS = 0.02
@@ -16,7 +16,7 @@ MAX_PAUSE_NS = 1_500_000_000  # a longer rest before the horizon is the end, not
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Drive:
-    """The judged motion of one run.
+    """The motion of one run, as far as it counts.
 
     Attributes:
         path: the driven path. t_ns: (n,) the time of its samples.
@@ -38,10 +38,10 @@ def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
 
     Args:
         run: the run to look at.
-        until_contact: judge only what came before the car first touched a wall.
+        until_contact: leave out what came after the car first touched a wall.
     """
     trajectory = run.trajectory
-    count = _judged(trajectory, until_contact=until_contact)
+    count = _counted(trajectory, until_contact=until_contact)
     x_m, y_m, heading_rad = trajectory.x_m[:count], trajectory.y_m[:count], trajectory.heading_rad[:count]
     if count < 1 or not all(bool(np.isfinite(array).all()) for array in (x_m, y_m, heading_rad)):
         return None
@@ -61,7 +61,7 @@ def is_motion(command: Command) -> bool:
     return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS
 
 
-def _judged(trajectory: Trajectory, *, until_contact: bool) -> int:
+def _counted(trajectory: Trajectory, *, until_contact: bool) -> int:
     if not until_contact or not trajectory.contacts or len(trajectory) == 0:
         return len(trajectory)
     before = int(np.searchsorted(trajectory.t_ns, trajectory.contacts[0].start_ns, side="left"))

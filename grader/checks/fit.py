@@ -50,7 +50,7 @@ def _in_options(check: Kind, options: Mapping[str, Option], where: str) -> Itera
 def _other_input(check: Kind, wanted: str) -> Text:
     return Text(
         zh=f"检查 {check.kind!r} 要写 `input: {wanted}`",
-        en=f"the check {check.kind!r} judges a {wanted}; write `input: {wanted}`",
+        en=f"the check {check.kind!r} scores a {wanted}; write `input: {wanted}`",
     )
 
 

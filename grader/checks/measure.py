@@ -9,8 +9,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.record import positional_record, record
 from grader.contracts.rubric import Unit
+from grader.contracts.scoring import Run
 from grader.contracts.text import Text
-from grader.contracts.verdict import Run
 from grader.messages import say
 
 Option = float | int | str | bool

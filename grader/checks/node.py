@@ -1,11 +1,13 @@
 """Check ``node``: a node starts, logs, and stays alive until Ctrl+C."""
 
-from grader.checks.measure import Check, Findings, Measure, MeasureKind
-from grader.checks.mistakes.node import node_mistakes
+from collections.abc import Iterator
+
+from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake, mistake
+from grader.checks.mistakes import script_mistakes
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import RunOutcome, RunStatus
-from grader.contracts.verdict import Run
+from grader.contracts.scoring import Run
 from grader.messages.quantity import number
 
 MEASURES = {
@@ -37,6 +39,32 @@ def _alive(outcome: RunOutcome) -> float:
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """Return the view of log lines over time."""
     return FigureSketch(view="log")
+
+
+def node_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
+    """Return what probably went wrong with a first node."""
+    found = [*script_mistakes(outcome)]
+    if not found and not outcome.nodes:
+        code = "init_without_node" if outcome.status is RunStatus.INTERRUPTED else "nothing_ran"
+        found.append(mistake(code))
+    elif outcome.nodes:
+        found += _logging(outcome)
+        if outcome.status is RunStatus.FINISHED:
+            ended = number(outcome.duration_ns / 1e9, "s")
+            found.append(mistake("not_spinning", ("alive",), ended=ended))
+    return tuple(found)
+
+
+def _logging(outcome: RunOutcome) -> Iterator[Mistake]:
+    if any(record.level_name == "INFO" for record in outcome.logs):
+        return
+    if outcome.logs:
+        levels = sorted({record.level_name for record in outcome.logs})
+        yield mistake("wrong_level", ("info_logs",), levels=", ".join(levels))
+    elif outcome.stdout.text.strip():
+        yield mistake("printed", ("info_logs",))
+    elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
+        yield mistake("never_logged", ("info_logs",))
 
 
 CHECK = Check(kind="node", measures=MEASURES, examine=examine, sketch=sketch)

@@ -1,7 +1,16 @@
 """Check ``number``: a question whose answer is a number with a unit."""
 
-from grader.checks.measure import UNMEASURED, Findings, Measure, MeasureKind, Option, TextCheck, one_of
-from grader.checks.mistakes.number import number_mistakes
+from grader.checks.measure import (
+    UNMEASURED,
+    Findings,
+    Measure,
+    MeasureKind,
+    Mistake,
+    Option,
+    TextCheck,
+    mistake,
+    one_of,
+)
 from grader.contracts.assignment import Answer, Assignment
 from grader.contracts.rubric import Unit
 from grader.contracts.text import EMPTY, Text
@@ -60,6 +69,23 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
         return ()
     told = Text(zh="缺少：至少写一个 `right: true`", en="missing; give at least one with `right: true`")
     return (("answers", told),)
+
+
+def number_mistakes(given: SpokenQuantity | None, answer: Answer | None, unit: Unit) -> tuple[Mistake, ...]:
+    """Return what is known about a wrong answer.
+
+    Args:
+        given: the quantity that was taken for the answer, if there was any number.
+        answer: the known answer it is nearest to, if any.
+        unit: the one asked for.
+    """
+    if given is None:
+        return (mistake("no_number", unit=unit),)
+    if given.unit and given.in_unit(unit) is None:
+        return (mistake("other_unit", given=given.unit, unit=unit),)
+    if answer is not None and not answer.right:
+        return (mistake("known_wrong_answer", ("correct",), remark=answer.remark),)
+    return ()
 
 
 CHECK = TextCheck(

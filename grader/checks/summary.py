@@ -1,12 +1,12 @@
-"""The one sentence and the one next step above a list of judged items."""
+"""The one sentence and the one next step above a list of scored items."""
 
 from collections.abc import Sequence
 
 from grader.checks.measure import Findings, Mistake
 from grader.contracts.outcome import RunOutcome, RunStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.scoring import Scoring
 from grader.contracts.text import EMPTY, Text
-from grader.contracts.verdict import Verdict
 from grader.messages import enumerated, say
 from grader.messages.quantity import points
 
@@ -15,16 +15,16 @@ _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 
 def summarise(
     items: Sequence[RubricItem], findings: Sequence[Findings], outcomes: Sequence[RunOutcome]
-) -> Verdict:
+) -> Scoring:
     """Put summary, hint and recognised mistakes to the items; none of the latter when all is right."""
     wrong = [item for item in items if item.status not in _NOTHING_LOST]
     if not wrong and _waits(items):
-        return Verdict(items=tuple(items), summary=say("summary.waiting"))
+        return Scoring(items=tuple(items), summary=say("summary.waiting"))
     if not wrong:
-        return Verdict(items=tuple(items), summary=_all_passed(outcomes))
+        return Scoring(items=tuple(items), summary=_all_passed(outcomes))
     mistakes = _distinct(findings)
     hint = mistakes[0].text if mistakes else next((item.hint for item in wrong if item.hint != EMPTY), EMPTY)
-    return Verdict(
+    return Scoring(
         items=tuple(items),
         summary=_sentence(items, wrong),
         hint=hint,
@@ -32,13 +32,13 @@ def summarise(
     )
 
 
-def summarise_text(items: Sequence[RubricItem], findings: Findings) -> Verdict:
+def summarise_text(items: Sequence[RubricItem], findings: Findings) -> Scoring:
     """Put summary, hint and mistakes to the items of a text."""
     if not _waits(items):
         return summarise(items, [findings], [])
     short = next((item for item in items if item.status is ItemStatus.FAILED), None)
     hint = EMPTY if short is None else short.hint
-    return Verdict(items=tuple(items), summary=say("summary.waiting"), hint=hint)
+    return Scoring(items=tuple(items), summary=say("summary.waiting"), hint=hint)
 
 
 def _waits(items: Sequence[RubricItem]) -> bool:

@@ -8,9 +8,9 @@ from grader.checks import evaluate
 from grader.commands.replay import motion_of, replayed
 from grader.contracts.assignment import Assignment
 from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Command, Trajectory
-from grader.contracts.verdict import Run
 
 Commands = Sequence[Command]
 Spoil = Callable[[Commands, float], list[Command]]

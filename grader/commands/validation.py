@@ -1,4 +1,4 @@
-"""Does every assignment keep its word: solutions get full marks, wrong scripts the verdict they must get."""
+"""Does every assignment keep its word: solutions get full marks, wrong scripts the score they must get."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import closing
@@ -17,8 +17,8 @@ from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.numerals import written
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Language, Text
-from grader.contracts.verdict import Run
 from grader.grading.slot import Slot, SlotConfig
 from grader.messages import join
 from grader.render.progress import followed

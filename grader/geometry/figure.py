@@ -1,4 +1,4 @@
-"""Measure the polygon that runs and turns make: which part is the first figure, its sides and corners."""
+"""Measure the polygon that straights and turns make: which part is the first figure, its sides and corners."""
 
 import itertools
 import math
@@ -7,8 +7,7 @@ import numpy as np
 
 from grader.contracts.record import positional_record
 from grader.geometry.path import Path
-from grader.geometry.segmentation import MIN_TURN_RAD, Run, Segments, Turn
-from grader.geometry.vertices import chord, span
+from grader.geometry.segmentation import MIN_TURN_RAD, Segments, Straight, Turn
 
 FULL_TURN_RAD = 2.0 * math.pi
 MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
@@ -18,7 +17,7 @@ CLOSED_SHARE = 0.04  # of the perimeter: a figure whose end is this near to its 
 NEARLY_CLOSED_SHARE = 0.16  # from here on a gap earns nothing, and says nothing of what was meant
 SAME_SHARE = 0.04  # by how much a side too many may differ from the first
 ALIKE_RAD = math.radians(15.0)  # by how much corners of a figure with equal corners may differ
-MAX_APPROACH_RUNS = 3  # to one of its sides, perhaps round something, and along that to a corner
+MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
 @positional_record
@@ -33,7 +32,7 @@ class PolygonFigure:
         last_turn_rad: the turn after the last side that is no corner for that reason, less whole turns on
             the spot; 0 if there was none.
         approach_m: distance driven before the first side.
-        start: sample index where the first run begins, be it an approach.
+        start: sample index where the first straight begins, be it an approach.
         end: sample index where the figure ends, its last turn included.
         rest: sample index where the car came to rest: `end` unless it drove on.
         gap_m: distance from `start` to `rest`.
@@ -63,10 +62,10 @@ class PolygonFigure:
 
 @positional_record
 class _Extent:
-    """Which runs make the figure, and what becomes of the others.
+    """Which straights make the figure, and what becomes of the others.
 
     Attributes:
-        joined: the last and the first run are two parts of one side.
+        joined: the last and the first straight are two parts of one side.
     """
 
     first: int
@@ -77,16 +76,16 @@ class _Extent:
 
 
 def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> PolygonFigure | None:
-    """Measure the first figure, or return None when there is not one straight run.
+    """Measure the first figure, or return None when there is not one straight.
 
     Args:
         path: the driven path.
-        segments: its runs and turns.
+        segments: its straights and turns.
         sides: how many sides are wanted.
         cut_short: the car was still under way when the recording ended, so that the last segment says
             nothing about its intended size.
     """
-    if not segments.runs:
+    if not segments.straights:
         return None
     corners = _corners(path, segments)
     extent = _extent(path, segments, corners, sides, cut_short=cut_short)
@@ -96,13 +95,13 @@ def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bo
 
 
 def _corners(path: Path, segments: Segments) -> list[float]:
-    """Return the change of direction from each run to the next.
+    """Return the change of direction from each straight to the next.
 
     Between driving forward and backing up, turning by an angle or by its supplement the other way round comes
     to the same: the smaller change of direction is meant.
     """
     corners = []
-    for before, after in itertools.pairwise(segments.runs):
+    for before, after in itertools.pairwise(segments.straights):
         corner_rad = after.direction_rad - before.direction_rad
         other_way = _backs_up(path, before) != _backs_up(path, after)
         corners.append(math.remainder(corner_rad, FULL_TURN_RAD) if other_way else corner_rad)
@@ -110,21 +109,24 @@ def _corners(path: Path, segments: Segments) -> list[float]:
 
 
 def _closing_corner(path: Path, segments: Segments, first: int) -> list[float]:
-    """Return the turn after the last run, if there is one: the next side would be driven as run `first` was."""
+    """Return the turn after the last straight, if there is one.
+
+    The next side would be driven as straight `first` was: forward or backing up.
+    """
     if (closing := segments.turns[-1]) is None:
         return []
-    corner_rad = float(path.travel_rad[closing.last]) - segments.runs[-1].direction_rad
-    other_way = _backs_up(path, segments.runs[-1]) != _backs_up(path, segments.runs[first])
+    corner_rad = float(path.travel_rad[closing.last]) - segments.straights[-1].direction_rad
+    other_way = _backs_up(path, segments.straights[-1]) != _backs_up(path, segments.straights[first])
     return [math.remainder(corner_rad + math.pi, FULL_TURN_RAD) if other_way else corner_rad]
 
 
-def _backs_up(path: Path, run: Run) -> bool:
-    return bool(path.signed_m[run.last] < path.signed_m[run.first])
+def _backs_up(path: Path, straight: Straight) -> bool:
+    return bool(path.signed_m[straight.last] < path.signed_m[straight.first])
 
 
 def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> _Extent:
     """Find the figure: the first one that closes, else the first one whose direction comes round."""
-    total = len(segments.runs)
+    total = len(segments.straights)
     lengths = [chord(path, *span(path, segments, i)) for i in range(total)]
     lap = _comes_round(corners) or total
     if _halves(lengths, corners, lap):
@@ -169,12 +171,12 @@ def _alike(corners: list[float]) -> bool:
 def _closed(
     path: Path, segments: Segments, corners: list[float], lengths: list[float], sides: int
 ) -> tuple[int, int] | None:
-    """Return first run and number of runs of the first figure of equal corners that closes, or None.
+    """Return first straight and number of straights of the first figure of equal corners that closes, or None.
 
     What is driven before it is an approach. Where none closes, one of `sides` that nearly does is taken.
     """
     nearly = None
-    for first in range(min(MAX_APPROACH_RUNS + 1, len(lengths))):
+    for first in range(min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
         count = _comes_round(corners[first:])
         if count is None or count < 3 or not _alike(corners[first : first + count - 1]):
             continue
@@ -188,7 +190,7 @@ def _closed(
 
 
 def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
-    """Whether the path begins in the middle of a side, which its last run completes the same way."""
+    """Whether the path begins in the middle of a side, which its last straight completes the same way."""
     if len(lengths) != lap + 1 or lap < 3:
         return False
     turned = abs(sum(math.remainder(corner, FULL_TURN_RAD) for corner in corners))
@@ -211,12 +213,12 @@ def _figure(
     first, stop = extent.first, extent.first + extent.count
     spans = [span(path, segments, i) for i in range(first, stop)]
     closing = segments.turns[stop] if len(corners) >= stop else None
-    end = segments.runs[stop - 1].last if closing is None else closing.last
+    end = segments.straights[stop - 1].last if closing is None else closing.last
     sides = [chord(path, *one) for one in spans]
-    start, rest = segments.runs[0].first, len(path) - 1 if extent.overrun and at_rest else end
+    start, rest = segments.straights[0].first, len(path) - 1 if extent.overrun and at_rest else end
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
     curved_m = sum(turn.length_m for turn in segments.turns[first + 1 : stop] if turn is not None)
-    curved_m += sum(_bent_m(run) for run in segments.runs[first:stop])
+    curved_m += sum(_bent_m(straight) for straight in segments.straights[first:stop])
     if closing is not None:
         curved_m += closing.length_m
     curved_m = max(curved_m, 0.0)  # a turn within a correction goes back
@@ -244,9 +246,9 @@ def _figure(
     )
 
 
-def _bent_m(run: Run) -> float:
+def _bent_m(straight: Straight) -> float:
     """Return how much of a side counts as driven while turning: the more it bends, from a corner's least on."""
-    return run.length_m * min(max(run.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
+    return straight.length_m * min(max(straight.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
 
 
 def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
@@ -282,3 +284,33 @@ def _from_its_sense(corners: list[float]) -> list[float]:
     """Return the corners of a lap, mirrored if its first one turns right; whole turns aside."""
     bare = [math.remainder(corner, FULL_TURN_RAD) for corner in corners]
     return [-corner for corner in bare] if bare and bare[0] < 0.0 else bare
+
+
+def span(path: Path, segments: Segments, index: int) -> tuple[int, int]:
+    """Return the sample indices of the two vertices of straight `index`."""
+    straight, before, after = segments.straights[index], segments.turns[index], segments.turns[index + 1]
+    start = _start(path, straight) if index == 0 or before is None else _vertex(path, before)
+    return start, _end(path, straight) if after is None else _vertex(path, after)
+
+
+def chord(path: Path, start: int, stop: int) -> float:
+    """Return the distance between two samples, in metres."""
+    return math.hypot(float(path.x_m[stop] - path.x_m[start]), float(path.y_m[stop] - path.y_m[start]))
+
+
+def _vertex(path: Path, turn: Turn) -> int:
+    """Return the sample at which half of the turn is done."""
+    travel = path.travel_rad[turn.first : turn.last + 1]
+    return turn.first + int(np.argmin(np.abs(travel - (travel[0] + travel[-1]) / 2.0)))
+
+
+def _start(path: Path, straight: Straight) -> int:
+    """Return where the first side begins: of a correction there, where the car had backed up to."""
+    return straight.first + int(np.argmin(path.along_m[straight.first : straight.last + 1]))
+
+
+def _end(path: Path, straight: Straight) -> int:
+    """Return where the last side ends: of a correction there, where it came nearest to where the path began."""
+    far = straight.first + int(np.argmax(path.along_m[straight.first : straight.last + 1]))
+    x_m, y_m = path.x_m[far : straight.last + 1], path.y_m[far : straight.last + 1]
+    return far + int(np.argmin(np.hypot(x_m - path.x_m[0], y_m - path.y_m[0])))

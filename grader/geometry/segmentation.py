@@ -1,6 +1,6 @@
-"""Cut a driven path into runs (straight) and turns (in place or in an arc).
+"""Cut a driven path into straights and turns (in place or in an arc).
 
-Everything happens in the plane of distance travelled against direction of travel, where a run is a level
+Everything happens in the plane of distance travelled against direction of travel, where a straight is a level
 line, a turn in place an upright one and an arc a slope. Time plays no part: pauses, speed and sampling
 cannot matter. The staircase is simplified by Ramer-Douglas-Peucker with a tolerance in degrees and a share
 of the path's extent, so that wobble and noise below it vanish; what is left is classified and merged.
@@ -17,15 +17,17 @@ from grader.geometry.path import Floats, Path
 HEADING_TOLERANCE_RAD = math.radians(10.0)
 WOBBLE_RAD = math.radians(12.0)  # of a steering loop that still counts as straight, to either side
 DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent
-MIN_TURN_RAD = math.radians(15.0)  # below this, or in an arc wider than the path, a run is bent, not a corner
-MIN_RUN_SHARE = 0.06  # of the extent: shorter straight bits inside a corner belong to it
+MIN_TURN_RAD = math.radians(
+    15.0
+)  # below this, or in an arc wider than the path, a straight is bent, not a corner
+MIN_STRAIGHT_SHARE = 0.06  # of the extent: shorter straight bits inside a corner belong to it
 MIN_EXTENT_M = 0.02
 MAX_VERTICES = 1000
 STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
 
 
 @positional_record
-class Run:
+class Straight:
     """A straight stretch between samples `first` and `last`.
 
     Attributes:
@@ -61,11 +63,11 @@ class Segments:
     """Runs and the turns around them.
 
     Attributes:
-        turns: one more than there are runs: ``turns[i]`` comes before ``runs[i]``, the last one after the
-            last run; None where there was none. Without any run: a single turn or None.
+        turns: one more than there are straights: ``turns[i]`` comes before ``straights[i]``, the last one
+            after the last straight; None where there was none. Without any straight: a single turn or None.
     """
 
-    runs: tuple[Run, ...]
+    straights: tuple[Straight, ...]
     turns: tuple[Turn | None, ...]
 
 
@@ -77,7 +79,7 @@ class _Piece:
 
 
 def segment(path: Path) -> Segments:
-    """Cut `path` into alternating turns and runs."""
+    """Cut `path` into alternating turns and straights."""
     extent_m = max(path.extent_m, MIN_EXTENT_M)
     corners = _simplify(
         path.along_m / (DISTANCE_TOLERANCE_SHARE * extent_m), path.travel_rad / HEADING_TOLERANCE_RAD
@@ -130,13 +132,13 @@ def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
     for i in range(len(corners) - 1):
         change_rad, length_m = abs(travel[i + 1] - travel[i]), abs(along[i + 1] - along[i])
         bent = change_rad > MIN_TURN_RAD and length_m < extent_m * change_rad
-        short = length_m < MIN_RUN_SHARE * extent_m
+        short = length_m < MIN_STRAIGHT_SHARE * extent_m
         pieces.append(_Piece(corners[i], corners[i + 1], straight=not bent and not short))
     return pieces
 
 
 def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
-    """Merge neighbours of a kind, and runs over a turn between them that changed nothing."""
+    """Merge neighbours of a kind, and straights over a turn between them that changed nothing."""
     joined: list[_Piece] = []
     for piece in pieces:
         if joined and joined[-1].straight == piece.straight:
@@ -171,15 +173,15 @@ def _line(path: Path, piece: _Piece) -> tuple[float, float]:
 
 
 def _assemble(path: Path, pieces: list[_Piece]) -> Segments:
-    runs: list[Run] = []
+    straights: list[Straight] = []
     turns: list[Turn | None] = [None]
     for piece in pieces:
         length_m = float(path.along_m[piece.last] - path.along_m[piece.first])
         if piece.straight:
-            runs.append(Run(piece.first, piece.last, *_line(path, piece), length_m))
+            straights.append(Straight(piece.first, piece.last, *_line(path, piece), length_m))
             turns.append(None)
         else:
             angle = float(path.travel_rad[piece.last] - path.travel_rad[piece.first])
             if abs(angle) > STILL_RAD or abs(length_m) > STILL_M:
                 turns[-1] = Turn(piece.first, piece.last, angle, length_m)
-    return Segments(tuple(runs), tuple(turns))
+    return Segments(tuple(straights), tuple(turns))

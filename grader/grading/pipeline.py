@@ -19,7 +19,7 @@ from grader.contracts.report import (
     status_of,
 )
 from grader.contracts.rubric import summed
-from grader.contracts.verdict import Run, Verdict
+from grader.contracts.scoring import Run, Scoring
 from grader.grading.outcome import is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
@@ -52,9 +52,9 @@ class Pipeline:
         if job.assignment.input == "text":
             from grader.checks import evaluate_text
 
-            verdict = evaluate_text(job.assignment, job.source.decode("utf-8-sig", "replace"))
+            scoring = evaluate_text(job.assignment, job.source.decode("utf-8-sig", "replace"))
             return GradingResult(
-                report=_report(job, [], verdict, {}), trajectories={}, measurements=self._measurements([])
+                report=_report(job, [], scoring, {}), trajectories={}, measurements=self._measurements([])
             )
         accounts = [self._run(job, case, on_run) for case in job.assignment.cases]
         runs = [
@@ -123,11 +123,11 @@ def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
 
 
 def _report(
-    job: GradingJob, runs: list[Run], verdict: Verdict, trajectories: dict[str, bytes]
+    job: GradingJob, runs: list[Run], scoring: Scoring, trajectories: dict[str, bytes]
 ) -> GradeReport:
     assignment: Assignment = job.assignment
-    status = status_of(verdict.items, [run.outcome for run in runs])
-    score = summed(item.earned for item in verdict.items)
+    status = status_of(scoring.items, [run.outcome for run in runs])
+    score = summed(item.earned for item in scoring.items)
     return GradeReport(
         submission_sha256=hashlib.sha256(job.source).hexdigest(),
         assignment=assignment.id,
@@ -138,7 +138,7 @@ def _report(
         status=status,
         score=None if status is GradeStatus.NEEDS_MANUAL else score,
         max_score=assignment.max_score,
-        items=verdict.items,
+        items=scoring.items,
         runs=tuple(
             CaseRun(
                 case=run.case,
@@ -147,7 +147,7 @@ def _report(
             )
             for run in runs
         ),
-        summary=verdict.summary,
-        hint=verdict.hint,
-        mistakes=verdict.mistakes,
+        summary=scoring.summary,
+        hint=scoring.hint,
+        mistakes=scoring.mistakes,
     )

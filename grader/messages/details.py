@@ -8,8 +8,7 @@ import re
 
 from grader.contracts.outcome import RunStatus
 from grader.contracts.text import EMPTY, Text
-from grader.messages import say
-from grader.messages.stalls import stall
+from grader.messages import join, say
 
 _CHANGES = "os\\.(?:remove|rename|rmdir|mkdir|chmod|chown|link|symlink|truncate)|shutil\\.\\w+"
 _PROGRAMS = "subprocess\\.Popen|os\\.(?:fork|forkpty|system|exec|posix_spawn|spawn)"
@@ -44,3 +43,40 @@ def explained(status: RunStatus, detail: str) -> Text:
         if (match := pattern.fullmatch(detail)) is not None:
             return say(f"detail.{code}", what=detail, **match.groupdict())
     return stall(detail) if status is RunStatus.STALLED else Text(zh=detail, en=detail)
+
+
+_CLAUSE = re.compile(r"(?P<thread>[^:;]*?)(?:, line (?P<line>\d+))?: (?P<reason>.*)", re.DOTALL)
+_REASONS = {
+    re.compile(r"rate\.sleep\(\) waits for a timer of its node.*"): "rate",
+    re.compile(r"(?P<call>\S+) waits for an answer, but no executor.*"): "answer",
+    re.compile(r"spin_once\(\) waits for .*"): "spin_once",
+    re.compile(r"wait_for_message\(\) waits for a message on (?P<topic>.+)"): "message",
+    re.compile(r"the end of the program waits for the other threads"): "threads",
+    re.compile(r"(?P<call>\S+) waits for ever"): "call",
+}
+_MAIN = "main thread"
+_MAIN_THREAD = Text(zh="主线程", en=_MAIN)
+_SEPARATOR = Text(zh="；", en="; ")
+
+
+def stall(detail: str) -> Text:
+    """Return the account of a stall in both languages; `detail` is what the script's process said."""
+    return join([_clause(part) for part in detail.split("; ")], _SEPARATOR)
+
+
+def _clause(text: str) -> Text:
+    match = _CLAUSE.fullmatch(text)
+    if match is None:
+        return Text(zh=text, en=text)
+    reason = _reason(match["reason"])
+    thread = _MAIN_THREAD if match["thread"] == _MAIN else match["thread"]
+    if match["line"] is None:
+        return say("stall.thread", thread=thread, reason=reason)
+    return say("stall.place", thread=thread, line=match["line"], reason=reason)
+
+
+def _reason(text: str) -> Text:
+    for pattern, code in _REASONS.items():
+        if (match := pattern.fullmatch(text)) is not None:
+            return say(f"stall.{code}", **match.groupdict())
+    return Text(zh=text, en=text)

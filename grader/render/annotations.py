@@ -61,7 +61,7 @@ def _arrows(points: Floats, sketch: FigureSketch) -> Iterator[Arrow]:
         for side in sketch.sides:
             if side.length_m > _LEAST_ARROW_M:
                 tail, tip = (_between(side.start_m, side.end_m, share) for share in (0.52, 0.6))
-                yield tail, tip, palette.verdict(side.ok)
+                yield tail, tip, palette.colour_of(side.ok)
         return
     travelled = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))))
     if travelled[-1] < _LEAST_ARROW_M:
@@ -135,7 +135,7 @@ def _side_label(side: SketchSide, centre: Point) -> Label:
     side_of = 1.0 if x * out_x + y * out_y >= 0 else -1.0
     away = (side_of * x, side_of * y) if abs(x) + abs(y) > 1e-6 else (0.0, 1.0)
     text = f"{'✗ ' if side.ok is False else ''}{quantity.number(side.length_m, 'm')}"
-    colour = palette.verdict(side.ok)
+    colour = palette.colour_of(side.ok)
     return Label(at_m=middle, text=text, away=away, colour=colour, size_pt=10.5, boxed=side.ok is False)
 
 
@@ -145,7 +145,7 @@ def _corner_label(corner: SketchCorner, centre: Point, signed: bool) -> Label:
     angle_deg = corner.angle_deg
     angle = quantity.signed(angle_deg, "deg") if signed else quantity.number(abs(angle_deg), "deg")
     text = f"{'✗ ' if corner.ok is False else ''}{angle}"
-    colour = palette.verdict(corner.ok)
+    colour = palette.colour_of(corner.ok)
     return Label(at_m=corner.at_m, text=text, away=(-x, -y), colour=colour, boxed=corner.ok is False)
 
 
@@ -153,12 +153,12 @@ def _remarks(sketch: FigureSketch, scene: Scene, centre: Point) -> Iterator[Labe
     if (gap := sketch.gap) is not None and not gap.ok:
         middle = _between(gap.start_m, gap.end_m, 0.5)
         text = scene.word("gap", length=quantity.number(gap.length_m, "m"))
-        colour = palette.verdict(gap.ok)
+        colour = palette.colour_of(gap.ok)
         yield Label(at_m=middle, text=text, away=_away(middle, centre), colour=colour, boxed=gap.ok is False)
     for label in sketch.labels:
         text = drawable(label.text.get(scene.language), _REMARK_CHARACTERS)
         yield Label(
-            at_m=label.at_m, text=text, away=_away(label.at_m, centre), colour=palette.verdict(label.ok)
+            at_m=label.at_m, text=text, away=_away(label.at_m, centre), colour=palette.colour_of(label.ok)
         )
 
 

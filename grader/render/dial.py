@@ -8,8 +8,8 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.trajectory import Floats
 from grader.messages import quantity
 from grader.render import palette
+from grader.render.palette import draw_end, draw_start
 from grader.render.scene import Scene
-from grader.render.symbols import draw_end, draw_start
 from grader.render.typeface import drawable
 
 _INNER = 0.62
@@ -54,11 +54,11 @@ def draw_dial(axes: Axes, scene: Scene) -> None:
 
 
 def _colour(ok: bool | None) -> str:
-    return palette.PASSED if ok is None else palette.verdict(ok)
+    return palette.PASSED if ok is None else palette.colour_of(ok)
 
 
 def _words(axes: Axes, scene: Scene, sketch: FigureSketch, turned_deg: float) -> None:
-    """Write the turn that was judged, else the last heading's, and the sketch's remarks into the middle."""
+    """Write the turn that was counted, else the last heading's, and the sketch's remarks into the middle."""
     ok = sketch.corners[0].ok if sketch.corners else None
     total_deg = sketch.corners[0].angle_deg if sketch.corners else turned_deg
     total = f"{'✗ ' if ok is False else ''}{quantity.signed(total_deg, 'deg')}"
@@ -66,7 +66,7 @@ def _words(axes: Axes, scene: Scene, sketch: FigureSketch, turned_deg: float) ->
     axes.text(0, -0.12, scene.word("turned"), ha="center", va="center", fontsize=10, color=palette.MUTED)
     for i, label in enumerate(sketch.labels):
         text = drawable(label.text.get(scene.language), _REMARK_CHARACTERS)
-        axes.text(0, -0.32 - 0.12 * i, text, ha="center", fontsize=10, color=palette.verdict(label.ok))
+        axes.text(0, -0.32 - 0.12 * i, text, ha="center", fontsize=10, color=palette.colour_of(label.ok))
 
 
 def _pitch(turned: Floats) -> float:

@@ -16,7 +16,7 @@ def to_gradescope(
     `stored_sha256` is the digest of the report that was stored, where `report` has points that people gave, too.
 
     While a person has still to grade, the top-level score is left out, and the score of what waits: Gradescope
-    then sums what has been judged.
+    then sums what has been scored.
     """
     document: dict[str, object] = {
         "output": _overview(report, language),
@@ -34,14 +34,14 @@ def to_gradescope(
 
 
 def _gradescope_test(item: RubricItem, position: int, language: Language) -> dict[str, object]:
-    judged: dict[str, object] = {
+    scored: dict[str, object] = {
         "score": item.earned,
         "status": "passed" if item.status is ItemStatus.PASSED else "failed",
     }
     return {
         "name": visible(item.title.get(language)),
         "number": str(position),
-        **({} if item.status is ItemStatus.NEEDS_MANUAL else judged),
+        **({} if item.status is ItemStatus.NEEDS_MANUAL else scored),
         "max_score": item.points,
         "output": _evidence(item, language),
         "visibility": "visible",
@@ -79,9 +79,9 @@ def _prairielearn_test(item: RubricItem, language: Language) -> dict[str, object
 
 
 def _share(report: GradeReport) -> float:
-    """Return the score as a share in [0, 1]; items judged so far count while a person has still to grade."""
-    judged = summed(item.earned for item in report.items)
-    score = judged if report.score is None else report.score
+    """Return the score as a share in [0, 1]; items scored so far count while others wait for a person."""
+    scored = summed(item.earned for item in report.items)
+    score = scored if report.score is None else report.score
     return min(max(score / report.max_score, 0.0), 1.0) if report.max_score > 0 else 0.0
 
 

@@ -9,8 +9,8 @@ from grader.contracts.figure import FigureSketch, SketchSide
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.render import palette
 from grader.render.annotations import annotate, position
+from grader.render.palette import draw_end, draw_start
 from grader.render.scene import Scene
-from grader.render.symbols import draw_end, draw_start
 
 _LEAST_EXTENT_M = 1.2
 _MARGIN = 0.16
@@ -32,7 +32,7 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
     _draw_path(axes, track, path, sketch, scene)
     for side in sketch.sides:
         _draw_side(axes, side)
-    _legend_of_verdicts(axes, sketch, scene)
+    _legend_of_fits(axes, sketch, scene)
     _gap(axes, sketch)
     _corners(axes, sketch)
     _ends(axes, track, scene)
@@ -108,7 +108,7 @@ def _ideal(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
 
 
 def _draw_path(axes: Axes, track: Trajectory, path: Floats, sketch: FigureSketch, scene: Scene) -> None:
-    begin, end = _judged(track, sketch)
+    begin, end = _counted(track, sketch)
     shift = (
         np.searchsorted(np.array(track.jumps, dtype=int), [begin, end], side="right")
         if track.jumps
@@ -120,15 +120,15 @@ def _draw_path(axes: Axes, track: Trajectory, path: Floats, sketch: FigureSketch
         for i, part in enumerate(rest):
             label = scene.word("path_rest") if i == 0 else None
             axes.plot(part[:, 0], part[:, 1], color=palette.FAINT, lw=1.2, zorder=2.5, label=label)
-    judged = path[first : last + 1]
+    counted = path[first : last + 1]
     axes.plot(
-        judged[:, 0], judged[:, 1], color=palette.INK, lw=1.3, zorder=3, solid_joinstyle="round",
+        counted[:, 0], counted[:, 1], color=palette.INK, lw=1.3, zorder=3, solid_joinstyle="round",
         label=scene.word("path"),
     )  # fmt: skip
 
 
-def _judged(track: Trajectory, sketch: FigureSketch) -> tuple[int, int]:
-    """Return the first and the last index of the judged part."""
+def _counted(track: Trajectory, sketch: FigureSketch) -> tuple[int, int]:
+    """Return the first and the last index of the counted part."""
     last = len(track) - 1
     begin = int(np.searchsorted(track.t_ns, sketch.begin_ns, side="right")) - 1
     end = last if sketch.end_ns is None else int(np.searchsorted(track.t_ns, sketch.end_ns, side="left"))
@@ -140,16 +140,16 @@ def _draw_side(axes: Axes, side: SketchSide) -> None:
     if side.ok is None:
         return
     style = "-" if side.ok else palette.FAILED_DASHES
-    axes.plot([x0, x1], [y0, y1], color=palette.verdict(side.ok), lw=2.8, ls=style, zorder=4)
+    axes.plot([x0, x1], [y0, y1], color=palette.colour_of(side.ok), lw=2.8, ls=style, zorder=4)
 
 
-def _legend_of_verdicts(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
-    verdicts = {side.ok for side in sketch.sides} | {corner.ok for corner in sketch.corners}
-    if True in verdicts:
+def _legend_of_fits(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
+    fits = {side.ok for side in sketch.sides} | {corner.ok for corner in sketch.corners}
+    if True in fits:
         axes.plot(
             [], [], color=palette.PASSED, lw=2.8, marker="o", mfc="white", ms=6, label=scene.word("side_ok")
         )
-    if False in verdicts:
+    if False in fits:
         axes.plot(
             [], [], color=palette.FAILED, lw=2.8, ls=palette.FAILED_DASHES, marker="X", ms=8, mec="white",
             label=scene.word("side_bad"),
@@ -160,7 +160,7 @@ def _gap(axes: Axes, sketch: FigureSketch) -> None:
     if sketch.gap is None or sketch.gap.ok:
         return
     (x0, y0), (x1, y1) = sketch.gap.start_m, sketch.gap.end_m
-    axes.plot([x0, x1], [y0, y1], color=palette.verdict(sketch.gap.ok), lw=1.6, ls=":", zorder=4.5)
+    axes.plot([x0, x1], [y0, y1], color=palette.colour_of(sketch.gap.ok), lw=1.6, ls=":", zorder=4.5)
 
 
 def _corners(axes: Axes, sketch: FigureSketch) -> None:
@@ -169,7 +169,7 @@ def _corners(axes: Axes, sketch: FigureSketch) -> None:
         if corner.ok is False:
             axes.plot([x], [y], "X", color=palette.FAILED, ms=9, mec="white", mew=0.8, zorder=6)
         else:
-            axes.plot([x], [y], "o", mec=palette.verdict(corner.ok), mfc="white", mew=1.6, ms=6, zorder=6)
+            axes.plot([x], [y], "o", mec=palette.colour_of(corner.ok), mfc="white", mew=1.6, ms=6, zorder=6)
 
 
 def _ends(axes: Axes, track: Trajectory, scene: Scene) -> None:

@@ -11,9 +11,9 @@ from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import PictureForm
 from grader.contracts.report import CaseRun, GradeReport, report_from
+from grader.contracts.scoring import Run
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
-from grader.contracts.verdict import Run
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -11,9 +11,9 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.identity import Caller
 from grader.contracts.judgement import judged
 from grader.contracts.report import CaseRun, GradeReport
+from grader.contracts.scoring import Run
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
-from grader.contracts.verdict import Run
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import shown_assignment
 

@@ -10,8 +10,8 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
+from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Command, Trajectory
-from grader.contracts.verdict import Run
 
 Leg = tuple[float, float, float]  # duration in s, v in m/s, w in rad/s
 PERIOD_S = 1.0 / 60.0

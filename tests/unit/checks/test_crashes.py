@@ -206,11 +206,11 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
     ],
 )
 def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]) -> None:
-    verdict = silent(RunStatus.CRASHED, error=problem, signal="SIGSEGV")
-    assert verdict.mistakes[0] == code
-    assert all(word in verdict.hint.zh and word in verdict.hint.en for word in words)
-    assert "/opt/ros" not in verdict.hint.zh  # where a module stands tells a student nothing
-    assert ":）" not in verdict.hint.zh
+    scoring = silent(RunStatus.CRASHED, error=problem, signal="SIGSEGV")
+    assert scoring.mistakes[0] == code
+    assert all(word in scoring.hint.zh and word in scoring.hint.en for word in words)
+    assert "/opt/ros" not in scoring.hint.zh  # where a module stands tells a student nothing
+    assert ":）" not in scoring.hint.zh
 
 
 @pytest.mark.parametrize(
@@ -223,10 +223,10 @@ def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]
     ],
 )
 def test_what_is_not_python(kind: str, message: str, code: str) -> None:
-    verdict = silent(RunStatus.SYNTAX_ERROR, error=error(kind, message))
-    assert verdict.mistakes == (code,)
-    assert "17" in verdict.hint.zh
-    assert "17" in verdict.hint.en
+    scoring = silent(RunStatus.SYNTAX_ERROR, error=error(kind, message))
+    assert scoring.mistakes == (code,)
+    assert "17" in scoring.hint.zh
+    assert "17" in scoring.hint.en
 
 
 @pytest.mark.parametrize("line", ["```python", "$ python3 a.py", ">>> import rclpy"])

@@ -10,8 +10,8 @@ from grader.checks.measure import MeasureKind
 from grader.contracts.assignment import Assignment, Case, ItemSpec
 from grader.contracts.errors import AssignmentError
 from grader.contracts.rubric import ItemStatus
+from grader.contracts.scoring import Run
 from grader.contracts.text import LANGUAGES, Text
-from grader.contracts.verdict import Run
 from tests.unit.checks.ideal_turtle import drive, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
 
@@ -25,22 +25,22 @@ def test_shipped_assignments_fit_their_checks(shipped: Assignment) -> None:
 
 
 def test_items_stand_in_the_order_of_the_rubric() -> None:
-    verdict = graded("square", drive(polygon_legs(4)))
-    assert [each.id for each in verdict.items] == [spec.id for spec in assignment("square").items]
+    scoring = graded("square", drive(polygon_legs(4)))
+    assert [each.id for each in scoring.items] == [spec.id for spec in assignment("square").items]
 
 
 def test_not_checked_spreads_along_dependencies_and_names_them() -> None:
-    verdict = graded("square", drive([(3.0, 1.0, 0.0)]))
-    assert item(verdict, "sides").status is ItemStatus.FAILED
-    lengths = item(verdict, "lengths")
+    scoring = graded("square", drive([(3.0, 1.0, 0.0)]))
+    assert item(scoring, "sides").status is ItemStatus.FAILED
+    lengths = item(scoring, "lengths")
     assert lengths.status is ItemStatus.NOT_CHECKED
     assert lengths.measured is None
     assert "Number of sides" in lengths.message.en
 
 
 def test_what_rests_on_little_counts_in_part_and_says_so() -> None:
-    verdict = graded("square", drive(polygon_legs(4, corners_deg=[90, 102, 90, 90])))
-    angles, lengths = item(verdict, "angles"), item(verdict, "lengths")
+    scoring = graded("square", drive(polygon_legs(4, corners_deg=[90, 102, 90, 90])))
+    angles, lengths = item(scoring, "angles"), item(scoring, "lengths")
     share = angles.earned / angles.points / 0.5
     assert 0 < share < 1
     assert lengths.status is ItemStatus.PARTIAL
@@ -49,7 +49,7 @@ def test_what_rests_on_little_counts_in_part_and_says_so() -> None:
     assert "counts for 31.2 % only" in lengths.message.en
     assert lengths.message.en.endswith("Corner angles.")
     assert lengths.hint.en == ""  # the sides are right
-    assert "Equal sides" not in verdict.summary.en
+    assert "Equal sides" not in scoring.summary.en
     half = graded("square", drive(polygon_legs(4, corners_deg=[90, 98, 90, 90])))
     assert item(half, "lengths").earned == lengths.points
 
@@ -72,10 +72,10 @@ def test_several_cases_divide_the_points() -> None:
         Run(case="short", trajectory=right, outcome=outcome_of(right)),
         Run(case="long", trajectory=wrong, outcome=outcome_of(wrong)),
     ]
-    verdict = evaluate(square, runs)
-    assert score(verdict) == 50
-    assert verdict.items[0].id == "short/moves"
-    assert sum(each.points for each in verdict.items) == square.max_score
+    scoring = evaluate(square, runs)
+    assert score(scoring) == 50
+    assert scoring.items[0].id == "short/moves"
+    assert sum(each.points for each in scoring.items) == square.max_score
 
 
 def test_the_same_run_gets_the_same_verdict() -> None:
@@ -84,10 +84,10 @@ def test_the_same_run_gets_the_same_verdict() -> None:
 
 
 def test_summary_counts() -> None:
-    verdict = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 2, 1.5])))
-    assert "8 项中 6 项通过" in verdict.summary.zh
-    assert "6 of 8" in verdict.summary.en
-    assert "Equal sides, Back to the start" in verdict.summary.en
+    scoring = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 2, 1.5])))
+    assert "8 项中 6 项通过" in scoring.summary.zh
+    assert "6 of 8" in scoring.summary.en
+    assert "Equal sides, Back to the start" in scoring.summary.en
     assert "0/100" in graded("square", drive([], horizon_s=1.0)).summary.zh
 
 
@@ -124,10 +124,10 @@ def test_published_rubric_says_what_counts_in_part_only() -> None:
 
 
 def test_report_items_show_the_same_wanted_text() -> None:
-    verdict = graded("square", drive(polygon_legs(4)))
+    scoring = graded("square", drive(polygon_legs(4)))
     published = published_rubric(assignment("square"))
-    assert [each.wanted for each in verdict.items] == [each.wanted for each in published.items]
-    angles = item(verdict, "angles")
+    assert [each.wanted for each in scoring.items] == [each.wanted for each in published.items]
+    angles = item(scoring, "angles")
     assert (angles.target, angles.tolerance, angles.unit) == (90.0, 3.0, "deg")
 
 

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.checks import evaluate, problems, sketch
-from grader.checks.wanted_polygon import WantedPolygon
+from grader.checks.polygon_figures import WantedPolygon
 from grader.contracts.assignment import Case
 from grader.contracts.outcome import RunStatus
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.verdict import Run
+from grader.contracts.scoring import Run
 from tests.unit.checks.ideal_turtle import Leg, drive, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
 
@@ -23,9 +23,9 @@ RECTANGLE = WantedPolygon(4, LONG_FIRST)
 @pytest.mark.parametrize("lengths", [LONG_FIRST, SHORT_FIRST])
 @pytest.mark.parametrize("w", [1.0, -1.0])
 def test_a_rectangle_from_either_side_and_either_way(lengths: tuple[float, ...], w: float) -> None:
-    verdict = graded("rectangle", drive(polygon_legs(4, lengths_m=lengths, w_radps=w)))
-    assert score(verdict) == 100
-    assert verdict.mistakes == ()
+    scoring = graded("rectangle", drive(polygon_legs(4, lengths_m=lengths, w_radps=w)))
+    assert score(scoring) == 100
+    assert scoring.mistakes == ()
 
 
 def test_a_rectangle_begun_in_the_middle_of_a_side() -> None:
@@ -45,10 +45,10 @@ def test_a_repeated_rectangle(laps: float) -> None:
     "lengths", [(2.0,) * 4, (3.0,) * 4, (1.5, 1.0) * 2, (3.0, 3.0, 2.0, 2.0), (3.0, 2.0, 3.0, 1.8)]
 )
 def test_other_lengths_cost_and_are_told(lengths: tuple[float, ...]) -> None:
-    verdict = graded("rectangle", drive(polygon_legs(4, lengths_m=lengths)))
-    assert item(verdict, "lengths").status in (ItemStatus.FAILED, ItemStatus.PARTIAL)
-    assert verdict.mistakes == ("wrong_lengths",)
-    assert "3 m" in verdict.hint.zh
+    scoring = graded("rectangle", drive(polygon_legs(4, lengths_m=lengths)))
+    assert item(scoring, "lengths").status in (ItemStatus.FAILED, ItemStatus.PARTIAL)
+    assert scoring.mistakes == ("wrong_lengths",)
+    assert "3 m" in scoring.hint.zh
 
 
 @pytest.mark.parametrize("side", range(4))
@@ -82,11 +82,11 @@ def test_a_case_has_its_own_side() -> None:
     for case, side in zip(task.cases, (1.5, 2.0, 0.8), strict=True):
         trajectory = drive(polygon_legs(4, side))
         runs.append(Run(trajectory=trajectory, outcome=outcome_of(trajectory), case=case.id))
-    verdict = evaluate(task, runs)
-    lost = [each.id for each in verdict.items if each.status is not ItemStatus.PASSED]
+    scoring = evaluate(task, runs)
+    lost = [each.id for each in scoring.items if each.status is not ItemStatus.PASSED]
     assert lost == ["side_3/lengths"]
-    assert sum(each.points for each in verdict.items) == pytest.approx(100, abs=1e-9)
-    assert "应为 3 m" in verdict.hint.zh
+    assert sum(each.points for each in scoring.items) == pytest.approx(100, abs=1e-9)
+    assert "应为 3 m" in scoring.hint.zh
 
 
 def test_options_that_do_not_fit() -> None:

@@ -10,8 +10,8 @@ import pytest
 
 from grader.checks import evaluate, mistakes
 from grader.contracts.outcome import Endpoint, Note, RunStatus, Stream
+from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Trajectory
-from grader.contracts.verdict import Run
 from grader.messages import exceptions
 from tests.unit.checks.ideal_turtle import drive, error, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, score, silent
@@ -63,10 +63,10 @@ def test_other_ends(status: RunStatus, code: str) -> None:
     ],
 )
 def test_silence(status: RunStatus, changes: dict[str, object], code: str, word: str) -> None:
-    verdict = silent(status, **changes)
-    assert verdict.mistakes == (code,)
-    assert word in verdict.hint.zh
-    assert word in verdict.hint.en
+    scoring = silent(status, **changes)
+    assert scoring.mistakes == (code,)
+    assert word in scoring.hint.zh
+    assert word in scoring.hint.en
 
 
 def teleporting(trajectory: Trajectory, *turns_rad: float, final_reset: bool = False) -> Trajectory:
@@ -95,10 +95,10 @@ def teleporting(trajectory: Trajectory, *turns_rad: float, final_reset: bool = F
 def test_teleporting_is_not_driving(endpoints: tuple[Endpoint, ...]) -> None:
     still = teleporting(drive([], horizon_s=2.0), *[math.pi / 2] * 4)
     outcome = outcome_of(still, endpoints=endpoints)
-    verdict = evaluate(assignment("square"), [Run(trajectory=replace(still, commands=()), outcome=outcome)])
-    assert (verdict.mistakes, score(verdict)) == (("teleported",), 0)
-    assert "瞬移" in verdict.hint.zh
-    assert "teleporting is not driving" in verdict.hint.en
+    scoring = evaluate(assignment("square"), [Run(trajectory=replace(still, commands=()), outcome=outcome)])
+    assert (scoring.mistakes, score(scoring)) == (("teleported",), 0)
+    assert "瞬移" in scoring.hint.zh
+    assert "teleporting is not driving" in scoring.hint.en
 
 
 def test_one_teleport_or_a_reset_among_commands_is_no_mistake() -> None:
@@ -121,8 +121,8 @@ def test_one_teleport_or_a_reset_among_commands_is_no_mistake() -> None:
     ],
 )
 def test_notes(note: Note, changes: dict[str, object], code: str) -> None:
-    verdict = silent(notes=(note,), **changes)
-    assert verdict.mistakes[0] == code
+    scoring = silent(notes=(note,), **changes)
+    assert scoring.mistakes[0] == code
 
 
 def test_what_ended_a_thread_is_explained_as_well() -> None:
@@ -146,16 +146,16 @@ def test_no_mistake_is_claimed_when_all_is_right() -> None:
     """A crash after the figure was complete costs nothing; the summary mentions it."""
     trajectory = drive(polygon_legs(4))
     outcome = outcome_of(trajectory, RunStatus.CRASHED, error=error("RCLError", "late"))
-    verdict = evaluate(assignment("square"), [Run(trajectory=trajectory, outcome=outcome)])
-    assert score(verdict) == 100
-    assert verdict.mistakes == ()
-    assert "17" in verdict.summary.zh
-    assert "RCLError" in verdict.summary.en
+    scoring = evaluate(assignment("square"), [Run(trajectory=trajectory, outcome=outcome)])
+    assert score(scoring) == 100
+    assert scoring.mistakes == ()
+    assert "17" in scoring.summary.zh
+    assert "RCLError" in scoring.summary.en
 
 
 def test_the_hint_of_an_item_is_the_mistake_that_spoilt_it() -> None:
-    verdict = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 2, 1.7])))
-    hints = {each.id: each.hint.en for each in verdict.items if each.hint.en}
+    scoring = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 2, 1.7])))
+    hints = {each.id: each.hint.en for each in scoring.items if each.hint.en}
     assert "Side 4" in hints["lengths"]
     assert "angles" not in hints
 

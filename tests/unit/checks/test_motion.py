@@ -25,9 +25,9 @@ def bounced(wall_s: float = 5.0) -> Trajectory:
 @pytest.mark.parametrize("heading_deg", [0, 84, 200])
 @pytest.mark.parametrize(("name", "v"), [("straight", 1.0), ("backward", -1.0)])
 def test_right_motions_get_full_marks(name: str, v: float, heading_deg: float) -> None:
-    verdict = graded(name, drive([(0.8, v, 0.0)], heading_deg=heading_deg))
-    assert score(verdict) == 100
-    assert verdict.hint.en == ""
+    scoring = graded(name, drive([(0.8, v, 0.0)], heading_deg=heading_deg))
+    assert score(scoring) == 100
+    assert scoring.hint.en == ""
 
 
 def test_driving_for_ever_is_judged_up_to_the_wall() -> None:
@@ -42,10 +42,10 @@ def test_still_moving_at_the_horizon_costs_nothing() -> None:
     ("name", "v", "mistake"), [("straight", -1.0, "drove_backward"), ("backward", 1.0, "drove_forward")]
 )
 def test_the_wrong_way(name: str, v: float, mistake: str) -> None:
-    verdict = graded(name, drive([(2.0, v, 0.0)]))
-    assert item(verdict, "distance").status is ItemStatus.FAILED
-    assert item(verdict, "lateral").status is ItemStatus.NOT_CHECKED
-    assert verdict.mistakes == (mistake,)
+    scoring = graded(name, drive([(2.0, v, 0.0)]))
+    assert item(scoring, "distance").status is ItemStatus.FAILED
+    assert item(scoring, "lateral").status is ItemStatus.NOT_CHECKED
+    assert scoring.mistakes == (mistake,)
 
 
 def test_credit_for_the_distance_falls_smoothly() -> None:
@@ -56,50 +56,50 @@ def test_credit_for_the_distance_falls_smoothly() -> None:
 
 
 def test_a_curve_costs_heading_and_line() -> None:
-    verdict = graded("straight", drive([(3.0, 1.0, 0.3)]))
-    assert item(verdict, "heading").earned < 15
-    assert item(verdict, "lateral").earned < 20
-    assert verdict.mistakes == ("curved",)
+    scoring = graded("straight", drive([(3.0, 1.0, 0.3)]))
+    assert item(scoring, "heading").earned < 15
+    assert item(scoring, "lateral").earned < 20
+    assert scoring.mistakes == ("curved",)
 
 
 def test_coming_back() -> None:
-    verdict = graded("straight", drive([(3.0, 1.0, 0.0), (1.0, -1.0, 0.0)]))
-    assert item(verdict, "distance").status is ItemStatus.PASSED
-    assert item(verdict, "no_return").status is ItemStatus.FAILED
-    assert verdict.mistakes == ("came_back",)
+    scoring = graded("straight", drive([(3.0, 1.0, 0.0), (1.0, -1.0, 0.0)]))
+    assert item(scoring, "distance").status is ItemStatus.PASSED
+    assert item(scoring, "no_return").status is ItemStatus.FAILED
+    assert scoring.mistakes == ("came_back",)
 
 
 def test_turning_on_the_spot_is_not_driving() -> None:
-    verdict = graded("straight", drive([(3.0, 0.0, 1.0)]))
-    assert score(verdict) == 10
-    assert verdict.mistakes == ("only_turned",)
+    scoring = graded("straight", drive([(3.0, 0.0, 1.0)]))
+    assert score(scoring) == 10
+    assert scoring.mistakes == ("only_turned",)
 
 
 @pytest.mark.parametrize(("name", "v"), [("straight", -1.0), ("backward", 1.0)])
 def test_whoever_turns_round_first_has_not_driven_the_way_that_was_asked(name: str, v: float) -> None:
-    verdict = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
-    assert item(verdict, "distance").status is ItemStatus.FAILED
-    assert score(verdict) == 10
-    assert verdict.mistakes == ("turned_too",)
+    scoring = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
+    assert item(scoring, "distance").status is ItemStatus.FAILED
+    assert score(scoring) == 10
+    assert scoring.mistakes == ("turned_too",)
 
 
 @pytest.mark.parametrize(("name", "v"), [("straight", 1.0), ("backward", -1.0)])
 def test_whoever_turns_round_and_then_drives_as_asked_is_told_of_the_turn(name: str, v: float) -> None:
-    verdict = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
-    assert item(verdict, "distance").status is ItemStatus.FAILED
-    assert verdict.mistakes == ("turned_too",)  # not that linear.x has the wrong sign
+    scoring = graded(name, drive([(math.pi, 0.0, 1.0), (2.0, v, 0.0)]))
+    assert item(scoring, "distance").status is ItemStatus.FAILED
+    assert scoring.mistakes == ("turned_too",)  # not that linear.x has the wrong sign
 
 
 def test_whoever_drives_the_wrong_way_is_told_so_before_a_turn() -> None:
-    verdict = graded("backward", drive([(2.0, 1.0, 0.0), (1.0, 0.0, 1.0)]))
-    assert verdict.mistakes == ("drove_forward", "turned_too")
+    scoring = graded("backward", drive([(2.0, 1.0, 0.0), (1.0, 0.0, 1.0)]))
+    assert scoring.mistakes == ("drove_forward", "turned_too")
 
 
 def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
-    verdict = graded("straight", drive([(2.0, 1.0, 0.0), (1.5, 0.0, 1.0)]))
-    assert score(verdict) == 85
-    assert verdict.mistakes == ("turned_too",)
-    assert "85.9°" in verdict.hint.zh
+    scoring = graded("straight", drive([(2.0, 1.0, 0.0), (1.5, 0.0, 1.0)]))
+    assert score(scoring) == 85
+    assert scoring.mistakes == ("turned_too",)
+    assert "85.9°" in scoring.hint.zh
 
 
 def test_sketch() -> None:

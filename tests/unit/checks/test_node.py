@@ -4,14 +4,14 @@ import pytest
 
 from grader.checks import evaluate
 from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus, Stream, StudentError
-from grader.contracts.verdict import Run, Verdict
+from grader.contracts.scoring import Run, Scoring
 from tests.unit.checks.ideal_turtle import drive
 from tests.unit.checks.shipped import assignment, item, score
 
 INFO = LogRecord(t_ns=1000, level=20, name="hello_node", message="Hello")
 
 
-def hello(**changes: object) -> Verdict:
+def hello(**changes: object) -> Scoring:
     values: dict[str, object] = {
         "status": RunStatus.INTERRUPTED,
         "duration_ns": 5_000_000_000,
@@ -43,14 +43,14 @@ def test_an_exception_after_ctrl_c_costs_nothing() -> None:
     ],
 )
 def test_mistakes(changes: dict[str, object], points: float, mistake: str) -> None:
-    verdict = hello(**changes)
-    assert score(verdict) == points
-    assert verdict.mistakes[0] == mistake
+    scoring = hello(**changes)
+    assert score(scoring) == points
+    assert scoring.mistakes[0] == mistake
 
 
 def test_a_crash_is_named_with_its_line() -> None:
     error = StudentError(type="TypeError", message="incompatible arguments", line=12, traceback="")
-    verdict = hello(status=RunStatus.CRASHED, error=error, logs=())
-    assert verdict.mistakes[0] == "crashed"
-    assert "12" in verdict.hint.zh
-    assert item(verdict, "alive").earned == 0
+    scoring = hello(status=RunStatus.CRASHED, error=error, logs=())
+    assert scoring.mistakes[0] == "crashed"
+    assert "12" in scoring.hint.zh
+    assert item(scoring, "alive").earned == 0

@@ -18,10 +18,10 @@ INTERRUPTED = RunStatus.INTERRUPTED
 @pytest.mark.parametrize("w", [1.0, -1.0, 0.3, 3.1])
 @pytest.mark.parametrize("v", [0.5, 2.0])
 def test_right_figures_get_full_marks(sides: int, w: float, v: float) -> None:
-    verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, 1.5, v_mps=v, w_radps=w)))
-    assert score(verdict) == 100
-    assert verdict.mistakes == ()
-    assert verdict.hint.zh == ""
+    scoring = graded(POLYGONS[sides], drive(polygon_legs(sides, 1.5, v_mps=v, w_radps=w)))
+    assert score(scoring) == 100
+    assert scoring.mistakes == ()
+    assert scoring.hint.zh == ""
 
 
 @pytest.mark.parametrize("sides", POLYGONS)
@@ -38,11 +38,11 @@ def test_the_last_turn_is_optional(sides: int) -> None:
 @pytest.mark.parametrize("turned_deg", [60, 96, 180, 270, 450 - 24])
 def test_a_wrong_last_turn_costs_the_rest_only(turned_deg: float, sense: float) -> None:
     legs = polygon_legs(4, corners_deg=[90, 90, 90, turned_deg], w_radps=sense)
-    verdict = graded("square", drive(legs))
-    assert score(verdict) == 95
-    assert verdict.mistakes == ("turned_on",)
-    assert item(verdict, "rest").hint == verdict.hint
-    assert f"turned by {turned_deg:g}°" in verdict.hint.en
+    scoring = graded("square", drive(legs))
+    assert score(scoring) == 95
+    assert scoring.mistakes == ("turned_on",)
+    assert item(scoring, "rest").hint == scoring.hint
+    assert f"turned by {turned_deg:g}°" in scoring.hint.en
 
 
 @pytest.mark.parametrize("turned_deg", [92, 360, 450, 720, -270])
@@ -54,10 +54,10 @@ def test_an_approach_costs_the_way_back_only_and_the_more_the_longer_it_is() -> 
     earned = []
     for approach_m in (0.1, 0.3, 0.5, 0.8, 1.2, 2.0):
         legs: list[Leg] = [(approach_m, 1.0, 0.0), (math.radians(45), 0.0, -1.0), *polygon_legs(4)]
-        verdict = graded("square", drive(legs))
-        earned.append(score(verdict))
-        assert all(each.earned == each.points for each in verdict.items if each.id != "closed")
-        assert verdict.mistakes == (("approach",) if earned[-1] < 100 else ())
+        scoring = graded("square", drive(legs))
+        earned.append(score(scoring))
+        assert all(each.earned == each.points for each in scoring.items if each.id != "closed")
+        assert scoring.mistakes == (("approach",) if earned[-1] < 100 else ())
     assert earned == sorted(earned, reverse=True)
     assert earned[0] == 100
     assert earned[-1] == 85
@@ -67,10 +67,10 @@ def test_an_approach_costs_the_way_back_only_and_the_more_the_longer_it_is() -> 
 def test_an_approach_backing_up_costs_the_way_back_only_too(sides: int) -> None:
     earned = []
     for back_m in (0.05, 0.1, 0.15, 0.2, 0.3, 0.6, 1.2):
-        verdict = graded(POLYGONS[sides], drive([(back_m, -1.0, 0.0), (0.1, 0.0, 0.0), *polygon_legs(sides)]))
-        earned.append(score(verdict))
-        assert all(each.earned == each.points for each in verdict.items if each.id != "closed")
-        assert verdict.mistakes == (("approach",) if earned[-1] < 100 else ())
+        scoring = graded(POLYGONS[sides], drive([(back_m, -1.0, 0.0), (0.1, 0.0, 0.0), *polygon_legs(sides)]))
+        earned.append(score(scoring))
+        assert all(each.earned == each.points for each in scoring.items if each.id != "closed")
+        assert scoring.mistakes == (("approach",) if earned[-1] < 100 else ())
     assert earned == sorted(earned, reverse=True)
     assert earned[0] == 100
     assert earned[-1] < 90
@@ -81,10 +81,10 @@ def test_a_way_back_at_the_end_costs_the_more_the_longer_it_is(sides: int) -> No
     earned = []
     for back_m in (0.05, 0.1, 0.2, 0.25, 0.35, 0.45, 0.6, 1.2):
         legs = [*polygon_legs(sides, last_turn=False), (back_m, -1.0, 0.0)]
-        verdict = graded(POLYGONS[sides], drive(legs))
-        earned.append(score(verdict))
-        assert item(verdict, "lengths").earned == 20
-        assert verdict.mistakes in {(), ("drove_on",)}
+        scoring = graded(POLYGONS[sides], drive(legs))
+        earned.append(score(scoring))
+        assert item(scoring, "lengths").earned == 20
+        assert scoring.mistakes in {(), ("drove_on",)}
     assert earned == sorted(earned, reverse=True)
     assert earned[0] == 100
     assert earned[-1] < 90
@@ -93,9 +93,9 @@ def test_a_way_back_at_the_end_costs_the_more_the_longer_it_is(sides: int) -> No
 def test_what_follows_the_figure_costs_the_more_the_longer_it_is() -> None:
     earned = []
     for after_m in (0.1, 0.3, 0.5, 0.8, 1.2, 1.6, 1.8, 1.9, 2.0):
-        verdict = graded("square", drive([*polygon_legs(4), (after_m, 1.0, 0.0)]))
-        earned.append(score(verdict))
-        assert verdict.mistakes in ((), ("drove_on",), ("sides_extra", "unequal_sides"), ("sides_extra",))
+        scoring = graded("square", drive([*polygon_legs(4), (after_m, 1.0, 0.0)]))
+        earned.append(score(scoring))
+        assert scoring.mistakes in ((), ("drove_on",), ("sides_extra", "unequal_sides"), ("sides_extra",))
     assert earned[0] == 100
     assert earned[-1] == 77.5
     assert earned[:-2] == sorted(earned[:-2], reverse=True)
@@ -103,10 +103,10 @@ def test_what_follows_the_figure_costs_the_more_the_longer_it_is() -> None:
 
 def test_a_walk_after_the_figure_is_told() -> None:
     walk: list[Leg] = [(math.radians(135), 0.0, -1.0), (1.5, 1.0, 0.0)]
-    verdict = graded("square", drive([*polygon_legs(4), *walk]))
-    assert verdict.mistakes == ("drove_on",)
-    assert score(verdict) == 80
-    assert "1.5 m" in verdict.hint.en
+    scoring = graded("square", drive([*polygon_legs(4), *walk]))
+    assert scoring.mistakes == ("drove_on",)
+    assert score(scoring) == 80
+    assert "1.5 m" in scoring.hint.en
 
 
 @pytest.mark.parametrize("corner_deg", [92, 94, 98, 102])
@@ -126,10 +126,10 @@ def test_an_approach_to_a_figure_that_does_not_quite_close_is_no_side_either(tur
     earned = []
     for corner_deg in (90, 93, 94, 96, 98):
         legs: list[Leg] = [(0.8, 1.0, 0.0), turn, *polygon_legs(4, corners_deg=[corner_deg] * 4)]
-        verdict = graded("square", drive(legs))
-        assert item(verdict, "sides").measured == 4
-        assert verdict.mistakes[-1] == "approach"
-        earned.append(score(verdict))
+        scoring = graded("square", drive(legs))
+        assert item(scoring, "sides").measured == 4
+        assert scoring.mistakes[-1] == "approach"
+        earned.append(score(scoring))
     assert earned == sorted(earned, reverse=True)
     assert earned[-1] > 70
 
@@ -138,8 +138,8 @@ def test_an_approach_to_a_figure_that_does_not_quite_close_is_no_side_either(tur
 def test_sides_driven_forward_and_backing_up_in_turn_are_right(sides: int) -> None:
     turn = math.radians(360 / sides - 180)
     legs = [leg for i in range(sides) for leg in ((2.0, (-1.0) ** i, 0.0), (abs(turn), 0.0, -1.0))]
-    verdict = graded(POLYGONS[sides], drive(legs[:-1]))
-    assert score(verdict) == 100
+    scoring = graded(POLYGONS[sides], drive(legs[:-1]))
+    assert score(scoring) == 100
 
 
 def test_turning_before_each_side_is_right() -> None:
@@ -150,17 +150,17 @@ def test_turning_before_each_side_is_right() -> None:
 def test_starting_in_the_middle_of_a_side_is_right() -> None:
     turn: Leg = (math.pi / 2, 0.0, 1.0)
     legs = [(1.0, 1.0, 0.0), turn, *[(2.0, 1.0, 0.0), turn] * 3, (1.0, 1.0, 0.0)]
-    verdict = graded("square", drive(legs))
-    assert score(verdict) == 100
-    assert item(verdict, "sides").measured == 4
+    scoring = graded("square", drive(legs))
+    assert score(scoring) == 100
+    assert item(scoring, "sides").measured == 4
 
 
 @pytest.mark.parametrize("laps", [2, 3.4, 2.5])
 def test_repeating_until_ctrl_c_is_judged_on_the_first_figure(laps: float) -> None:
     legs = polygon_legs(4, 1.0, laps=5)
     lap_s = sum(duration for duration, _, _ in legs) / 5
-    verdict = graded("square", drive(legs, horizon_s=laps * lap_s), INTERRUPTED)
-    assert score(verdict) == 100
+    scoring = graded("square", drive(legs, horizon_s=laps * lap_s), INTERRUPTED)
+    assert score(scoring) == 100
 
 
 def test_repeating_with_long_pauses_and_interrupted_in_one() -> None:
@@ -174,9 +174,9 @@ def test_a_side_in_many_pieces_is_one_side() -> None:
     for _ in range(4):
         legs += [(0.1, 1.0, 0.0), (0.05, 0.0, 0.0)] * 20
         legs += [(math.pi / 20, 0.0, 1.0), (0.05, 0.0, 0.0)] * 10
-    verdict = graded("square", drive(legs))
-    assert score(verdict) == 100
-    assert item(verdict, "sides").measured == 4
+    scoring = graded("square", drive(legs))
+    assert score(scoring) == 100
+    assert item(scoring, "sides").measured == 4
 
 
 @pytest.mark.parametrize("by_m", [0.1, 0.24])
@@ -186,9 +186,9 @@ def test_corrections_after_overshooting_do_not_count(by_m: float) -> None:
     for _ in range(4):
         legs += [(2.0 + by_m, 1.0, 0.0), (by_m, -1.0, 0.0)]
         legs += [(math.radians(100), 0.0, 1.0), (math.radians(10), 0.0, -1.0)]
-    verdict = graded("square", drive(legs))
-    assert score(verdict) == 100
-    assert 0.0 <= (item(verdict, "straight").measured or 0.0) < 1.0
+    scoring = graded("square", drive(legs))
+    assert score(scoring) == 100
+    assert 0.0 <= (item(scoring, "straight").measured or 0.0) < 1.0
 
 
 def test_a_wobbling_heading_controller_is_right() -> None:
@@ -208,19 +208,19 @@ def test_a_proportional_turn_that_creeps_to_its_goal_is_right() -> None:
 
 
 def test_noise_of_a_rough_world_is_borne() -> None:
-    verdict = graded("pentagon", drive(polygon_legs(5), noise_m=0.003, noise_rad=0.01, lag_s=0.05))
-    assert score(verdict) >= 99
+    scoring = graded("pentagon", drive(polygon_legs(5), noise_m=0.003, noise_rad=0.01, lag_s=0.05))
+    assert score(scoring) >= 99
 
 
 @pytest.mark.parametrize(("task", "driven"), [(3, 4), (5, 4), (4, 3), (4, 5)])
 def test_another_figure_fails_and_is_told_why(task: int, driven: int) -> None:
-    verdict = graded(POLYGONS[task], drive(polygon_legs(driven)))
-    assert item(verdict, "angles").status is ItemStatus.FAILED
-    assert item(verdict, "lengths").status is ItemStatus.NOT_CHECKED
-    assert score(verdict) < 40
-    assert verdict.mistakes[0] == "other_figure"
-    assert f"drove {driven} sides" in verdict.hint.en
-    assert f"{360 / task:g}°" in verdict.hint.en
+    scoring = graded(POLYGONS[task], drive(polygon_legs(driven)))
+    assert item(scoring, "angles").status is ItemStatus.FAILED
+    assert item(scoring, "lengths").status is ItemStatus.NOT_CHECKED
+    assert score(scoring) < 40
+    assert scoring.mistakes[0] == "other_figure"
+    assert f"drove {driven} sides" in scoring.hint.en
+    assert f"{360 / task:g}°" in scoring.hint.en
 
 
 @pytest.mark.parametrize("sides", POLYGONS)
@@ -229,8 +229,8 @@ def test_six_degrees_in_one_corner_cost_and_two_do_not(sides: int, corner: int) 
     for defect, costs in ((2, False), (-2, False), (6, True), (-6, True)):
         corners = [360 / sides] * sides
         corners[corner] += defect
-        verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, corners_deg=corners)))
-        assert (score(verdict) < 100) is costs, (defect, verdict.items)
+        scoring = graded(POLYGONS[sides], drive(polygon_legs(sides, corners_deg=corners)))
+        assert (score(scoring) < 100) is costs, (defect, scoring.items)
 
 
 @pytest.mark.parametrize("sides", POLYGONS)
@@ -239,8 +239,8 @@ def test_eight_percent_in_one_side_cost_and_three_do_not(sides: int, side: int) 
     for defect, costs in ((0.03, False), (-0.03, False), (0.08, True), (-0.08, True)):
         lengths = [2.0] * sides
         lengths[side] *= 1 + defect
-        verdict = graded(POLYGONS[sides], drive(polygon_legs(sides, lengths_m=lengths)))
-        assert (score(verdict) < 100) is costs, (defect, verdict.items)
+        scoring = graded(POLYGONS[sides], drive(polygon_legs(sides, lengths_m=lengths)))
+        assert (score(scoring) < 100) is costs, (defect, scoring.items)
 
 
 @pytest.mark.parametrize("sides", POLYGONS)
@@ -267,9 +267,9 @@ def test_a_teleport_is_not_motion() -> None:
         jumps=(len(x) - 1,),
         commands=trajectory.commands,
     )
-    verdict = graded("square", jumped)
-    assert item(verdict, "sides").measured == 3
-    assert item(verdict, "closed").status is ItemStatus.FAILED
+    scoring = graded("square", jumped)
+    assert item(scoring, "sides").measured == 3
+    assert item(scoring, "closed").status is ItemStatus.FAILED
 
 
 def test_an_empty_or_broken_trajectory_earns_nothing() -> None:
@@ -286,9 +286,9 @@ def test_an_empty_or_broken_trajectory_earns_nothing() -> None:
             end_ns=10**9,
         )
         for name in ("square", "straight", "spin"):
-            verdict = graded(name, broken)
-            assert score(verdict) == 0
-            assert all(each.measured is None for each in verdict.items if each.measured != 0.0)
+            scoring = graded(name, broken)
+            assert score(scoring) == 0
+            assert all(each.measured is None for each in scoring.items if each.measured != 0.0)
 
 
 def test_never_moving_earns_nothing() -> None:
@@ -308,6 +308,6 @@ def test_a_wall_is_named() -> None:
         contacts=(Contact(start_ns=5_500_000_000, end_ns=7_000_000_000, wall="right"),),
         commands=trajectory.commands,
     )
-    verdict = graded("square", touched)
-    assert verdict.mistakes[0] == "wall_hit"
-    assert "右" in verdict.hint.zh
+    scoring = graded("square", touched)
+    assert scoring.mistakes[0] == "wall_hit"
+    assert "右" in scoring.hint.zh

@@ -14,9 +14,9 @@ from tests.unit.checks.shipped import graded, score
 def test_much_curve_is_told_before_the_one_corner_it_spoils() -> None:
     rounded: list[Leg] = [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)]
     early: list[Leg] = [(2.0, 1.0, 0.0), (1.2, 1.0, 1.0)]
-    verdict = graded("square", drive([*rounded, *rounded, *early, *rounded]))
-    assert verdict.mistakes[:2] == ("arcs", "one_corner_off")
-    assert "linear.x = 0.0" in verdict.hint.en
+    scoring = graded("square", drive([*rounded, *rounded, *early, *rounded]))
+    assert scoring.mistakes[:2] == ("arcs", "one_corner_off")
+    assert "linear.x = 0.0" in scoring.hint.en
     little: list[Leg] = [(2.0, 1.0, 0.0), (math.pi / 2, 0.3, 1.0)]
     early = [(2.0, 1.0, 0.0), (1.2, 0.3, 1.0)]
     assert graded("square", drive([*little, *little, *early, *little])).mistakes[0] == "one_corner_off"
@@ -37,9 +37,9 @@ def once_each(legs: list[tuple[float, float, float]]) -> Trajectory:
 
 
 def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
-    verdict = graded("square", once_each([(2.0, 1.0, 0.0), (1.5708, 0.0, 1.0)] * 4))
-    assert verdict.mistakes[:2] == ("published_once", "one_radian")
-    assert "2 s" in verdict.hint.en
+    scoring = graded("square", once_each([(2.0, 1.0, 0.0), (1.5708, 0.0, 1.0)] * 4))
+    assert scoring.mistakes[:2] == ("published_once", "one_radian")
+    assert "2 s" in scoring.hint.en
 
 
 @pytest.mark.parametrize(
@@ -69,9 +69,9 @@ def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
     ],
 )
 def test_shapes(name: str, legs: list[tuple[float, float, float]], code: str) -> None:
-    verdict = graded(name, drive(legs))
-    assert verdict.mistakes[0] == code
-    assert score(verdict) < 100
+    scoring = graded(name, drive(legs))
+    assert scoring.mistakes[0] == code
+    assert score(scoring) < 100
 
 
 @pytest.mark.parametrize(
@@ -82,8 +82,8 @@ def test_shapes(name: str, legs: list[tuple[float, float, float]], code: str) ->
     ],
 )
 def test_who_publishes_stop_until_the_horizon_had_time_enough(name: str, legs: list[Leg], code: str) -> None:
-    verdict = graded(name, drive([*legs, (20.0, 0.0, 0.0)]), RunStatus.INTERRUPTED)
-    assert verdict.mistakes == (code,)
+    scoring = graded(name, drive([*legs, (20.0, 0.0, 0.0)]), RunStatus.INTERRUPTED)
+    assert scoring.mistakes == (code,)
 
 
 def test_too_slow_and_never_ending() -> None:
@@ -92,16 +92,16 @@ def test_too_slow_and_never_ending() -> None:
     spinning = drive([(2.0, 1.0, 0.0), (90.0, 0.0, 1.0)], horizon_s=60.0)
     assert graded("square", spinning, RunStatus.INTERRUPTED).mistakes[0] == "endless_turn"
     straying = drive([*polygon_legs(4), (60.0, 0.1, 0.0)], horizon_s=60.0)
-    verdict = graded("square", straying, RunStatus.INTERRUPTED)
-    assert verdict.mistakes == ("never_stops",)
-    assert score(verdict) == 95
+    scoring = graded("square", straying, RunStatus.INTERRUPTED)
+    assert scoring.mistakes == ("never_stops",)
+    assert score(scoring) == 95
 
 
 def test_spinning_for_ever_after_the_figure_is_only_a_missing_stop() -> None:
     spinning = drive([*polygon_legs(4, last_turn=False), (60.0, 0.0, 1.0)], horizon_s=60.0)
-    verdict = graded("square", spinning, RunStatus.INTERRUPTED)
-    assert verdict.mistakes == ("never_stops",)
-    assert score(verdict) == 95
+    scoring = graded("square", spinning, RunStatus.INTERRUPTED)
+    assert scoring.mistakes == ("never_stops",)
+    assert score(scoring) == 95
 
 
 @pytest.mark.parametrize("left_s", [0.2, 1.2, 1.9])
@@ -109,9 +109,9 @@ def test_spinning_for_ever_after_the_figure_is_only_a_missing_stop() -> None:
 def test_who_is_cut_in_the_last_turn_or_side_is_not_told_to_stop(name: str, left_s: float) -> None:
     legs = polygon_legs({"square": 4, "triangle": 3}[name], pause_s=0.0)
     cut = drive(legs, horizon_s=sum(leg[0] for leg in legs) - left_s)
-    verdict = graded(name, cut, RunStatus.INTERRUPTED)
-    assert verdict.mistakes[0] == "time_was_up"
-    assert "never_stops" not in verdict.mistakes
+    scoring = graded(name, cut, RunStatus.INTERRUPTED)
+    assert scoring.mistakes[0] == "time_was_up"
+    assert "never_stops" not in scoring.mistakes
     assert graded(name, cut).mistakes[-1] == "never_stops"  # a script that ended by itself had its time
 
 
@@ -135,7 +135,7 @@ def test_a_corner_within_a_wider_band_is_no_mistake() -> None:
     legs = polygon_legs(4, corners_deg=[95, 90, 90, 90])
     assert "one_corner_off" in graded("square", drive(legs)).mistakes
     assert graded("feedback_square", drive(legs)).mistakes == ()
-    verdict = graded(
+    scoring = graded(
         "feedback_square", drive(polygon_legs(4, corners_deg=[95, 90, 90, 90], lengths_m=[2.2, 2, 2, 2]))
     )
-    assert verdict.mistakes == ("unequal_sides",)
+    assert scoring.mistakes == ("unequal_sides",)

@@ -20,31 +20,31 @@ def test_a_full_turn_either_way(w: float, turns: float) -> None:
 
 
 def test_turning_for_ever() -> None:
-    verdict = graded("spin", drive([(60.0, 0.0, 1.0)], horizon_s=30.0), RunStatus.INTERRUPTED)
-    assert score(verdict) == 100
+    scoring = graded("spin", drive([(60.0, 0.0, 1.0)], horizon_s=30.0), RunStatus.INTERRUPTED)
+    assert score(scoring) == 100
 
 
 @pytest.mark.parametrize(
     ("turn_s", "mistake"), [(1.0, "turned_one_radian"), (math.pi, "half_turn"), (5.0, "turn_too_short")]
 )
 def test_too_short_a_turn(turn_s: float, mistake: str) -> None:
-    verdict = graded("spin", drive([(turn_s, 0.0, 1.0)]))
-    assert item(verdict, "turn").status is not ItemStatus.PASSED
-    assert verdict.mistakes == (mistake,)
+    scoring = graded("spin", drive([(turn_s, 0.0, 1.0)]))
+    assert item(scoring, "turn").status is not ItemStatus.PASSED
+    assert scoring.mistakes == (mistake,)
 
 
 def test_too_slow_a_turn() -> None:
-    verdict = graded("spin", drive([(60.0, 0.0, 0.15)], horizon_s=30.0), RunStatus.INTERRUPTED)
-    assert verdict.mistakes == ("turn_too_slow",)
+    scoring = graded("spin", drive([(60.0, 0.0, 0.15)], horizon_s=30.0), RunStatus.INTERRUPTED)
+    assert scoring.mistakes == ("turn_too_slow",)
 
 
 def test_a_circle_is_no_turn_on_the_spot() -> None:
-    verdict = graded("spin", drive([(FULL_S, 1.0, 1.0)]))
-    assert item(verdict, "turn").measured == pytest.approx(180.0, abs=1.0)
-    assert item(verdict, "turn").hint == verdict.hint
-    assert item(verdict, "place").status is ItemStatus.FAILED
-    assert verdict.mistakes == ("circling",)
-    assert "1 m" in verdict.hint.en
+    scoring = graded("spin", drive([(FULL_S, 1.0, 1.0)]))
+    assert item(scoring, "turn").measured == pytest.approx(180.0, abs=1.0)
+    assert item(scoring, "turn").hint == scoring.hint
+    assert item(scoring, "place").status is ItemStatus.FAILED
+    assert scoring.mistakes == ("circling",)
+    assert "1 m" in scoring.hint.en
 
 
 @pytest.mark.parametrize("turns", [1, 4])
@@ -57,25 +57,25 @@ def test_credit_falls_as_the_circle_widens(turns: int) -> None:
 
 
 def test_a_figure_with_corners_is_no_turn_on_the_spot() -> None:
-    verdict = graded("spin", drive(polygon_legs(4)))
-    assert verdict.mistakes == ("left_place",)
-    assert item(verdict, "place").status is ItemStatus.FAILED
-    assert score(verdict) < 40
+    scoring = graded("spin", drive(polygon_legs(4)))
+    assert scoring.mistakes == ("left_place",)
+    assert item(scoring, "place").status is ItemStatus.FAILED
+    assert score(scoring) < 40
 
 
 @pytest.mark.parametrize("before", [True, False])
 def test_a_whole_turn_before_or_after_driving_keeps_its_points(before: bool) -> None:
     turn, walk = (FULL_S, 0.0, -1.0), (3.0, 1.0, 0.0)
-    verdict = graded("spin", drive([turn, walk] if before else [walk, turn]))
-    assert item(verdict, "turn").status is ItemStatus.PASSED
-    assert score(verdict) == 70
-    assert verdict.mistakes == ("left_place",)
+    scoring = graded("spin", drive([turn, walk] if before else [walk, turn]))
+    assert item(scoring, "turn").status is ItemStatus.PASSED
+    assert score(scoring) == 70
+    assert scoring.mistakes == ("left_place",)
 
 
 def test_straight_on_is_no_turn() -> None:
-    verdict = graded("spin", drive([(3.0, 1.0, 0.0)]))
-    assert score(verdict) == 10
-    assert verdict.mistakes == ("only_drove",)
+    scoring = graded("spin", drive([(3.0, 1.0, 0.0)]))
+    assert score(scoring) == 10
+    assert scoring.mistakes == ("only_drove",)
 
 
 def test_staying_put_earns_nothing_for_staying_in_place() -> None:

@@ -8,8 +8,8 @@ import pytest
 from grader.checks import evaluate, problems, sketch
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
 from grader.contracts.rubric import ItemStatus
+from grader.contracts.scoring import Run, Scoring
 from grader.contracts.services import ServiceResult
-from grader.contracts.verdict import Run, Verdict
 from tests.unit.checks.ideal_turtle import drive
 from tests.unit.checks.shipped import assignment, item, score
 
@@ -23,7 +23,7 @@ OWN = Endpoint(
 
 def judged(
     result: ServiceResult | None, *, services: tuple[tuple[str, str], ...] = (), **outcome: Any
-) -> Verdict:
+) -> Scoring:
     endpoints = tuple(
         Endpoint(kind="service", node="/n", name=name, type=kind, count=0) for name, kind in services
     )
@@ -46,16 +46,16 @@ RIGHT = ((CALL.service, CALL.type),)
 
 
 def test_an_answer_with_entries_earns_everything() -> None:
-    verdict = judged(answered(capabilities=["camera", "speak"]), services=RIGHT)
-    assert score(verdict) == 100
-    assert "camera, speak" in item(verdict, "capabilities").message.en
+    scoring = judged(answered(capabilities=["camera", "speak"]), services=RIGHT)
+    assert score(scoring) == 100
+    assert "camera, speak" in item(scoring, "capabilities").message.en
 
 
 @pytest.mark.parametrize("entries", [["camera", "camera"], ["camera", "  "], ["camera"]])
 def test_only_different_and_filled_entries_count(entries: list[str]) -> None:
-    verdict = judged(answered(capabilities=entries), services=RIGHT)
-    assert item(verdict, "capabilities").measured == 1
-    assert item(verdict, "capabilities").status is ItemStatus.PARTIAL
+    scoring = judged(answered(capabilities=entries), services=RIGHT)
+    assert item(scoring, "capabilities").measured == 1
+    assert item(scoring, "capabilities").status is ItemStatus.PARTIAL
 
 
 @pytest.mark.parametrize(
@@ -67,29 +67,29 @@ def test_only_different_and_filled_entries_count(entries: list[str]) -> None:
     ],
 )
 def test_a_service_that_was_not_found_is_explained(services: tuple[tuple[str, str], ...], code: str) -> None:
-    verdict = judged(ServiceResult(call=CALL), services=services)
-    assert item(verdict, "offered").status is ItemStatus.FAILED
-    assert item(verdict, "answered").status is ItemStatus.NOT_CHECKED
-    assert verdict.mistakes == (code,)
+    scoring = judged(ServiceResult(call=CALL), services=services)
+    assert item(scoring, "offered").status is ItemStatus.FAILED
+    assert item(scoring, "answered").status is ItemStatus.NOT_CHECKED
+    assert scoring.mistakes == (code,)
 
 
 def test_a_node_that_ended_before_the_call_is_told_to_spin() -> None:
-    verdict = judged(
+    scoring = judged(
         ServiceResult(call=CALL), services=RIGHT, status=RunStatus.FINISHED, duration_ns=SECOND // 10
     )
-    assert verdict.mistakes == ("not_spinning",)
+    assert scoring.mistakes == ("not_spinning",)
 
 
 def test_a_call_without_an_answer() -> None:
-    verdict = judged(ServiceResult(call=CALL, sent_ns=2 * SECOND), services=RIGHT)
-    assert verdict.mistakes == ("service_silent",)
-    assert item(verdict, "offered").status is ItemStatus.PASSED
+    scoring = judged(ServiceResult(call=CALL, sent_ns=2 * SECOND), services=RIGHT)
+    assert scoring.mistakes == ("service_silent",)
+    assert item(scoring, "offered").status is ItemStatus.PASSED
 
 
 def test_an_empty_answer() -> None:
-    verdict = judged(answered(capabilities=[]), services=RIGHT)
-    assert verdict.mistakes == ("empty_answer",)
-    assert score(verdict) == 80
+    scoring = judged(answered(capabilities=[]), services=RIGHT)
+    assert scoring.mistakes == ("empty_answer",)
+    assert score(scoring) == 80
 
 
 def test_no_node_and_no_calls_earn_nothing_and_raise_nothing() -> None:

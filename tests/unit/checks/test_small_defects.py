@@ -11,8 +11,8 @@ SIDES = {"triangle": 3, "square": 4, "pentagon": 5, "hexagon": 6, "octagon": 8, 
 
 def points(name: str, lengths_m: list[float], corners_deg: list[float]) -> float:
     legs = polygon_legs(len(lengths_m), lengths_m=lengths_m, corners_deg=corners_deg)
-    verdict = evaluate(assignment(name), [run_of(drive(legs))])
-    return sum(item.earned for item in verdict.items)
+    scoring = evaluate(assignment(name), [run_of(drive(legs))])
+    return sum(item.earned for item in scoring.items)
 
 
 def shape(name: str) -> tuple[list[float], list[float]]:

@@ -41,9 +41,9 @@ TASK = assignment("calculation")
     ],
 )
 def test_right_answers(text: str) -> None:
-    verdict = evaluate_text(TASK, text)
-    assert score(verdict) == 100, verdict
-    assert verdict.mistakes == ()
+    scoring = evaluate_text(TASK, text)
+    assert score(scoring) == 100, scoring
+    assert scoring.mistakes == ()
 
 
 @pytest.mark.parametrize(
@@ -63,10 +63,10 @@ def test_right_answers(text: str) -> None:
     ],
 )
 def test_wrong_answers(text: str, points: float, mistakes: tuple[str, ...]) -> None:
-    verdict = evaluate_text(TASK, text)
-    assert score(verdict) == points, verdict
-    assert verdict.mistakes == mistakes
-    assert verdict.hint.zh
+    scoring = evaluate_text(TASK, text)
+    assert score(scoring) == points, scoring
+    assert scoring.mistakes == mistakes
+    assert scoring.hint.zh
 
 
 def test_the_known_answer_is_explained() -> None:
@@ -102,8 +102,8 @@ def test_a_quantity_in_a_fitting_unit_is_preferred_to_a_later_number() -> None:
 @given(st.text())
 def test_any_text_is_read(text: str) -> None:
     assert all(math.isfinite(each.value) for each in quantities(text))
-    verdict = evaluate_text(TASK, text)
-    assert 0 <= score(verdict) <= 100
+    scoring = evaluate_text(TASK, text)
+    assert 0 <= score(scoring) <= 100
 
 
 @given(st.floats(-1e6, 1e6), st.sampled_from(["s", "秒", "m", "度", "rad/s", "m/s", "cm", ""]))
@@ -123,14 +123,14 @@ def test_conversions() -> None:
 
 def test_an_essay_waits_for_a_person() -> None:
     task = assignment("theory_publisher_timer")
-    verdict = evaluate_text(
+    scoring = evaluate_text(
         task, "create_publisher 创建发布者，create_timer 创建定时器，周期性地调用回调函数。"
     )
-    assert item(verdict, "written").status is ItemStatus.PASSED
-    assert item(verdict, "publisher").status is ItemStatus.NEEDS_MANUAL
-    assert item(verdict, "publisher").earned == 0
-    assert "等待人工评分" in verdict.summary.zh
-    assert verdict.hint.zh == ""
+    assert item(scoring, "written").status is ItemStatus.PASSED
+    assert item(scoring, "publisher").status is ItemStatus.NEEDS_MANUAL
+    assert item(scoring, "publisher").earned == 0
+    assert "等待人工评分" in scoring.summary.zh
+    assert scoring.hint.zh == ""
     short = evaluate_text(task, "发消息。")
     assert "太短" in short.hint.zh
     assert item(short, "publisher").status is ItemStatus.NOT_CHECKED  # nobody has to read it
@@ -143,9 +143,9 @@ def test_what_a_person_judges_is_published() -> None:
 
 
 def test_scripts_and_texts_are_not_mixed_up() -> None:
-    with pytest.raises(AssignmentError, match="judges scripts"):
+    with pytest.raises(AssignmentError, match="scores scripts"):
         evaluate_text(assignment("square"), "12 s")
-    with pytest.raises(AssignmentError, match="judges texts"):
+    with pytest.raises(AssignmentError, match="scores texts"):
         evaluate(TASK, [run_of(drive([]))])
     assert "input: text" in dict(problems(replace(TASK, input="script")))["input"].en
 

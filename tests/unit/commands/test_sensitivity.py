@@ -8,7 +8,7 @@ import pytest
 from grader.commands.replay import replayed
 from grader.commands.sensitivity import lax, replayable, sensitivities
 from grader.contracts.assignment import Assignment
-from grader.contracts.verdict import Run
+from grader.contracts.scoring import Run
 from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment
 

@@ -16,7 +16,7 @@ def path_of(legs: list[Leg], **how: float) -> Path:
 
 
 def lengths(segments: Segments) -> list[float]:
-    return [round(run.length_m, 1) for run in segments.runs]
+    return [round(run.length_m, 1) for run in segments.straights]
 
 
 def angles(segments: Segments) -> list[int | None]:
@@ -37,7 +37,7 @@ def test_turning_first() -> None:
 
 def test_nothing_but_a_turn() -> None:
     segments = segment(path_of([(7.0, 0.0, 1.0)]))
-    assert segments.runs == ()
+    assert segments.straights == ()
     assert angles(segments) == [401]
 
 
@@ -52,7 +52,7 @@ def test_arcs_between_sides_are_turns_with_a_length() -> None:
 
 
 def test_a_circle_has_no_run() -> None:
-    assert segment(path_of([(7.0, 1.0, 1.0)])).runs == ()
+    assert segment(path_of([(7.0, 1.0, 1.0)])).straights == ()
 
 
 def test_a_slight_bend_stays_one_run() -> None:
@@ -66,14 +66,14 @@ def test_a_kink_below_the_threshold_is_no_corner() -> None:
 
 def test_directions_are_continuous_over_more_than_a_full_turn() -> None:
     segments = segment(path_of([(1.0, 1.0, 0.0), (math.radians(450), 0.0, 1.0), (1.0, 1.0, 0.0)]))
-    change = segments.runs[1].direction_rad - segments.runs[0].direction_rad
+    change = segments.straights[1].direction_rad - segments.straights[0].direction_rad
     assert math.degrees(change) == pytest.approx(450, abs=0.1)
 
 
 def test_going_back_is_a_run_of_its_own_half_a_turn_away() -> None:
     segments = segment(path_of([(2.0, 1.0, 0.0), (1.5, -1.0, 0.0)]))
     assert lengths(segments) == [2.0, 1.5]
-    change = segments.runs[1].direction_rad - segments.runs[0].direction_rad
+    change = segments.straights[1].direction_rad - segments.straights[0].direction_rad
     assert math.degrees(change) == pytest.approx(180, abs=0.1)
 
 
@@ -107,12 +107,12 @@ def test_steering_that_weaves_along_is_straight(sides: int, waves: int, swing_de
 def test_corners_to_and_fro_are_no_wobble() -> None:
     left, right = (math.radians(30), 0.0, 1.0), (math.radians(30), 0.0, -1.0)
     segments = segment(path_of([*[(1.0, 1.0, 0.0), left, (1.0, 1.0, 0.0), right] * 2, (1.0, 1.0, 0.0)]))
-    assert len(segments.runs) == 5
+    assert len(segments.straights) == 5
 
 
 def test_a_side_that_bends_is_a_run_unless_its_arc_is_narrower_than_the_path() -> None:
     gentle = segment(path_of([(2.0, 1.0, 0.2), (math.pi / 2, 0.0, 1.0), (2.0, 1.0, 0.2)]))
-    assert [round(math.degrees(run.bend_rad)) for run in gentle.runs] == [23, 23]
+    assert [round(math.degrees(run.bend_rad)) for run in gentle.straights] == [23, 23]
     narrow = segment(path_of([(2.0, 1.0, 0.0), (1.0, 1.0, 1.0), (2.0, 1.0, 0.0)]))
-    assert len(narrow.runs) == 2
-    assert all(run.bend_rad < 0.05 for run in narrow.runs)
+    assert len(narrow.straights) == 2
+    assert all(run.bend_rad < 0.05 for run in narrow.straights)

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from grader.messages.stalls import stall
+from grader.messages.details import stall
 
 ANSWER = "waits for an answer, but no executor spins the node in another thread to receive it"
 RATE = "rate.sleep() waits for a timer of its node, but nothing spins that node in another thread"

@@ -1,12 +1,22 @@
-"""The polygon an assignment asks for: its sides, their lengths where they are fixed, and its shape."""
+"""The polygon that an assignment asks for, and the one that a run drove."""
 
 import cmath
 import itertools
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
+import numpy as np
+
+from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import Option
+from grader.checks.scoring import band_error
+from grader.contracts.assignment import Assignment
 from grader.contracts.record import positional_record
+from grader.contracts.scoring import Run
+from grader.contracts.trajectory import Floats
+from grader.geometry.figure import PolygonFigure, measure_polygon
+from grader.geometry.segmentation import Segments, segment
 
 FULL_TURN_DEG = 360.0
 
@@ -75,3 +85,54 @@ def wanted_polygon(options: Mapping[str, Option]) -> WantedPolygon:
 
 def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
     return max(100.0 * abs(side - wanted) / wanted for side, wanted in zip(sides_m, wanted_m, strict=True))
+
+
+LIKE_DEG = 1.0  # a last turn this little further off than the corners was meant to be like them
+NO_TURN_DEG = 10.0  # whoever ends within this of the direction of the last side has not turned after it
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DrivenPolygon:
+    """A driven path, its straights and turns, and the first figure in it (None without a straight).
+
+    Attributes:
+        corners_deg: (n,) the figure's corners, positive in the sense most of them have; the turn after the
+            last side is one if it is no further off than the others.
+        sense: +1 if that is to the left, else -1.
+        turned_on: that turn is neither one of them nor none.
+    """
+
+    drive: Drive
+    segments: Segments
+    figure: PolygonFigure | None
+    corners_deg: Floats
+    sense: float = 1.0
+    turned_on: bool = False
+
+
+def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> DrivenPolygon | None:
+    """Return what `run` drove, or None when its trajectory is empty or not finite."""
+    drive = drive_of(run)
+    if drive is None:
+        return None
+    segments = segment(drive.path)
+    figure = measure_polygon(drive.path, segments, sides=wanted.sides, cut_short=drive.cut_short)
+    if figure is None:
+        return DrivenPolygon(drive, segments, None, np.empty(0))
+    sense = -1.0 if sum(figure.corners_rad) < 0.0 else 1.0
+    corners = sense * np.degrees(figure.corners_rad)
+    last_deg = sense * math.degrees(figure.last_turn_rad)
+    if abs(last_deg) <= NO_TURN_DEG:
+        return DrivenPolygon(drive, segments, figure, corners, sense)
+    worse_deg = _worse_deg(assignment, last_deg, corners)
+    if worse_deg <= 0.0:
+        corners = np.append(corners, last_deg)
+    return DrivenPolygon(drive, segments, figure, corners, sense, worse_deg > LIKE_DEG and not figure.overrun)
+
+
+def _worse_deg(assignment: Assignment, last_deg: float, corners_deg: Floats) -> float:
+    """Return by how much the turn after the last side is further off than any corner."""
+    spec = assignment.item_on("corner_deg")
+    if spec is None:
+        return 0.0
+    return band_error(spec, last_deg) - max(band_error(spec, corner) for corner in corners_deg.tolist())

@@ -26,7 +26,7 @@ class Run:
 
 
 @record
-class Verdict:
+class Scoring:
     """The checks' answer for one submission.
 
     Attributes:

@@ -6,17 +6,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.checks.credit import fits
 from grader.checks.drive import MOVING_MPS, MOVING_RADPS
-from grader.checks.driven_polygon import DrivenPolygon
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes.commands import command_mistakes
-from grader.checks.mistakes.script import script_mistakes
-from grader.checks.wanted_polygon import FULL_TURN_DEG, WantedPolygon
+from grader.checks.mistakes import command_mistakes, script_mistakes
+from grader.checks.polygon_figures import FULL_TURN_DEG, DrivenPolygon, WantedPolygon
+from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Command
-from grader.contracts.verdict import Run
 from grader.geometry.figure import PolygonFigure
 from grader.messages import say
 from grader.messages.quantity import listed, number

@@ -1,19 +1,21 @@
-"""Turn findings into judged rubric items: credit, dependencies, sentences."""
+"""From what a check measured to scored rubric items: credit, dependencies, sentences."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from grader.checks import credit
 from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake
 from grader.checks.rubric_text import wanted
-from grader.contracts.assignment import BY_PERSON, ItemSpec
+from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
 from grader.contracts.record import positional_record
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, say
 from grader.messages.quantity import number, number_beside
 
+# From half of its points on, an item counts as there for those that need it. A threshold at zero would make the
+# last hundredth of a point decide about all the points of the items above.
+ENOUGH = 0.5
 _BLOCKING = (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
 
 
@@ -39,10 +41,48 @@ class Portion:
 WHOLE = Portion()
 
 
-def judge(
+def band_error(spec: ItemSpec, value: float) -> float:
+    """Return the distance of `value` from the band of full credit; infinite for NaN."""
+    if math.isnan(value):
+        return math.inf
+    below = 0.0 if spec.low is None else spec.low - value
+    above = 0.0 if spec.high is None else value - spec.high
+    return max(below, above, 0.0)
+
+
+def fits(assignment: Assignment, measure: str, value: float) -> bool | None:
+    """Whether `value` earns full credit; None where no rubric item is on `measure` or the value is unknown."""
+    spec = assignment.item_on(measure)
+    return None if spec is None or not math.isfinite(value) else band_error(spec, value) <= 0.0
+
+
+def credit(spec: ItemSpec, value: float) -> float:
+    """Return the share of the points in [0, 1]: falls monotonically and smoothly with the error."""
+    distance = band_error(spec, value)
+    if distance <= 0.0:
+        return 1.0
+    if not distance < spec.ramp:
+        return 0.0
+    x = distance / spec.ramp
+    return 1.0 - x * x * (3.0 - 2.0 * x)  # flat at both ends: nobody loses much by a hair
+
+
+def weight(needed: Iterable[float]) -> float:
+    """Return how much of an item counts, given the shares of the points that the items it needs earned."""
+    return min((1.0, *(share / ENOUGH for share in needed)))
+
+
+def earned_points(points: float, share: float) -> float:
+    """Return the points for a share of them, rounded down to hundredths: only a full share earns all."""
+    if share >= 1.0:
+        return points
+    return min(points, math.floor(points * share * 100.0) / 100.0) if share > 0.0 else 0.0
+
+
+def score_items(
     check: Kind, specs: Sequence[ItemSpec], findings: Findings, portion: Portion = WHOLE
 ) -> list[RubricItem]:
-    """Judge every item on one run.
+    """Score every item on one run.
 
     Args:
         check: the kind of check that made the findings.
@@ -50,23 +90,23 @@ def judge(
         findings: what was seen in the run.
         portion: which of several runs it was.
     """
-    judged: dict[str, RubricItem] = {}
+    scored: dict[str, RubricItem] = {}
     shares: dict[str, float] = {}
     for spec in specs:
         blank = _blank(check, spec, portion.of(spec.points), portion.prefix)
-        blockers = [judged[need].title for need in spec.needs if judged[need].status in _BLOCKING]
+        blockers = [scored[need].title for need in spec.needs if scored[need].status in _BLOCKING]
         if blockers:
             message = say("item.not_checked", items=enumerated(blockers))
-            judged[spec.id] = replace(blank, message=message)
+            scored[spec.id] = replace(blank, message=message)
         elif spec.measure == BY_PERSON:
-            judged[spec.id] = replace(blank, status=ItemStatus.NEEDS_MANUAL, message=say("item.by_person"))
+            scored[spec.id] = replace(blank, status=ItemStatus.NEEDS_MANUAL, message=say("item.by_person"))
         else:
-            weak = {need: shares[need] for need in spec.needs if shares.get(need, 1.0) < credit.ENOUGH}
-            counted = credit.counted(weak.values())
-            judged[spec.id], shares[spec.id] = _judged(check, spec, blank, findings, counted)
+            weak = {need: shares[need] for need in spec.needs if shares.get(need, 1.0) < ENOUGH}
+            counts = weight(weak.values())
+            scored[spec.id], shares[spec.id] = _scored(check, spec, blank, findings, counts)
             if weak:
-                judged[spec.id] = _held_back(judged[spec.id], counted, [judged[need].title for need in weak])
-    return list(judged.values())
+                scored[spec.id] = _held_back(scored[spec.id], counts, [scored[need].title for need in weak])
+    return list(scored.values())
 
 
 def _blank(check: Kind, spec: ItemSpec, points: float, prefix: str) -> RubricItem:
@@ -85,30 +125,36 @@ def _blank(check: Kind, spec: ItemSpec, points: float, prefix: str) -> RubricIte
     )
 
 
-def _judged(
-    check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, counted: float
+def _scored(
+    check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, counts: float
 ) -> tuple[RubricItem, float]:
-    """Return the item and its share of the points, when only the share `counted` of it counts."""
+    """Return the item and its share of the points, when only the share `counts` of its credit does."""
     measure = findings.measures.get(spec.measure, UNMEASURED)
-    own = credit.share(spec, measure.value)
-    part = own * counted
-    earned = credit.earned(blank.points, part)
+    own = credit(spec, measure.value)
+    share = own * counts
+    earned = earned_points(blank.points, share)
+    known = math.isfinite(measure.value)
     item = replace(
         blank,
         earned=earned,
-        status=credit.status(earned, part),
-        measured=round(measure.value, 4) + 0.0
-        if math.isfinite(measure.value)
-        else None,  # + 0.0: no minus zero
+        status=item_status(earned, share),
+        measured=round(measure.value, 4) + 0.0 if known else None,  # + 0.0: no minus zero
         message=_seen(check, spec, measure),
         hint=EMPTY if own >= 1.0 else _hint(check, spec, findings.mistakes),
     )
-    return item, part
+    return item, share
 
 
-def _held_back(item: RubricItem, counted: float, weak: Sequence[Text]) -> RubricItem:
+def item_status(earned: float, share: float) -> ItemStatus:
+    """Return the state that goes with what an item earned and its share of the points."""
+    if share >= 1.0:
+        return ItemStatus.PASSED
+    return ItemStatus.PARTIAL if earned > 0.0 else ItemStatus.FAILED
+
+
+def _held_back(item: RubricItem, counts: float, weak: Sequence[Text]) -> RubricItem:
     """Say beside what was seen why the item earns less than that."""
-    share = number(100.0 * counted, "%")
+    share = number(100.0 * counts, "%")
     message = say("item.in_part", seen=item.message, share=share, items=enumerated(list(weak)))
     return replace(item, message=message)
 
