@@ -22,17 +22,14 @@ from grader.routes import (
     judgements,
     metrics,
     people,
-    problem_pages,
     problems,
     recordings,
     regrades,
     rules,
     submissions,
 )
-from grader.routes.bodies import BoundedBodies
-from grader.routes.headers import SafeHeaders
-from grader.routes.observing import Observed
-from grader.routes.stopping import told_to_stop
+from grader.routes.events import told_to_stop
+from grader.routes.middleware import BoundedBodies, Observed, SafeHeaders
 from grader.use_cases.services import Services
 from grader.web import routing as pages
 
@@ -54,7 +51,7 @@ _ROUTERS = (
     gradebook.router,
     gradebook.exports,
     people.router,
-    problem_pages.router,
+    problems.router,
     health.router,
     metrics.router,
 )

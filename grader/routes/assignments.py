@@ -9,10 +9,9 @@ from grader.checks import published_rubric
 from grader.contracts.assignment import Assignment, ItemSpec
 from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, ServicesDep
+from grader.routes.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
 from grader.routes.problems import responses
-from grader.routes.published import require_published
-from grader.routes.submissions import LanguageDep
+from grader.use_cases.assignments import require_published
 from grader.use_cases.visibility import shown_assignment
 
 router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])

@@ -10,13 +10,11 @@ from fastapi import APIRouter, Header, Query, Response
 from grader.contracts.dashboard import ClassState
 from grader.contracts.identity import Caller, Role
 from grader.contracts.text import Language
-from grader.routes.access import ENTRY_PROBLEMS, ServicesDep, StaffDep
 from grader.routes.dashboard_document import Selection, overview, selected
 from grader.routes.dashboard_views import DashboardView
+from grader.routes.dependencies import ENTRY_PROBLEMS, LanguageDep, QueryWhole, ServicesDep, StaffDep
 from grader.routes.health import alive
-from grader.routes.numbers import QueryWhole
 from grader.routes.problems import responses
-from grader.routes.submissions import LanguageDep
 from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])

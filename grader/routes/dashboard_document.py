@@ -22,8 +22,8 @@ from grader.routes.dashboard_views import (
     StudentView,
 )
 from grader.routes.health import WorkerView, queue_view
-from grader.routes.published import item_title
 from grader.routes.submission_views import SUBMISSIONS
+from grader.use_cases.assignments import item_title
 
 _BINS = 10
 

@@ -5,10 +5,13 @@ things stand, never how they were graded: what is hidden from a student cannot b
 """
 
 import asyncio
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+import signal
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from datetime import datetime
+from types import FrameType
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, FastAPI, Header, Request, Response
@@ -21,9 +24,16 @@ from grader.contracts.progress import ClassStanding, Standing
 from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
 from grader.render.labels import SUBMISSION_STATE
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, ServicesDep, StaffDep
+from grader.routes.dependencies import (
+    ENTRY_PROBLEMS,
+    CallerDep,
+    LanguageDep,
+    ServicesDep,
+    StaffDep,
+    SubmissionId,
+)
 from grader.routes.problems import responses
-from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId
+from grader.routes.submissions import SIGHT
 from grader.use_cases.following import Subject, Watch
 from grader.use_cases.services import Services
 
@@ -41,6 +51,7 @@ LastEventId = Annotated[
         description="Id of the last event that was received: what has not changed since is not repeated.",
     ),
 ]
+_SIGNALS = (signal.SIGTERM, signal.SIGINT)
 _PROBLEMS = ("too_many_streams", "streams_full")
 
 
@@ -73,6 +84,34 @@ class Owner:
 
 class NothingNewError(Exception):
     """Whoever asks has seen the last event already: 204 tells a browser not to ask again."""
+
+
+@contextmanager
+def told_to_stop(end: Callable[[], None]) -> Iterator[None]:
+    """Call `end` in the running event loop at SIGTERM and Ctrl+C, before the server does what it does then.
+
+    A server that stops waits for the answers under way before it ends the application. Streams live for a minute,
+    so they must hear the signal themselves. Where the loop does not run in the main thread nobody gets signals,
+    and nothing happens.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    loop = asyncio.get_running_loop()
+    before = {number: handler for number in _SIGNALS if callable(handler := signal.getsignal(number))}
+
+    def hear(number: int, frame: FrameType | None) -> None:
+        loop.call_soon_threadsafe(end)  # not at once: what `end` locks may be locked where the signal struck
+        before[signal.Signals(number)](number, frame)
+
+    for number in before:
+        signal.signal(number, hear)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            if signal.getsignal(number) is hear:
+                signal.signal(number, handler)
 
 
 def install(app: FastAPI) -> None:

@@ -9,11 +9,19 @@ from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
 from grader.contracts.text import Language
 from grader.render.documents import to_gradescope, to_prairielearn
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, ServicesDep, StaffDep
+from grader.routes.dependencies import (
+    ENTRY_PROBLEMS,
+    CallerDep,
+    LanguageDep,
+    ServicesDep,
+    StaffDep,
+    SubmissionId,
+)
 from grader.routes.gradebook_tables import Scores, canvas, plain
 from grader.routes.problems import responses
-from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
+from grader.routes.submissions import SIGHT
 from grader.use_cases.services import Services
+from grader.use_cases.visibility import graded
 
 router = APIRouter(prefix="/api/v1", tags=["gradebook"])
 exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT])

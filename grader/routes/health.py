@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from grader import __version__
 from grader.contracts.submission import QueueState, WorkerState
-from grader.routes.access import ServicesDep
+from grader.routes.dependencies import ServicesDep
 from grader.routes.problems import responses
 from grader.use_cases.services import Services
 

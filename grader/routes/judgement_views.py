@@ -12,10 +12,10 @@ from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Language
-from grader.routes.numbers import Number
-from grader.routes.published import item_title
+from grader.routes.dependencies import Number
 from grader.routes.submission_views import SUBMISSIONS
 from grader.store.judgements import Waiting, tag
+from grader.use_cases.assignments import item_title
 
 
 class JudgementBody(BaseModel):

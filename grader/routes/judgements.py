@@ -11,7 +11,15 @@ from grader.contracts.numerals import written
 from grader.contracts.report import report_from
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language, Text
-from grader.routes.access import ENTRY_PROBLEMS, ServicesDep, StaffDep
+from grader.routes.dependencies import (
+    ENTRY_PROBLEMS,
+    LanguageDep,
+    QueryWhole,
+    ServicesDep,
+    StaffDep,
+    SubmissionId,
+    seen,
+)
 from grader.routes.judgement_views import (
     JudgementBody,
     ManualItemsView,
@@ -20,13 +28,12 @@ from grader.routes.judgement_views import (
     manual_items,
     waiting_list,
 )
-from grader.routes.numbers import QueryWhole
-from grader.routes.preconditions import seen
 from grader.routes.problems import responses
-from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
+from grader.routes.submissions import SIGHT
 from grader.store.audit import Signature
 from grader.store.judgements import Given, WaitingFor
 from grader.use_cases.services import Services
+from grader.use_cases.visibility import graded
 
 router = APIRouter(prefix="/api/v1/judgements", tags=["judgements"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["judgements"], dependencies=[SIGHT])

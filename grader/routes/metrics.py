@@ -7,7 +7,7 @@ from fastapi import APIRouter, Depends, Response
 from fastapi.security import HTTPAuthorizationCredentials
 
 from grader.contracts.errors import RefusedError
-from grader.routes.access import ServicesDep, bearer
+from grader.routes.dependencies import ServicesDep, bearer
 from grader.routes.problems import responses
 from grader.telemetry.metrics import MEDIA_TYPE
 from grader.use_cases.services import Services

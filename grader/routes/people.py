@@ -8,8 +8,14 @@ from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, Field
 
 from grader.contracts.identity import AuditEntry, Caller, Role
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, ServicesDep, StaffDep
-from grader.routes.numbers import QueryWhole
+from grader.routes.dependencies import (
+    ENTRY_PROBLEMS,
+    CallerDep,
+    InstructorDep,
+    QueryWhole,
+    ServicesDep,
+    StaffDep,
+)
 from grader.routes.problems import responses
 from grader.use_cases.services import Services
 

@@ -4,9 +4,9 @@ import logging
 import uuid
 from collections.abc import Mapping
 from http import HTTPStatus
-from typing import Any
+from typing import Annotated, Any
 
-from fastapi import FastAPI, Request
+from fastapi import APIRouter, FastAPI, Path, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
 from pydantic import BaseModel, ConfigDict, Field
@@ -17,7 +17,7 @@ from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.text import Language, Text
 from grader.contracts.validation_words import said
 from grader.render.escape import visible, visible_line
-from grader.routes.language import language_of
+from grader.routes.dependencies import LanguageDep, language_of
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.telemetry import context
 
@@ -38,6 +38,8 @@ _BY_STATUS = {
 _LONGEST_ECHO = 200
 _RETRY_AFTER_S = 5
 _METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE")
+
+router = APIRouter(prefix="/api/v1/problems", tags=["problems"])
 
 
 class FieldError(BaseModel):
@@ -90,6 +92,15 @@ class Problem(BaseModel):
     errors: list[FieldError] | None = Field(default=None, description="Every field that was not accepted.")
 
 
+class ProblemTypeView(BaseModel):
+    """One kind of problem."""
+
+    code: str = Field(examples=["not_utf8"])
+    status: int = Field(examples=[422])
+    title: str = Field(examples=["The file is not UTF-8"])
+    fix: str = Field(examples=["Save the file with encoding UTF-8 in the editor."])
+
+
 def install(app: FastAPI) -> None:
     """Make every failure of `app` a problem document."""
     app.add_exception_handler(RefusedError, _on_refused)
@@ -123,6 +134,21 @@ def _example(code: str) -> dict[str, Any]:
         "code": code,
         "fix": kind.fix.en,
     }
+
+
+@router.get(
+    "/{code}", summary="What a problem means", responses=responses("problem_not_found", "invalid_request")
+)
+def read(
+    language: LanguageDep, code: Annotated[str, Path(max_length=64, examples=["not_utf8"])]
+) -> ProblemTypeView:
+    """Return what a kind of problem means and what to do about it."""
+    kind = PROBLEM_TYPES.get(code)
+    if kind is None:
+        raise RefusedError("problem_not_found", allowed=sorted(PROBLEM_TYPES))
+    return ProblemTypeView(
+        code=code, status=kind.status, title=kind.title.get(language), fix=kind.fix.get(language)
+    )
 
 
 def _answer(

@@ -15,13 +15,13 @@ from grader.contracts.identity import Caller
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, ServicesDep
+from grader.routes.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep, SubmissionId
 from grader.routes.problems import responses
-from grader.routes.published import require_published
-from grader.routes.submissions import SIGHT, LanguageDep, SubmissionId, graded
+from grader.routes.submissions import SIGHT
+from grader.use_cases.assignments import require_published
 from grader.use_cases.pictures import PlotSpec
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import shown_assignment
+from grader.use_cases.visibility import graded, shown_assignment
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"], dependencies=[SIGHT])
 CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]

@@ -9,12 +9,11 @@ from pydantic import BaseModel, ConfigDict, Field
 from grader.contracts.errors import RefusedError, RegradeError
 from grader.contracts.identity import Caller
 from grader.contracts.regrade import Regrade, RegradeState, ScoreChange, Wanted, Which
-from grader.routes.access import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
-from grader.routes.numbers import QueryWhole
+from grader.routes.dependencies import ENTRY_PROBLEMS, InstructorDep, QueryWhole, ServicesDep, StaffDep
 from grader.routes.problems import responses
-from grader.routes.published import require_published
 from grader.routes.submission_views import SUBMISSIONS
 from grader.store.audit import Signature
+from grader.use_cases.assignments import require_published
 from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])

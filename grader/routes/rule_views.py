@@ -19,7 +19,7 @@ from grader.contracts.rules import (
     Rules,
 )
 from grader.contracts.validation_words import OUT_OF_YEARS
-from grader.routes.numbers import Number, Whole
+from grader.routes.dependencies import Number, Whole
 
 MOST_S = 10 * 366 * 86_400
 MOST_ATTEMPTS = 10_000

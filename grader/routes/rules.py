@@ -8,10 +8,16 @@ from grader.contracts.errors import ChangedMeanwhileError, CourseError, RefusedE
 from grader.contracts.identity import Caller, Role
 from grader.contracts.rules import NO_EXTENSION, Extension
 from grader.contracts.text import Text
-from grader.routes.access import ENTRY_PROBLEMS, CallerDep, InstructorDep, ServicesDep, StaffDep
-from grader.routes.preconditions import etag, seen
+from grader.routes.dependencies import (
+    ENTRY_PROBLEMS,
+    CallerDep,
+    InstructorDep,
+    ServicesDep,
+    StaffDep,
+    etag,
+    seen,
+)
 from grader.routes.problems import responses
-from grader.routes.published import require_published
 from grader.routes.rule_views import (
     ExtensionChange,
     ExtensionList,
@@ -26,6 +32,7 @@ from grader.routes.rule_views import (
 from grader.routes.submission_views import SUBMISSIONS
 from grader.store.audit import Signature
 from grader.store.rules import ANY_STATE, CourseRules, tag
+from grader.use_cases.assignments import require_published
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import hidden_from
 

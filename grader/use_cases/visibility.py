@@ -1,7 +1,8 @@
-"""What students do not see yet: rubric items that the rules hide until a date, and what would give them away.
+"""What a caller may see: whose submissions, and what of a student's own the rules do not hide until a date.
 
-A student's copy of a report is the report without the hidden items: score and points are those of the rest, and
-the sentences about the whole are left out. It has a digest of its own.
+Hidden are rubric items, and whatever would give them away. A student's copy of a report is the report without
+them: score and points are those of the rest, and the sentences about the whole are left out. It has a digest of
+its own.
 """
 
 import hashlib
@@ -11,16 +12,62 @@ from dataclasses import replace
 from typing import Any
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.judgement import judged, to_judge
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus, summed
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
-from grader.contracts.text import LANGUAGES
+from grader.contracts.text import LANGUAGES, Text
+from grader.telemetry.context import note
 from grader.use_cases.services import Services
 
+_RETRY_AFTER_S = 5
 _EMPTY = {"zh": "", "en": ""}
+
+
+def require_sight(services: Services, caller: Caller, submission_id: str) -> None:
+    """Make sure that a submission is the caller's to see.
+
+    Raises:
+        RefusedError: there is none of that id, or it is somebody else's: a caller cannot tell which.
+    """
+    submission = services.submissions.get(submission_id)
+    if submission is None or not caller.may_see(submission.course, submission.student):
+        raise RefusedError("submission_not_found")
+    note(submission=submission.id, assignment=submission.assignment)
+
+
+def found(services: Services, submission_id: str) -> tuple[Submission, StoredReport | None]:
+    """Return a submission and its grading, if there is one yet.
+
+    Raises:
+        RefusedError: there is no such submission.
+    """
+    pair = services.submissions.with_report(submission_id)
+    if pair is None:
+        raise RefusedError("submission_not_found")
+    return pair
+
+
+def graded(
+    services: Services, submission_id: str, caller: Caller | None = None
+) -> tuple[Submission, StoredReport]:
+    """Return a submission and its latest grading, as `caller` may see it when one is named.
+
+    Raises:
+        RefusedError: there is no such submission, or no grading yet.
+    """
+    submission, report = found(services, submission_id)
+    if report is None:
+        state = submission.state.value
+        detail = Text(zh=f"提交的状态是 {state}。", en=f"The submission is {state}.")
+        raise RefusedError("not_graded_yet", detail, retry_after_s=_RETRY_AFTER_S)
+    if caller is not None:
+        submission, copy = shown(services, caller, submission, report)
+        report = copy or report
+    return submission, report
 
 
 def hidden_from(services: Services, caller: Caller, assignment_id: str) -> frozenset[str]:

@@ -15,10 +15,9 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
-from grader.routes.submissions import found
-from grader.routes.uploads import checked_student
+from grader.use_cases.handing_in import checked_student
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import shown
+from grader.use_cases.visibility import found, shown
 from grader.web.forms import set_private_cookie
 
 STUDENT_COOKIE = "grader_student"

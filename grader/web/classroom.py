@@ -8,9 +8,9 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
-from grader.routes.access import ServicesDep
 from grader.routes.dashboard import class_overview
 from grader.routes.dashboard_views import STUCK_ATTEMPTS, DashboardView
+from grader.routes.dependencies import ServicesDep
 from grader.routes.health import health_of
 from grader.use_cases.services import Services
 from grader.web import access

@@ -13,7 +13,7 @@ from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
 from grader.contracts.rubric import summed
 from grader.routes import gradebook
-from grader.routes.access import ServicesDep
+from grader.routes.dependencies import ServicesDep
 from grader.routes.gradebook import Format
 from grader.routes.gradebook_tables import Scores
 from grader.web.access import StaffDep, require_staff

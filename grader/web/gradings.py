@@ -8,10 +8,8 @@ from fastapi.responses import JSONResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
-from grader.routes.access import ServicesDep
+from grader.routes.dependencies import QueryWhole, ServicesDep, SubmissionId
 from grader.routes.gradebook import Platform, exported
-from grader.routes.numbers import QueryWhole
-from grader.routes.submissions import SubmissionId
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import StaffDep, Visitor, require_staff

@@ -15,11 +15,10 @@ from grader.contracts.judgement import LONGEST_COMMENT
 from grader.contracts.numerals import decimal, written
 from grader.contracts.submission import Submission
 from grader.routes import judgements
-from grader.routes.access import ServicesDep
+from grader.routes.dependencies import ServicesDep, SubmissionId
 from grader.routes.judgement_views import JudgementBody, ManualItemsView, ManualItemView
-from grader.routes.published import published
-from grader.routes.submissions import SubmissionId
 from grader.store.judgements import WaitingFor
+from grader.use_cases.assignments import published
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import StaffDep, Visitor, require_staff

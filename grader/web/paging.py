@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from grader.routes.numbers import QueryWhole
+from grader.routes.dependencies import QueryWhole
 
 _LINES = 100  # of a page
 _Item = TypeVar("_Item")

@@ -5,8 +5,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
-from grader.routes.access import ServicesDep
-from grader.routes.numbers import QueryWhole
+from grader.routes.dependencies import QueryWhole, ServicesDep
 from grader.routes.people import audit_page
 from grader.web.access import InstructorDep, StaffDep, require_staff
 from grader.web.audit_lines import Teller

@@ -7,9 +7,8 @@ from fastapi import APIRouter, Depends, Request
 from fastapi.concurrency import run_in_threadpool
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
-from grader.routes.access import ServicesDep
+from grader.routes.dependencies import ServicesDep, SubmissionId
 from grader.routes.events import LastEventId, events, owner_of, progress_event, watched
-from grader.routes.submissions import SubmissionId
 from grader.use_cases.following import Watch
 from grader.web import access
 from grader.web.access import VisitorDep

@@ -8,8 +8,8 @@ from typing import Literal, get_args
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.text import Language
-from grader.routes.published import item_title
 from grader.routes.regrades import ItemChangeView, ScoreChangeView
+from grader.use_cases.assignments import item_title
 from grader.web.paging import PageQuery, cut
 from grader.web.roster import named
 

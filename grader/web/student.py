@@ -13,13 +13,15 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language
 from grader.messages import quantity
-from grader.routes import rules, submissions
-from grader.routes.access import ServicesDep
+from grader.routes import rules
+from grader.routes.dependencies import ServicesDep
+from grader.routes.middleware import UploadRoute, arrival_of
 from grader.routes.problem_types import PROBLEM_TYPES, ProblemType
-from grader.routes.published import require_published
 from grader.routes.rule_views import StandingView
-from grader.routes.uploads import UploadRoute, arrival_of
 from grader.telemetry.context import note
+from grader.use_cases import handing_in
+from grader.use_cases.assignments import require_published
+from grader.use_cases.handing_in import Upload
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import shown_assignment, shown_list
 from grader.web import access
@@ -77,14 +79,19 @@ def hand_in(  # noqa: PLR0913, PLR0917
     if not visitor.open:
         access.require_known(visitor)
     given = visitor.student or student.strip()
+    upload = Upload(
+        assignment=assignment.id,
+        student=given,
+        file_name=file.filename or "",
+        content=file.file.read(services.settings.max_upload_bytes + 1),
+        arrived_at=arrival_of(request),
+    )
     try:
-        receipt = submissions.hand_in(
-            services, visitor.caller, arrival_of(request), file, assignment.id, given
-        )
+        submission, _ = handing_in.hand_in(services, visitor.caller, upload)
     except RefusedError as problem:
         note(code=problem.code)
         return _assignment_page(request, assignment, problem, student)
-    response = RedirectResponse(f"/submissions/{receipt.id}", status_code=303)
+    response = RedirectResponse(f"/submissions/{submission.id}", status_code=303)
     if visitor.open:
         access.enter_student(request, response, given)
     return response

@@ -14,11 +14,10 @@ from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.render.labels import SUBMISSION_STATE
 from grader.routes import recordings
-from grader.routes.access import ServicesDep
+from grader.routes.dependencies import ServicesDep, SubmissionId
 from grader.routes.judgement_views import ManualItemView, manual_items
-from grader.routes.published import published
 from grader.routes.submission_document import lateness
-from grader.routes.submissions import SubmissionId
+from grader.use_cases.assignments import published
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import shown_list
 from grader.web import access

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.routes.preconditions import etag, seen
+from grader.routes.dependencies import etag, seen
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Assignments as a request names them."""
+"""Published assignments."""
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError, UnknownAssignmentError

@@ -1,0 +1,195 @@
+"""What endpoints read of a request before they do anything: who asks, in which language, which state was seen.
+
+Who asks is told by a bearer token (`grader.use_cases.callers`). The language is that of ``?lang=``, else the one
+that ``Accept-Language`` weighs most, else the service's default.
+"""
+
+import re
+from typing import Annotated
+
+from fastapi import Depends, Header, Path, Query, Request
+from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+from pydantic import BeforeValidator
+from pydantic_core import PydanticCustomError
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Caller, Role
+from grader.contracts.numerals import decimal, whole
+from grader.contracts.seen import Seen
+from grader.contracts.text import LANGUAGES, Language
+from grader.use_cases.services import Services
+
+_LONGEST_HEADER = 1_000
+_TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.8.3
+
+ENTRY_PROBLEMS = ("unauthorized", "too_many_requests")
+"""Problems of every endpoint that asks who it is."""
+
+bearer = HTTPBearer(
+    auto_error=False,
+    scheme_name="Token",
+    description="The token of a member of a course; without courses, the one the service prints when it starts.",
+)
+
+
+async def _services(request: Request) -> Services:
+    # a coroutine runs on the event loop; any other dependency would wait for a thread
+    services: Services = request.app.state.services
+    return services
+
+
+ServicesDep = Annotated[Services, Depends(_services)]
+
+
+def caller_of(
+    services: ServicesDep, credentials: Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
+) -> Caller:
+    """Dependency of every endpoint that shows or changes something of somebody.
+
+    Raises:
+        RefusedError: a token is needed and missing, unknown, expired or revoked; or a student asks too often.
+    """
+    caller = services.callers.identify(None if credentials is None else credentials.credentials)
+    if caller is None:
+        raise RefusedError("unauthorized")
+    if caller.role is Role.STUDENT:
+        services.request_limit.take(f"{caller.course}/{caller.person}")
+    return caller
+
+
+CallerDep = Annotated[Caller, Depends(caller_of)]
+
+
+async def require_staff(caller: CallerDep) -> Caller:
+    """Dependency of what assistants and instructors see.
+
+    Raises:
+        RefusedError: the caller is neither.
+    """
+    if caller.is_staff:
+        return caller
+    raise RefusedError("forbidden" if caller.role is not None else "unauthorized")
+
+
+StaffDep = Annotated[Caller, Depends(require_staff)]
+
+
+async def require_instructor(caller: StaffDep) -> Caller:
+    """Dependency of what changes settings or grades.
+
+    Raises:
+        RefusedError: the caller is no instructor.
+    """
+    if not caller.is_instructor:
+        raise RefusedError("forbidden")
+    return caller
+
+
+InstructorDep = Annotated[Caller, Depends(require_instructor)]
+
+
+async def requested_language(  # on the event loop: what is no coroutine waits for a thread
+    request: Request,
+    lang: Annotated[
+        Language | None, Query(description="Language of texts; goes before Accept-Language.")
+    ] = None,
+    accept_language: Annotated[
+        str | None, Header(description="As browsers send it, e.g. `zh-CN,zh;q=0.9,en;q=0.8`.")
+    ] = None,
+) -> Language:
+    """Return the language to answer in; a dependency of every endpoint that answers with text."""
+    default: Language = request.app.state.default_language
+    return lang or preferred(accept_language or "", default)
+
+
+def language_of(request: Request) -> Language:
+    """Return the language for an answer to a request that may itself be wrong."""
+    asked = request.query_params.get("lang")
+    for language in LANGUAGES:
+        if asked == language:
+            return language
+    return preferred(request.headers.get("accept-language", ""), request.app.state.default_language)
+
+
+def preferred(accept_language: str, default: Language) -> Language:
+    """Return the language that the header `accept_language` weighs most; `default` if it names neither."""
+    best, best_weight = default, 0.0
+    for entry in accept_language[:_LONGEST_HEADER].split(","):
+        tag, _, parameters = entry.strip().partition(";")
+        primary, weight = tag.strip().lower().split("-")[0], _weight(parameters)
+        for language in LANGUAGES:
+            if primary == language and weight > best_weight:
+                best, best_weight = language, weight
+    return best
+
+
+def _weight(parameters: str) -> float:
+    name, _, value = parameters.strip().partition("=")
+    if name.strip() != "q":
+        return 1.0
+    try:
+        return decimal(value.strip())
+    except ValueError:
+        return 0.0
+
+
+LanguageDep = Annotated[Language, Depends(requested_language)]
+
+
+# Pydantic by itself also takes "1_0", " 10", "1e1" and true for a number, as Python does.
+
+
+def _in_digits(value: object) -> object:
+    if not isinstance(value, str):
+        return value
+    try:
+        return whole(value)
+    except ValueError:
+        raise PydanticCustomError("int_parsing", "Input should be a whole number in digits") from None
+
+
+def _number(value: object) -> object:
+    if isinstance(value, bool | str):
+        raise PydanticCustomError("float_type", "Input should be a number")
+    return value
+
+
+def _whole_number(value: object) -> object:
+    if isinstance(value, bool | str):
+        raise PydanticCustomError("int_type", "Input should be a whole number")
+    return value
+
+
+SubmissionId = Annotated[
+    str,
+    Path(
+        description="As the upload was answered with.",
+        max_length=64,
+        examples=["0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"],
+    ),
+]
+QueryWhole = Annotated[int, BeforeValidator(_in_digits)]
+"""A whole number in the query of an address."""
+
+Whole = Annotated[int, BeforeValidator(_whole_number)]
+"""A whole number in a JSON body; 10.0 is one, as in JSON Schema."""
+
+Number = Annotated[float, BeforeValidator(_number)]
+"""A number in a JSON body. Bounds refuse what is not finite."""
+
+
+def seen(if_match: str | None) -> Seen | None:
+    """Return which states the header If-Match names (RFC 9110, section 13.1.1); None without the header.
+
+    Tags are compared strongly: weak ones (``W/"…"``) name no state, and neither does what is no tag.
+    """
+    if if_match is None:
+        return None
+    if if_match.strip() == "*":
+        return Seen(None)
+    return Seen(frozenset(tag for weak, tag in _TAG.findall(if_match) if not weak))
+
+
+def etag(tag: str) -> str:
+    """Return the strong ETag of the state named `tag`."""
+    return f'"{tag}"'

@@ -1,0 +1,209 @@
+"""Handing in: whose work a file is, whether it may come in now, its form; then it is stored and queued."""
+
+import logging
+import re
+from dataclasses import dataclass, replace
+from datetime import datetime
+
+from grader.contracts.assignment import SUFFIXES, Input
+from grader.contracts.errors import (
+    InfrastructureError,
+    RefusedError,
+    SandboxError,
+    SubmissionError,
+    UploadRefusedError,
+)
+from grader.contracts.grading import SyntaxProblem
+from grader.contracts.identity import Caller, Role, is_person_id
+from grader.contracts.outcome import StudentError
+from grader.contracts.rules import Refusal
+from grader.contracts.submission import NewSubmission, Submission
+from grader.contracts.text import Text
+from grader.contracts.upload import check_source
+from grader.messages.exceptions import meaning
+from grader.render.escape import visible_line
+from grader.telemetry.context import note
+from grader.use_cases.assignments import require_published
+from grader.use_cases.services import Services
+
+_log = logging.getLogger(__name__)
+_LONGEST_NAME = 100
+_LONGEST_LINE = 200
+_RETRY_AFTER_S = 5
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Upload:
+    """A file as somebody hands it in; nothing of it is checked yet.
+
+    Attributes:
+        student: whose work it is; empty: the caller's own.
+        arrived_at: before the file was read. Dates and limits go by it, so that a busy service makes nobody late.
+        key: sent again with the same upload by clients that got no answer; it is then stored once.
+    """
+
+    assignment: str
+    student: str
+    file_name: str
+    content: bytes
+    arrived_at: datetime
+    key: str | None = None
+
+
+def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submission, bool]:
+    """Check an upload, store it and queue it for grading.
+
+    Returns:
+        The submission, and whether it is an earlier one: the same was sent again.
+
+    Raises:
+        RefusedError: it is not accepted, and nothing was stored.
+    """
+    student = submitter(services, caller, upload.student)
+    services.upload_limit.take(f"{caller.course}/{student}")
+    new = NewSubmission(
+        course=caller.course,
+        student=student,
+        assignment=upload.assignment,
+        file_name=upload.file_name,
+        source=upload.content,
+        received_at=upload.arrived_at,
+        key=upload.key,
+        ruled=caller.role is Role.STUDENT,
+        by=None if student == caller.person or caller.course is None else caller.signature,
+    )
+    submission, repeated = _store(services, _checked(services, new))
+    note(
+        submission=submission.id,
+        assignment=submission.assignment,
+        code="repeated" if repeated else "accepted",
+    )
+    services.doorbell.ring()
+    return submission, repeated
+
+
+def _checked(services: Services, new: NewSubmission) -> NewSubmission:
+    """Return `new` as it is stored: for a published assignment, its name and content checked."""
+    published = require_published(services, new.assignment, "unknown_assignment", field="assignment")
+    if new.key is None and (refusal := services.submissions.refusal(new)) is not None:
+        raise _refused(refusal)  # one with a key may be an upload that was accepted before
+    name = checked_name(new.file_name, published.input)
+    check_content(services, new.source, name, published.input)
+    if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
+        raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
+    return replace(new, file_name=name, assignment_version=published.version)
+
+
+def _store(services: Services, new: NewSubmission) -> tuple[Submission, bool]:
+    try:
+        return services.submissions.accept(new)
+    except UploadRefusedError as error:
+        raise _refused(error.refusal) from None
+    except SubmissionError as error:
+        raise RefusedError(error.code) from None
+
+
+def _refused(refusal: Refusal) -> RefusedError:
+    """Return the refusal by a rule of the assignment."""
+    if refusal.until is None:
+        return RefusedError(refusal.code)
+    until = refusal.until.isoformat(timespec="seconds")
+    detail = Text(zh=f"{until} 之后可以提交。", en=f"Uploads are accepted from {until} on.")
+    return RefusedError(refusal.code, detail)
+
+
+def checked_student(student: str) -> str:
+    """Return a well-formed student id.
+
+    Raises:
+        RefusedError: it is not one.
+    """
+    if not is_person_id(student):
+        raise RefusedError("invalid_student", field="student")
+    return student
+
+
+def submitter(services: Services, caller: Caller, student: str) -> str:
+    """Return whose work an upload is, given what its form says.
+
+    Raises:
+        RefusedError: it names nobody, or somebody the caller may not hand in for.
+    """
+    if caller.course is None or caller.person is None:
+        return checked_student(student)
+    if student in ("", caller.person):
+        return caller.person
+    if not caller.is_instructor:
+        raise RefusedError("forbidden", field="student")
+    if services.courses.member(caller.course, checked_student(student)) is None:
+        raise RefusedError("unknown_student", field="student")
+    return student
+
+
+def checked_name(file_name: str, kind: Input) -> str:
+    """Return the last part of the name the student's browser sent, one printable line.
+
+    Raises:
+        RefusedError: it is not the name of what the assignment asks for, a Python script or a text.
+    """
+    name = visible_line(re.split(r"[/\\]", file_name)[-1].strip(), _LONGEST_NAME)
+    endings = SUFFIXES[kind]
+    if not name.lower().endswith(endings) or name.lower() in endings:
+        shown = name or "—"
+        raise RefusedError(
+            "wrong_file_type",
+            Text(
+                zh=f"收到的文件名是 {shown}，这个作业要交的文件以 {' 或 '.join(endings)} 结尾。",
+                en=f"The file is called {shown}; this assignment takes names that end in {' or '.join(endings)}.",
+            ),
+            field="file",
+        )
+    return name
+
+
+def check_content(services: Services, source: bytes, file_name: str, kind: Input) -> None:
+    """Refuse what could not run at all.
+
+    Raises:
+        RefusedError: too large, empty, not UTF-8, not text, or not Python.
+    """
+    limit = services.settings.max_upload_bytes
+    if len(source) > limit:
+        raise too_large(limit)
+    try:
+        check_source(source, limit)
+    except SubmissionError as error:
+        raise RefusedError(error.code, Text(zh=error.zh, en=str(error)), field="file") from error
+    if kind == "text":
+        return
+    try:
+        problem = services.preflight.check(source, file_name)
+    except (InfrastructureError, SandboxError) as error:
+        _log.warning("a file was taken without a look at its syntax: %s", error)
+        return  # no fault of the file: grading will look at it again
+    if problem is not None:
+        raise _syntax_error(problem)
+
+
+def too_large(limit: int) -> RefusedError:
+    """Return the refusal of a file of more than `limit` bytes."""
+    kib = limit // 1024
+    return RefusedError(
+        "too_large",
+        Text(zh=f"文件最大 {kib} KiB。", en=f"A file may have at most {kib} KiB."),
+        field="file",
+    )
+
+
+def _syntax_error(problem: SyntaxProblem) -> RefusedError:
+    kind, _, message = visible_line(problem.message, _LONGEST_LINE).partition(": ")
+    error = StudentError(type=kind, message=message or kind, line=problem.line, traceback="")
+    _, text = meaning(error, "syntax_error")
+    return RefusedError(
+        "syntax_error",
+        text,
+        field="file",
+        line=problem.line,
+        column=problem.column,
+        text=visible_line(problem.text.rstrip("\r\n"), _LONGEST_LINE) or None,
+    )
