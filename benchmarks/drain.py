@@ -35,12 +35,11 @@ from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.grading.slot import Slot, SlotConfig
-from grader.store.columns import Clock
+from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.intake import take_in
 from grader.store.schema import migrate
-from grader.store.server_clock import clock_of
 from grader.store.submissions import Submissions
 from grader.store.tables import SubmissionRow
 

@@ -21,11 +21,11 @@ from grader.catalog import Catalog
 from grader.contracts.grading import GradingResult
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import Claim, SubmissionState
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
+from grader.store.gradings import assignment_values, detail_values, grading_values, insert_grading
 from grader.store.intake import new_id
-from grader.store.results import assignment_values, detail_values, grading_values, insert_grading
 from grader.store.schema import migrate
 from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow
 

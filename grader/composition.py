@@ -15,16 +15,13 @@ from grader.grading.bootstrap import build_sandbox, build_syntax_sandbox
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
 from grader.settings import Settings, is_loopback
-from grader.store.checkpoints import checkpoints
-from grader.store.columns import Clock
+from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
-from grader.store.database import Database
-from grader.store.doorbell import Doorbell
-from grader.store.measures import Measures
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.database import Database, checkpoints
+from grader.store.queue import Queue, Retries
 from grader.store.schema import up_to_date
-from grader.store.server_clock import clock_of
-from grader.store.work import WorkSource
+from grader.store.standings import Measures
+from grader.store.work import Doorbell, WorkSource
 from grader.store.workers import Workers, presence
 from grader.telemetry.metrics import Metrics, exported
 from grader.use_cases.callers import new_token
@@ -59,7 +56,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             database,
             settings,
             clock,
-            policy=_policy(settings),
+            retries=_retries(settings),
             assignments=RefreshedAssignments(Catalog(cache=AssignmentMemory())),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
@@ -124,7 +121,7 @@ def _parts(
     database: Database, settings: Settings, assignments: AssignmentSource, clock: Clock
 ) -> WorkerParts:
     return WorkerParts(
-        queue=Queue(database, clock, _policy(settings)),
+        queue=Queue(database, clock, _retries(settings)),
         workers=Workers(database, clock),
         assignments=assignments,
         make_grader=lambda: Slot(_ISOLATION),
@@ -160,10 +157,8 @@ def _take_over(queue: Queue) -> None:
         _log.warning("after a crash: %d gradings queued again, %d given up", left.requeued, left.given_up)
 
 
-def _policy(settings: Settings) -> RetryPolicy:
-    return RetryPolicy(
-        lease_s=settings.lease_s, max_tries=settings.max_tries, backoff_s=settings.retry_backoff_s
-    )
+def _retries(settings: Settings) -> Retries:
+    return Retries(lease_s=settings.lease_s, max_tries=settings.max_tries, backoff_s=settings.retry_backoff_s)
 
 
 def _check_exposure(settings: Settings, courses: Courses) -> None:

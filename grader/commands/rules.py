@@ -24,7 +24,7 @@ from grader.contracts.text import Text
 from grader.contracts.validation_words import said
 from grader.routes.rule_views import ExtensionBody, RulesBody, extension_from, rules_from
 from grader.store.audit import Signature
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 from grader.store.rules import CourseRules, StoredRules, tag, to_document
 from grader.web.audit_lines import Teller
 

@@ -11,7 +11,7 @@ from grader.contracts.errors import CourseError, SettingsError
 from grader.contracts.identity import no_course
 from grader.contracts.text import trouble
 from grader.settings import load
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.schema import up_to_date

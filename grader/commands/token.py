@@ -13,7 +13,7 @@ from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
 from grader.contracts.numerals import whole
 from grader.contracts.text import BYTE_ORDER_MARK, Text
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 
 DEFAULT_DAYS = 200  # a term and the exams after it
 _MOST_DAYS = 3_660

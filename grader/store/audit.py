@@ -8,8 +8,8 @@ from sqlalchemy import select
 from sqlmodel import Session, col
 
 from grader.contracts.identity import AuditEntry
-from grader.store.course_tables import AuditRow
 from grader.store.database import Database
+from grader.store.tables import AuditRow
 
 
 @dataclass(frozen=True, slots=True)

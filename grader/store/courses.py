@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from sqlalchemy import select
+from sqlalchemy import ColumnElement, and_, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import CourseError
@@ -18,10 +18,9 @@ from grader.contracts.identity import (
     unknown_course,
 )
 from grader.store.audit import Signature, record
-from grader.store.columns import Clock
-from grader.store.course_tables import CourseRow, MemberRow
-from grader.store.database import Database
-from grader.store.locks import one_at_a_time
+from grader.store.clock import Clock
+from grader.store.database import Database, one_at_a_time
+from grader.store.tables import CourseRow, MemberRow, SubmissionRow
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -130,6 +129,16 @@ class Courses:
                 _put(session, signed, course_id, entry, known)
         kept = len(entries) - len(added) - len(changed)
         return RosterChange(added=tuple(added), changed=tuple(changed), unchanged=kept)
+
+
+def in_class(course: str | None) -> ColumnElement[bool]:
+    """Whether a submission belongs to a class: its students' work, not what its staff tries out."""
+    if course is None:
+        return and_(col(SubmissionRow.course).is_(None), col(SubmissionRow.regrade).is_(None))
+    students = select(col(MemberRow.person)).where(
+        col(MemberRow.course) == course, col(MemberRow.role) == Role.STUDENT.value
+    )
+    return and_(col(SubmissionRow.course) == course, col(SubmissionRow.student).in_(students))
 
 
 def _role(entry: RosterEntry, known: MemberRow | None) -> str:

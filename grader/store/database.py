@@ -1,42 +1,62 @@
 """Connections and transactions, on SQLite and on PostgreSQL.
 
-SQLite: WAL, so that readers never wait for the writer; ``synchronous=FULL``, so that an acknowledged upload
-survives a power cut; writers begin with ``BEGIN IMMEDIATE``, because a transaction that starts by reading and
-then wants to write can fail without waiting when another wrote in between. So writers are one after the other.
-Those of one process wait for each other here: SQLite itself lets a writer look again after ever longer pauses, up
-to a tenth of a second, while others go first who came at the right moment.
+There are two ways to begin a transaction, on both databases:
 
-PostgreSQL: a reader has one snapshot (``REPEATABLE READ READ ONLY``), a writer sees with each statement what is
-committed (``READ COMMITTED``). That alone would let two writers read the same and both act on it. What reads
-before it writes therefore first takes a lock on what it decides about: `grader.store.locks`, or the row itself.
-``SERIALIZABLE`` would do without such locks, but a transaction could then fail at any statement and would have
-to be run again as a whole, most often on deadline evenings.
+`Database.reading` gives one snapshot for as long as it lasts. On PostgreSQL it is ``REPEATABLE READ READ ONLY``.
+
+`Database.writing` commits at the end, or rolls back on any exception. On PostgreSQL it is ``READ COMMITTED``: each
+statement sees what is committed by then. So two writers could read the same row and both act on it. Whoever reads
+before writing therefore first locks what the decision is about: by `one_at_a_time`, or by the row itself.
+``SERIALIZABLE`` would need no such locks, but any statement could then fail and the whole transaction would have
+to run again, most often on the evening of a deadline.
+
+SQLite: WAL, so that readers never wait for the writer. ``synchronous=FULL``, so that an acknowledged upload
+survives a power cut. Writers begin with ``BEGIN IMMEDIATE``: a transaction that reads first and writes later
+fails at once when another wrote in between. There is one writer at a time. Writers of one process queue here,
+by a lock: SQLite itself makes a writer sleep for up to a tenth of a second between two looks, while writers
+who came later get in.
 """
 
+import hashlib
 import logging
 import os
+import select as polling
 import sqlite3
 import threading
+import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
+from functools import cache
 from typing import Any
 
-from sqlalchemy import URL, Connection, Dialect, Engine, event, make_url
-from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, NotSupportedError, ProgrammingError
+from sqlalchemy import URL, Connection, Dialect, Engine, Insert, bindparam, event, func, make_url, select
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.exc import (
+    DataError,
+    DBAPIError,
+    IntegrityError,
+    InvalidatePoolError,
+    NotSupportedError,
+    ProgrammingError,
+    SQLAlchemyError,
+)
 from sqlalchemy.exc import TimeoutError as PoolTimeoutError
-from sqlmodel import Session, create_engine
+from sqlmodel import Session, SQLModel, create_engine
 
-from grader.contracts.errors import SettingsError
-from grader.store.announcing import Announcer, Unannounced
-from grader.store.liveness import check_before_use, no_answer
-from grader.store.together import one_go, wait_for_answer
+from grader.contracts.errors import InfrastructureError, SettingsError
+from grader.store.tables import table_of
+from grader.store.work import Announcer, Unannounced
 
+_log = logging.getLogger(__name__)
 _LOCK_TIMEOUT_MS = 30_000
-_LONGEST_LOG_PAGES = 10_000  # before a commit empties it, where `grader.store.checkpoints` did not
-# of a statement, by its fault; other errors are of the database
-_OF_STATEMENTS = (IntegrityError, DataError, ProgrammingError, NotSupportedError)
+# After so many pages a commit empties the log itself: ten times SQLite's default, because `checkpoints` does it
+# every second. A commit that does it keeps an upload waiting for a tenth of a second.
+_LONGEST_LOG_PAGES = 10_000
+_CHECKPOINT_EVERY_S = 1.0
+# Errors that are a statement's own fault. Any other error means that the database does not answer.
+_STATEMENT_ERRORS = (IntegrityError, DataError, ProgrammingError, NotSupportedError)
 _BEGIN_OPTION = "grader_begin"
-_CHANCES = 20
+_WAL_TRIES = 20
 _CONNECTIONS = 10
 PATIENCE = {
     "connect_timeout": 10,
@@ -45,9 +65,14 @@ PATIENCE = {
     "keepalives_count": 3,
     "tcp_user_timeout": 25_000,
 }
-"""libpq's settings (seconds; the last one ms), unless the URL has others: a connection to a PostgreSQL server that
-vanished without a word, as in a power cut, fails within half a minute. Linux' own defaults wait for two hours."""
-_IDLE_TIMEOUT_MS = 15_000  # a frozen process must not keep its locks for longer than its lease
+"""libpq's settings (in seconds; the last one in ms), unless the URL sets them. With them a connection fails within
+half a minute when its server vanishes silently, as in a power cut. Linux' defaults wait for two hours."""
+_IDLE_TIMEOUT_MS = 15_000  # a frozen process must lose its locks no later than its leases
+# A network may forget a connection that was idle for longer; such a connection is tried before use.
+_LONG_IDLE_S = 5.0
+_IDLE_SINCE = "grader_idle_since_s"
+_KEY_BYTES = 8
+_LOCK = select(func.pg_advisory_xact_lock(bindparam("key")))
 
 
 class Database:
@@ -68,13 +93,11 @@ class Database:
             SettingsError: the driver that `url` needs is not installed.
         """
         self._engine = _engine(make_url(url), connections)
-        self._reading = self._engine.execution_options(
+        self._snapshots = self._engine.execution_options(
             **{_BEGIN_OPTION: "BEGIN DEFERRED"}
             if self.is_sqlite
             else {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
         )
-        self._quick = self._engine.execution_options(isolation_level="AUTOCOMMIT")
-        event.listen(self._quick, "after_cursor_execute", wait_for_answer)
         self.announcer = _announcer(self._engine)
         self._writer = threading.Lock()
         self._closed = False
@@ -97,47 +120,20 @@ class Database:
         return str(url.database) if self.is_sqlite else url.set(query={}).render_as_string(hide_password=True)
 
     @contextmanager
-    def writing(self, *, quick: bool = False) -> Iterator[Session]:
+    def writing(self) -> Iterator[Session]:
         """One transaction that may write; committed at the end, rolled back on any exception.
-
-        Args:
-            quick: go to a PostgreSQL server and back as seldom as `grader.store.together.one_go` does.
 
         Raises:
             InfrastructureError: the database cannot be reached or stays locked. When the connection breaks
                 during the commit, it is unknown whether the transaction took place.
         """
-        if quick and not self.is_sqlite:
-            with self._transaction(self._quick) as session, one_go(session.connection()):
-                yield session
-                session.flush()
-            return
         with self._turn() if self.is_sqlite else nullcontext(), self._transaction(self._engine) as session:
             yield session
 
     @contextmanager
-    def changing(self) -> Iterator[Connection]:
-        """Do what `writing` does, for statements of tables: without a session, which keeps account of objects."""
-        with (
-            self._turn() if self.is_sqlite else nullcontext(),
-            _explained(),
-            self._engine.begin() as connection,
-        ):
-            yield connection
-
-    @contextmanager
     def reading(self) -> Iterator[Session]:
         """One transaction that only reads, on one consistent snapshot. Raises as `writing` does."""
-        with self._transaction(self._reading) as session:
-            yield session
-
-    @contextmanager
-    def asking(self) -> Iterator[Session]:
-        """For one statement that only reads: one way to a PostgreSQL server, of which a transaction takes three.
-
-        Another statement would see another state. Raises as `writing` does.
-        """
-        with self._transaction(self._reading if self.is_sqlite else self._quick) as session:
+        with self._transaction(self._snapshots) as session:
             yield session
 
     def close(self) -> None:
@@ -152,7 +148,7 @@ class Database:
     @contextmanager
     def _turn(self) -> Iterator[None]:
         if not self._writer.acquire(timeout=_LOCK_TIMEOUT_MS / 1_000):
-            raise no_answer("another writer is at it", "另一个写操作一直没有结束")
+            raise _no_answer("another writer is at it", "另一个写操作一直没有结束")
         try:
             yield
         finally:
@@ -164,18 +160,85 @@ class Database:
             yield session
 
 
+def one_at_a_time(session: Session, *what: str | None) -> None:
+    """Wait until no other transaction that named the same `what` is under way.
+
+    SQLite has one writer at a time anyway. On PostgreSQL this takes an advisory lock that ends with the
+    transaction. Call it first and once: what the transaction reads afterwards is what the one before it left,
+    and two transactions with one lock each cannot wait for each other in a circle.
+    """
+    if session.get_bind().dialect.name == "sqlite":
+        return
+    digest = hashlib.sha256(repr(what).encode()).digest()
+    # if two names happen to have one key, their transactions wait for each other without need, and no more
+    key = int.from_bytes(digest[:_KEY_BYTES], "big", signed=True)
+    session.connection().execute(_LOCK, {"key": key})
+
+
+def add_once(connection: Connection, table: type[SQLModel], **values: Any) -> None:
+    """Add a row unless one with its primary key is there, or is being added by another transaction."""
+    connection.execute(_unless_there(table, connection.dialect.name), values)
+
+
+@cache
+def _unless_there(table: type[SQLModel], dialect: str) -> Insert:
+    insert = sqlite.insert if dialect == "sqlite" else postgresql.insert
+    return insert(table_of(table)).on_conflict_do_nothing()
+
+
+@contextmanager
+def checkpoints(database: Database, every_s: float = _CHECKPOINT_EVERY_S) -> Iterator[None]:
+    """Move what was committed from SQLite's log into its file, every `every_s` seconds, in a thread.
+
+    SQLite does so at the end of the commit that makes the log long enough. That commit would be somebody's upload.
+    PostgreSQL needs no help: nothing happens there. If a checkpoint fails, the next one does its work.
+    """
+    if not database.is_sqlite:
+        yield
+        return
+    ended = threading.Event()
+
+    def go_on() -> None:
+        while not ended.wait(every_s):
+            try:
+                checkpoint(database)
+            except (SQLAlchemyError, sqlite3.Error) as error:  # also when every connection is busy
+                _log.warning("the write-ahead log was not emptied: %s", error)
+
+    thread = threading.Thread(target=go_on, name="grader-checkpoints", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        thread.join()
+
+
+def checkpoint(database: Database) -> None:
+    """Make one checkpoint now, as far as readers of older snapshots allow; nobody waits for it."""
+    connection = database.engine.raw_connection()  # a checkpoint cannot run inside a transaction
+    try:
+        connection.cursor().execute("PRAGMA wal_checkpoint(PASSIVE)")
+    finally:
+        connection.close()
+
+
 @contextmanager
 def _explained() -> Iterator[None]:
-    """Raise InfrastructureError for what is no fault of a statement."""
+    """Raise InfrastructureError for what is not a statement's own fault."""
     try:
         yield
     except DBAPIError as error:
-        if isinstance(error, _OF_STATEMENTS) and not error.connection_invalidated:
+        if isinstance(error, _STATEMENT_ERRORS) and not error.connection_invalidated:
             raise
         reason = " ".join(str(error.orig).split())
-        raise no_answer(reason, reason) from error
+        raise _no_answer(reason, reason) from error
     except PoolTimeoutError as error:
-        raise no_answer("every connection is busy", "全部连接都在使用") from error
+        raise _no_answer("every connection is busy", "全部连接都在使用") from error
+
+
+def _no_answer(en: str, zh: str) -> InfrastructureError:
+    return InfrastructureError(f"the database does not answer: {en}", f"数据库没有回应：{zh}")
 
 
 def _engine(url: URL, connections: int) -> Engine:
@@ -198,25 +261,25 @@ def _engine(url: URL, connections: int) -> Engine:
             "PostgreSQL needs packages that are not installed: install the grader with its extra 'postgres'",
             "没有安装 PostgreSQL 所需的软件包：安装 grader 时请带上附加项 'postgres'",
         ) from None
-    # it warns of what fails after the error that it raised
+    # psycopg warns again of what it already raised
     logging.getLogger("psycopg").setLevel(logging.ERROR)
     event.listen(engine, "connect", _configure_postgresql)
-    check_before_use(engine)
+    _replace_dead_connections(engine)
     return engine
 
 
 def _announcer(engine: Engine) -> Announcer:
     if engine.dialect.name == "sqlite":
         return Unannounced()
-    # the embedded default does without Procrastinate
+    # imported here: an installation with SQLite has no Procrastinate
     from grader.store.permits.announcer import PermitAnnouncer
 
     return PermitAnnouncer()
 
 
 def _create_private(_dialect: Dialect, _record: Any, arguments: Sequence[Any], _options: Any) -> None:
-    """Create a SQLite file for its owner only: it has names and people's work. Its logs get the same mode."""
-    # whatever else is wrong with the path, SQLite says
+    """Create a SQLite file that only its owner reads: it holds people's work. Its logs get the same mode."""
+    # if anything else is wrong with the path, SQLite says so
     with suppress(OSError):
         os.close(os.open(arguments[0], os.O_CREAT | os.O_EXCL | os.O_WRONLY | os.O_CLOEXEC, 0o600))
 
@@ -234,13 +297,13 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
 
 
 def _write_ahead(connection: Any) -> None:
-    """Use a log beside the file. Who asks for that while another does is refused at once."""
-    for _ in range(_CHANCES):
+    """Switch to a log beside the file. SQLite refuses at once if another connection is switching, too."""
+    for _ in range(_WAL_TRIES):
         try:
             connection.execute("PRAGMA journal_mode=WAL")
             return
         except sqlite3.OperationalError:
-            connection.execute("BEGIN IMMEDIATE")  # this waits for the other, or says what is wrong
+            connection.execute("BEGIN IMMEDIATE")  # waits for the other connection, or says what is wrong
             connection.execute("ROLLBACK")
     connection.execute("PRAGMA journal_mode=WAL")
 
@@ -256,3 +319,41 @@ def _configure_postgresql(connection: Any, _record: Any) -> None:
         f"SET idle_in_transaction_session_timeout = {_IDLE_TIMEOUT_MS}"
     )
     connection.autocommit = False
+
+
+def _replace_dead_connections(engine: Engine) -> None:
+    """Have the pool replace dead connections before use, so that no request fails after a restart of the server.
+
+    A server that stops closes its end: there is something to read on a connection on which nothing was asked.
+    Seeing that needs no round trip to the server. Only such a connection, and one that was idle for long, is
+    asked.
+    """
+
+    def rest(_connection: Any, record: Any) -> None:
+        record.info[_IDLE_SINCE] = time.monotonic()
+
+    def wake(connection: Any, record: Any, _fairy: Any) -> None:
+        since_s = record.info.get(_IDLE_SINCE)
+        if since_s is None:  # just made: if something is wrong with it, its first statement says so
+            return
+        short = time.monotonic() - since_s < _LONG_IDLE_S
+        if short and not connection.closed and not _something_to_read(connection):
+            return
+        if connection.closed or not _answers(engine, connection):
+            raise InvalidatePoolError
+
+    event.listen(engine, "checkin", rest)
+    event.listen(engine, "checkout", wake)
+
+
+def _something_to_read(connection: Any) -> bool:
+    look = polling.poll()
+    look.register(connection.fileno(), polling.POLLIN)
+    return bool(look.poll(0))
+
+
+def _answers(engine: Engine, connection: Any) -> bool:
+    try:
+        return bool(engine.dialect.do_ping(connection))
+    except engine.dialect.loaded_dbapi.Error:
+        return False

@@ -15,12 +15,10 @@ from grader.contracts.errors import SubmissionError, UploadRefusedError
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, SubmissionState
-from grader.store.announcing import Announcer, waiting_as
-from grader.store.columns import UtcDateTime
-from grader.store.locks import add_once, one_at_a_time
+from grader.store.database import add_once, one_at_a_time
 from grader.store.rules import ABOUT, ABOUT_FROM, rules_about
-from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, table_of
-from grader.store.together import together
+from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, UtcDateTime, table_of
+from grader.store.work import Announcer, announcement_of
 
 _KEY_LIFE = timedelta(days=7)
 _EVER = datetime(1970, 1, 1, tzinfo=UTC)
@@ -182,17 +180,16 @@ def _under_key(upload: NewSubmission, digest: str, known: _Known) -> str | None:
 
 
 def _put(session: Session, upload: NewSubmission, row: SubmissionRow, announcer: Announcer) -> None:
-    """Insert a new row and what belongs to it, and announce it, all sent at once."""
+    """Insert a new row and what belongs to it, and announce it."""
     connection = session.connection()
-    with together(connection):
-        add_once(session, SourceRow, sha256=row.source_sha256, content=upload.source)
-        connection.execute(_SUBMISSION, {name: getattr(row, name) for name in _COLUMNS})
-        if upload.key is not None:
-            owner = _owner(upload.course, upload.student)
-            connection.execute(_FORGET, {"of": owner, "before": row.received_at - _KEY_LIFE})
-            key = {"owner": owner, "key": upload.key, "digest": _meaning(upload, row.source_sha256)}
-            connection.execute(_KEY, {**key, "submission_id": row.id, "at": row.received_at})
-        announcer.queued(session, [waiting_as(row)], row.queued_at)
+    add_once(connection, SourceRow, sha256=row.source_sha256, content=upload.source)
+    connection.execute(_SUBMISSION, {name: getattr(row, name) for name in _COLUMNS})
+    if upload.key is not None:
+        owner = _owner(upload.course, upload.student)
+        connection.execute(_FORGET, {"of": owner, "before": row.received_at - _KEY_LIFE})
+        key = {"owner": owner, "key": upload.key, "digest": _meaning(upload, row.source_sha256)}
+        connection.execute(_KEY, {**key, "submission_id": row.id, "at": row.received_at})
+    announcer.queued(session, [announcement_of(row)], row.queued_at)
 
 
 def _refusal(known: _Known, received_at: datetime) -> Refusal | None:
@@ -237,8 +234,7 @@ def _turn(session: Session, upload: NewSubmission, own: Sequence[_Own], now: dat
         turns[index] = max(after, before + _TICK)
     moves = [{"moved": row.id, "turn": turn} for row, turn in zip(waiting, turns[1:], strict=True)]
     if moves:
-        with together(connection):
-            connection.execute(_MOVE, moves)
+        connection.execute(_MOVE, moves)
     return turns[0]
 
 

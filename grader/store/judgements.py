@@ -1,4 +1,8 @@
-"""Points that people give for rubric items or correct, and the list of what still waits for them."""
+"""Points that people give for rubric items or correct, and the list of what still waits for them.
+
+Judgements are rows of their own and stand beside the report, which never changes. The score and the verdict of the
+submission's row follow from both; see `settle`.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,19 +11,18 @@ from typing import Any
 
 from sqlalchemy import ColumnElement, Select, and_, exists, func, or_, select
 from sqlalchemy.orm import aliased
-from sqlmodel import col
+from sqlmodel import Session, col
 
 from grader.contracts.errors import JudgementError
-from grader.contracts.judgement import Judgement, standing
+from grader.contracts.judgement import Judgement, composed, standing, to_judge
 from grader.contracts.numerals import written
-from grader.contracts.report import GradeReport
+from grader.contracts.report import GradeReport, report_from
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.seen import Seen
 from grader.store.audit import Signature, record
-from grader.store.class_cells import in_class
+from grader.store.courses import in_class
 from grader.store.database import Database
-from grader.store.judgement_rows import judgements_of, report_of, settle
-from grader.store.tables import GradedItemRow, JudgementRow, SubmissionRow
+from grader.store.tables import GradedItemRow, GradingRow, JudgementRow, SubmissionRow
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -250,3 +253,54 @@ def _newer() -> ColumnElement[bool]:
 
 def _plain(points: float, comment: str) -> dict[str, object]:
     return {"points": points, "comment": comment}
+
+
+def judgements_of(session: Session, submissions: Sequence[str]) -> tuple[Judgement, ...]:
+    """Return everything that people decided about submissions, in order of submission, item and revision."""
+    row = JudgementRow
+    statement = (
+        select(row)
+        .where(col(row.submission_id).in_(submissions))
+        .order_by(col(row.submission_id), col(row.item), col(row.revision))
+    )
+    return tuple(judgement(one) for one in session.execute(statement).scalars())
+
+
+def report_of(session: Session, submission: SubmissionRow) -> GradeReport | None:
+    """Return the report of a submission's latest grading as the machine made it, or None."""
+    if submission.graded_attempt is None:
+        return None
+    grading = session.get(GradingRow, (submission.id, submission.graded_attempt))
+    return None if grading is None else report_from(grading.report)
+
+
+def settle(session: Session, submission: SubmissionRow) -> GradeReport | None:
+    """Put what people judged into the row's score and verdict; return the report with it.
+
+    Called whenever a judgement changes, or the latest grading of a submission that has some.
+    """
+    report = report_of(session, submission)
+    if report is None:
+        return None
+    whole = composed(report, judgements_of(session, [submission.id]))
+    submission.score, submission.verdict = whole.score, whole.status.value
+    if submission.to_judge is not None:  # something was left to people, not only corrected by them
+        submission.to_judge = to_judge(whole.items)
+    session.flush()
+    return whole
+
+
+def judgement(row: JudgementRow) -> Judgement:
+    """Return what a row says."""
+    return Judgement(
+        submission=row.submission_id,
+        item=row.item,
+        revision=row.revision,
+        points=row.points,
+        out_of=row.out_of,
+        comment=row.comment,
+        by=row.judged_by,
+        at=row.judged_at,
+        attempt=row.attempt,
+        source_sha256=row.source_sha256,
+    )

@@ -20,7 +20,7 @@ from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.store.database import Database
 
 _log = logging.getLogger(__name__)
-_LOCK = (0x67726164, 1)  # a pair of numbers, unlike the locks of `grader.store.locks`
+_LOCK = (0x67726164, 1)  # a pair of numbers, unlike the locks of `grader.store.database`
 _LOOK_S = 0.5
 _LOOKS = 20
 _LEAVING_S = 0.05  # between two looks at who seems to leave

@@ -1,40 +1,119 @@
 """The queue: submissions that wait, claims under leases, and what becomes of a claim.
 
-Guarantees, whatever is killed when: an accepted submission is graded or ends as ``infrastructure_error``;
-a result is stored at most once per claim and only from the latest claim. A claim raises `attempt`, and
+Guarantees, whatever is killed when: an accepted submission is graded or ends as ``infrastructure_error``; a
+result is stored at most once per claim, and only from the latest claim. A claim raises `attempt`, and
 `finish` writes only where the row still carries that number and is ``running``: a worker that wakes up late,
-or a submission delivered twice, changes nothing. A claim whose lease ran out goes back to the queue in
+or a submission delivered twice, changes nothing. A claim whose lease ended goes back to the queue in
 `reconcile`.
+
+The statements that every grading needs are of tables, not of objects, and are built once, when this module is
+imported: building them, and keeping account of objects, would cost more than the database takes to execute them.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from statistics import fmean
+from typing import Any
 
-from sqlalchemy import Connection, case, func, select
+from sqlalchemy import (
+    ColumnElement,
+    Connection,
+    Select,
+    bindparam,
+    case,
+    func,
+    or_,
+    select,
+    update,
+)
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
-from grader.store import claim_rows
-from grader.store.columns import Clock
-from grader.store.database import Database
-from grader.store.locks import add_once
-from grader.store.results import RememberedRows, Values, detail_values, grading_values, insert_grading
-from grader.store.tables import GradedAssignmentRow, SubmissionRow
-from grader.store.together import together
+from grader.store.clock import Clock
+from grader.store.database import Database, add_once
+from grader.store.gradings import AssignmentRows, Values, detail_values, grading_values, insert_grading
+from grader.store.tables import (
+    GradedAssignmentRow,
+    GradingRow,
+    SourceRow,
+    SubmissionRow,
+    UtcDateTime,
+    table_of,
+)
+from grader.store.work import ANNOUNCED, Announcement, announcements
 
 _TROUBLE_CHARACTERS = 2_000
-_MOST_DOUBLINGS = 60  # as many make an hour of any pause
+_MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
 _LATEST = 100  # gradings whose durations tell the pace
-_ASSIGNMENTS = "grader_assignments"  # what a connection has seen stored: a database that lost it has others
+# Key of a connection's notes of which assignments are stored. They are notes of a connection, not of the process:
+# when a database is replaced by another one, connections are new, and so are their notes.
+_STORED_ASSIGNMENTS = "grader_assignments"
+
+LONGEST_PAUSE = timedelta(hours=1)
+"""The longest pause between two tries of a submission. No lease is as long."""
+
+_submission = table_of(SubmissionRow)
+_row = _submission.c
+_source = table_of(SourceRow)
+_grading = table_of(GradingRow).c
+
+_DUE: Select[str] = (
+    select(_row.id)
+    .where(
+        _row.state == SubmissionState.QUEUED.value,
+        _row.not_before <= bindparam("now", type_=UtcDateTime()),
+    )
+    .order_by(_row.priority, _row.turn_at, _row.id)
+    .limit(1)
+)
+"""The submission to grade next: by priority, then by turn. Takes the instant `now`."""
+
+_CLAIMED = (
+    _row.id,
+    _row.attempt,
+    _row.tries,
+    _row.assignment,
+    _row.file_name,
+    _row.queued_at,
+    select(_source.c.content).where(_source.c.sha256 == _row.source_sha256).scalar_subquery(),
+)
+
+_TAKE = (
+    update(_submission)
+    .where(_row.id == _DUE.with_for_update(skip_locked=True).scalar_subquery())
+    .values(
+        state=SubmissionState.RUNNING.value,
+        attempt=_row.attempt + 1,
+        tries=_row.tries + 1,
+        worker=bindparam("by"),
+        started_at=bindparam("now", type_=UtcDateTime()),
+        lease_until=bindparam("until", type_=UtcDateTime()),
+    )
+    .returning(*_CLAIMED)
+)
+_RESUME = (
+    update(_submission)
+    .where(_row.state == SubmissionState.RUNNING.value, _row.worker == bindparam("by"))
+    .values(lease_until=bindparam("until", type_=UtcDateTime()))
+    .returning(*_CLAIMED)
+)
+_CHANGE = update(_submission).where(
+    _row.id == bindparam("claimed"),
+    _row.attempt == bindparam("under"),
+    _row.state == SubmissionState.RUNNING.value,
+)
+
+_STORED = select(_grading.worker, _grading.report_sha256).where(
+    _grading.submission_id == bindparam("id"), _grading.attempt == bindparam("under")
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class RetryPolicy:
+class Retries:
     """How long a claim lives and how often a submission is tried.
 
     Attributes:
@@ -60,33 +139,33 @@ class Reconciled:
 class Queue:
     """Hands submissions to workers and takes their results; safe to share between threads."""
 
-    def __init__(self, database: Database, clock: Clock, policy: RetryPolicy) -> None:
+    def __init__(self, database: Database, clock: Clock, retries: Retries) -> None:
         self._database = database
         self._clock = clock
-        self._policy = policy
-        self._remembered = RememberedRows()
+        self._retries = retries
+        self._assignments = AssignmentRows()
 
     @property
     def lease_s(self) -> float:
         """For how long a claim lives without being renewed."""
-        return self._policy.lease_s
+        return self._retries.lease_s
 
     def claim(self, worker: str) -> Claim | None:
         """Take the submission that is due first, or None when nothing is due."""
         if self._database.is_sqlite:  # an idle poll must not take the only write lock
             with self._database.reading() as session:
-                if session.connection().execute(claim_rows.DUE, {"now": self._clock()}).first() is None:
+                if session.connection().execute(_DUE, {"now": self._clock()}).first() is None:
                     return None
         with self._database.writing() as session:
-            return self._take(session.connection(), worker)
+            return _take(session.connection(), worker, self._clock(), self.lease_s)
 
     def renew(self, claims: Collection[Claim]) -> set[Claim]:
         """Extend the leases of `claims`; return those that are still valid. One that is not never is again."""
         now, held = self._clock(), set()
         with self._database.writing() as session:
             for claim in sorted(claims, key=lambda one: one.submission_id):  # rows are locked in one order
-                values = {"lease_until": now + timedelta(seconds=self._policy.lease_s)}
-                if claim_rows.change(session.connection(), claim, values):
+                values = {"lease_until": now + timedelta(seconds=self._retries.lease_s)}
+                if _change(session.connection(), claim, values):
                     held.add(claim)
         return held
 
@@ -103,9 +182,9 @@ class Queue:
     ) -> tuple[bool, Claim | None]:
         """Do what `finish` does and, in the same transaction, what `claim` does.
 
-        So a slot that has just graded takes the next submission that is due without having been told of one. The
-        announcement that somebody would have been told by is taken away. Called again because the connection broke
-        during the commit, it returns what was claimed then: `worker` must know of no other claim of its own.
+        So a busy slot takes the next submission without having been told of it; its announcement is taken back.
+        When the connection broke during the commit, call it again: it returns what that commit claimed. `worker`
+        must then know of no other claim of its own.
         """
         return self._finish(claim, result, assignment, worker)
 
@@ -116,10 +195,10 @@ class Queue:
             The new state, or None when the claim is no longer valid.
         """
         now = self._clock()
-        given_up = claim.tries >= self._policy.max_tries
+        given_up = claim.tries >= self._retries.max_tries
         state = SubmissionState.INFRASTRUCTURE_ERROR if given_up else SubmissionState.QUEUED
         doublings = min(claim.tries - 1, _MOST_DOUBLINGS)
-        pause_s = min(self._policy.backoff_s * 2.0**doublings, claim_rows.LONGEST_PAUSE.total_seconds())
+        pause_s = min(self._retries.backoff_s * 2.0**doublings, LONGEST_PAUSE.total_seconds())
         values = {
             "state": state.value,
             "not_before": now + timedelta(seconds=pause_s),
@@ -127,12 +206,7 @@ class Queue:
             "lease_until": None,
             "trouble": trouble[:_TROUBLE_CHARACTERS],
         }
-        with self._database.writing() as session:
-            if not claim_rows.change(session.connection(), claim, values):
-                return None
-            if not given_up:
-                self._announce(session, claim, now)
-            return state
+        return state if self._release(claim, values, now) else None
 
     def hand_back(self, claim: Claim) -> bool:
         """Return an unfinished submission to its place in the queue; the try does not count."""
@@ -143,22 +217,18 @@ class Queue:
             "not_before": now,
             "lease_until": None,
         }
-        with self._database.writing() as session:
-            if not claim_rows.change(session.connection(), claim, values):
-                return False
-            self._announce(session, claim, now)
-            return True
+        return self._release(claim, values, now)
 
     def hand_back_all(self, workers: Collection[str]) -> list[str]:
-        """Do what `hand_back` does with all that `workers` hold, and return it.
+        """Do what `hand_back` does with every claim of `workers`; return the submissions.
 
-        Also with what they never heard of: the answer to a commit that claimed it was lost.
+        That includes claims that they never heard of, because the answer to the commit was lost.
         """
         now = self._clock()
         tries = col(SubmissionRow.tries) - 1
         values = {"state": SubmissionState.QUEUED.value, "tries": tries, "not_before": now}
         with self._database.writing() as session:
-            returned = claim_rows.void(session, [col(SubmissionRow.worker).in_(workers)], values)
+            returned = _void(session, [col(SubmissionRow.worker).in_(workers)], values)
             self._database.announcer.queued(session, returned, now)
         return [one.submission_id for one in returned]
 
@@ -169,23 +239,23 @@ class Queue:
             all_running: treat every claim as void. Only right when no worker lives (see `presence` of workers).
         """
         now = self._clock()
-        lost = [] if all_running else [claim_rows.lease_ended(now)]
-        spent = col(SubmissionRow.tries) >= self._policy.max_tries
+        lost = [] if all_running else [_lease_ended(now)]
+        spent = col(SubmissionRow.tries) >= self._retries.max_tries
         values = {"not_before": now, "trouble": "the worker that graded this stopped without an answer"}
         ended = {**values, "state": SubmissionState.INFRASTRUCTURE_ERROR.value, "finished_at": now}
         again = {**values, "state": SubmissionState.QUEUED.value, "finished_at": None}
         with self._database.writing() as session:
-            given_up = claim_rows.void(session, [*lost, spent], ended)
-            requeued = claim_rows.void(session, [*lost, ~spent], again)
+            given_up = _void(session, [*lost, spent], ended)
+            requeued = _void(session, [*lost, ~spent], again)
             self._database.announcer.queued(session, requeued, now)
             announced = self._database.announcer.mend(session, now)
         return Reconciled(requeued=len(requeued), given_up=len(given_up), announced=announced)
 
     def sweep(self) -> Reconciled:
-        """Do of `reconcile` what judges no claim, and undo what a clock that was ahead did to the queue."""
+        """Do the part of `reconcile` that ends no claim; make due what a clock that was ahead put off."""
         now = self._clock()
         with self._database.writing() as session:
-            claim_rows.bring_forward(session, now)
+            _bring_forward(session, now)
             announced = self._database.announcer.mend(session, now)
         return Reconciled(requeued=0, given_up=0, announced=announced)
 
@@ -230,7 +300,7 @@ class Queue:
     def mean_duration_s(self) -> float | None:
         """Return how long the latest gradings took from claim to result; None when there are none yet."""
         row = SubmissionRow
-        latest = (  # nothing else is asked of them here, so that the index on `finished_at` finds them
+        latest = (  # no condition on the state: the index on `finished_at` alone answers this
             select(col(row.state), col(row.started_at), col(row.finished_at))
             .where(col(row.finished_at).is_not(None))
             .order_by(col(row.finished_at).desc())
@@ -245,37 +315,54 @@ class Queue:
         ]
         return fmean(spans) if spans else None
 
-    def _announce(self, session: Session, claim: Claim, now: datetime) -> None:
-        self._database.announcer.queued(session, claim_rows.found(session, claim), now)
+    def _release(self, claim: Claim, values: Mapping[str, Any], now: datetime) -> bool:
+        """End `claim` by writing `values`, and announce its row if it waits again; False when it was not valid."""
+        row = SubmissionRow
+        released = select(*ANNOUNCED).where(
+            col(row.id) == claim.submission_id, col(row.state) == SubmissionState.QUEUED.value
+        )
+        with self._database.writing() as session:
+            valid = _change(session.connection(), claim, values)
+            if valid:
+                self._database.announcer.queued(session, announcements(session.execute(released)), now)
+            return valid
 
     def _finish(
         self, claim: Claim, result: GradingResult, assignment: Assignment | None, worker: str | None
     ) -> tuple[bool, Claim | None]:
         now = self._clock()
-        graded = None if assignment is None else self._remembered.values(assignment)
+        graded = None if assignment is None else self._assignments.of(assignment)
         grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
         details = detail_values(grading, result)
-        with self._database.changing() as connection:
-            known_there: set[str] = connection.info.setdefault(_ASSIGNMENTS, set())
-            current = claim_rows.change(connection, claim, _outcome(claim, result, grading))
-            stored = current or claim_rows.stored_already(connection, grading)
-            known = None
-            if worker is not None and stored and not current:  # the answer to an earlier commit got lost
-                known = claim_rows.resume(connection, worker, self._clock(), self._policy.lease_s)
-            taken = None if worker is None or known else self._take(connection, worker)
-            with together(connection, last=True):
-                if current and graded is not None and graded["sha256"] not in known_there:
+        with self._database.writing() as session:
+            connection = session.connection()
+            stored_assignments: set[str] = connection.info.setdefault(_STORED_ASSIGNMENTS, set())
+            current = _change(connection, claim, _outcome(claim, result, grading))
+            if current:
+                if graded is not None and graded["sha256"] not in stored_assignments:
                     add_once(connection, GradedAssignmentRow, **graded)
-                if current:
-                    insert_grading(connection, grading, details)
-                if taken is not None:
-                    self._database.announcer.claimed(connection, taken)
-        if current and graded is not None:
-            known_there.add(graded["sha256"])
-        return stored, known or taken
+                insert_grading(connection, grading, details)
+            stored = current or _stored_already(connection, grading)
+            following = None
+            if worker is not None:
+                following = self._claim_next(session, worker, again=stored and not current)
+        if current and graded is not None:  # after the commit: it may fail
+            stored_assignments.add(graded["sha256"])
+        return stored, following
 
-    def _take(self, connection: Connection, worker: str) -> Claim | None:
-        return claim_rows.take(connection, worker, self._clock(), self._policy.lease_s)
+    def _claim_next(self, session: Session, worker: str, *, again: bool) -> Claim | None:
+        """Claim what is due next, in a transaction that has stored a result.
+
+        `again` says that an earlier commit stored the result and its answer was lost. What that commit
+        claimed counts.
+        """
+        connection = session.connection()
+        claimed = _resume(connection, worker, self._clock(), self.lease_s) if again else None
+        if claimed is None:
+            claimed = _take(connection, worker, self._clock(), self.lease_s)
+            if claimed is not None:
+                self._database.announcer.claimed(session, claimed)
+        return claimed
 
 
 def _outcome(claim: Claim, result: GradingResult, grading: Values) -> Values:
@@ -293,3 +380,81 @@ def _outcome(claim: Claim, result: GradingResult, grading: Values) -> Values:
         "report_sha256": grading["report_sha256"],
         "to_judge": to_judge(report.items) or None,
     }
+
+
+def _take(connection: Connection, worker: str, now: datetime, lease_s: float) -> Claim | None:
+    """Claim the submission that is due first; None when nothing is due, or another worker was quicker."""
+    until = now + timedelta(seconds=lease_s)
+    row = connection.execute(_TAKE, {"now": now, "by": worker, "until": until}).first()
+    return None if row is None else _claim(row, worker)
+
+
+def _resume(connection: Connection, worker: str, now: datetime, lease_s: float) -> Claim | None:
+    """Return a claim of `worker` that it never heard of, under a new lease; None if there is none.
+
+    Only right where `worker` has ended every claim that it knows of.
+    """
+    until = now + timedelta(seconds=lease_s)
+    row = connection.execute(_RESUME, {"by": worker, "until": until}).first()
+    return None if row is None else _claim(row, worker)
+
+
+def _claim(row: Sequence[Any], worker: str) -> Claim:
+    id_, attempt, tries, assignment, file_name, queued_at, source = row
+    return Claim(
+        submission_id=id_,
+        attempt=attempt,
+        tries=tries,
+        worker=worker,
+        assignment=assignment,
+        file_name=file_name,
+        source=source,
+        queued_at=queued_at,
+    )
+
+
+def _change(connection: Connection, claim: Claim, values: Mapping[str, Any]) -> bool:
+    """Write `values` to the claimed row if the claim is still the latest: the fence."""
+    fence = {"claimed": claim.submission_id, "under": claim.attempt}
+    return connection.execute(_CHANGE, {**fence, **values}).rowcount == 1
+
+
+def _stored_already(connection: Connection, grading: Values) -> bool:
+    """Whether `grading` was stored under this very claim: the answer to an earlier commit got lost."""
+    there = connection.execute(_STORED, {"id": grading["submission_id"], "under": grading["attempt"]}).first()
+    return there is not None and tuple(there) == (grading["worker"], grading["report_sha256"])
+
+
+def _void(
+    session: Session, condition: Sequence[ColumnElement[bool]], values: Mapping[str, Any]
+) -> list[Announcement]:
+    """Write `values` to running rows because nobody grades them any more; return them.
+
+    Rows that another transaction holds are left out: that transaction takes care of them.
+    """
+    running = col(SubmissionRow.state) == SubmissionState.RUNNING.value
+    found = select(col(SubmissionRow.id)).where(running, *condition).order_by(col(SubmissionRow.id))
+    ids = found.with_for_update(skip_locked=True)
+    statement = update(SubmissionRow).where(col(SubmissionRow.id).in_(ids))
+    statement = statement.values(**values, lease_until=None).returning(*ANNOUNCED)
+    return announcements(session.execute(statement, execution_options={"synchronize_session": False}))
+
+
+def _lease_ended(now: datetime) -> ColumnElement[bool]:
+    """Whether a claim is void. So is a lease longer than any: the clock was ahead when it began."""
+    until = col(SubmissionRow.lease_until)
+    return or_(until < now, until > now + LONGEST_PAUSE)
+
+
+def _bring_forward(session: Session, now: datetime) -> None:
+    """Make due what waits for an instant that no pause reaches: the clock was ahead when it was queued.
+
+    Rows that another transaction holds are left for the next time: two transactions could wait for each other.
+    """
+    row = SubmissionRow
+    ahead = or_(col(row.tries) == 0, col(row.not_before) > now + LONGEST_PAUSE)
+    waits = col(row.state) == SubmissionState.QUEUED.value
+    found = select(col(row.id)).where(waits, col(row.not_before) > now, ahead)
+    ids = found.with_for_update(skip_locked=True)
+    statement = update(row).where(col(row.id).in_(ids)).values(not_before=now)
+    session.execute(statement, execution_options={"synchronize_session": False})

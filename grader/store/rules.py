@@ -24,10 +24,8 @@ from grader.contracts.rules import (
 )
 from grader.contracts.seen import Seen
 from grader.store.audit import Signature, record
-from grader.store.course_tables import CourseRow, ExtensionRow, MemberRow, RulesRow
-from grader.store.database import Database
-from grader.store.locks import one_at_a_time
-from grader.store.tables import table_of
+from grader.store.database import Database, one_at_a_time
+from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, table_of
 
 _INSTANTS = ("opens", "due", "hidden_until")
 _UTC = "UTC"

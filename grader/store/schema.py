@@ -18,8 +18,7 @@ from sqlmodel import SQLModel
 
 from grader.contracts.errors import SettingsError
 from grader.store import tables  # noqa: F401  registers the tables in the metadata
-from grader.store.database import Database
-from grader.store.locks import one_at_a_time
+from grader.store.database import Database, one_at_a_time
 from grader.store.occupancy import OccupiedError, alone, in_use
 
 _log = logging.getLogger(__name__)
@@ -102,7 +101,7 @@ def _migrated(database: Database) -> tuple[str | None, str]:
     config = _config()
     with database.writing() as session:
         connection = session.connection()
-        one_at_a_time(connection, "migrate")
+        one_at_a_time(session, "migrate")
         _check_encoding(connection)
         before = version(connection)
         config.attributes["connection"] = connection

@@ -11,10 +11,10 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.store.audit import Signature, record
-from grader.store.columns import Clock
+from grader.store.clock import Clock
 from grader.store.database import Database
+from grader.store.gradings import standing_grading, stored_report
 from grader.store.intake import attempts_of, refusal_of, take_in
-from grader.store.stored_reports import standing_grading, stored_report
 from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, TrajectoryRow
 
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
@@ -48,7 +48,7 @@ class Submissions:
         Raises:
             UploadRefusedError: as `add`. SubmissionError: ``key_reused``: the key belongs to another upload.
         """
-        with self._database.writing(quick=True) as session:
+        with self._database.writing() as session:
             now = upload.received_at or self._clock()
             row, repeated = take_in(session, upload, now, self._database.announcer)
             if upload.by is not None and not repeated:
@@ -59,7 +59,7 @@ class Submissions:
         """Return why `add` would refuse an upload by the rules, before anybody looks at its content."""
         if not upload.ruled:
             return None
-        with self._database.asking() as session:
+        with self._database.reading() as session:
             return refusal_of(session, upload, upload.received_at or self._clock())
 
     def attempts(self, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
@@ -69,7 +69,7 @@ class Submissions:
 
     def get(self, submission_id: str) -> Submission | None:
         """Return one submission, or None. A re-grade's trial is none: it is shown with its re-grade only."""
-        with self._database.asking() as session:
+        with self._database.reading() as session:
             row = _handed_in(session, submission_id)
             return None if row is None else _submission(row)
 
@@ -131,7 +131,7 @@ class Submissions:
                 col(SubmissionRow.course) == course,
             )
         )
-        with self._database.asking() as session:
+        with self._database.reading() as session:
             return int(session.execute(statement).scalar_one())
 
 

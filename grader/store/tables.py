@@ -1,14 +1,173 @@
 """The tables. Changing one needs a migration in `grader.store.migrations.versions` (a test compares them)."""
 
-from datetime import datetime
-from typing import ClassVar
+from datetime import UTC, datetime
+from typing import Any, ClassVar
 
-from sqlalchemy import CheckConstraint, ForeignKeyConstraint, Index, Table
+from sqlalchemy import (
+    CheckConstraint,
+    Column,
+    DateTime,
+    Dialect,
+    ForeignKeyConstraint,
+    Index,
+    LargeBinary,
+    Table,
+    Text,
+)
+from sqlalchemy.types import TypeDecorator
 from sqlmodel import Field, SQLModel
 
+from grader.contracts.identity import Role
 from grader.contracts.submission import SubmissionState
-from grader.store.columns import SHA256_LENGTH, bytes_column, instant_column, text_column
-from grader.store.course_tables import CourseRow
+
+SHA256_LENGTH = 64
+
+
+class UtcDateTime(TypeDecorator[datetime]):
+    """An instant with a time zone, to the microsecond. One without is refused: its zone would be a guess.
+
+    SQLite stores it as text of fixed width, so comparing the texts compares the instants.
+    """
+
+    impl = DateTime(timezone=True)
+    cache_ok = True
+
+    def process_bind_param(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Convert to UTC before storing."""
+        if value is None:
+            return None
+        if value.tzinfo is None:
+            raise ValueError(f"an instant needs a time zone: {value!r}")
+        utc = value.astimezone(UTC)
+        return utc.replace(tzinfo=None) if dialect.name == "sqlite" else utc
+
+    def process_result_value(self, value: datetime | None, dialect: Dialect) -> datetime | None:
+        """Give back an aware instant."""
+        if value is None:
+            return None
+        return value.replace(tzinfo=UTC) if value.tzinfo is None else value.astimezone(UTC)
+
+    def coerce_compared_value(self, op: Any, value: Any) -> "UtcDateTime":
+        """Compare with instants by the same rules as they are stored by."""
+        return self
+
+
+class PlainText(TypeDecorator[str]):
+    """Text without the character NUL, which PostgreSQL cannot hold; it becomes U+FFFD."""
+
+    impl = Text
+    cache_ok = True
+
+    def process_bind_param(self, value: str | None, dialect: Dialect) -> str | None:
+        """Replace before storing."""
+        return None if value is None else value.replace("\0", "\ufffd")
+
+    def process_result_value(self, value: str | None, dialect: Dialect) -> str | None:
+        """Replace what a SQLite database may hold from before."""
+        return None if value is None else value.replace("\0", "\ufffd")
+
+
+def instant_column(*, nullable: bool = False) -> Column[datetime]:
+    """Return a column of instants."""
+    return Column(UtcDateTime(), nullable=nullable)
+
+
+def text_column() -> Column[str]:
+    """Return a column of text of any length."""
+    return Column(PlainText(), nullable=False)
+
+
+def bytes_column() -> Column[bytes]:
+    """Return a column of bytes."""
+    return Column(LargeBinary(), nullable=False)
+
+
+_ROLES = ", ".join(f"'{role.value}'" for role in Role)
+
+
+def _of_member() -> ForeignKeyConstraint:
+    return ForeignKeyConstraint(["course", "person"], ["member.course", "member.person"])
+
+
+class CourseRow(SQLModel, table=True):
+    """A course. While there is none, the service asks nobody who they are."""
+
+    __tablename__: ClassVar[str] = "course"
+
+    id: str = Field(primary_key=True, max_length=64)
+    title: str = Field(max_length=200)
+    time_zone: str = Field(max_length=64)
+    created_at: datetime = Field(sa_column=instant_column())
+
+
+class MemberRow(SQLModel, table=True):
+    """Somebody in a course."""
+
+    __tablename__: ClassVar[str] = "member"
+    __table_args__ = (CheckConstraint(f"role IN ({_ROLES})", name="member_role"),)
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    person: str = Field(primary_key=True, max_length=64)
+    name: str = Field(max_length=200)
+    role: str = Field(max_length=32)
+    created_at: datetime = Field(sa_column=instant_column())
+
+
+class TokenRow(SQLModel, table=True):
+    """A bearer token: only the digest of its secret is kept."""
+
+    __tablename__: ClassVar[str] = "token"
+    __table_args__ = (_of_member(), Index("token_owner", "course", "person"))
+
+    id: str = Field(primary_key=True, max_length=16)
+    sha256: str = Field(unique=True, max_length=SHA256_LENGTH)
+    course: str = Field(max_length=64)
+    person: str = Field(max_length=64)
+    created_at: datetime = Field(sa_column=instant_column())
+    expires_at: datetime = Field(sa_column=instant_column())
+    revoked_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+
+
+class AuditRow(SQLModel, table=True):
+    """One change of a grade or a setting. Rows are only ever added. `before` and `after` are JSON."""
+
+    __tablename__: ClassVar[str] = "audit"
+    __table_args__ = (Index("audit_course", "course", "id"),)
+
+    id: int | None = Field(default=None, primary_key=True)
+    at: datetime = Field(sa_column=instant_column())
+    course: str | None = Field(default=None, max_length=64)
+    actor: str = Field(max_length=64)
+    action: str = Field(max_length=64)
+    subject: str = Field(max_length=255)
+    before: str = Field(sa_column=text_column())
+    after: str = Field(sa_column=text_column())
+    reason: str = Field(sa_column=text_column())
+
+
+class RulesRow(SQLModel, table=True):
+    """The rules of one assignment in one course, as the JSON of `grader.store.rules`."""
+
+    __tablename__: ClassVar[str] = "rules"
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    assignment: str = Field(primary_key=True, max_length=64)
+    document: str = Field(sa_column=text_column())
+    changed_at: datetime = Field(sa_column=instant_column())
+
+
+class ExtensionRow(SQLModel, table=True):
+    """What one student gets beyond the rules of one assignment."""
+
+    __tablename__: ClassVar[str] = "extension"
+    __table_args__ = (_of_member(),)
+
+    course: str = Field(primary_key=True, max_length=64)
+    assignment: str = Field(primary_key=True, max_length=64)
+    person: str = Field(primary_key=True, max_length=64)
+    due: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    extra_attempts: int
+
 
 _STATES = ", ".join(f"'{state.value}'" for state in SubmissionState)
 

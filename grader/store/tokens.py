@@ -13,9 +13,9 @@ from sqlmodel import col
 
 from grader.contracts.identity import Caller, Role, TokenInfo, unknown_members
 from grader.store.audit import Signature, record
-from grader.store.columns import Clock
-from grader.store.course_tables import MemberRow, TokenRow
+from grader.store.clock import Clock
 from grader.store.database import Database
+from grader.store.tables import MemberRow, TokenRow
 
 _SECRET_BYTES = 32
 _ID_BYTES = 6
@@ -67,7 +67,7 @@ class Tokens:
                 col(TokenRow.expires_at) > self._clock(),
             )
         )
-        with self._database.asking() as session:
+        with self._database.reading() as session:
             row = session.execute(statement).first()
         return None if row is None else Caller(course=row[0], person=row[1], role=Role(row[2]))
 

@@ -12,9 +12,8 @@ from sqlalchemy import delete, make_url, select
 from sqlmodel import col
 
 from grader.contracts.submission import WorkerState
-from grader.store.columns import Clock
-from grader.store.database import Database
-from grader.store.locks import one_at_a_time
+from grader.store.clock import Clock
+from grader.store.database import Database, one_at_a_time
 from grader.store.tables import WorkerRow
 
 _FORGOTTEN_AFTER_S = 3_600.0

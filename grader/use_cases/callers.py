@@ -15,7 +15,7 @@ from datetime import datetime
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, OPERATOR, Caller
-from grader.store.columns import Clock
+from grader.store.clock import Clock
 from grader.store.courses import Courses
 from grader.store.tokens import Tokens
 

@@ -17,10 +17,10 @@ from datetime import datetime, timedelta
 from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.progress import ClassStanding, Standing
 from grader.contracts.submission import Submission, SubmissionState
-from grader.store.columns import Clock
-from grader.store.doorbell import Doorbell
+from grader.store.clock import Clock
 from grader.store.queue import Queue
 from grader.store.standings import Standings
+from grader.store.work import Doorbell
 from grader.store.workers import Workers
 
 Subject = tuple[str, str | None]

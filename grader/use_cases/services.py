@@ -6,20 +6,19 @@ from typing import Self
 from grader.contracts.grading import AssignmentSource, Preflight
 from grader.settings import Settings
 from grader.store.audit import AuditLog
-from grader.store.columns import Clock
+from grader.store.clock import Clock
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
-from grader.store.doorbell import Doorbell
+from grader.store.gradings import PastGradings
 from grader.store.judgements import Judgements
-from grader.store.measures import Measures
-from grader.store.past_gradings import PastGradings
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
-from grader.store.standings import Standings
+from grader.store.standings import Measures, Standings
 from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
+from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from grader.telemetry.metrics import Metrics
 from grader.use_cases.callers import Callers, RateLimit
@@ -72,14 +71,14 @@ class Services:
         settings: Settings,
         clock: Clock,
         *,
-        policy: RetryPolicy,
+        retries: Retries,
         assignments: AssignmentSource,
         preflight: Preflight,
         plots: PlotCache,
         instructor_token: str,
     ) -> Self:
         """Return the services over one database that is up to date."""
-        queue, workers = Queue(database, clock, policy), Workers(database, clock)
+        queue, workers = Queue(database, clock, retries), Workers(database, clock)
         courses, tokens = Courses(database, clock), Tokens(database, clock)
         watching = _watching(database, settings, Estimates(queue, workers, clock, settings.silent_s))
         return cls(

@@ -5,8 +5,7 @@ one more thread, the heart, renews leases while the slots are busy, mends what c
 how this worker is. Killed at any moment, a worker loses nothing: its claims end with their leases.
 """
 
-from grader.worker.parts import Sandbox, WorkerConfig, WorkerParts
-from grader.worker.slots import GradingSlot
-from grader.worker.worker import Worker
+from grader.worker.slots import GradingSlot, SandboxHealth, WorkerParts
+from grader.worker.worker import Worker, WorkerConfig
 
-__all__ = ["GradingSlot", "Sandbox", "Worker", "WorkerConfig", "WorkerParts"]
+__all__ = ["GradingSlot", "SandboxHealth", "Worker", "WorkerConfig", "WorkerParts"]

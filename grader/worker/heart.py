@@ -9,15 +9,16 @@ the second beat in a row that finds it lost, because at the first the slot may j
 """
 
 import logging
+import math
 import threading
 from collections.abc import Sequence, Set
+from datetime import datetime
 
 from grader.contracts.submission import Claim, WorkerState
-from grader.worker.parts import Sandbox, WorkerParts
-from grader.worker.patience import Patience
-from grader.worker.slots import GradingSlot
+from grader.worker.slots import GradingSlot, SandboxHealth, WorkerParts
 
 _log = logging.getLogger(__name__)
+_AT_MOST = 4  # times a lease: afterwards leases are judged even while the database keeps failing
 
 
 class Heart:
@@ -28,7 +29,7 @@ class Heart:
         worker_id: str,
         slots: Sequence[GradingSlot],
         parts: WorkerParts,
-        sandbox: Sandbox,
+        sandbox: SandboxHealth,
         heartbeat_s: float,
     ) -> None:
         """Prepare; the heart does not beat yet.
@@ -124,3 +125,40 @@ class Heart:
                     _log.warning("heartbeat failed: %s", error)
             if self._stopped.wait(self._heartbeat_s):
                 return
+
+
+class Patience:
+    """Says when a worker may end the leases of others: not while they could not have renewed them.
+
+    After an outage of the database every lease looks expired to the worker that comes back first. The same
+    holds for a worker that was just restarted, for a machine that was asleep, and after the clock was set. So
+    whoever could not renew its own leases gives everybody the time of one lease. Only beats that reached the
+    database are counted, because the time of an outage helps nobody. A database that keeps failing must not
+    strand what dead workers left: after four leases' worth of such beats leases are ended all the same.
+
+    Counts the beats of one heart; used by its thread only.
+    """
+
+    def __init__(self, lease_s: float, heartbeat_s: float) -> None:
+        """Begin patiently: why this worker starts now is not known."""
+        self._beats = math.ceil(lease_s / heartbeat_s)
+        self._gap_s = lease_s - heartbeat_s  # others beat as often: a longer gap may have cost them a lease
+        self._left = self._beats
+        self._waited = 0
+        self._before: datetime | None = None
+
+    def failed(self) -> None:
+        """Note that a beat failed."""
+        self._left = self._beats
+
+    def over(self, now: datetime) -> bool:
+        """Count a beat that reached the database at `now`; whether leases of others may be judged at it."""
+        if self._before is not None and not 0 <= (now - self._before).total_seconds() <= self._gap_s:
+            self._left = self._beats
+        self._before = now
+        if self._left and self._waited < _AT_MOST * self._beats:
+            self._left -= 1
+            self._waited += 1
+            return False
+        self._waited = 0
+        return True

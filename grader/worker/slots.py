@@ -1,22 +1,83 @@
-"""One slot of a worker: claims a submission, has it graded in a child process, stores the report."""
+"""One slot of a worker: claims a submission, has it graded in a child process, stores the report.
+
+`WorkerParts` and `SandboxHealth` are what all slots of a worker and its heart share.
+"""
 
 import hashlib
 import logging
 import threading
 import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from itertools import repeat
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
-from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.grading import (
+    AssignmentSource,
+    GradingJob,
+    GradingResult,
+    SandboxState,
+    SupervisedGrader,
+)
 from grader.contracts.submission import Claim, SubmissionState
+from grader.contracts.telemetry import GradingObserver, Unobserved
+from grader.store.clock import Clock
+from grader.store.queue import Queue
+from grader.store.work import Doorbell, WorkSource
+from grader.store.workers import Workers
 from grader.telemetry.context import about
-from grader.worker.parts import Sandbox, WorkerParts
 
 _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
 """Before each next try to store a result: often at first, then for ten minutes."""
 _STEP_S = 60.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerParts:
+    """What a worker is built from.
+
+    Attributes:
+        make_grader: returns a new grader; called once per slot.
+        probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
+        observer: is told how gradings went.
+        work: tells the slots when to look for work; by default the doorbell and a look every `poll_s`.
+    """
+
+    queue: Queue
+    workers: Workers
+    assignments: AssignmentSource
+    make_grader: Callable[[], SupervisedGrader]
+    probe: Callable[[], SandboxState]
+    doorbell: Doorbell
+    clock: Clock
+    observer: GradingObserver = field(default_factory=Unobserved)
+    work: WorkSource | None = None
+
+
+class SandboxHealth:
+    """Whether gradings can be confined on this host. No slot takes work until the sandbox was found ready."""
+
+    def __init__(self, probe: Callable[[], SandboxState]) -> None:
+        self._probe = probe
+        self.state = SandboxState(ready=False, detail="the sandbox was not tried yet")
+
+    def try_out(self) -> bool:
+        """Try the sandbox; return whether it became ready just now."""
+        before = self.state
+        try:
+            self.state = self._probe()
+        except Exception as error:  # whatever it is, nothing may be graded
+            self.state = SandboxState(ready=False, detail=f"the sandbox could not be tried: {error}")
+        if not self.state.ready and self.state.detail != before.detail:
+            _log.error("nothing is graded: %s", self.state.detail)
+        return self.state.ready and not before.ready
+
+    def failed(self, error: SandboxUnavailableError) -> None:
+        """Note that a grading found a layer missing."""
+        _log.error("grading stops: %s", error)
+        self.state = SandboxState(ready=False, isolation=self.state.isolation, detail=str(error))
 
 
 class GradingSlot:
@@ -27,7 +88,7 @@ class GradingSlot:
         claim: what is graded now; None between two gradings.
     """
 
-    def __init__(self, name: str, parts: WorkerParts, sandbox: Sandbox) -> None:
+    def __init__(self, name: str, parts: WorkerParts, sandbox: SandboxHealth) -> None:
         self.name = name
         self._parts = parts
         self._sandbox = sandbox
@@ -35,7 +96,7 @@ class GradingSlot:
         self.claim: Claim | None = None
         self._abandoned: Claim | None = None
         self._stopping = threading.Event()
-        self._lock = threading.Lock()  # so that whoever abandons a claim does not hit the next one
+        self._lock = threading.Lock()  # whoever abandons a claim must not kill the grading of the next one
 
     def warm_up(self) -> None:
         """Start the grading process before there is work."""
@@ -63,7 +124,7 @@ class GradingSlot:
             finally:
                 with self._lock:
                     ended, self.claim = self.claim, None
-                if self._abandoned is ended:  # perhaps too late: what was killed must not grade the next
+                if self._abandoned is ended:  # the kill may come late: it must not hit the next grading
                     self._grader.close()
             self._parts.doorbell.ring()  # for those who watch
         return True

@@ -8,16 +8,26 @@ import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 from grader.contracts.errors import InfrastructureError
 from grader.store.work import PolledWork
 from grader.telemetry.context import bound
 from grader.worker.heart import Heart
-from grader.worker.parts import Sandbox, WorkerConfig, WorkerParts
-from grader.worker.slots import GradingSlot
+from grader.worker.slots import GradingSlot, SandboxHealth, WorkerParts
 
 _log = logging.getLogger(__name__)
 _ABORT_S = 5.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WorkerConfig:
+    """Pace of a worker; the fields mean what they mean in `grader.settings.Settings`."""
+
+    slots: int
+    heartbeat_s: float = 3.0
+    poll_s: float = 0.5
+    drain_s: float = 30.0
 
 
 class Worker:
@@ -27,7 +37,7 @@ class Worker:
         self.id = f"{socket.gethostname()}:{os.getpid()}:{secrets.token_hex(4)}"
         self._parts = parts
         self._config = config
-        self._sandbox = Sandbox(parts.probe)
+        self._sandbox = SandboxHealth(parts.probe)
         self._slots = [
             GradingSlot(f"{self.id}/{number}", parts, self._sandbox) for number in range(config.slots)
         ]
@@ -52,12 +62,12 @@ class Worker:
         self._work.drain()
         self._join(self._config.drain_s)
         self._heart.stop(_ABORT_S)
-        with _perhaps_away():
+        with _database_may_be_away():
             for id_ in self._parts.queue.hand_back_all([slot.name for slot in self._slots]):
                 with bound(submission=id_, worker=self.id):
                     _log.warning("%s goes back to the queue: the worker stops", id_)
             self._parts.workers.leave(self.id)
-        for slot in self._slots:  # after that, so that it counts for nothing
+        for slot in self._slots:  # only now: its claim is handed back, so that the kill counts for nothing
             if slot.claim is not None:
                 slot.abort()
         self._join(_ABORT_S)
@@ -75,8 +85,8 @@ class Worker:
 
 
 @contextmanager
-def _perhaps_away() -> Iterator[None]:
-    """Stop in good order although the database is away."""
+def _database_may_be_away() -> Iterator[None]:
+    """Go on stopping although the database does not answer."""
     try:
         yield
     except InfrastructureError as error:

@@ -7,9 +7,9 @@ from sqlalchemy import text
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.submission import Claim
-from grader.store.announcing import Waiting
-from grader.store.permits.jobs import defer
+from grader.store.permits.announcer import defer
 from grader.store.permits.loop import PermitLoop
+from grader.store.work import Announcement
 from tests.fakes.engines import PostgresEngine
 from tests.fakes.waiting import PATIENCE_S
 
@@ -98,7 +98,7 @@ def test_as_long_as_there_are_permits_enough_it_does_not_matter_whose(permits: P
     second = permits.upload("b")
     permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{first}-0'")
     with permits.database.writing() as session:
-        gone = Waiting(submission_id="gone", attempt=0, priority=0, due_at=permits.clock())
+        gone = Announcement(submission_id="gone", attempt=0, priority=0, due_at=permits.clock())
         defer(session, [gone], permits.clock())
     assert announced_late(permits) == 0
     assert permits.graded_in_order() == [first, second]
@@ -118,7 +118,8 @@ def test_surplus_and_orphaned_permits_end_by_themselves(permits: PostgresEngine)
     id_ = permits.upload()
     with permits.database.writing() as session:
         spare = [
-            Waiting(submission_id=name, attempt=0, priority=0, due_at=permits.clock()) for name in ("x", "y")
+            Announcement(submission_id=name, attempt=0, priority=0, due_at=permits.clock())
+            for name in ("x", "y")
         ]
         defer(session, spare, permits.clock())
     assert permits.graded_in_order() == [id_]
@@ -129,7 +130,9 @@ def test_a_permit_that_waits_already_does_not_undo_the_transaction(permits: Post
     id_ = permits.upload()
     other = permits.upload("b")
     permits.change(f"DELETE FROM procrastinate_jobs WHERE queueing_lock = 'sub-{other}-0'")
-    both = [Waiting(submission_id=one, attempt=0, priority=0, due_at=permits.clock()) for one in (id_, other)]
+    both = [
+        Announcement(submission_id=one, attempt=0, priority=0, due_at=permits.clock()) for one in (id_, other)
+    ]
     with permits.database.writing() as session:
         session.execute(text("UPDATE submission SET trouble = 'kept'"))
         defer(session, both, permits.clock())
@@ -143,7 +146,7 @@ def test_a_permit_that_waits_already_does_not_undo_the_transaction(permits: Post
 def test_a_database_that_fails_while_a_permit_is_deferred_is_said_to_be_away(permits: PostgresEngine) -> None:
     """So the upload is answered like every other one that the database cannot take now."""
     now = permits.clock()
-    row = Waiting(submission_id="one", attempt=0, priority=0, due_at=now)
+    row = Announcement(submission_id="one", attempt=0, priority=0, due_at=now)
 
     def defer_behind_another() -> None:
         with permits.database.writing() as second:

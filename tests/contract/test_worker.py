@@ -6,8 +6,8 @@ import pytest
 
 from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
-from grader.store.doorbell import Doorbell
 from grader.store.permits.loop import PermitLoop
+from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from grader.worker import Worker, WorkerConfig, WorkerParts
 from tests.fakes.engines import PostgresEngine

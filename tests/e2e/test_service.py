@@ -17,7 +17,7 @@ import pytest
 from grader.api import create_app
 from grader.contracts.grading import SandboxState
 from grader.settings import Settings
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 from grader.store.workers import presence
 from grader.use_cases.services import Services
 from grader.worker import Worker, WorkerConfig, WorkerParts

@@ -13,7 +13,7 @@ import httpx
 import pytest
 
 from grader.contracts.submission import SubmissionState
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import alone
 from grader.store.submissions import Submissions

@@ -7,9 +7,9 @@ from sqlalchemy import insert, select
 from sqlmodel import SQLModel
 
 from grader.contracts.identity import Role, RosterEntry
-from grader.store.course_tables import AuditRow, CourseRow, MemberRow, TokenRow
 from grader.store.courses import Courses
 from grader.store.database import Database
+from grader.store.tables import AuditRow, CourseRow, MemberRow, TokenRow
 from grader.store.tokens import Tokens
 from tests.fakes.clock import FakeClock
 

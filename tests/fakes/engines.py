@@ -9,17 +9,16 @@ from sqlalchemy import text
 from grader.contracts.grading import GradingJob
 from grader.contracts.submission import Claim, NewSubmission, SubmissionState
 from grader.store.database import Database
-from grader.store.doorbell import Doorbell
 from grader.store.permits.loop import PermitLoop
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.submissions import Submissions
-from grader.store.work import PolledWork, WorkSource
+from grader.store.work import Doorbell, PolledWork, WorkSource
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
 from tests.fakes.waiting import wait_until
 
-POLICY = RetryPolicy(lease_s=15.0, max_tries=3, backoff_s=2.0)
+RETRIES = Retries(lease_s=15.0, max_tries=3, backoff_s=2.0)
 # Long after the server's own clock: what is not due yet by the test's clock is not due by the server's either.
 _FAR_OFF = datetime(2100, 3, 1, 8, 0, 0, tzinfo=UTC)
 
@@ -31,7 +30,7 @@ class Engine:
         self.clock = FakeClock()
         self.clock.now = _FAR_OFF
         self.database = Database(url)
-        self.queue = Queue(self.database, self.clock, POLICY)
+        self.queue = Queue(self.database, self.clock, RETRIES)
         self.submissions = Submissions(self.database, self.clock)
         self.regrades = Regrades(self.database)
 

@@ -13,9 +13,9 @@ from fastapi import FastAPI
 
 from grader.api import create_app
 from grader.settings import Settings
-from grader.store.columns import Clock
+from grader.store.clock import Clock
 from grader.store.database import Database
-from grader.store.queue import RetryPolicy
+from grader.store.queue import Retries
 from grader.use_cases.pictures import PlotCache, Plotter
 from grader.use_cases.services import Services
 from tests.fakes.grading import FakeAssignments, FakePreflight
@@ -45,7 +45,7 @@ def services(
         database,
         settings,
         clock,
-        policy=RetryPolicy(lease_s=lease_s, max_tries=3, backoff_s=0),
+        retries=Retries(lease_s=lease_s, max_tries=3, backoff_s=0),
         assignments=FakeAssignments(),
         preflight=FakePreflight(),
         plots=PlotCache(plotter or FakePlotter(), 8),

@@ -3,11 +3,11 @@
 from grader.contracts.grading import SandboxState
 from grader.contracts.submission import NewSubmission, Submission
 from grader.store.database import Database
-from grader.store.doorbell import Doorbell
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
+from grader.store.work import Doorbell
 from grader.store.workers import Workers
-from grader.worker import GradingSlot, Sandbox, WorkerParts
+from grader.worker import GradingSlot, SandboxHealth, WorkerParts
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import FakeAssignments, FakeGrader
 
@@ -20,7 +20,7 @@ class Bench:
     def __init__(self, url: str) -> None:
         self.clock = FakeClock()
         self.database = Database(url)
-        self.queue = Queue(self.database, self.clock, RetryPolicy(lease_s=15, max_tries=3, backoff_s=0))
+        self.queue = Queue(self.database, self.clock, Retries(lease_s=15, max_tries=3, backoff_s=0))
         self.submissions = Submissions(self.database, self.clock)
         self.workers = Workers(self.database, self.clock)
         self.doorbell = Doorbell()
@@ -37,7 +37,7 @@ class Bench:
         )
 
     def slot(self) -> GradingSlot:
-        sandbox = Sandbox(lambda: self.probed[-1])
+        sandbox = SandboxHealth(lambda: self.probed[-1])
         sandbox.try_out()
         return GradingSlot("w/0", self.parts, sandbox)
 

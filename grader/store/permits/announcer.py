@@ -1,16 +1,83 @@
-"""Announcing rows as permits, and the sweep that keeps permits and rows in step."""
+"""Permits as jobs of Procrastinate: how rows get theirs, and the sweep that keeps both in step."""
 
 from collections.abc import Sequence
 from datetime import datetime, timedelta
+from typing import Any
 
-from sqlalchemy import ColumnElement, Connection, exists, func, select, text
+from sqlalchemy import (
+    ColumnElement,
+    DateTime,
+    Integer,
+    String,
+    column,
+    exists,
+    func,
+    select,
+    table,
+    text,
+)
+from sqlalchemy.dialects.postgresql import JSONB, insert
 from sqlmodel import Session, col
 
 from grader.contracts.submission import Claim, SubmissionState
-from grader.store.announcing import Waiting
-from grader.store.claim_rows import WAITING, waiting
-from grader.store.permits.jobs import JOBS, QUEUE, defer, lock_of, lock_of_row
 from grader.store.tables import SubmissionRow
+from grader.store.work import ANNOUNCED, Announcement, announcements
+
+QUEUE = "grading"
+TASK = "grade"
+_LOCK = "sub"
+
+JOBS = table(
+    "procrastinate_jobs",
+    column("queue_name", String),
+    column("task_name", String),
+    column("priority", Integer),
+    column("queueing_lock", String),
+    column("args", JSONB),
+    column("status"),
+    column("scheduled_at", DateTime(timezone=True)),
+)
+_NEW = insert(JOBS)
+_DEFER = _NEW.on_conflict_do_update(
+    index_elements=["queueing_lock"],
+    index_where=text("status = 'todo'"),
+    set_={"scheduled_at": _NEW.excluded.scheduled_at},
+)
+
+
+def lock_of(submission_id: str, attempt: int) -> str:
+    """Return the queueing lock of a permit: at most one of it waits.
+
+    A row that waits again gets another permit although its first one may wait still, because its slot came with
+    the permit of another row: there must be as many permits as rows that wait.
+    """
+    return f"{_LOCK}-{submission_id}-{attempt}"
+
+
+def lock_of_row() -> ColumnElement[str]:
+    """Return `lock_of` as an expression over the columns of `SubmissionRow`."""
+    return func.concat(_LOCK, "-", col(SubmissionRow.id), "-", col(SubmissionRow.attempt))
+
+
+def defer(session: Session, announcements: Sequence[Announcement], now: datetime) -> None:
+    """Defer a permit for each announcement in the transaction of `session`; move a permit that is there already.
+
+    Procrastinate's own function fails as a whole where one permit is there.
+    """
+    if announcements:
+        session.connection().execute(_DEFER, [_values(one, now) for one in announcements])
+
+
+def _values(announced: Announcement, now: datetime) -> dict[str, Any]:
+    return {
+        "queue_name": QUEUE,
+        "task_name": TASK,
+        "args": {"submission": announced.submission_id, "attempt": announced.attempt},
+        "priority": -announced.priority,  # Procrastinate's larger numbers go first
+        "queueing_lock": lock_of(announced.submission_id, announced.attempt),
+        "scheduled_at": announced.due_at if announced.due_at > now else None,
+    }
+
 
 _LATE_S = 5.0  # a row due for so long should have met a permit, if permits are not scarce
 _SILENT_S = 10.0  # workers tell Procrastinate that they live every two seconds
@@ -43,16 +110,16 @@ _USE_UP = text(
 class PermitAnnouncer:
     """Announces a row by a job of Procrastinate."""
 
-    def queued(self, session: Session, waiting: Sequence[Waiting], now: datetime) -> None:
+    def queued(self, session: Session, announcements: Sequence[Announcement], now: datetime) -> None:
         """Defer a permit for each row."""
-        defer(session, waiting, now)
+        defer(session, announcements, now)
 
-    def claimed(self, connection: Connection, claim: Claim) -> None:
+    def claimed(self, session: Session, claim: Claim) -> None:
         """Use up the row's own permit, unless somebody took it already, or is doing so at this moment.
 
         Who took it found another row, or nothing to do. So there are never fewer permits than rows that wait.
         """
-        connection.execute(_USE_UP, {"lock": lock_of(claim.submission_id, claim.attempt - 1)})
+        session.execute(_USE_UP, {"lock": lock_of(claim.submission_id, claim.attempt - 1)})
 
     def mend(self, session: Session, now: datetime) -> int:
         """Sweep, unless another worker does so at this moment.
@@ -73,14 +140,14 @@ class PermitAnnouncer:
         if missing <= 0:
             return 0
         rows = session.execute(
-            select(*WAITING)
+            select(*ANNOUNCED)
             .where(*late, ~_has_a_permit(now))
             .order_by(col(SubmissionRow.priority), col(SubmissionRow.turn_at), col(SubmissionRow.id))
             .limit(missing)
         )
-        announced = waiting(rows)
-        defer(session, announced, now)
-        return len(announced)
+        late_rows = announcements(rows)
+        defer(session, late_rows, now)
+        return len(late_rows)
 
 
 def defer_again(session: Session, submission_id: str, attempt: int, now: datetime) -> None:
@@ -99,7 +166,7 @@ def defer_again(session: Session, submission_id: str, attempt: int, now: datetim
         priority, due_at = 0, soon
     else:
         return
-    again = Waiting(submission_id=submission_id, attempt=attempt, priority=priority, due_at=due_at)
+    again = Announcement(submission_id=submission_id, attempt=attempt, priority=priority, due_at=due_at)
     defer(session, [again], now)
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from grader.commands import cli
 from grader.contracts.identity import Role
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.tokens import Tokens
 

@@ -13,7 +13,7 @@ from grader import composition
 from grader.commands import cli
 from grader.contracts.submission import NewSubmission
 from grader.settings import Settings
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import in_use
 from grader.store.submissions import Submissions

@@ -9,7 +9,7 @@ from grader.commands import cli
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.rules import Extension, Rules
 from grader.store.audit import Signature
-from grader.store.columns import utc_now
+from grader.store.clock import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.rules import StoredRules

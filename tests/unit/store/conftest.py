@@ -5,11 +5,11 @@ from pathlib import Path
 import pytest
 
 from grader.store.database import Database
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
 
-POLICY = RetryPolicy(lease_s=15.0, max_tries=3, backoff_s=2.0)
+RETRIES = Retries(lease_s=15.0, max_tries=3, backoff_s=2.0)
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def postgres_database(postgres_url: str) -> Iterator[Database]:
 
 @pytest.fixture
 def queue(database: Database, clock: FakeClock) -> Queue:
-    return Queue(database, clock, POLICY)
+    return Queue(database, clock, RETRIES)
 
 
 @pytest.fixture

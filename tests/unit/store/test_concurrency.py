@@ -18,7 +18,7 @@ from grader.contracts.submission import Claim, NewSubmission, SubmissionState
 from grader.store.audit import AuditLog, Signature
 from grader.store.courses import Courses
 from grader.store.database import Database
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
 from grader.store.submissions import Submissions
@@ -124,7 +124,7 @@ def test_claims_and_uploads_in_each_others_way(
 
 def test_a_sweep_waits_for_nobody(postgres_database: Database, clock: FakeClock) -> None:
     """It changes rows in no order; an upload, which holds some in order, could wait for it in turn."""
-    queue = Queue(postgres_database, clock, RetryPolicy())
+    queue = Queue(postgres_database, clock, Retries())
     submissions = Submissions(postgres_database, clock)
     held, free = (submissions.add(new(student)).id for student in ("li", "wang"))
     clock.advance(-3_600)
@@ -226,5 +226,5 @@ def test_a_frozen_process_gives_its_locks_back(postgres_database: Database, cloc
             connection = watching.connection()
             while connection.execute(gone).scalar_one():
                 connection.exec_driver_sql("SELECT pg_stat_clear_snapshot()")
-        assert Queue(postgres_database, clock, RetryPolicy()).claim("w").submission_id == added.id
+        assert Queue(postgres_database, clock, Retries()).claim("w").submission_id == added.id
         session.execute(text("SELECT 1"))

@@ -9,7 +9,7 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Counts, Rules
 from grader.contracts.submission import NewSubmission, SubmissionState
-from grader.store import class_cells, dashboard
+from grader.store import dashboard
 from grader.store.audit import Signature
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
@@ -160,8 +160,8 @@ def test_changed_rules_count_at_once_and_only_where_they_hold(
             school.graded(student, b"x", assignment_id, course="ros")
     before = school.dashboard.state("ros").progress
     read: list[object] = []
-    original = class_cells._among
-    monkeypatch.setattr(class_cells, "_among", lambda places: read.append(places) or original(places))
+    original = dashboard._among
+    monkeypatch.setattr(dashboard, "_among", lambda places: read.append(places) or original(places))
     last = Rules(counts=Counts.LAST)
     StoredRules(database).set("square", last, Signature(school.clock(), "ros", "test"))
     after = school.dashboard.state("ros").progress

@@ -13,7 +13,7 @@ from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.judgements import Judgements, WaitingFor
 from grader.store.occupancy import OccupiedError, in_use
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import Queue, Retries
 from grader.store.schema import expected_version, migrate, up_to_date, version
 from grader.store.submissions import Submissions
 from tests.fakes.clock import FakeClock
@@ -79,7 +79,7 @@ def test_the_first_releases_rows_survive(blank_url: str) -> None:
     assert submissions.get("one").course is None
     assert submissions.report("one").content == b"{}"
     assert [one.student for one in Dashboard(database).state().progress] == ["s1", "s2", "s3"]
-    claim = Queue(database, clock, RetryPolicy()).claim("w")
+    claim = Queue(database, clock, Retries()).claim("w")
     assert (claim.submission_id, claim.source) == ("two", b"x=1")
     with database.reading() as session:
         turns = session.connection().exec_driver_sql(

@@ -8,7 +8,7 @@ from sqlmodel import select
 from grader.contracts.grading import GradingJob
 from grader.contracts.submission import Claim, NewSubmission, SubmissionState
 from grader.store.database import Database
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
 from grader.store.tables import GradedItemRow, GradingRow, TrajectoryRow
 from tests.fakes.clock import FakeClock
@@ -129,7 +129,7 @@ def test_a_result_is_stored_with_the_row(queue: Queue, submissions: Submissions,
 def test_pauses_grow_to_an_hour_and_not_for_ever(
     database: Database, submissions: Submissions, clock: FakeClock
 ) -> None:
-    patient = Queue(database, clock, RetryPolicy(max_tries=100_000))
+    patient = Queue(database, clock, Retries(max_tries=100_000))
     submissions.add(upload())
     claim = replace(claimed(patient), tries=2_000)
     assert patient.fail(claim, "trouble") is SubmissionState.QUEUED

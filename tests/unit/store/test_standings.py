@@ -4,9 +4,8 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.store.courses import Courses
 from grader.store.database import Database
-from grader.store.measures import Measures
 from grader.store.queue import Queue
-from grader.store.standings import Standings
+from grader.store.standings import Measures, Standings
 from grader.store.submissions import Submissions
 from grader.store.workers import Workers
 from tests.fakes.clock import FakeClock

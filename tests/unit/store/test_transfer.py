@@ -22,7 +22,7 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.judgements import Given, Judgements
-from grader.store.queue import Queue, RetryPolicy
+from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
 from grader.store.schema import migrate
@@ -39,7 +39,7 @@ def fill(database: Database) -> str:
     """Put rows into every table; return a token."""
     clock = FakeClock()
     courses, submissions = Courses(database, clock), Submissions(database, clock)
-    queue, signed = Queue(database, clock, RetryPolicy()), Signature(clock(), "ros", "wang")
+    queue, signed = Queue(database, clock, Retries()), Signature(clock(), "ros", "wang")
     courses.create("ros", "ROS 2 入门", "Asia/Shanghai", "me")
     courses.import_roster("ros", [RosterEntry(id="li", name="李雷", role=Role.STUDENT)], "me")
     _, token = Tokens(database, clock).issue("ros", "li", timedelta(days=1), "me")
@@ -115,7 +115,7 @@ def test_after_a_move_the_service_goes_on(full: Database, postgres_database: Dat
     clock.advance(60)
     transfer(full, postgres_database)
     Courses(postgres_database, clock).create("new", "new", "UTC", "me")  # the audit log counts on
-    claim = Queue(postgres_database, clock, RetryPolicy()).claim("w")
+    claim = Queue(postgres_database, clock, Retries()).claim("w")
     assert claim is not None
     assert claim.source.startswith(b"raise good")
 

@@ -9,8 +9,8 @@ import pytest
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
+from grader.worker import SandboxHealth
 from grader.worker.heart import Heart
-from grader.worker.parts import Sandbox
 from grader.worker.slots import GradingSlot
 from tests.fakes.waiting import PATIENCE_S
 from tests.fakes.worker_bench import READY, Bench
@@ -28,7 +28,7 @@ def bench(database_url: str) -> Iterator[Bench]:
 
 def heart(bench: Bench, slot: GradingSlot | None = None) -> Heart:
     """A heart that only beats when the test says so."""
-    sandbox = Sandbox(lambda: bench.probed[-1])
+    sandbox = SandboxHealth(lambda: bench.probed[-1])
     return Heart("w", [slot or bench.slot()], bench.parts, sandbox, heartbeat_s=BEAT_S)
 
 
@@ -125,7 +125,7 @@ def test_a_claim_that_was_lost_is_not_taken_for_the_next_of_the_same_submission(
     bench.clock.advance(16)
     bench.queue.reconcile()
     second.claim = bench.queue.claim("w/1")
-    made = Heart("w", [first, second], bench.parts, Sandbox(lambda: READY), heartbeat_s=BEAT_S)
+    made = Heart("w", [first, second], bench.parts, SandboxHealth(lambda: READY), heartbeat_s=BEAT_S)
     made.beat()
     made.beat()
     assert bench.grader.aborts == 1

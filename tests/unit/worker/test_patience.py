@@ -1,6 +1,6 @@
 """After which beats a worker judges the leases of others."""
 
-from grader.worker.patience import Patience
+from grader.worker.heart import Patience
 from tests.fakes.clock import FakeClock
 
 LEASE_S, BEAT_S = 15.0, 3.0

@@ -11,8 +11,8 @@ from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Claim, SubmissionState
-from grader.store.queue import Queue, RetryPolicy
-from grader.worker import Sandbox
+from grader.store.queue import Queue, Retries
+from grader.worker import SandboxHealth
 from tests.fakes.grading import FakeGrader, grade
 from tests.fakes.waiting import PATIENCE_S
 from tests.fakes.worker_bench import Bench
@@ -198,7 +198,7 @@ def test_a_probe_that_raises_means_no_sandbox() -> None:
     def probe() -> SandboxState:
         raise OSError("no such file")
 
-    sandbox = Sandbox(probe)
+    sandbox = SandboxHealth(probe)
     assert not sandbox.try_out()
     assert not sandbox.state.ready
     assert "no such file" in sandbox.state.detail
@@ -221,7 +221,7 @@ def test_a_report_is_stored_although_the_database_was_away_for_minutes(
         bench.clock.advance(seconds)
 
     monkeypatch.setattr("grader.worker.slots.time.sleep", sleep)
-    queue = Reluctant(bench.database, bench.clock, RetryPolicy())
+    queue = Reluctant(bench.database, bench.clock, Retries())
     bench.parts = replace(bench.parts, queue=queue)
     assert bench.slot().step()
     assert bench.row(id_).state is SubmissionState.GRADED
@@ -241,7 +241,7 @@ def test_a_report_whose_storing_was_not_answered_is_counted_once(bench: Bench) -
                 raise InfrastructureError("the connection broke during the commit")
             return stored
 
-    queue = Unanswered(bench.database, bench.clock, RetryPolicy())
+    queue = Unanswered(bench.database, bench.clock, Retries())
     bench.parts = replace(bench.parts, queue=queue, observer=told)
     bench.upload()
     assert bench.slot().step()

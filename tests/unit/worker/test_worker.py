@@ -10,7 +10,7 @@ import pytest
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.grading import SandboxState
 from grader.contracts.submission import SubmissionState
-from grader.store.doorbell import Doorbell
+from grader.store.work import Doorbell
 from grader.worker import Worker, WorkerConfig
 from tests.fakes.grading import FakeGrader
 from tests.fakes.waiting import PATIENCE_S, wait_until

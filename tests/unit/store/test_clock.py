@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from grader.contracts.errors import InfrastructureError
-from grader.store import server_clock
+from grader.store import clock as clock_module
+from grader.store.clock import ServerClock, clock_of
 from grader.store.database import Database
-from grader.store.server_clock import ServerClock, clock_of
 
 LONG_AGO = datetime(2001, 1, 1, tzinfo=UTC)
 
@@ -28,7 +28,7 @@ class Elapsed:
 
 @pytest.fixture
 def wrong_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(server_clock, "utc_now", lambda: LONG_AGO)
+    monkeypatch.setattr(clock_module, "utc_now", lambda: LONG_AGO)
 
 
 def test_on_sqlite_it_is_the_machines_own(sqlite_database: Database, wrong_clock: None) -> None:
