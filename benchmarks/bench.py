@@ -29,9 +29,8 @@ from benchmarks.floor import BareLoop
 from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
-from grader.grading.bootstrap import PRELOADED
 from grader.grading.slot import Slot, SlotConfig
-from grader.sandbox import Layer, Mode, Sandbox
+from grader.sandbox import PRELOADED, Layer, Mode, Sandbox
 
 ROOT = Path(__file__).resolve().parent.parent
 SQUARE = ROOT / "lesson" / "square_mover.py"

@@ -11,9 +11,9 @@ from grader.catalog.cache import AssignmentMemory
 from grader.catalog.refreshed import RefreshedAssignments
 from grader.contracts.errors import SandboxError, SettingsError
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
-from grader.grading.bootstrap import build_sandbox, build_syntax_sandbox
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
+from grader.sandbox import script_sandbox, syntax_sandbox
 from grader.settings import Settings, is_loopback
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
@@ -143,7 +143,7 @@ def _preflight() -> Iterator[Preflight]:
     """Check syntax in sandboxes of its own; without one, leave it to grading, which then waits, too."""
     with ExitStack() as stack:
         try:
-            sandboxes = [stack.enter_context(build_syntax_sandbox(_ISOLATION)) for _ in range(_SYNTAX_CHECKS)]
+            sandboxes = [stack.enter_context(syntax_sandbox(_ISOLATION.mode)) for _ in range(_SYNTAX_CHECKS)]
             checker: Preflight = stack.enter_context(SandboxPreflight(*sandboxes))
         except SandboxError as error:
             _log.error("uploads are accepted without a look at their syntax: %s", error)
@@ -189,7 +189,7 @@ def _token(settings: Settings, courses: Courses) -> str:
 
 
 def _probe() -> SandboxState:
-    with build_sandbox(_ISOLATION) as sandbox:
+    with script_sandbox(_ISOLATION.mode) as sandbox:
         breaches = sandbox.prove().breaches
         return SandboxState(
             ready=not breaches,

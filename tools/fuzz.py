@@ -134,7 +134,7 @@ def with_atheris(name: str, seconds: int, seed: int) -> None:
     """Fuzz one target guided by coverage; libFuzzer prints the figures and ends the process."""
     atheris: Any = importlib.import_module("atheris")  # an option, not a dependency
 
-    with atheris.instrument_imports(include=["grader.sim", "grader.jail.frames", "rclpy"]):
+    with atheris.instrument_imports(include=["grader.sim", "grader.jail.jail", "rclpy"]):
         from tools.fuzz_targets import TARGETS, seeds
 
     tally = Tally(name, TARGETS[name])

@@ -26,8 +26,8 @@ from rclpy._interfaces.definitions import INTERFACES  # noqa: E402
 from rclpy._interfaces.messages import CLASSES, interface_class  # noqa: E402
 
 from grader.contracts.errors import ProtocolError  # noqa: E402
-from grader.jail import policy  # noqa: E402
-from grader.jail.frames import FrameReader, pack  # noqa: E402
+from grader.jail import bounds  # noqa: E402
+from grader.jail.jail import FrameReader, pack  # noqa: E402
 from grader.sim import cdr, wire  # noqa: E402
 from grader.sim.interfaces import FIELDS  # noqa: E402
 
@@ -56,7 +56,7 @@ def _frames(pieces: list[bytes]) -> list[bytes]:
         for piece in pieces:
             reader.feed(piece)
             while (frame := reader.next()) is not None:
-                assert 1 <= len(frame) <= policy.FRAME_MAX_BYTES
+                assert 1 <= len(frame) <= bounds.FRAME_MAX_BYTES
                 found.append(frame)
     except ProtocolError:
         found.append(b"")

@@ -15,10 +15,9 @@ from typing import Any
 from grader.contracts.errors import GraderError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob
 from grader.contracts.limits import Limits
-from grader.grading.bootstrap import build_sandbox
 from grader.grading.slot import Channel, SlotConfig, job_from_message, result_message
-from grader.jail.spawn import yield_session
-from grader.sandbox import Sandbox
+from grader.jail.supervisor import yield_session
+from grader.sandbox import Sandbox, script_sandbox
 
 
 def main(arguments: list[str]) -> int:
@@ -31,7 +30,7 @@ def main(arguments: list[str]) -> int:
     if config.niceness:
         _give_way(config.niceness)  # before the zygote is started, which takes after this process
     try:
-        sandbox = build_sandbox(config)
+        sandbox = script_sandbox(config.mode)
     except GraderError as error:
         return _refuse(channel, error)
     with sandbox, suppress(BrokenPipeError):  # the parent is gone, and so is the reason to be here

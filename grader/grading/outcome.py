@@ -21,8 +21,8 @@ import numpy as np
 
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream, StudentError
-from grader.jail.layout import standard_library
-from grader.jail.report import JailReport, Verdict
+from grader.jail.ending import JailReport, RunEnd
+from grader.jail.layers import standard_library
 from grader.sim.episode import EpisodeResult
 from grader.sim.frames import (
     EXCEPTION,
@@ -45,13 +45,13 @@ ANSWER_NOTE = "service_answer"
 
 _LONGEST_ANSWER = 1_000
 _KILLED = {
-    Verdict.CRASHED: RunStatus.CRASHED,
-    Verdict.CPU_LIMIT: RunStatus.CPU_LIMIT,
-    Verdict.MEMORY_LIMIT: RunStatus.MEMORY_LIMIT,
-    Verdict.OUTPUT_LIMIT: RunStatus.OUTPUT_LIMIT,
-    Verdict.STALLED: RunStatus.STALLED,
-    Verdict.PROTOCOL: RunStatus.PROTOCOL,
-    Verdict.FORBIDDEN: RunStatus.FORBIDDEN,
+    RunEnd.CRASHED: RunStatus.CRASHED,
+    RunEnd.CPU_LIMIT: RunStatus.CPU_LIMIT,
+    RunEnd.MEMORY_LIMIT: RunStatus.MEMORY_LIMIT,
+    RunEnd.OUTPUT_LIMIT: RunStatus.OUTPUT_LIMIT,
+    RunEnd.STALLED: RunStatus.STALLED,
+    RunEnd.PROTOCOL: RunStatus.PROTOCOL,
+    RunEnd.FORBIDDEN: RunStatus.FORBIDDEN,
 }
 _ENDED = {
     STALLED: RunStatus.STALLED,
@@ -86,7 +86,7 @@ def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
     Raises:
         InfrastructureError: the sandbox says that the host, not the script, was at fault.
     """
-    if jail.verdict is Verdict.INFRASTRUCTURE:
+    if jail.end is RunEnd.INFRASTRUCTURE:
         raise InfrastructureError(f"the sandbox failed: {jail.detail or 'no reason given'}")
     status = _status(episode, jail)
     exit_frame = episode.exit if episode.violation is None else None
@@ -148,7 +148,7 @@ def _own_account(episode: EpisodeResult, exit_frame: Exit) -> RunStatus:
 def _seen_from_outside(episode: EpisodeResult, jail: JailReport) -> RunStatus:
     if any(note.code == INTERRUPTED_NOTE for note in episode.notes):
         return RunStatus.INTERRUPTED  # would not end after Ctrl+C; at home a second one would follow
-    return _KILLED.get(jail.verdict, RunStatus.FINISHED)
+    return _KILLED.get(jail.end, RunStatus.FINISHED)
 
 
 def _refused_call(episode: EpisodeResult) -> str | None:

@@ -15,7 +15,7 @@ from typing import Final, Self
 from grader.contracts.errors import GraderError, InfrastructureError, ProtocolError
 from grader.contracts.grading import SyntaxProblem
 from grader.contracts.limits import Limits
-from grader.sandbox import Jail, Sandbox, Verdict
+from grader.sandbox import Jail, RunEnd, Sandbox
 from grader.sim.frames import SYNTAX_ERROR, Exit
 from grader.sim.wire import PROTOCOL, decode, encode_start
 
@@ -37,7 +37,7 @@ class SandboxPreflight:
     """Implements `grader.contracts.grading.Preflight`; thread-safe. Use as a context manager, or call `close`."""
 
     def __init__(self, *sandboxes: Sandbox) -> None:
-        """Take over sandboxes of `grader.grading.bootstrap.build_syntax_sandbox`: as many checks go on at once."""
+        """Take over sandboxes of `grader.sandbox.syntax_sandbox`: as many checks go on at once."""
         self._idle: queue.SimpleQueue[Sandbox] = queue.SimpleQueue()
         self._behind = ThreadPoolExecutor(1, thread_name_prefix="grader-preflight")
         self._closed = False
@@ -62,7 +62,7 @@ class SandboxPreflight:
             report = jail.close() if ending is None else None
         finally:
             self._put_away(sandbox, jail)
-        if report is not None and report.verdict is Verdict.INFRASTRUCTURE:
+        if report is not None and report.end is RunEnd.INFRASTRUCTURE:
             raise InfrastructureError(f"the syntax check failed: {report.detail}")
         if ending is None:
             return SyntaxProblem(message=_TOO_MUCH, line=None)

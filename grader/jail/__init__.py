@@ -1,5 +1,6 @@
-"""Parts of the sandbox: policy, confinement, zygote, supervision, probes.
+"""The parts of the sandbox (`grader.sandbox`).
 
-The zygote imports these modules as the stand-alone package ``jail``, without the rest of the grader, so
-modules of this package that run on the zygote's side import nothing but the standard library and each other.
+The zygote imports this folder as the package ``jail``, without the rest of the grader. So the modules on its
+side (`zygote`, `confine`, `inside`, `namespaces`, `landlock`, `syscalls`, `bounds`, `libc`) import nothing but the
+standard library and each other.
 """

@@ -11,7 +11,7 @@ import signal
 import sys
 from typing import NamedTuple
 
-from . import landlock, libc, policy, seccomp
+from . import bounds, landlock, libc, syscalls
 
 
 class Layers(NamedTuple):
@@ -46,7 +46,7 @@ def confine(layers: Layers, budget: Budget, channel: int, stdout: int, stderr: i
 
     Raises:
         OSError: a step was refused.
-        ValueError: the shipped filter does not belong to this policy.
+        ValueError: the shipped filter does not belong to this bounds.
     """
     # No session: where the kernel groups processes by session, it would not give way as the zygote does.
     os.setpgid(0, 0)
@@ -60,9 +60,9 @@ def confine(layers: Layers, budget: Budget, channel: int, stdout: int, stderr: i
         libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
     if layers.ruleset is not None:
         landlock.restrict_self(layers.ruleset)
-    os.closerange(policy.CHANNEL_FD + 1, _OPEN_MAX)
+    os.closerange(bounds.CHANNEL_FD + 1, _OPEN_MAX)
     if layers.program is not None:
-        seccomp.load(seccomp.bind_to_process(layers.program, os.getpid()))
+        syscalls.load(syscalls.bind_to_process(layers.program, os.getpid()))
 
 
 _OPEN_MAX = 256
@@ -72,16 +72,16 @@ _OPEN_MAX = 256
 def _place_descriptors(channel: int, stdout: int, stderr: int) -> None:
     # The passed descriptors may sit on each other's places: first above them all, then down.
     parked = [_duplicate_above(fd) for fd in (stdout, stderr, channel)]
-    for place, fd in zip((1, 2, policy.CHANNEL_FD), parked, strict=True):
+    for place, fd in zip((1, 2, bounds.CHANNEL_FD), parked, strict=True):
         os.dup2(fd, place)
 
 
 def _duplicate_above(fd: int) -> int:
-    return fcntl.fcntl(fd, fcntl.F_DUPFD_CLOEXEC, policy.CHANNEL_FD + 1)
+    return fcntl.fcntl(fd, fcntl.F_DUPFD_CLOEXEC, bounds.CHANNEL_FD + 1)
 
 
 def _limit_resources(budget: Budget) -> None:
-    for name, value in policy.resource_limits(*budget).items():
+    for name, value in bounds.resource_limits(*budget).items():
         _, hard = resource.getrlimit(name)
         bound = value if hard == resource.RLIM_INFINITY else min(value, hard)
         try:

@@ -1,27 +1,150 @@
 """One confined process as its episode sees it: frames in, frames out, limits kept, an account at the end."""
 
 import _socket
+import os
 import select
 import struct
 import time
+from collections import deque
 from collections.abc import Callable
 from types import TracebackType
 from typing import Final, Self
 
 from grader.contracts.errors import ProtocolError, SandboxError
 from grader.contracts.limits import Limits
-from grader.jail import policy
-from grader.jail.clocks import TICK_NS, Clocks
-from grader.jail.ends import End, Judgement, judge
-from grader.jail.frames import FrameReader, pack
+from grader.contracts.outcome import Stream
+from grader.jail import bounds
+from grader.jail.ending import TICK_NS, Clocks, Ending, JailReport, KernelAccount, RunEnd, explain
 from grader.jail.process import ProcessHandle
-from grader.jail.report import JailReport, Verdict
-from grader.jail.streams import Capture
 
 _RECEIVE_BYTES: Final = 65_536
-_BACKLOG_MAX_BYTES: Final = 8 * policy.FRAME_MAX_BYTES
+_BACKLOG_MAX_BYTES: Final = 8 * bounds.FRAME_MAX_BYTES
 _GLANCE_EVERY_NS: Final = 4 * TICK_NS
 _TICK_TIMEVAL: Final = struct.pack("@ll", 0, TICK_NS // 1000)
+_HEADER: Final = struct.Struct("<I")
+_READ_BYTES: Final = 65_536
+_READS_PER_DRAIN: Final = 8
+
+
+def pack(body: bytes) -> bytes:
+    """Return `body` as a frame: its length as u32, little-endian, then itself."""
+    return _HEADER.pack(len(body)) + body
+
+
+class FrameReader:
+    """Collects bytes in pieces of any size and gives back frames.
+
+    A frame's length is checked before anything is kept for it, and the number of frames and bytes of a whole
+    run is bounded.
+    """
+
+    def __init__(self) -> None:
+        self._buffer = bytearray()
+        self._position = 0
+        self._frames = 0
+        self._received_bytes = 0
+
+    @property
+    def pending_bytes(self) -> int:
+        """Bytes received that have not been given back."""
+        return len(self._buffer) - self._position
+
+    def feed(self, data: bytes) -> None:
+        """Take `data` as received.
+
+        Raises:
+            ProtocolError: the run has sent more than `bounds.CHANNEL_MAX_BYTES`.
+        """
+        self._received_bytes += len(data)
+        if self._received_bytes > bounds.CHANNEL_MAX_BYTES:
+            raise ProtocolError(f"more than {bounds.CHANNEL_MAX_BYTES} bytes were sent")
+        del self._buffer[: self._position]
+        self._position = 0
+        self._buffer += data
+
+    def next(self) -> bytes | None:
+        """Return the body of the next frame, or None while it is not complete.
+
+        Raises:
+            ProtocolError: its length is impossible, or the run has sent more than `bounds.FRAMES_MAX`.
+        """
+        start = self._position + _HEADER.size
+        if len(self._buffer) < start:
+            return None
+        (length,) = _HEADER.unpack_from(self._buffer, self._position)
+        if not 1 <= length <= bounds.FRAME_MAX_BYTES:
+            raise ProtocolError(f"a frame announced a length of {length} bytes")
+        if len(self._buffer) < start + length:
+            return None
+        if self._frames == bounds.FRAMES_MAX:
+            raise ProtocolError(f"more than {bounds.FRAMES_MAX} messages were sent")
+        self._frames += 1
+        self._position = start + length
+        return bytes(self._buffer[start : self._position])
+
+
+class Capture:
+    """Reads one pipe without blocking and keeps its first and last 64 KiB.
+
+    What comes after `limit_bytes` is counted but not kept: where a flood is cut then depends on the script,
+    not on how fast it was read.
+
+    Attributes:
+        total_bytes: everything read so far.
+        ended: every writer has closed its end.
+    """
+
+    def __init__(self, descriptor: int, limit_bytes: int) -> None:
+        self.descriptor = descriptor
+        self._limit_bytes = limit_bytes
+        self.total_bytes = 0
+        self.ended = False
+        self._head = bytearray()
+        self._tail: deque[bytes] = deque()
+        self._tail_bytes = 0
+        os.set_blocking(descriptor, False)
+
+    def drain(self) -> bool:
+        """Take what the pipe holds; return whether there was anything (at most half a MiB per call)."""
+        for turn in range(_READS_PER_DRAIN):
+            try:
+                data = os.read(self.descriptor, _READ_BYTES)
+            except BlockingIOError:
+                return turn > 0
+            if not data:
+                self.ended = True
+                return turn > 0
+            self._keep(data)
+        return True
+
+    def _keep(self, data: bytes) -> None:
+        within_limit = max(0, self._limit_bytes - self.total_bytes)
+        self.total_bytes += len(data)
+        data = data[:within_limit]
+        room = bounds.STREAM_HEAD_BYTES - len(self._head)
+        self._head += data[:room]
+        rest = data[room:] if room else data
+        if not rest:
+            return
+        self._tail.append(rest)
+        self._tail_bytes += len(rest)
+        while self._tail_bytes - len(self._tail[0]) >= bounds.STREAM_TAIL_BYTES:
+            self._tail_bytes -= len(self._tail.popleft())
+
+    def close(self) -> None:
+        """Close the pipe; what was captured stays."""
+        os.close(self.descriptor)
+
+    def stream(self) -> Stream:
+        """Return the captured text, decoded with replacement."""
+        tail = b"".join(self._tail)[-bounds.STREAM_TAIL_BYTES :]
+        dropped = min(self.total_bytes, self._limit_bytes) - len(self._head) - len(tail)
+        head = bytes(self._head)
+        if not dropped:
+            return Stream(text=(head + tail).decode(errors="replace"))
+        marker = f"\n… {dropped} bytes left out …\n"
+        text = head.decode(errors="replace") + marker + tail.decode(errors="replace")
+        return Stream(text=text, dropped_bytes=dropped)
 
 
 class Jail:
@@ -47,8 +170,7 @@ class Jail:
         self._reap = reap
         self._reader = FrameReader()
         self._channel_ended = False
-        self._verdict: Verdict | None = None
-        self._detail = ""
+        self._ending: Ending | None = None  # by a limit or a fault of the protocol; None: by itself
         self._report: JailReport | None = None
         self._is_closed = False
         self._clocks = Clocks(process, limits)
@@ -77,7 +199,7 @@ class Jail:
         """Send one frame. When the process has ended, or ends meanwhile, the frame is dropped silently."""
         data = memoryview(pack(body))
         self._clocks.forget_look()
-        while data and self._verdict is None and not self._channel_ended:
+        while data and self._ending is None and not self._channel_ended:
             try:
                 data = data[self._channel.send(data) :]
             except (BlockingIOError, InterruptedError):
@@ -95,15 +217,15 @@ class Jail:
             try:
                 frame = self._reader.next()
             except ProtocolError as error:
-                self._end(Verdict.PROTOCOL, str(error))
+                self._end(Ending(RunEnd.PROTOCOL, str(error)))
                 return None
             if frame is not None:
                 self._glance()
                 return frame
-            if self._channel_ended or self._verdict is Verdict.PROTOCOL:
+            if self._channel_ended or self._broke_protocol:
                 self._await_end()
                 return None
-            if self._verdict is None:
+            if self._ending is None:
                 self._take()
             else:
                 self._take_rest()
@@ -117,7 +239,7 @@ class Jail:
         try:
             data = self._channel.recv(_RECEIVE_BYTES)
         except (BlockingIOError, InterruptedError):
-            while self._verdict is None and not self._tend(select.POLLIN):
+            while self._ending is None and not self._tend(select.POLLIN):
                 pass
             return
         except OSError:
@@ -136,7 +258,7 @@ class Jail:
         The episode may simulate for long; yet when the script was last busy must be known (`Clocks.was_quiet`).
         """
         now_ns = time.monotonic_ns()
-        if self._verdict is not None or now_ns < self._next_glance_ns:
+        if self._ending is not None or now_ns < self._next_glance_ns:
             return
         self._next_glance_ns = now_ns + _GLANCE_EVERY_NS
         self._drain()
@@ -171,12 +293,12 @@ class Jail:
         try:
             self._reader.feed(data)
         except ProtocolError as error:
-            self._end(Verdict.PROTOCOL, str(error))
+            self._end(Ending(RunEnd.PROTOCOL, str(error)))
 
     def _take_while_sending(self) -> None:
         """Make room for a process that cannot read because it waits to write."""
         if self._reader.pending_bytes > _BACKLOG_MAX_BYTES:
-            self._end(Verdict.PROTOCOL, "the script sends without reading what it asked for")
+            self._end(Ending(RunEnd.PROTOCOL, "the script sends without reading what it asked for"))
             return
         self._take_at_once()
 
@@ -195,13 +317,13 @@ class Jail:
             self._poll.unregister(self._channel)
         self._drain()
         self._check_clocks()
-        if self._verdict is None and self._clocks.sleeps_for_ever() and not self._has_ended():
-            self._end(Verdict.STALLED, "the script waits in a call that nothing can end")
+        if self._ending is None and self._clocks.sleeps_for_ever() and not self._has_ended():
+            self._end(Ending(RunEnd.STALLED, "the script waits in a call that nothing can end"))
         return any(descriptor == self._channel.fileno() for descriptor, _ in ready)
 
     def _await_end(self) -> None:
         """Wait, under all limits, for a process that has closed its channel."""
-        while self._verdict is None and not self._has_ended():
+        while self._ending is None and not self._has_ended():
             self._tend(0)
 
     def _has_ended(self) -> bool:
@@ -217,17 +339,23 @@ class Jail:
                 if capture.ended:
                     self._poll.unregister(capture.descriptor)
         if self._stdout.total_bytes + self._stderr.total_bytes > self._limits.output_bytes:
-            self._end(Verdict.OUTPUT_LIMIT, f"more than {self._limits.output_bytes} bytes were printed")
+            self._end(
+                Ending(RunEnd.OUTPUT_LIMIT, f"more than {self._limits.output_bytes} bytes were printed")
+            )
 
     def _check_clocks(self) -> None:
-        passed = self._clocks.verdict()
+        passed = self._clocks.passed_limit()
         if passed is not None:
-            self._end(*passed)
+            self._end(passed)
 
-    def _end(self, verdict: Verdict, detail: str) -> None:
-        if self._verdict is None:
-            self._verdict, self._detail = verdict, detail
+    def _end(self, ending: Ending) -> None:
+        """Kill the process; the first reason to do so is the one that is reported."""
+        self._ending = self._ending or ending
         self._process.kill()
+
+    @property
+    def _broke_protocol(self) -> bool:
+        return self._ending is not None and self._ending.end is RunEnd.PROTOCOL
 
     # ---------------------------------------------------------------------------------------------- end
 
@@ -258,43 +386,34 @@ class Jail:
         wait_status, cpu_ns, peak_bytes = self._reap()
         wall_ns = self._clocks.wall_ns
         self._drain_rest()
-        verdict, exit_code, signal_name, detail = self._judge(
-            End(
-                wait_status=wait_status,
-                by_itself=ended_itself,
-                cpu_ns=cpu_before_ns,
-                peak_bytes=peak_bytes,
-            )
+        ending = self._ending or explain(
+            KernelAccount(
+                wait_status=wait_status, by_itself=ended_itself, cpu_ns=cpu_before_ns, peak_bytes=peak_bytes
+            ),
+            self._clocks,
+            self._limits.memory_bytes,
+            cut_frame=self._channel_ended and self._reader.pending_bytes > 0,
         )
         return JailReport(
-            verdict=verdict,
-            exit_code=exit_code,
-            signal=signal_name,
-            detail=detail,
+            **ending._asdict(),
             cpu_ns=cpu_ns,
             peak_bytes=peak_bytes,
             wall_ns=wall_ns,
             stdout=self._stdout.stream(),
             stderr=self._stderr.stream(),
-            settled=self._has_settled(verdict),
+            settled=self._has_settled(ending.end),
         )
 
     def _drain_rest(self) -> None:
-        deadline_ns = time.monotonic_ns() + policy.DRAIN_LIMIT_NS
+        deadline_ns = time.monotonic_ns() + bounds.DRAIN_LIMIT_NS
         while not (self._stdout.ended and self._stderr.ended) and time.monotonic_ns() < deadline_ns:
             self._poll.poll(1)
             self._drain()
 
-    def _has_settled(self, verdict: Verdict) -> bool:
+    def _has_settled(self, end: RunEnd) -> bool:
         """Return whether the streams do not depend on the moment of the kill (see `JailReport`)."""
-        if verdict in (Verdict.CPU_LIMIT, Verdict.STALLED):
-            return self._clocks.was_quiet(verdict)
-        if verdict is Verdict.OUTPUT_LIMIT:  # one stream is cut at the limit; of another, who knows
+        if end in (RunEnd.CPU_LIMIT, RunEnd.STALLED):
+            return self._clocks.was_quiet(end)
+        if end is RunEnd.OUTPUT_LIMIT:  # one stream is cut at the limit; where the other one is cut is chance
             return 0 in (self._stdout.total_bytes, self._stderr.total_bytes)
-        return self._verdict is not Verdict.PROTOCOL
-
-    def _judge(self, end: End) -> Judgement:
-        if self._verdict is not None:
-            return self._verdict, None, None, self._detail
-        cut = self._channel_ended and self._reader.pending_bytes > 0
-        return judge(end, self._clocks, self._limits.memory_bytes, cut_frame=cut)
+        return not self._broke_protocol

@@ -1,5 +1,10 @@
-"""Choose the layers of isolation for this host and this mode."""
+"""Which layers of isolation a host offers, and which files a confined process may read.
 
+Both end in a `ZygoteConfig`, which is all that a zygote is told.
+"""
+
+import _socket
+import importlib.util
 import os
 import sys
 from collections.abc import Set
@@ -8,8 +13,8 @@ from pathlib import Path
 from typing import Final
 
 from grader.contracts.record import record
-from grader.jail import landlock, layout, libc, policy
-from grader.jail.supervisor import FILTER_DIRECTORY, ZygoteConfig
+from grader.jail import bounds, landlock, syscalls
+from grader.jail.supervisor import ZygoteConfig
 
 _CAP_SETGID, _CAP_SETUID = 6, 7
 
@@ -71,7 +76,7 @@ def choose(mode: Mode, without: Set[Layer]) -> Choice:
     offered = {
         Layer.PROCESS: True,
         Layer.RLIMITS: True,
-        Layer.SECCOMP: (FILTER_DIRECTORY / f"{libc.MACHINE}.bpf").exists(),
+        Layer.SECCOMP: os.path.exists(syscalls.filter_path()),
         Layer.LANDLOCK: landlock.abi_version() > 0,
         Layer.OWN_UID: may_change_uid(),
         Layer.NAMESPACES: True,
@@ -85,10 +90,10 @@ def choose(mode: Mode, without: Set[Layer]) -> Choice:
 
 def configure(program: Program, active: tuple[Layer, ...]) -> ZygoteConfig:
     """Return what a zygote must be told to run `program` under `active` layers."""
-    packages = layout.allowed_packages()
+    packages = allowed_packages()
     landlocked = Layer.LANDLOCK in active
-    readable = layout.readable_paths(program.shim, packages) if landlocked else []
-    shown, masked = layout.mounted_paths(program.shim, packages)
+    readable = readable_paths(program.shim, packages) if landlocked else []
+    shown, masked = mounted_paths(program.shim, packages)
     own_uid = Layer.OWN_UID in active
     return ZygoteConfig(
         shim=str(program.shim.resolve()),
@@ -96,13 +101,13 @@ def configure(program: Program, active: tuple[Layer, ...]) -> ZygoteConfig:
         preload=program.preload,
         packages=packages,
         readable=readable,
-        shown=[*shown, *policy.READABLE_DEVICES, *policy.WRITABLE_DEVICES],
+        shown=[*shown, *bounds.READABLE_DEVICES, *bounds.WRITABLE_DEVICES],
         masked=masked,
         landlock=landlocked,
         seccomp=Layer.SECCOMP in active,
         namespaces=Layer.NAMESPACES in active,
         box_uid=box_uid() if own_uid else None,
-        keep_read=own_uid and not layout.reachable_by_others(shown),
+        keep_read=own_uid and not reachable_by_others(shown),
     )
 
 
@@ -121,7 +126,82 @@ def box_uid() -> int:
     """Return a user id that no one else on this host has: one per grading process."""
     with open("/proc/self/uid_map", encoding="ascii") as file:
         spans = [tuple(map(int, line.split())) for line in file]
-    wanted = policy.BOX_UID_BASE + os.getpid()
+    wanted = bounds.BOX_UID_BASE + os.getpid()
     if any(first <= wanted < first + count for first, _, count in spans):
         return wanted
-    return policy.BOX_UID_BASE_MAPPED + os.getpid() % policy.BOX_UID_COUNT_MAPPED
+    return bounds.BOX_UID_BASE_MAPPED + os.getpid() % bounds.BOX_UID_COUNT_MAPPED
+
+
+# ------------------------------------------------------------------------------------------------- files
+
+
+def allowed_packages() -> dict[str, str]:
+    """Return name -> directory of the third-party packages a script may import, as far as installed."""
+    found: dict[str, str] = {}
+    for name in bounds.ALLOWED_PACKAGES:
+        spec = importlib.util.find_spec(name)
+        if spec is not None and spec.submodule_search_locations:
+            found[name] = os.path.realpath(spec.submodule_search_locations[0])
+    return found
+
+
+def standard_library() -> str:
+    """Return the directory of the standard library that runs this process."""
+    return os.path.dirname(os.path.realpath(os.__file__))
+
+
+def readable_paths(shim: Path, packages: dict[str, str]) -> list[str]:
+    """Return the files and directories that confined processes may read, and nothing beside them.
+
+    The standard library is listed entry by entry, because many installations keep site-packages, and so
+    the grader and the reference solutions, inside its directory.
+    """
+    with os.scandir(standard_library()) as entries:
+        stdlib = sorted(entry.path for entry in entries if entry.name not in bounds.STDLIB_EXCLUDED)
+    return _existing([str(shim.resolve()), *stdlib, *_outside_stdlib(packages)])
+
+
+def mounted_paths(shim: Path, packages: dict[str, str]) -> tuple[list[str], list[str]]:
+    """Return what the minimal root shows, and which directories in it are covered by empty ones.
+
+    Coarser than `readable_paths`, which applies within it as well: each entry costs a mount.
+    """
+    directory = standard_library()
+    masked = [os.path.join(directory, name) for name in sorted(bounds.STDLIB_EXCLUDED)]
+    return (
+        _existing([directory, str(shim.resolve()), *_outside_stdlib(packages)]),
+        [path for path in masked if os.path.isdir(path)],
+    )
+
+
+def _outside_stdlib(packages: dict[str, str]) -> list[str]:
+    extensions = getattr(_socket, "__file__", None)  # the directory of extension modules, unless built in
+    paths = [os.path.dirname(os.path.realpath(extensions))] if extensions else []
+    for name, directory in packages.items():
+        parent = os.path.dirname(directory)
+        paths += [os.path.join(parent, part) for part in bounds.ALLOWED_PACKAGES[name]]
+    return [*paths, *_library_directories()]
+
+
+def _library_directories() -> list[str]:
+    """Return the directories of shared libraries; entry by entry where one holds Python packages as well."""
+    paths: list[str] = []
+    for directory in filter(os.path.isdir, bounds.SHARED_LIBRARY_DIRECTORIES):
+        names = os.listdir(directory) if directory.endswith("/lib64") else []
+        if any(name.startswith("python") for name in names):
+            paths += [
+                os.path.join(directory, name) for name in sorted(names) if not name.startswith("python")
+            ]
+        else:
+            paths.append(directory)
+    return paths
+
+
+def _existing(paths: list[str]) -> list[str]:
+    return [path for path in dict.fromkeys(paths) if os.path.exists(path)]
+
+
+def reachable_by_others(paths: list[str]) -> bool:
+    """Return whether any user may pass through the directories that lead to `paths`."""
+    directories = {parent for path in paths for parent in Path(path).parents}
+    return all(directory.stat().st_mode & 0o001 for directory in directories)

@@ -32,12 +32,12 @@ from importlib.util import spec_from_file_location
 from io import TextIOWrapper
 from typing import Any, NoReturn
 
-from . import inside, landlock, libc, namespaces, policy, seccomp
+from . import bounds, inside, landlock, libc, namespaces, syscalls
 from .confine import Budget, Layers, confine
 
 _LENGTH_BYTES = 4
 _FDS_PER_FORK = 3
-_FIRST_FREE_FD = policy.CHANNEL_FD + 1
+_FIRST_FREE_FD = bounds.CHANNEL_FD + 1
 _NUMBER_OF_FILES = 128
 _BLOCKS_PER_SIZE = 48  # of each size a request needs fewer
 _BYTES_PER_SIZE = range(
@@ -115,7 +115,7 @@ def _reap(pid: int) -> Json:
 
 def _prepare(config: Json) -> tuple[Layers, Entry]:
     """Preload what scripts need and build what confinement needs."""
-    program = seccomp.read_filter(str(config["filters"])) if config["seccomp"] else None
+    program = syscalls.read_filter(directory=config["filters"]) if config["seccomp"] else None
     _offer_to_oom_killer()
     _drop_launcher()
     sys.path.insert(0, str(config["shim"]))
@@ -130,11 +130,11 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
     if sys.platform == "linux":
         libc.prctl(libc.PR_SET_DUMPABLE, 0)
     _prime_import_caches()
-    _thread.stack_size(policy.THREAD_STACK_BYTES)
+    _thread.stack_size(bounds.THREAD_STACK_BYTES)
     ruleset = None
     if config["landlock"]:
         readable: list[str] = config["readable"]
-        ruleset = landlock.create_ruleset([*readable, *policy.READABLE_DEVICES], policy.WRITABLE_DEVICES)
+        ruleset = landlock.create_ruleset([*readable, *bounds.READABLE_DEVICES], bounds.WRITABLE_DEVICES)
         ruleset = fcntl.fcntl(ruleset, fcntl.F_DUPFD_CLOEXEC, _FIRST_FREE_FD)  # out of the channel's place
     gc.collect()
     gc.freeze()
@@ -197,7 +197,7 @@ def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: l
             confine(layers, budget, *descriptors)
         except BaseException as error:  # nothing may run past a failed step
             _refuse(descriptors[0], error)
-        os.write(policy.CHANNEL_FD, b"+")
+        os.write(bounds.CHANNEL_FD, b"+")
         signal.signal(signal.SIGINT, signal.default_int_handler)
         # Not reconfigure(): these objects were made for the zygote's null device.
         sys.stdout = sys.__stdout__ = _text_output(1, "strict")  # type: ignore[misc]
@@ -205,7 +205,7 @@ def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: l
         for name in [name for name in sys.modules if name == "jail" or name.startswith("jail.")]:
             del sys.modules[name]
         _kept = _take_up_gaps()
-        result = entry(policy.CHANNEL_FD)
+        result = entry(bounds.CHANNEL_FD)
         code = result if isinstance(result, int) else 0
         sys.stdout.flush()
         sys.stderr.flush()
@@ -235,7 +235,7 @@ def _text_output(descriptor: int, errors: str) -> TextIOWrapper:
 
 def _refuse(channel: int, error: BaseException) -> NoReturn:
     message = f"-{type(error).__name__}: {error}".encode(errors="replace")
-    for descriptor in (channel, policy.CHANNEL_FD):
+    for descriptor in (channel, bounds.CHANNEL_FD):
         try:
             os.write(descriptor, message)
             break

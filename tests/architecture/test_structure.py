@@ -6,7 +6,7 @@ import tomllib
 from pathlib import Path
 
 from grader.checks import KINDS
-from grader.jail.policy import ALLOWED_PACKAGES
+from grader.jail.bounds import ALLOWED_PACKAGES
 
 ROOT = Path(__file__).resolve().parents[2]
 MODULES = sorted((ROOT / "grader").rglob("*.py"))

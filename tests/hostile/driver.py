@@ -19,8 +19,8 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
 
 from grader.contracts.limits import MIB, Limits  # noqa: E402
-from grader.jail import libc, policy, seccomp  # noqa: E402
-from grader.jail.report import JailReport  # noqa: E402
+from grader.jail import bounds, libc, syscalls  # noqa: E402
+from grader.jail.ending import JailReport  # noqa: E402
 from grader.sandbox import Layer, Sandbox  # noqa: E402
 
 LIMITS = Limits(cpu_s=5.0, memory_bytes=256 * MIB, output_bytes=1 * MIB, threads=24)
@@ -37,7 +37,7 @@ def become(uid: int | None, filter_path: str | None) -> None:
         os.setresuid(uid, uid, uid)
     if filter_path is not None:
         libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
-        seccomp.load(Path(filter_path).read_bytes())
+        syscalls.load(Path(filter_path).read_bytes())
 
 
 def run(sandbox: Sandbox, source: bytes, limits: Limits = LIMITS) -> tuple[list[str], JailReport]:
@@ -90,15 +90,13 @@ def descendants(pid: int) -> int:
 def main() -> None:
     options = json.loads(sys.argv[1])
     become(options["uid"], options["filter"])
-    policy.IDLE_LIMIT_NS = 150_000_000  # type: ignore[misc]  # the same rule, with less patience
+    bounds.IDLE_LIMIT_NS = 150_000_000  # type: ignore[misc]  # the same rule, with less patience
     os.environ["SECRET_TOKEN"] = "canary-in-the-environment"
     without = frozenset(map(Layer, options["without"]))
     sandbox = Sandbox(shim_path=HERE / "runner", entry="bare_runner:run", without=without)
     with sandbox:
         baseline, first = run(sandbox, GOOD)
-        print(
-            json.dumps({"isolation": sandbox.isolation, "good": [baseline, first.stdout.text, first.verdict]})
-        )
+        print(json.dumps({"isolation": sandbox.isolation, "good": [baseline, first.stdout.text, first.end]}))
         before = traces(sandbox)
         for script in options["scripts"]:
             source = Path(script).read_bytes()
@@ -109,7 +107,7 @@ def main() -> None:
             good_frames, good = run(sandbox, GOOD)
             result = {
                 "script": script,
-                "verdict": report.verdict,
+                "end": report.end,
                 "detail": report.detail,
                 "signal": report.signal,
                 "exit_code": report.exit_code,
@@ -122,7 +120,7 @@ def main() -> None:
                 "left_behind": {
                     key: [before[key], after[key]] for key in before if before[key] != after[key]
                 },
-                "good_again": [good_frames, good.stdout.text, good.verdict],
+                "good_again": [good_frames, good.stdout.text, good.end],
             }
             print(json.dumps(result), flush=True)
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.jail import landlock, layout
+from grader.jail import landlock, layers
 
 HERE = Path(__file__).resolve().parent
 SCRIPTS = sorted(path for path in (HERE / "scripts").iterdir() if path.suffix in (".py", ".script"))
@@ -63,7 +63,7 @@ def interpreter_for(uid: int | None) -> str:
     if uid is None:
         return sys.executable
     own = os.path.realpath(sys.executable)  # a link to it may lie where the user may not look
-    if layout.reachable_by_others([own]):
+    if layers.reachable_by_others([own]):
         return own
     for path in INTERPRETERS:
         check = [path, "-c", "import sys, ctypes; sys.exit(sys.version_info < (3, 11))"]
@@ -89,7 +89,7 @@ def docker_like_filter(path: Path) -> None:
 
 def reachable_folder(uid: int | None, open_path: Path) -> Path:
     """The driver's folder, or a copy of it beside the grader, where the user can enter."""
-    if uid is None or layout.reachable_by_others([str(HERE / "driver.py")]):
+    if uid is None or layers.reachable_by_others([str(HERE / "driver.py")]):
         return HERE
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(HERE.parents[1] / "grader", open_path / "grader", ignore=ignored)
@@ -122,7 +122,7 @@ def problems(result: dict, good: list) -> list[str]:
     """What is wrong with the outcome of one script."""
     script = Path(result["script"])
     expected = expectation(script)
-    got = " ".join(filter(None, (result["verdict"], result["signal"])))
+    got = " ".join(filter(None, (result["end"], result["signal"])))
     if result["frames"][-2:-1] and bytes.fromhex(result["frames"][-2]).startswith(b"raised"):
         got = "raised"
     found = []

@@ -45,7 +45,7 @@ def test_a_host_without_a_sandbox_takes_uploads_and_says_so(
     def refuse(_: object) -> None:
         raise SandboxUnavailableError("this host lacks seccomp")
 
-    monkeypatch.setattr(composition, "build_syntax_sandbox", refuse)
+    monkeypatch.setattr(composition, "syntax_sandbox", refuse)
     with caplog.at_level(logging.ERROR), composition.running(settings(database_url)) as services:
         assert services.preflight.check(b"def broken(", "a.py") is None
     assert "lacks seccomp" in caplog.text

@@ -12,7 +12,7 @@ for path in ("/etc/passwd", "/etc/shadow", "/etc/hostname", "/etc/machine-id", "
              "/proc/self/environ", "/proc/1/environ", f"/proc/{os.getppid()}/environ", "/proc/self/mem",
              "/proc/self/maps", "/proc/self/cmdline", "/proc/mounts", "/proc/net/tcp", "/sys/kernel/notes",
              "/dev/mem", "/dev/kmsg", "/dev/sda", "/dev/tty", "/dev/ptmx",
-             f"{grader}/pyproject.toml", f"{grader}/grader/sandbox.py", f"{grader}/grader/jail/policy.py",
+             f"{grader}/pyproject.toml", f"{grader}/grader/sandbox.py", f"{grader}/grader/jail/syscalls.py",
              f"{grader}/assignments/square/solution.py", f"{grader}/.git/config", sys.executable or "/bin/sh"):
     attempt(path, open, path, "rb")
 for place in ("/", "/etc", "/root", "/home", "/proc", "/proc/self/fd", "/tmp", "/var/lib", grader, f"{grader}/assignments",

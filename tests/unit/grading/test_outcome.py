@@ -15,7 +15,7 @@ from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Str
 from grader.contracts.services import ServiceCall, ServiceResult
 from grader.contracts.trajectory import Trajectory
 from grader.grading.outcome import is_repeatable, merge
-from grader.jail.report import JailReport, Verdict
+from grader.jail.ending import JailReport, RunEnd
 from grader.sim.episode import EpisodeResult
 from grader.sim.frames import EXCEPTION, FINISHED, PRINTED_TOO_MUCH, STALLED, SYNTAX_ERROR, Exit
 
@@ -24,9 +24,7 @@ DIST = "/usr/lib/python3/dist-packages"
 PYTHON = "/usr/lib/python3.10"
 INTERRUPTED = Note(code="interrupted")
 FORBIDDEN = Note(code="forbidden", text="subprocess.Popen: ls")
-JAIL = JailReport(
-    verdict=Verdict.FINISHED, exit_code=0, stdout=Stream(text="out\n"), stderr=Stream(text="err\n")
-)
+JAIL = JailReport(end=RunEnd.FINISHED, exit_code=0, stdout=Stream(text="out\n"), stderr=Stream(text="err\n"))
 
 
 def trajectory() -> Trajectory:
@@ -74,13 +72,13 @@ def raised(kind: str, message: str = "", **fields: object) -> Exit:
 
 def outcome(
     exit: Exit | None = None,
-    verdict: Verdict = Verdict.FINISHED,
+    end: RunEnd = RunEnd.FINISHED,
     *notes: Note,
     violation: str | None = None,
     **report: object,
 ) -> RunOutcome:
     episode = replace(EPISODE, exit=exit, violation=violation, notes=notes)
-    return merge(episode, replace(JAIL, verdict=verdict, **report))
+    return merge(episode, replace(JAIL, end=end, **report))
 
 
 EXITS = {
@@ -107,32 +105,32 @@ OWN_WORD = {
     "refused": RunStatus.FORBIDDEN,
 }
 SEEN = {
-    Verdict.FINISHED: RunStatus.FINISHED,
-    Verdict.CRASHED: RunStatus.CRASHED,
-    Verdict.CPU_LIMIT: RunStatus.CPU_LIMIT,
-    Verdict.MEMORY_LIMIT: RunStatus.MEMORY_LIMIT,
-    Verdict.OUTPUT_LIMIT: RunStatus.OUTPUT_LIMIT,
-    Verdict.STALLED: RunStatus.STALLED,
-    Verdict.PROTOCOL: RunStatus.PROTOCOL,
-    Verdict.FORBIDDEN: RunStatus.FORBIDDEN,
+    RunEnd.FINISHED: RunStatus.FINISHED,
+    RunEnd.CRASHED: RunStatus.CRASHED,
+    RunEnd.CPU_LIMIT: RunStatus.CPU_LIMIT,
+    RunEnd.MEMORY_LIMIT: RunStatus.MEMORY_LIMIT,
+    RunEnd.OUTPUT_LIMIT: RunStatus.OUTPUT_LIMIT,
+    RunEnd.STALLED: RunStatus.STALLED,
+    RunEnd.PROTOCOL: RunStatus.PROTOCOL,
+    RunEnd.FORBIDDEN: RunStatus.FORBIDDEN,
 }
 
 
 @pytest.mark.parametrize(
-    ("name", "violation", "verdict"), list(product(EXITS, [None, "ENTITY.t is negative"], Verdict))
+    ("name", "violation", "end"), list(product(EXITS, [None, "ENTITY.t is negative"], RunEnd))
 )
-def test_every_combination(name: str, violation: str | None, verdict: Verdict) -> None:
+def test_every_combination(name: str, violation: str | None, end: RunEnd) -> None:
     """Infrastructure beats tampering, tampering beats the script's word, its word beats the sandbox's."""
-    if verdict is Verdict.INFRASTRUCTURE:
+    if end is RunEnd.INFRASTRUCTURE:
         with pytest.raises(InfrastructureError, match="no reason given"):
-            outcome(EXITS[name], verdict, FORBIDDEN, violation=violation)
+            outcome(EXITS[name], end, FORBIDDEN, violation=violation)
         return
-    found = outcome(EXITS[name], verdict, FORBIDDEN, violation=violation, exit_code=None, detail="why")
+    found = outcome(EXITS[name], end, FORBIDDEN, violation=violation, exit_code=None, detail="why")
     if violation is not None:
         assert (found.status, found.detail, found.exit_code) == (RunStatus.PROTOCOL, violation, None)
         assert (found.stdout, found.stderr) == (Stream(), Stream())
         return
-    assert found.status is (SEEN[verdict] if name == "none" else OWN_WORD[name])
+    assert found.status is (SEEN[end] if name == "none" else OWN_WORD[name])
     assert (found.stdout, found.stderr) == (JAIL.stdout, JAIL.stderr)
     assert found.signal is None
     assert (found.nodes, found.command_count, found.duration_ns) == (("/n",), 7, 5)
@@ -141,21 +139,21 @@ def test_every_combination(name: str, violation: str | None, verdict: Verdict) -
 
 
 def test_the_table_of_verdicts_is_complete() -> None:
-    assert set(SEEN) | {Verdict.INFRASTRUCTURE} == set(Verdict)
+    assert set(SEEN) | {RunEnd.INFRASTRUCTURE} == set(RunEnd)
     assert {status for status in RunStatus if status.blame == "student"} <= {
         *SEEN.values(),
         *OWN_WORD.values(),
     }
 
 
-@pytest.mark.parametrize("verdict", [Verdict.CPU_LIMIT, Verdict.STALLED, Verdict.OUTPUT_LIMIT])
-def test_killed_within_the_grace_after_the_horizon_is_interrupted(verdict: Verdict) -> None:
-    found = outcome(None, verdict, INTERRUPTED, detail="more than 1 s")
+@pytest.mark.parametrize("end", [RunEnd.CPU_LIMIT, RunEnd.STALLED, RunEnd.OUTPUT_LIMIT])
+def test_killed_within_the_grace_after_the_horizon_is_interrupted(end: RunEnd) -> None:
+    found = outcome(None, end, INTERRUPTED, detail="more than 1 s")
     assert (found.status, found.detail, found.notes) == (RunStatus.INTERRUPTED, "", ())
 
 
 def test_an_error_after_ctrl_c_costs_nothing() -> None:
-    found = outcome(EXITS["crashed in finally"], Verdict.FINISHED, INTERRUPTED)
+    found = outcome(EXITS["crashed in finally"], RunEnd.FINISHED, INTERRUPTED)
     assert (found.error, found.cleanup_error and found.cleanup_error.type) == (None, "ValueError")
 
 
@@ -173,7 +171,7 @@ def test_an_error_after_ctrl_c_costs_nothing() -> None:
     ],
 )
 def test_a_refusal_that_ended_the_script_is_forbidden(exit: Exit) -> None:
-    found = outcome(exit, Verdict.FINISHED, FORBIDDEN)
+    found = outcome(exit, RunEnd.FINISHED, FORBIDDEN)
     assert (found.status, found.detail) == (RunStatus.FORBIDDEN, "subprocess.Popen: ls")
     assert found.error is not None
     assert found.error.line == 4
@@ -190,11 +188,11 @@ def test_a_refusal_that_ended_the_script_is_forbidden(exit: Exit) -> None:
     ],
 )
 def test_other_errors_are_crashes(exit: Exit, notes: tuple[Note, ...]) -> None:
-    assert outcome(exit, Verdict.FINISHED, *notes).status is RunStatus.CRASHED
+    assert outcome(exit, RunEnd.FINISHED, *notes).status is RunStatus.CRASHED
 
 
 def test_a_refusal_that_the_script_survived_is_only_a_note() -> None:
-    found = outcome(ended(), Verdict.FINISHED, FORBIDDEN)
+    found = outcome(ended(), RunEnd.FINISHED, FORBIDDEN)
     assert (found.status, found.detail, found.notes) == (RunStatus.FINISHED, "", (FORBIDDEN,))
 
 
@@ -203,8 +201,8 @@ def test_the_call_named_by_the_exception_is_told_else_the_last_one() -> None:
         Note(code="forbidden", text=text) for text in ("os.system: ls", "open for writing: a.txt", "os.fork")
     ]
     exit = raised("PermissionError", "[Errno 13] Permission denied: 'a.txt'")
-    assert outcome(exit, Verdict.FINISHED, *notes).detail == "open for writing: a.txt"
-    assert outcome(raised("PermissionError"), Verdict.FINISHED, *notes).detail == "os.fork"
+    assert outcome(exit, RunEnd.FINISHED, *notes).detail == "open for writing: a.txt"
+    assert outcome(raised("PermissionError"), RunEnd.FINISHED, *notes).detail == "os.fork"
 
 
 # ------------------------------------------------------------------------------------------------- memory
@@ -213,16 +211,16 @@ NO_MEMORY = Note(code="thread_exception", text="Thread-1 (work), line 12: Memory
 
 
 @pytest.mark.parametrize(
-    ("exit", "verdict"),
+    ("exit", "end"),
     [
-        (ended(), Verdict.FINISHED),
-        (ended(STALLED, detail="main waits"), Verdict.FINISHED),
-        (ended(after_interrupt=True), Verdict.FINISHED),
-        (None, Verdict.CPU_LIMIT),
+        (ended(), RunEnd.FINISHED),
+        (ended(STALLED, detail="main waits"), RunEnd.FINISHED),
+        (ended(after_interrupt=True), RunEnd.FINISHED),
+        (None, RunEnd.CPU_LIMIT),
     ],
 )
-def test_a_thread_without_memory_explains_the_end(exit: Exit | None, verdict: Verdict) -> None:
-    found = outcome(exit, verdict, NO_MEMORY)
+def test_a_thread_without_memory_explains_the_end(exit: Exit | None, end: RunEnd) -> None:
+    found = outcome(exit, end, NO_MEMORY)
     assert (found.status, found.detail) == (RunStatus.MEMORY_LIMIT, NO_MEMORY.text)
 
 
@@ -235,7 +233,7 @@ def test_a_thread_without_memory_explains_the_end(exit: Exit | None, verdict: Ve
     ],
 )
 def test_other_ends_and_other_threads(exit: Exit, text: str, status: RunStatus) -> None:
-    assert outcome(exit, Verdict.FINISHED, Note(code="thread_exception", text=text)).status is status
+    assert outcome(exit, RunEnd.FINISHED, Note(code="thread_exception", text=text)).status is status
 
 
 # ------------------------------------------------------------------------------------ the same every time
@@ -243,28 +241,28 @@ def test_other_ends_and_other_threads(exit: Exit, text: str, status: RunStatus) 
 
 @pytest.mark.parametrize("exit", [None, ended(), ended(exit_code=3)])
 @pytest.mark.parametrize(
-    ("verdict", "exit_code"), [(Verdict.FINISHED, 0), (Verdict.FINISHED, None), (Verdict.CPU_LIMIT, None)]
+    ("end", "exit_code"), [(RunEnd.FINISHED, 0), (RunEnd.FINISHED, None), (RunEnd.CPU_LIMIT, None)]
 )
 def test_tampering_looks_the_same_however_far_the_process_came(
-    exit: Exit | None, verdict: Verdict, exit_code: int | None
+    exit: Exit | None, end: RunEnd, exit_code: int | None
 ) -> None:
-    found = outcome(exit, verdict, violation="x", exit_code=exit_code, stdout=Stream(text="some"))
-    assert found == outcome(exit, Verdict.FINISHED, violation="x", exit_code=0)
+    found = outcome(exit, end, violation="x", exit_code=exit_code, stdout=Stream(text="some"))
+    assert found == outcome(exit, RunEnd.FINISHED, violation="x", exit_code=0)
 
 
 def test_output_that_depends_on_the_moment_of_a_kill_is_left_out() -> None:
-    busy = outcome(None, Verdict.CPU_LIMIT, settled=False)
+    busy = outcome(None, RunEnd.CPU_LIMIT, settled=False)
     assert (busy.stdout, busy.stderr, busy.status) == (Stream(), Stream(), RunStatus.CPU_LIMIT)
-    assert outcome(None, Verdict.CPU_LIMIT).stdout == JAIL.stdout
+    assert outcome(None, RunEnd.CPU_LIMIT).stdout == JAIL.stdout
     assert not is_repeatable(EPISODE, replace(JAIL, settled=False))
     assert not is_repeatable(replace(EPISODE, violation="x"), JAIL)
     assert is_repeatable(EPISODE, JAIL)
 
 
 def test_a_signal_is_named_only_when_it_ended_the_script() -> None:
-    assert outcome(None, Verdict.CRASHED, signal="SIGSEGV", exit_code=None).signal == "SIGSEGV"
-    assert outcome(ended(), Verdict.CRASHED, signal="SIGSEGV").signal is None
-    assert outcome(None, Verdict.FORBIDDEN, signal="SIGSYS").signal is None
+    assert outcome(None, RunEnd.CRASHED, signal="SIGSEGV", exit_code=None).signal == "SIGSEGV"
+    assert outcome(ended(), RunEnd.CRASHED, signal="SIGSEGV").signal is None
+    assert outcome(None, RunEnd.FORBIDDEN, signal="SIGSYS").signal is None
 
 
 @pytest.mark.parametrize(

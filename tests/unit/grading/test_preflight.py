@@ -9,16 +9,15 @@ import pytest
 import grader.grading.preflight
 from grader.contracts.errors import InfrastructureError, SandboxError
 from grader.contracts.grading import SyntaxProblem
-from grader.grading.bootstrap import build_syntax_sandbox
 from grader.grading.preflight import SandboxPreflight
-from grader.grading.slot import SlotConfig
+from grader.sandbox import syntax_sandbox
 
 
 @pytest.fixture(scope="module")
 def preflight() -> Iterator[SandboxPreflight]:
     with (
-        build_syntax_sandbox(SlotConfig()) as one,
-        build_syntax_sandbox(SlotConfig()) as other,
+        syntax_sandbox("strict") as one,
+        syntax_sandbox("strict") as other,
         SandboxPreflight(one, other) as preflight,
     ):
         yield preflight
@@ -69,7 +68,7 @@ def test_many_at_once_get_their_own_answers(preflight: SandboxPreflight) -> None
 
 
 def test_after_a_fault_the_next_check_works() -> None:
-    with build_syntax_sandbox(SlotConfig()) as sandbox, SandboxPreflight(sandbox) as preflight:
+    with syntax_sandbox("strict") as sandbox, SandboxPreflight(sandbox) as preflight:
         sandbox._zygote._process.kill()
         with suppress(SandboxError):
             preflight.check(b"x = 1\n", "a.py")
@@ -77,7 +76,7 @@ def test_after_a_fault_the_next_check_works() -> None:
 
 
 def test_checks_under_way_end_although_it_was_closed() -> None:
-    with build_syntax_sandbox(SlotConfig()) as sandbox:
+    with syntax_sandbox("strict") as sandbox:
         preflight = SandboxPreflight(sandbox)
         preflight.close()
         assert preflight.check(b"x = = 1\n", "a.py") is not None

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from grader.contracts.limits import Limits
-from grader.jail.report import JailReport
+from grader.jail.ending import JailReport
 from grader.sandbox import Layer, Mode, Sandbox
 
 RUNNER = Path(__file__).parents[2] / "hostile" / "runner"

@@ -9,7 +9,7 @@ import pytest
 
 from grader.contracts.limits import Limits
 from grader.jail import landlock
-from grader.jail.report import JailReport
+from grader.jail.ending import JailReport
 from grader.sandbox import Sandbox
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
@@ -76,7 +76,7 @@ def test_its_clocks_start_when_it_is_opened(sandbox: Sandbox, monkeypatch: pytes
     monkeypatch.setattr("time.monotonic_ns", lambda: 10**18)  # decades later
     with sandbox.open(LIMITS) as jail:
         assert jail._clocks.wall_ns == 0
-        assert jail._clocks.verdict() is None
+        assert jail._clocks.passed_limit() is None
         assert jail._clocks._cpu_deadline_ns > 5 * 10**9
 
 

@@ -6,8 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.jail import policy, seccomp
-from grader.jail.supervisor import FILTER_DIRECTORY
+from grader.jail import syscalls
 
 pyseccomp = pytest.importorskip("pyseccomp")
 
@@ -16,13 +15,13 @@ AUDIT = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
 ARCH = {"x86_64": pyseccomp.Arch.X86_64, "aarch64": pyseccomp.Arch.AARCH64}
 PID = 4321
 WORD = st.one_of(
-    st.integers(0, 2**64 - 1), st.integers(0, 64), st.sampled_from([PID, PID | 1 << 32, policy.OWN_PID])
+    st.integers(0, 2**64 - 1), st.integers(0, 64), st.sampled_from([PID, PID | 1 << 32, syscalls.OWN_PID])
 )
 MACHINES = pytest.mark.parametrize("machine", list(AUDIT))
 
 
 def load(machine: str) -> list[tuple[int, int, int, int]]:
-    program = seccomp.bind_to_process(seccomp.read_filter(str(FILTER_DIRECTORY), machine), PID)
+    program = syscalls.bind_to_process(syscalls.read_filter(machine), PID)
     return [struct.unpack_from("<HBBI", program, at) for at in range(0, len(program), 8)]
 
 
@@ -56,8 +55,8 @@ def number_of(machine: str, name: str) -> int:
 
 @MACHINES
 def test_every_call_number_gets_what_the_policy_says(machine: str) -> None:
-    allowed = {number_of(machine, name) for name, rules in policy.SYSCALLS.items() if rules == policy.ANY}
-    missing = {number_of(machine, name) for name in policy.REFUSED_AS_MISSING}
+    allowed = {number_of(machine, name) for name, rules in syscalls.SYSCALLS.items() if rules == syscalls.ANY}
+    missing = {number_of(machine, name) for name in syscalls.REFUSED_AS_MISSING}
     refusing = (2**64 - 1,) * 6
     for number in range(1024):
         expected = ALLOW if number in allowed else ENOSYS if number in missing else EPERM
@@ -77,17 +76,17 @@ def test_calls_of_the_x32_table_kill() -> None:
 @MACHINES
 @given(arguments=st.lists(WORD, min_size=6, max_size=6))
 def test_conditional_calls_obey_their_conditions(machine: str, arguments: list[int]) -> None:
-    for name, rules in policy.SYSCALLS.items():
+    for name, rules in syscalls.SYSCALLS.items():
         number = number_of(machine, name)
-        if number < 0 or rules == policy.ANY:
+        if number < 0 or rules == syscalls.ANY:
             continue
         holds = any(all(_holds(part, arguments) for part in rule) for rule in rules)
         assert (verdict(machine, number, *arguments) == ALLOW) == holds, name
 
 
-def _holds(part: policy.Arg, arguments: list[int]) -> bool:
+def _holds(part: syscalls.Arg, arguments: list[int]) -> bool:
     index, value, mask = part
-    wanted = PID if value == policy.OWN_PID else value
+    wanted = PID if value == syscalls.OWN_PID else value
     return (arguments[index] & mask if mask else arguments[index]) == wanted
 
 

@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.contracts.errors import ProtocolError
-from grader.jail import policy
-from grader.jail.frames import FrameReader, pack
+from grader.jail import bounds
+from grader.jail.jail import FrameReader, pack
 
 
 def read_all(reader: FrameReader) -> list[bytes]:
@@ -41,7 +41,7 @@ def test_any_bytes_give_frames_or_a_protocol_error(pieces: list[bytes]) -> None:
     assert total + reader.pending_bytes == sum(map(len, pieces))
 
 
-@given(st.one_of(st.just(0), st.integers(policy.FRAME_MAX_BYTES + 1, 2**32 - 1)))
+@given(st.one_of(st.just(0), st.integers(bounds.FRAME_MAX_BYTES + 1, 2**32 - 1)))
 def test_an_impossible_length_is_refused_before_its_bytes_arrive(length: int) -> None:
     reader = FrameReader()
     reader.feed(length.to_bytes(4, "little"))
@@ -51,13 +51,13 @@ def test_an_impossible_length_is_refused_before_its_bytes_arrive(length: int) ->
 
 def test_the_largest_frame_passes() -> None:
     reader = FrameReader()
-    reader.feed(pack(b"x" * policy.FRAME_MAX_BYTES))
-    assert read_all(reader) == [b"x" * policy.FRAME_MAX_BYTES]
+    reader.feed(pack(b"x" * bounds.FRAME_MAX_BYTES))
+    assert read_all(reader) == [b"x" * bounds.FRAME_MAX_BYTES]
 
 
 def test_frames_and_bytes_of_a_run_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(policy, "FRAMES_MAX", 3)
-    monkeypatch.setattr(policy, "CHANNEL_MAX_BYTES", 100)
+    monkeypatch.setattr(bounds, "FRAMES_MAX", 3)
+    monkeypatch.setattr(bounds, "CHANNEL_MAX_BYTES", 100)
     reader = FrameReader()
     reader.feed(pack(b"a") * 4)
     assert [reader.next() for _ in range(3)] == [b"a"] * 3

@@ -10,8 +10,8 @@ import pytest
 
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
 from grader.contracts.limits import Limits
-from grader.jail import landlock, policy
-from grader.sandbox import Layer, Mode, Sandbox, Verdict
+from grader.jail import bounds, landlock, syscalls
+from grader.sandbox import Layer, Mode, RunEnd, Sandbox
 from tests.unit.jail.running import RUNNER, make, run
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
@@ -21,7 +21,7 @@ def test_the_layers_hold(sandbox: Sandbox) -> None:
     proof = sandbox.prove()
     assert proof.breaches == ()
     assert proof.descriptors == (0, 1, 2, 3)
-    assert set(proof.environment) <= {*policy.ENVIRONMENT, "LC_CTYPE"}
+    assert set(proof.environment) <= {*bounds.ENVIRONMENT, "LC_CTYPE"}
 
 
 @pytest.mark.parametrize("without", [(), (Layer.NAMESPACES,)], ids=["namespaces", "docker"])
@@ -104,7 +104,7 @@ def test_strict_does_not_believe_a_layer_that_does_not_hold() -> None:
 
 def test_a_failing_step_of_confinement_runs_nothing(tmp_path: Path) -> None:
     machine = os.uname().machine
-    placeholder = policy.OWN_PID.to_bytes(4, "little")
+    placeholder = syscalls.OWN_PID.to_bytes(4, "little")
     (tmp_path / f"{machine}.bpf").write_bytes(b"\xff\xff\xff\xff" + placeholder)
     with make() as sandbox:
         sandbox._config = replace(sandbox._config, filters=str(tmp_path))
@@ -141,4 +141,4 @@ def test_an_operators_strict_umask_takes_nothing_from_scripts() -> None:
             _, report = run(sandbox, "import mmap, random\nprint(len(open(random.__file__).read()) > 0)")
     finally:
         os.umask(before)
-    assert (report.verdict, report.stdout.text) == (Verdict.FINISHED, "True\n"), report.stderr.text
+    assert (report.end, report.stdout.text) == (RunEnd.FINISHED, "True\n"), report.stderr.text

@@ -10,8 +10,8 @@ import pytest
 
 from grader.contracts.errors import SandboxError
 from grader.contracts.limits import MIB, Limits
-from grader.jail import landlock, policy
-from grader.sandbox import Sandbox, Verdict
+from grader.jail import bounds, landlock
+from grader.sandbox import RunEnd, Sandbox
 from tests.fakes.waiting import wait_until
 from tests.unit.jail.running import RUNNER, make, run
 
@@ -34,7 +34,7 @@ def test_frames_output_and_exit_code(sandbox: Sandbox) -> None:
     source = "import sys\nframe(b'one')\nprint('out')\nprint('err', file=sys.stderr)\nsys.exit(3)"
     frames, report = run(sandbox, source)
     assert frames == [b"one", b"end"]
-    assert (report.verdict, report.exit_code, report.signal, report.detail) == (Verdict.FINISHED, 3, None, "")
+    assert (report.end, report.exit_code, report.signal, report.detail) == (RunEnd.FINISHED, 3, None, "")
     assert (report.stdout.text, report.stderr.text) == ("out\n", "err\n")
     assert report.cpu_ns > 0
     assert report.peak_bytes > MIB
@@ -43,7 +43,7 @@ def test_frames_output_and_exit_code(sandbox: Sandbox) -> None:
 def test_frames_before_a_limit_are_still_delivered(sandbox: Sandbox) -> None:
     frames, report = run(sandbox, "for n in range(9): frame(b'%d' % n)\nwhile True: pass", cpu_s=0.2)
     assert frames == [b"%d" % n for n in range(9)]
-    assert report.verdict is Verdict.CPU_LIMIT
+    assert report.end is RunEnd.CPU_LIMIT
     assert "0.2 s" in report.detail
 
 
@@ -52,12 +52,12 @@ def test_frames_in_the_channel_outlive_the_process(sandbox: Sandbox) -> None:
     with sandbox.open(Limits(cpu_s=0.2)) as jail:
         jail.send(b"frame(b'begun')\nfor n in range(20): frame(b'x' * 5000)\nwhile True: pass")
         assert jail.receive() == b"begun"
-        while jail._verdict is None:
+        while jail._ending is None:
             jail._tend(0)
         frames = list(iter(jail.receive, None))
         report = jail.close()
     assert frames == [b"x" * 5000] * 20
-    assert report.verdict is Verdict.CPU_LIMIT
+    assert report.end is RunEnd.CPU_LIMIT
 
 
 def test_the_largest_frames_pass_in_both_directions(sandbox: Sandbox) -> None:
@@ -73,7 +73,7 @@ def test_sending_never_blocks_for_ever(sandbox: Sandbox) -> None:
         jail.send(b"while True: pass")
         jail.send(b"x" * (8 * MIB))
         assert jail.receive() is None
-        assert jail.close().verdict is Verdict.CPU_LIMIT
+        assert jail.close().end is RunEnd.CPU_LIMIT
 
 
 def test_sending_to_a_script_that_only_sends_ends(sandbox: Sandbox) -> None:
@@ -82,7 +82,7 @@ def test_sending_to_a_script_that_only_sends_ends(sandbox: Sandbox) -> None:
         jail.send(b"y" * (8 * MIB))
         while jail.receive() is not None:
             pass
-        assert jail.close().verdict is Verdict.PROTOCOL
+        assert jail.close().end is RunEnd.PROTOCOL
 
 
 def test_sending_after_the_end_is_harmless(sandbox: Sandbox) -> None:
@@ -96,7 +96,7 @@ def test_sending_after_the_end_is_harmless(sandbox: Sandbox) -> None:
 def test_a_slow_episode_does_not_make_a_script_stalled(
     sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(policy, "IDLE_LIMIT_NS", 50_000_000)
+    monkeypatch.setattr(bounds, "IDLE_LIMIT_NS", 50_000_000)
     with sandbox.open(Limits()) as jail:
         jail.send(ECHO)
         for _ in range(3):
@@ -185,11 +185,11 @@ def is_alive(pid: str) -> bool:
 
 
 def test_the_zygote_is_recycled(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grader.jail.box._RUNS_PER_ZYGOTE", 3)
+    monkeypatch.setattr("grader.sandbox._RUNS_PER_ZYGOTE", 3)
     with make() as sandbox:
         processes = set()
         for _ in range(7):
-            assert run(sandbox, "pass")[1].verdict is Verdict.FINISHED
+            assert run(sandbox, "pass")[1].end is RunEnd.FINISHED
             processes.add(sandbox._zygote._process.pid)
     assert 2 <= len(processes) <= 4
 
@@ -207,7 +207,7 @@ def test_numpy_and_yaml_are_importable_and_nothing_beside_them(sandbox: Sandbox)
 def test_byte_code_of_the_shim_is_kept_for_the_next_zygote(tmp_path: Path) -> None:
     (tmp_path / "bare_runner.py").write_bytes((RUNNER / "bare_runner.py").read_bytes())
     with Sandbox(shim_path=tmp_path, entry="bare_runner:run") as sandbox:
-        assert run(sandbox, "pass")[1].verdict is Verdict.FINISHED
+        assert run(sandbox, "pass")[1].end is RunEnd.FINISHED
     assert list(tmp_path.glob("__pycache__/bare_runner.*.pyc"))
 
 

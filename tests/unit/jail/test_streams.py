@@ -5,10 +5,10 @@ import os
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.jail import policy
-from grader.jail.streams import Capture
+from grader.jail import bounds
+from grader.jail.jail import Capture
 
-HEAD, TAIL = policy.STREAM_HEAD_BYTES, policy.STREAM_TAIL_BYTES
+HEAD, TAIL = bounds.STREAM_HEAD_BYTES, bounds.STREAM_TAIL_BYTES
 
 
 def capture(blocks: list[bytes], limit_bytes: int = 1 << 22) -> Capture:

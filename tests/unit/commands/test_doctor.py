@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from grader.jail import doctor, landlock, layers
-from grader.jail.doctor import State, run_doctor
+from grader.commands import doctor
+from grader.commands.doctor import State, run_doctor
+from grader.jail import landlock, layers
 from grader.jail.layers import Layer
-from grader.jail.remarks import LEAVES_OPEN, STATES, TITLES
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
@@ -40,7 +40,7 @@ def test_a_host_without_landlock_is_reduced_and_told_what_that_means(monkeypatch
     assert diagnosis.exit_code == 1
     (finding,) = [finding for finding in diagnosis.findings if finding.layer is Layer.LANDLOCK]
     assert finding.state is State.MISSING
-    assert finding.leaves_open == LEAVES_OPEN[Layer.LANDLOCK]
+    assert finding.leaves_open == doctor._LEAVES_OPEN[Layer.LANDLOCK]
     assert "reference solutions" in diagnosis.text("en")
 
 
@@ -51,5 +51,5 @@ def test_a_host_that_can_run_nothing() -> None:
 
 
 def test_every_layer_and_state_has_words() -> None:
-    assert set(TITLES) == set(LEAVES_OPEN) == set(Layer)
-    assert set(STATES) == {state.value for state in State}
+    assert set(doctor._TITLES) == set(doctor._LEAVES_OPEN) == set(Layer)
+    assert set(doctor._STATES) == {state.value for state in State}

@@ -7,16 +7,16 @@ from typing import NoReturn
 
 import pytest
 
-from grader.jail import spawn
+from grader.jail import supervisor
 
 _NICE_PARENT = """
 import os
 from pathlib import Path
-from grader.jail import spawn
+from grader.jail import supervisor
 
 os.setpriority(os.PRIO_PROCESS, 0, 7)
-for _ in range(2):  # from whoever is no administrator the kernel takes one wish in 0.1 s
-    interpreter = spawn.spawn()
+for _ in range(2):  # without privileges the kernel accepts one request in 0.1 s
+    interpreter = supervisor.start_interpreter()
     print(Path(f"/proc/{interpreter.pid}/autogroup").read_text())
     interpreter.end()
 """
@@ -43,13 +43,13 @@ def test_it_gives_way_as_much_as_the_process_that_started_it() -> None:
 def test_a_kernel_that_does_not_let_it_give_way_is_not_asked_for_ever(
     answers: list[OSError], asked: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    wishes = []
+    asked_for = []
 
     def refuse(path: str, *_mode: object, **_options: object) -> NoReturn:
-        wishes.append(path)
-        raise answers[len(wishes) - 1]
+        asked_for.append(path)
+        raise answers[len(asked_for) - 1]
 
-    monkeypatch.setattr(spawn, "open", refuse, raising=False)
-    monkeypatch.setattr(spawn.time, "sleep", lambda _s: None)
-    spawn.yield_session(4_711, 7)
-    assert wishes == ["/proc/4711/autogroup"] * asked
+    monkeypatch.setattr(supervisor, "open", refuse, raising=False)
+    monkeypatch.setattr(supervisor.time, "sleep", lambda _s: None)
+    supervisor.yield_session(4_711, 7)
+    assert asked_for == ["/proc/4711/autogroup"] * asked

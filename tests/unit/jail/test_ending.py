@@ -5,8 +5,8 @@ import os
 import pytest
 
 from grader.contracts.limits import MIB, Limits
-from grader.jail import landlock, policy
-from grader.sandbox import Sandbox, Verdict
+from grader.jail import bounds, landlock
+from grader.sandbox import RunEnd, Sandbox
 from tests.fakes.waiting import wait_until
 from tests.unit.jail.running import run
 
@@ -17,28 +17,28 @@ pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel
 
 
 @pytest.mark.parametrize(
-    ("source", "verdict", "settled"),
+    ("source", "end", "settled"),
     [
-        ("print('a')", Verdict.FINISHED, True),
-        (SILENT, Verdict.CPU_LIMIT, True),
-        ("n = 0\nwhile True:\n    n += 1\n    if n % 10000 == 0: print(n)", Verdict.CPU_LIMIT, False),
-        ("while True: print('a' * 99)", Verdict.OUTPUT_LIMIT, True),
-        ("import sys\nwhile True: print('a'); print('b', file=sys.stderr)", Verdict.OUTPUT_LIMIT, False),
-        ("import os\nos.write(channel, bytes(4))\nwhile True: print('a')", Verdict.PROTOCOL, False),
+        ("print('a')", RunEnd.FINISHED, True),
+        (SILENT, RunEnd.CPU_LIMIT, True),
+        ("n = 0\nwhile True:\n    n += 1\n    if n % 10000 == 0: print(n)", RunEnd.CPU_LIMIT, False),
+        ("while True: print('a' * 99)", RunEnd.OUTPUT_LIMIT, True),
+        ("import sys\nwhile True: print('a'); print('b', file=sys.stderr)", RunEnd.OUTPUT_LIMIT, False),
+        ("import os\nos.write(channel, bytes(4))\nwhile True: print('a')", RunEnd.PROTOCOL, False),
     ],
 )
 def test_it_is_told_whether_output_depends_on_the_moment_of_a_kill(
-    sandbox: Sandbox, source: str, verdict: Verdict, settled: bool
+    sandbox: Sandbox, source: str, end: RunEnd, settled: bool
 ) -> None:
     with sandbox.open(Limits(cpu_s=0.4, output_bytes=200_000)) as jail:
         jail.send(source.encode())
-        while not jail._stdout.total_bytes and jail._verdict is None:
+        while not jail._stdout.total_bytes and jail._ending is None:
             jail._tend(0)
         jail.send(b"g")  # or else its silence would begin when this process gets round to looking
         while jail.receive() is not None:
             pass
         report = jail.close()
-    assert (report.verdict, report.settled) == (verdict, settled)
+    assert (report.end, report.settled) == (end, settled)
 
 
 def test_a_slow_episode_makes_nobody_look_busy(sandbox: Sandbox) -> None:
@@ -55,15 +55,15 @@ def test_a_slow_episode_makes_nobody_look_busy(sandbox: Sandbox) -> None:
         wait_until(lambda: jail._process.cpu_ns() > start_ns + 350_000_000)
         assert jail.receive() is None
         report = jail.close()
-    assert (report.verdict, report.stdout.text, report.settled) == (Verdict.CPU_LIMIT, "a\n", True)
+    assert (report.end, report.stdout.text, report.settled) == (RunEnd.CPU_LIMIT, "a\n", True)
 
 
 def test_c_code_that_dies_for_lack_of_memory_met_the_memory_limit(sandbox: Sandbox) -> None:
     hoard = "import os\nkept = []\ntry:\n    while True: kept.append(bytearray(1 << 20))\n"
     _, report = run(sandbox, hoard + "except MemoryError: os.abort()", memory_bytes=96 * MIB)
-    assert (report.verdict, report.signal) == (Verdict.MEMORY_LIMIT, "SIGABRT")
+    assert (report.end, report.signal) == (RunEnd.MEMORY_LIMIT, "SIGABRT")
     _, report = run(sandbox, "import os\nos.abort()", memory_bytes=96 * MIB)
-    assert (report.verdict, report.signal) == (Verdict.CRASHED, "SIGABRT")
+    assert (report.end, report.signal) == (RunEnd.CRASHED, "SIGABRT")
 
 
 def test_a_real_time_signal_is_told_by_its_number(sandbox: Sandbox) -> None:
@@ -73,7 +73,7 @@ def test_a_real_time_signal_is_told_by_its_number(sandbox: Sandbox) -> None:
         os.kill(jail._process.pid, 40)
         assert jail.receive() is None
         report = jail.close()
-    assert (report.verdict, report.signal) == (Verdict.CRASHED, "signal 40")
+    assert (report.end, report.signal) == (RunEnd.CRASHED, "signal 40")
     assert report.detail == "the process was ended by signal 40"
 
 
@@ -89,7 +89,7 @@ def test_grace_after_the_horizon(sandbox: Sandbox) -> None:
         jail.limit_cpu(0.1)
         assert jail.receive() is None
         report = jail.close()
-    assert report.verdict is Verdict.CPU_LIMIT
+    assert report.end is RunEnd.CPU_LIMIT
     assert report.cpu_ns < 30_000_000_000
 
 
@@ -98,14 +98,14 @@ def test_closing_early_ends_the_process_without_blame(sandbox: Sandbox) -> None:
         jail.send(b"while True: pass")
         report = jail.close()
         assert jail.close() is report
-    assert (report.verdict, report.exit_code, report.signal) == (Verdict.FINISHED, None, None)
+    assert (report.end, report.exit_code, report.signal) == (RunEnd.FINISHED, None, None)
 
 
 def test_the_wall_limit_blames_the_host(sandbox: Sandbox) -> None:
     with sandbox.open(Limits(wall_s=0.0)) as jail:
         jail.send(b"while True: pass")
         assert jail.receive() is None
-        assert jail.close().verdict is Verdict.INFRASTRUCTURE
+        assert jail.close().end is RunEnd.INFRASTRUCTURE
 
 
 def test_a_kill_from_outside_blames_the_host(sandbox: Sandbox) -> None:
@@ -113,7 +113,7 @@ def test_a_kill_from_outside_blames_the_host(sandbox: Sandbox) -> None:
         jail.send(b"while True: pass")
         jail._process.kill()
         assert jail.receive() is None
-        assert jail.close().verdict is Verdict.INFRASTRUCTURE
+        assert jail.close().end is RunEnd.INFRASTRUCTURE
 
 
 def test_a_script_that_the_host_ended_with_more_than_its_memory_met_the_memory_limit(
@@ -129,10 +129,10 @@ def test_a_script_that_the_host_ended_with_more_than_its_memory_met_the_memory_l
         assert jail.receive() == b"full"
         jail._process.kill()
         assert jail.receive() is None
-        assert jail.close().verdict is Verdict.MEMORY_LIMIT
+        assert jail.close().end is RunEnd.MEMORY_LIMIT
 
 
 def test_a_script_that_sleeps_for_ever_is_stalled(sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(policy, "IDLE_LIMIT_NS", 100_000_000)
+    monkeypatch.setattr(bounds, "IDLE_LIMIT_NS", 100_000_000)
     _, report = run(sandbox, "import os\nos.read(os.pipe()[0], 1)")
-    assert report.verdict is Verdict.STALLED
+    assert report.end is RunEnd.STALLED

@@ -1,0 +1,104 @@
+"""What a confined process may use and read besides system calls, and what its supervisor puts up with.
+
+Every number and path of the sandbox stands here. What is not named is refused. Both the zygote and the supervisor
+import this module: pure data and arithmetic, standard library only.
+"""
+
+import math
+import resource
+from typing import Final
+
+MIB: Final = 1024 * 1024
+CHANNEL_FD: Final = 3
+
+# ---------------------------------------------------------------------------------------------- resources
+
+ADDRESS_SPACE_OVERHEAD_BYTES: Final = 384 * MIB
+"""Room for mappings that are no use of memory: shared libraries, guard areas. It also bounds what a script
+can hold in shared mappings, which the limit on private memory does not count."""
+
+THREAD_STACK_BYTES: Final = 4 * MIB
+CPU_BACKSTOP_S: Final = 2
+"""The kernel's own CPU limit stands this far above the one the supervisor enforces to the millisecond."""
+
+
+def resource_limits(cpu_s: float, memory_bytes: int, threads: int | None) -> dict[int, int]:
+    """Return the rlimits of a confined process, soft = hard.
+
+    Args:
+        cpu_s: CPU seconds granted.
+        memory_bytes: private memory granted.
+        threads: most threads at once, or None where the kernel could not count this process alone.
+    """
+    limits = {
+        resource.RLIMIT_AS: memory_bytes + ADDRESS_SPACE_OVERHEAD_BYTES,
+        resource.RLIMIT_DATA: memory_bytes,
+        resource.RLIMIT_CPU: math.ceil(cpu_s) + CPU_BACKSTOP_S,
+        resource.RLIMIT_FSIZE: 0,
+        resource.RLIMIT_NOFILE: 64,
+        resource.RLIMIT_CORE: 0,
+        resource.RLIMIT_STACK: 8 * MIB,
+        resource.RLIMIT_MEMLOCK: 0,
+    }
+    if hasattr(resource, "RLIMIT_MSGQUEUE"):
+        limits[resource.RLIMIT_MSGQUEUE] = 0
+    if threads is not None:
+        limits[resource.RLIMIT_NPROC] = threads + 1
+    return limits
+
+
+# ------------------------------------------------------------------------------------------------- files
+
+STDLIB_EXCLUDED: Final = frozenset(
+    {"site-packages", "dist-packages", "test", "idlelib", "ensurepip", "turtledemo", "lib2to3"}
+)
+"""Entries of the standard library's directory that a confined process cannot read."""
+
+SHARED_LIBRARY_DIRECTORIES: Final = (
+    "/lib64",
+    "/usr/lib64",
+    "/lib/x86_64-linux-gnu",
+    "/usr/lib/x86_64-linux-gnu",
+    "/lib/aarch64-linux-gnu",
+    "/usr/lib/aarch64-linux-gnu",
+)
+
+WRITABLE_DEVICES: Final = ("/dev/null",)
+READABLE_DEVICES: Final = ("/dev/urandom",)
+
+ALLOWED_PACKAGES: Final = {"numpy": ("numpy", "numpy.libs"), "yaml": ("yaml",)}
+"""Third-party packages a script may import, with the directories each needs. Both come with ROS 2 itself."""
+
+# ------------------------------------------------------------------------------------------- environment
+
+ENVIRONMENT: Final = {
+    "PYTHONHASHSEED": "0",  # sets and dicts of strings iterate in the same order in every run
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "MALLOC_ARENA_MAX": "1",  # 64 MiB of address space per thread otherwise
+    "TZ": "UTC0",
+}
+"""All of the zygote's environment, and so of every confined process."""
+
+# ------------------------------------------------------------------------------------------------ own uid
+
+BOX_UID_BASE: Final = 0x7000_0000
+"""First of the ids that systemd's allocation table leaves unused; the slot's process id is added."""
+BOX_UID_BASE_MAPPED: Final = 60706
+BOX_UID_COUNT_MAPPED: Final = 478
+"""Unused range within 16 bits, for containers that map no more ids."""
+
+# ------------------------------------------------------------------------------------------- supervision
+
+FRAME_MAX_BYTES: Final = 65_536
+"""Largest frame body accepted from a confined process."""
+FRAMES_MAX: Final = 500_000
+CHANNEL_MAX_BYTES: Final = 128 * MIB
+"""What one run may send; a busy loop that publishes for a minute of virtual time stays far below."""
+STREAM_HEAD_BYTES: Final = 64 * 1024
+STREAM_TAIL_BYTES: Final = 64 * 1024
+IDLE_LIMIT_NS: Final = 3_000_000_000
+"""A process whose every thread sleeps in the kernel that long in all, while it owes a frame, is stalled.
+
+The shim never sleeps in real time. A thread that an overloaded host keeps waiting is not asleep but ready."""
+DRAIN_LIMIT_NS: Final = 50_000_000

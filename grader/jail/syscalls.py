@@ -1,0 +1,186 @@
+"""The system calls a confined process may make: the table, the seccomp filter built from it, and its loading.
+
+Every call that `SYSCALLS` does not name fails. Grading needs no libseccomp: the filters are shipped as bytes, so a
+start costs no compilation. After a change of the table run ``python -m grader.jail.syscalls`` to build them again
+(that needs `pyseccomp`); a test rebuilds and compares them.
+
+The zygote imports this module: standard library only, at import time.
+"""
+
+import ctypes
+import errno
+import os
+import struct
+from typing import Final
+
+from .libc import MACHINE, NR_SECCOMP, SUPPORTED_MACHINES, syscall
+
+FILTER_DIRECTORY: Final = os.path.join(os.path.dirname(os.path.abspath(__file__)), "filters")
+_SECCOMP_SET_MODE_FILTER: Final = 1
+_INSTRUCTION_BYTES: Final = 8
+
+# ---------------------------------------------------------------------------------------------- the table
+
+OWN_PID: Final = 0x5A17C0DE
+"""Stands for the process's own id in a shipped filter; replaced when the filter is loaded."""
+
+
+Arg = tuple[int, int, int]
+"""A condition (index, value, mask) on one argument: ``argument[index] & mask == value``; mask 0: all bits."""
+
+Rule = tuple[Arg, ...]
+"""Conditions that must all hold."""
+
+ANY: Final[tuple[Rule, ...]] = ((),)
+
+_LOW_32: Final = 0xFFFF_FFFF  # the kernel ignores the upper half of these arguments, so the filter must too
+_CLONE_VM, _CLONE_SIGHAND, _CLONE_THREAD = 0x100, 0x800, 0x10000
+_CLONE_NAMESPACES: Final = 0x7E020080
+_THREAD: Final = _CLONE_VM | _CLONE_SIGHAND | _CLONE_THREAD
+_AF_UNIX, _SOCK_STREAM = 1, 1
+# INT QUIT ILL ABRT BUS FPE USR1 SEGV USR2 ALRM TERM: never KILL or STOP.
+_SELF_SIGNALS: Final = (2, 3, 4, 6, 7, 8, 10, 11, 12, 14, 15)
+
+
+def _one_of(index: int, values: tuple[int, ...]) -> tuple[Rule, ...]:
+    return tuple(((index, value, _LOW_32),) for value in values)
+
+
+_FILES = ("read readv pread64 preadv write writev pwrite64 lseek close fstat newfstatat statx openat open "
+          "stat lstat access faccessat faccessat2 readlink readlinkat getdents64 getcwd chdir dup dup2 dup3 "
+          "pipe pipe2 fsync")  # fmt: skip
+_MEMORY = "mmap mprotect munmap mremap madvise brk"
+_THREADS = ("futex rseq set_robust_list set_tid_address exit exit_group rt_sigaction rt_sigprocmask "
+            "rt_sigreturn rt_sigpending sigaltstack restart_syscall sched_yield sched_getaffinity getcpu "
+            "membarrier")  # fmt: skip
+_TIME = "clock_gettime clock_getres gettimeofday time times nanosleep clock_nanosleep"
+_WAITING = ("poll ppoll select pselect6 epoll_create1 epoll_create epoll_ctl epoll_wait epoll_pwait "
+            "epoll_pwait2 eventfd2 pause")  # fmt: skip
+_IDENTITY = ("getpid getppid gettid getuid geteuid getgid getegid getresuid getresgid getgroups getpgid "
+             "getpgrp getsid uname sysinfo getrusage getrlimit getrandom")  # fmt: skip
+_SOCKETS = "recvfrom getsockname getpeername getsockopt shutdown"
+
+SYSCALLS: Final[dict[str, tuple[Rule, ...]]] = {
+    **dict.fromkeys(" ".join((_FILES, _MEMORY, _THREADS, _TIME, _WAITING, _IDENTITY, _SOCKETS)).split(), ANY),
+    # Threads yes, processes and namespaces no.
+    "clone": (((0, _THREAD, _THREAD | _CLONE_NAMESPACES),),),
+    # Only its own limits, and only to read them.
+    "prlimit64": (((0, 0, 0), (2, 0, 0)),),
+    # Signals to itself, as raise() and abort() send them. SIGKILL and SIGSTOP are left out so that seeing
+    # one always means somebody else sent it.
+    "kill": tuple(((0, OWN_PID, 0), (1, n, _LOW_32)) for n in _SELF_SIGNALS),
+    "tgkill": tuple(((0, OWN_PID, 0), (2, n, _LOW_32)) for n in _SELF_SIGNALS),
+    # F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC, F_GETPIPE_SZ: no locks, leases, owners.
+    "fcntl": _one_of(1, (0, 1, 2, 3, 4, 1030, 1032)),
+    # TCGETS, TIOCGWINSZ, FIONREAD, FIONBIO, FIONCLEX, FIOCLEX.
+    "ioctl": _one_of(1, (0x5401, 0x5413, 0x541B, 0x5421, 0x5450, 0x5451)),
+    # PR_SET_NAME, PR_GET_NAME.
+    "prctl": _one_of(0, (15, 16)),
+    # A pair of connected stream sockets, as an asyncio loop needs; no other way to get a socket.
+    "socketpair": tuple(
+        ((0, _AF_UNIX, _LOW_32), (1, _SOCK_STREAM | flags, _LOW_32))
+        for flags in (0, 0o4000, 0o2000000, 0o2004000)
+    ),
+    # Without a destination address, and never with ancillary data (sendmsg stays refused).
+    "sendto": (((4, 0, 0),),),
+}
+"""System calls a confined process may make. All others fail with EPERM."""
+
+REFUSED_AS_MISSING: Final = ("clone3",)
+"""Answered with ENOSYS, which makes the C library fall back to a call that the filter can look into."""
+
+REFUSED_ERRNO: Final = errno.EPERM
+
+# ----------------------------------------------------------------------------------------------- loading
+
+_OWN_PID_BYTES: Final = struct.pack("<I", OWN_PID)
+
+
+class _Program(ctypes.Structure):
+    _fields_ = (("length", ctypes.c_ushort), ("instructions", ctypes.c_char_p))
+
+
+def read_filter(machine: str = MACHINE, directory: str = FILTER_DIRECTORY) -> bytes:
+    """Return the filter shipped for `machine`.
+
+    Raises:
+        OSError: there is none for this architecture.
+    """
+    with open(filter_path(machine, directory), "rb") as file:
+        return file.read()
+
+
+def filter_path(machine: str = MACHINE, directory: str = FILTER_DIRECTORY) -> str:
+    """Return where the filter for `machine` is, or would be."""
+    return os.path.join(directory, f"{machine}.bpf")
+
+
+def bind_to_process(program: bytes, pid: int) -> bytes:
+    """Return `program` with the placeholder of the process's own id replaced by `pid`.
+
+    Raises:
+        ValueError: the program has no placeholder, so it was not built from this table.
+    """
+    if _OWN_PID_BYTES not in program:
+        raise ValueError("the seccomp filter was not built from this table of system calls")
+    return program.replace(_OWN_PID_BYTES, struct.pack("<I", pid))
+
+
+def load(program: bytes) -> None:
+    """Confine this thread and all it starts to `program`, for ever. Needs no_new_privs.
+
+    Raises:
+        OSError: the kernel refused.
+    """
+    argument = _Program(len(program) // _INSTRUCTION_BYTES, program)
+    syscall("seccomp", NR_SECCOMP[MACHINE], _SECCOMP_SET_MODE_FILTER, 0, ctypes.byref(argument))
+
+
+# ---------------------------------------------------------------------------------------------- building
+
+
+def build_filter(machine: str) -> bytes:
+    """Return the BPF program of the table for `machine` (``x86_64`` or ``aarch64``).
+
+    Raises:
+        OSError: libseccomp refused a rule.
+    """
+    import tempfile
+
+    import pyseccomp  # type: ignore[import-untyped]
+
+    arch = {"x86_64": pyseccomp.Arch.X86_64, "aarch64": pyseccomp.Arch.AARCH64}[machine]
+    program = pyseccomp.SyscallFilter(pyseccomp.ERRNO(REFUSED_ERRNO))
+    program.set_attr(pyseccomp.Attr.ACT_BADARCH, pyseccomp.KILL_PROCESS)
+    if arch != pyseccomp.system_arch():
+        program.add_arch(arch)
+        program.remove_arch(pyseccomp.system_arch())
+    for name, rules in SYSCALLS.items():
+        if pyseccomp.resolve_syscall(arch, name) < 0:
+            continue  # this architecture never had the call
+        for rule in rules:
+            conditions = (
+                pyseccomp.Arg(index, pyseccomp.MASKED_EQ, mask, value)
+                if mask
+                else pyseccomp.Arg(index, pyseccomp.EQ, value)
+                for index, value, mask in rule
+            )
+            program.add_rule(pyseccomp.ALLOW, name, *conditions)
+    for name in REFUSED_AS_MISSING:
+        program.add_rule(pyseccomp.ERRNO(errno.ENOSYS), name)
+    with tempfile.TemporaryFile() as file:
+        program.export_bpf(file)
+        file.seek(0)
+        return file.read()
+
+
+def main() -> None:
+    """Write the filter of every supported architecture."""
+    os.makedirs(FILTER_DIRECTORY, exist_ok=True)
+    for machine in SUPPORTED_MACHINES:
+        with open(filter_path(machine), "wb") as file:
+            file.write(build_filter(machine))
+
+
+if __name__ == "__main__":
+    main()
