@@ -1,12 +1,18 @@
 """Procrastinate's tables. They come and go with its version, because nothing in them matters.
 
-Alembic does not keep them: which tables are right depends on the installed Procrastinate, not on the grader. Nor
-are Procrastinate's own migrations run, which come in two halves around an upgrade and partly outside of
-transactions. What is there is replaced as a whole, in the transaction of `grader.store.schema.migrate`, when a
-newer Procrastinate brings another schema; the sweep then gives every waiting row a new permit.
+Alembic does not keep them: which tables are right depends on the installed Procrastinate, not on the grader.
+Nor are Procrastinate's own migrations run, which come in two halves around an upgrade and partly outside of
+transactions. When a newer Procrastinate brings another schema, what an earlier `install` made is replaced as
+a whole, in the transaction of `grader.store.schema.migrate`; the sweep then gives every waiting row a new
+permit.
+
+A comment on one of the tables says who made them, by which version, and the name of everything that was made. Only
+what stands there is ever dropped.
 """
 
 import hashlib
+import json
+from dataclasses import asdict, dataclass
 
 from procrastinate import __version__
 from procrastinate.schema import SchemaManager
@@ -14,30 +20,35 @@ from sqlalchemy import Connection, text
 
 from grader.contracts.errors import SettingsError
 
-_PREFIX = "grader"
-_INSTALLED = text("SELECT obj_description(to_regclass('procrastinate_jobs'), 'pg_class')")
+_MAKER = "grader"
+_COMMENT = text("SELECT obj_description(to_regclass('procrastinate_jobs'), 'pg_class')")
 _PRESENT = text("SELECT to_regclass('procrastinate_jobs') IS NOT NULL")
 _INDEX = "CREATE INDEX grader_not_waiting ON procrastinate_jobs (queue_name) WHERE status <> 'todo'"
 """Ours, for the sweep, which looks for a few such jobs among many that wait."""
-_DROP = r"""
-DO $$
-DECLARE victim record;
-BEGIN
-  FOR victim IN SELECT oid::regclass AS name FROM pg_class WHERE relkind = 'r'
-      AND relnamespace = current_schema()::regnamespace AND relname LIKE 'procrastinate\_%' LOOP
-    EXECUTE format('DROP TABLE %s CASCADE', victim.name);
-  END LOOP;
-  FOR victim IN SELECT oid::regprocedure AS name FROM pg_proc
-      WHERE pronamespace = current_schema()::regnamespace AND proname LIKE 'procrastinate\_%' LOOP
-    EXECUTE format('DROP FUNCTION %s CASCADE', victim.name);
-  END LOOP;
-  FOR victim IN SELECT oid::regtype AS name FROM pg_type WHERE typtype IN ('e', 'c')
-      AND typnamespace = current_schema()::regnamespace AND typname LIKE 'procrastinate\_%' LOOP
-    EXECUTE format('DROP TYPE %s CASCADE', victim.name);
-  END LOOP;
-END
-$$
-"""
+_OBJECTS = text(
+    "SELECT 'TABLE', oid::regclass::text FROM pg_class"
+    " WHERE relkind = 'r' AND relnamespace = current_schema()::regnamespace"
+    " UNION ALL SELECT 'FUNCTION', oid::regprocedure::text FROM pg_proc"
+    " WHERE prokind = 'f' AND pronamespace = current_schema()::regnamespace"
+    " UNION ALL SELECT 'TYPE', pg_type.oid::regtype::text FROM pg_type"
+    " LEFT JOIN pg_class ON pg_class.oid = typrelid"
+    " WHERE typnamespace = current_schema()::regnamespace AND (typtype = 'e' OR relkind = 'c')"
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Installed:
+    """What the comment says.
+
+    Attributes:
+        schema: digest of the statements that were executed.
+        objects: kind and name of everything that they made.
+    """
+
+    maker: str
+    version: str
+    schema: str
+    objects: list[list[str]]
 
 
 def install(connection: Connection) -> None:
@@ -46,39 +57,55 @@ def install(connection: Connection) -> None:
     Raises:
         SettingsError: a newer Procrastinate made them, or somebody else did.
     """
-    schema = f"{SchemaManager.get_schema()};\n{_INDEX};"
-    digest = hashlib.sha256(schema.encode()).hexdigest()[:16]
+    statements = f"{SchemaManager.get_schema()};\n{_INDEX};"
+    schema = hashlib.sha256(statements.encode()).hexdigest()[:16]
     if connection.execute(_PRESENT).scalar_one():
-        found = connection.execute(_INSTALLED).scalar_one()
-        if not _replaceable(found, digest):
+        found = _installed(connection.execute(_COMMENT).scalar_one())
+        if found.schema == schema:
             return
-        _raw(connection, _DROP)
-    _raw(connection, schema)
-    _raw(connection, f"COMMENT ON TABLE procrastinate_jobs IS '{_PREFIX} {__version__} {digest}'")
+        _check_not_newer(found.version)
+        for kind, name in found.objects:
+            # CASCADE: tables have triggers that call functions that return rows of the tables
+            connection.exec_driver_sql(f"DROP {kind} IF EXISTS {name} CASCADE")
+    before = _objects(connection)
+    _execute_all(connection, statements)
+    made = [list(one) for one in sorted(_objects(connection) - before)]
+    comment = json.dumps(asdict(_Installed(maker=_MAKER, version=__version__, schema=schema, objects=made)))
+    quoted = comment.replace("'", "''")
+    _execute_all(connection, f"COMMENT ON TABLE procrastinate_jobs IS '{quoted}'")
 
 
-def _replaceable(found: str | None, digest: str) -> bool:
-    owner, version, known = (found or "").split() if len((found or "").split()) == 3 else ("", "", "")
-    if owner != _PREFIX:
+def _objects(connection: Connection) -> set[tuple[str, str]]:
+    """Return kind and name of every table, function and type of the current schema."""
+    return {(kind, name) for kind, name in connection.execute(_OBJECTS)}
+
+
+def _installed(comment: str | None) -> _Installed:
+    try:
+        found = _Installed(**json.loads(comment or ""))
+    except (ValueError, TypeError):
+        found = None
+    if found is None or found.maker != _MAKER:
         raise SettingsError(
             "the database holds tables of Procrastinate that the grader did not make: give it its own database",
             "数据库里有别的程序建的 Procrastinate 表：请给评分系统单独一个数据库",
         )
-    if known == digest:
-        return False
+    return found
+
+
+def _check_not_newer(version: str) -> None:
     if _number(version) > _number(__version__):
         raise SettingsError(
             f"the queue's tables were made by Procrastinate {version}, newer than {__version__} that is installed",
             f"队列的表由 Procrastinate {version} 建立，比这里安装的 {__version__} 新",
         )
-    return True
 
 
 def _number(version: str) -> tuple[int, ...]:
     return tuple(int(part) for part in version.split(".")[:3] if part.isdigit())
 
 
-def _raw(connection: Connection, statements: str) -> None:
+def _execute_all(connection: Connection, statements: str) -> None:
     """Execute without looking for parameters: the schema has percent signs."""
     driver = connection.connection.driver_connection
     assert driver is not None
