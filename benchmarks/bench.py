@@ -27,8 +27,8 @@ from rich.table import Table
 
 from benchmarks.floor import BareLoop
 from grader.catalog import Catalog
+from grader.contracts.assignment import Limits
 from grader.contracts.grading import GradingJob
-from grader.contracts.limits import Limits
 from grader.grading.slot import Slot, SlotConfig
 from grader.sandbox import PRELOADED, Layer, Mode, Sandbox
 

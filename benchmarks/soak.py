@@ -21,9 +21,9 @@ from rich.console import Console
 from rich.table import Table
 
 from grader.catalog import Catalog
+from grader.contracts.assignment import MIB, Limits
 from grader.contracts.errors import GraderError
 from grader.contracts.grading import GradingJob
-from grader.contracts.limits import MIB, Limits
 from grader.grading.pipeline import Pipeline
 from grader.sandbox import Sandbox
 

@@ -22,8 +22,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
+from grader.contracts.assignment import Limits
 from grader.contracts.errors import SandboxError, SandboxUnavailableError, SettingsError
-from grader.contracts.limits import Limits
 from grader.contracts.record import record
 from grader.jail.ending import JailReport, RunEnd
 from grader.jail.jail import Jail

@@ -30,6 +30,7 @@ from grader.catalog.misfits import (
 )
 from grader.contracts.assignment import (
     BY_PERSON,
+    MIB,
     SUFFIXES,
     TOPIC_PATTERN,
     Answer,
@@ -37,13 +38,13 @@ from grader.contracts.assignment import (
     Case,
     Input,
     ItemSpec,
+    Limits,
     Profile,
+    ServiceCall,
     StartPose,
     World,
     WrongAttempt,
 )
-from grader.contracts.limits import MIB, Limits
-from grader.contracts.services import ServiceCall
 from grader.contracts.text import Text
 
 Id = Annotated[str, Field(pattern=ID_PATTERN)]

@@ -7,9 +7,8 @@ from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureK
 from grader.checks.mistakes import script_mistakes
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
-from grader.contracts.outcome import RunOutcome, RunStatus
+from grader.contracts.outcome import RunOutcome, RunStatus, ServiceResult
 from grader.contracts.scoring import Run
-from grader.contracts.services import ServiceResult
 from grader.contracts.text import Text
 from grader.messages.quantity import number
 

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Final
 
 from grader.commands.options import add_language_option
+from grader.contracts.assignment import MIB, Limits
 from grader.contracts.errors import SandboxError
-from grader.contracts.limits import MIB, Limits
 from grader.contracts.text import Language, Text
 from grader.jail import landlock, libc
 from grader.jail.cgroups import Bound, own_bound

@@ -16,10 +16,9 @@ from grader.catalog import Catalog
 from grader.commands.options import add_language_option, tell
 from grader.commands.storage import actor, add_course_option, add_data_option, chosen_course, opened
 from grader.contracts.errors import CourseError
-from grader.contracts.identity import unknown_members
-from grader.contracts.numerals import whole
+from grader.contracts.identity import Seen, unknown_members
+from grader.contracts.notation import whole
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Counts, Extension, Rules
-from grader.contracts.seen import Seen
 from grader.contracts.text import Text
 from grader.contracts.validation_words import said
 from grader.routes.rule_views import ExtensionBody, RulesBody, extension_from, rules_from

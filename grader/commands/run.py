@@ -8,12 +8,12 @@ from pathlib import Path
 
 from grader.commands.check import faults_explained, read_source
 from grader.commands.options import add_grading_options, add_language_option
-from grader.contracts import trajectory_json
 from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, World
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.numerals import decimal
+from grader.contracts.notation import decimal
 from grader.contracts.outcome import Blame
 from grader.contracts.text import EMPTY
+from grader.contracts.trajectory import decode_trajectory
 from grader.grading.slot import Slot, SlotConfig
 
 _LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
@@ -76,7 +76,7 @@ def _show(arguments: argparse.Namespace, result: GradingResult) -> None:
     from grader.render.timeline import render_timeline
 
     outcome = result.report.runs[0].outcome
-    trajectory = trajectory_json.decode(result.trajectories[result.report.runs[0].case])
+    trajectory = decode_trajectory(result.trajectories[result.report.runs[0].case])
     for stream, target in ((outcome.stdout, sys.stdout), (outcome.stderr, sys.stderr)):
         target.write(visible(stream.text))
     output = console()

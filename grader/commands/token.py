@@ -11,7 +11,7 @@ from grader.commands.options import add_language_option, tell
 from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
-from grader.contracts.numerals import whole
+from grader.contracts.notation import whole
 from grader.contracts.text import BYTE_ORDER_MARK, Text
 from grader.store.clock import utc_now
 

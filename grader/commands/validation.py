@@ -11,14 +11,14 @@ from grader.catalog import Catalog
 from grader.catalog.misfits import refusals
 from grader.checks import problems as check_problems
 from grader.commands.sensitivity import Sensitivity, lax, replayable, sensitivities
-from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment, ItemSpec, WrongAttempt
 from grader.contracts.grading import Grader, GradingJob, GradingResult
-from grader.contracts.numerals import written
+from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Language, Text
+from grader.contracts.trajectory import decode_trajectory
 from grader.grading.slot import Slot, SlotConfig
 from grader.messages import join
 from grader.render.progress import followed
@@ -190,7 +190,7 @@ def _replayable_runs(assignment: Assignment, solution: GradingResult) -> list[Ru
         return []
     runs = [
         Run(
-            trajectory=trajectory_json.decode(solution.trajectories[run.case]),
+            trajectory=decode_trajectory(solution.trajectories[run.case]),
             outcome=run.outcome,
             case=run.case,
         )

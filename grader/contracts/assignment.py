@@ -1,12 +1,10 @@
-"""An assignment as data: what is handed in, in which world it runs, and how it earns points."""
+"""An assignment as data: what is handed in, in which world and under which limits it runs, how it earns points."""
 
 from dataclasses import field
 from typing import Final, Literal
 
-from grader.contracts.limits import Limits
 from grader.contracts.record import record
 from grader.contracts.rubric import summed
-from grader.contracts.services import ServiceCall
 from grader.contracts.text import EMPTY, Language, Text
 
 Profile = Literal["nominal", "rough"]
@@ -20,6 +18,30 @@ BY_PERSON = "by_person"
 
 WINDOW_M: Final = 499 / 45
 """Side of turtlesim's window: 500 pixels at 45 pixels per metre (turtlesim's turtle_frame.cpp)."""
+
+
+MIB: Final = 1024 * 1024
+
+
+@record
+class Limits:
+    """Budget of one jailed run.
+
+    Attributes:
+        cpu_s: CPU seconds of the student's process; exceeding it is the student's ``cpu_limit``.
+        wall_s: detects trouble of the host only; exceeding it is an infrastructure fault and a retry.
+        memory_bytes: private memory of the student's process.
+        output_bytes: bytes on stdout and stderr together before the run is ended.
+        threads: most threads at once.
+        grace_cpu_s: CPU seconds left to `except KeyboardInterrupt` / `finally` after the horizon.
+    """
+
+    cpu_s: float = 10.0
+    wall_s: float = 60.0
+    memory_bytes: int = 512 * MIB
+    output_bytes: int = 4 * MIB
+    threads: int = 64
+    grace_cpu_s: float = 1.0
 
 
 @record
@@ -53,6 +75,24 @@ class World:
     seed: int = 0
 
 
+Scalar = float | int | str | bool
+
+
+@record
+class ServiceCall:
+    """A request due at `at_ns`, or as soon after as the script offers the service.
+
+    Attributes:
+        type: of the service, e.g. ``std_srvs/srv/Trigger``.
+        values: fields of the request; the others have their defaults.
+    """
+
+    at_ns: int
+    service: str
+    type: str
+    values: dict[str, Scalar] = field(default_factory=dict)
+
+
 @record
 class Case:
     """One run of the script: what it is given. Most assignments have the single case ``default``.
@@ -66,7 +106,7 @@ class Case:
     title: Text = EMPTY
     stdin: str = ""
     args: tuple[str, ...] = ()
-    options: dict[str, float | int | str | bool] = field(default_factory=dict)
+    options: dict[str, Scalar] = field(default_factory=dict)
     seed: int | None = None
 
 
@@ -132,7 +172,7 @@ class Assignment:
     brief: Text
     check: str
     items: tuple[ItemSpec, ...]
-    options: dict[str, float | int | str | bool] = field(default_factory=dict)
+    options: dict[str, Scalar] = field(default_factory=dict)
     file_patterns: tuple[str, ...] = ()
     horizon_s: float = 60.0
     limits: Limits = field(default_factory=Limits)

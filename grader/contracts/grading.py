@@ -27,7 +27,7 @@ class GradingResult:
     """A finished grading.
 
     Attributes:
-        trajectories: per case id, the bytes of `grader.contracts.trajectory_json.encode`.
+        trajectories: per case id, the bytes of `grader.contracts.encode_trajectory`.
     """
 
     report: GradeReport

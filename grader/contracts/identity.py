@@ -1,4 +1,4 @@
-"""Courses, the people in them, and who somebody is who asks for something."""
+"""Courses, the people in them, who asks for something, and what somebody changed."""
 
 import re
 from dataclasses import dataclass
@@ -112,6 +112,26 @@ ANYBODY = Caller()
 
 OPERATOR = Caller(role=Role.INSTRUCTOR)
 """A caller of a service without courses who shows the token printed at its start."""
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """The states of a thing that somebody had looked at before changing it: nobody undoes what they never saw.
+
+    Attributes:
+        tags: names of the states; None when any state will do.
+    """
+
+    tags: frozenset[str] | None
+
+    @classmethod
+    def one(cls, tag: str) -> "Seen":
+        """Return the state named `tag` alone."""
+        return cls(frozenset({tag}))
+
+    def includes(self, tag: str) -> bool:
+        """Return whether the state named `tag` is one of them."""
+        return self.tags is None or tag in self.tags
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

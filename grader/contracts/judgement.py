@@ -6,43 +6,17 @@ never changed. Judgements stand beside it; `composed` is the one place that puts
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime
 
-from grader.contracts.numerals import written
+from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, report_from, status_of
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
-from grader.contracts.submission import StoredReport
+from grader.contracts.submission import Judgement, StoredReport
 from grader.contracts.text import EMPTY, Text
 
 LONGEST_COMMENT = 2_000
 """Characters of a comment for the student."""
 
 _JUDGED = Text(zh="已人工评分。", en="A person has graded this.")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Judgement:
-    """What somebody gave for one rubric item of one submission. A later one takes its place; all are kept.
-
-    Attributes:
-        revision: 1 for the first judgement of the item, then 2, ...
-        points: 0 <= points <= out_of, rounded to 1e-2.
-        out_of: most the item could earn then; 0 takes back what was decided about what a machine judges, so that
-            the machine's points count again.
-        comment: for the student; may be empty for what no machine judges.
-        attempt: number of the grading that was looked at. source_sha256: digest of the answer.
-    """
-
-    submission: str
-    item: str
-    revision: int
-    points: float
-    out_of: float
-    comment: str
-    by: str
-    at: datetime
-    attempt: int
-    source_sha256: str
 
 
 @dataclass(frozen=True, slots=True)

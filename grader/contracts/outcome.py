@@ -1,9 +1,11 @@
-"""What happened when a script ran: how it ended, what it said, what it connected to."""
+"""What happened when a script ran: how it ended, what it said, what it connected to, what it answered."""
 
 from collections.abc import Mapping
 from dataclasses import field
 from enum import StrEnum
+from typing import Any
 
+from grader.contracts.assignment import ServiceCall
 from grader.contracts.record import record
 
 
@@ -91,6 +93,22 @@ class LogRecord:
     def level_name(self) -> str:
         """The level as rcutils prints it."""
         return LOG_LEVELS.get(self.level, str(self.level))
+
+
+@record
+class ServiceResult:
+    """What became of a call.
+
+    Attributes:
+        sent_ns: when the script was asked; None: it never offered the service.
+        answered_ns: when it answered; None: it never did.
+        values: the response as nested fields.
+    """
+
+    call: ServiceCall
+    sent_ns: int | None = None
+    answered_ns: int | None = None
+    values: Mapping[str, Any] | None = None
 
 
 @record

@@ -2,10 +2,9 @@
 
 from dataclasses import dataclass
 
-from grader.contracts.outcome import RunOutcome
+from grader.contracts.outcome import RunOutcome, ServiceResult
 from grader.contracts.record import record
 from grader.contracts.rubric import RubricItem
-from grader.contracts.services import ServiceResult
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Trajectory
 

@@ -8,12 +8,8 @@ since the submission was last queued and bounds the retries.
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
-from typing import TYPE_CHECKING
 
 from grader.contracts.report import GradeStatus
-
-if TYPE_CHECKING:
-    from grader.contracts.judgement import Judgement
 
 
 class SubmissionState(StrEnum):
@@ -109,6 +105,31 @@ class Claim:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Judgement:
+    """What somebody gave for one rubric item of one submission. A later one takes its place; all are kept.
+
+    Attributes:
+        revision: 1 for the first judgement of the item, then 2, ...
+        points: 0 <= points <= out_of, rounded to 1e-2.
+        out_of: most the item could earn then; 0 takes back what was decided about what a machine judges, so that
+            the machine's points count again.
+        comment: for the student; may be empty for what no machine judges.
+        attempt: number of the grading that was looked at. source_sha256: digest of the answer.
+    """
+
+    submission: str
+    item: str
+    revision: int
+    points: float
+    out_of: float
+    comment: str
+    by: str
+    at: datetime
+    attempt: int
+    source_sha256: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class StoredReport:
     """A grading as it was stored.
 
@@ -126,7 +147,7 @@ class StoredReport:
     sha256: str
     cases: dict[str, str]
     assignment_sha256: str | None = None
-    judgements: "tuple[Judgement, ...]" = ()
+    judgements: tuple[Judgement, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from grader.contracts.numerals import written
+from grader.contracts.notation import written
 from grader.contracts.text import Language, Text
 
 _NUMBER = Text(zh="要填一个数。", en="This is no number.")

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import Any
 
+from grader.contracts.assignment import Limits
 from grader.contracts.errors import GraderError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob
-from grader.contracts.limits import Limits
 from grader.grading.slot import Channel, SlotConfig, job_from_message, result_message
 from grader.jail.supervisor import yield_session
 from grader.sandbox import Sandbox, script_sandbox

@@ -7,7 +7,6 @@ from types import TracebackType
 from typing import Self
 
 from grader import __version__
-from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment, Case
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.report import (
@@ -20,6 +19,7 @@ from grader.contracts.report import (
 )
 from grader.contracts.rubric import summed
 from grader.contracts.scoring import Run, Scoring
+from grader.contracts.trajectory import encode_trajectory
 from grader.grading.outcome import is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
@@ -66,7 +66,7 @@ class Pipeline:
             )
             for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
         ]
-        trajectories = {run.case: trajectory_json.encode(run.trajectory) for run in runs}
+        trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
         from grader.checks import evaluate
 
         report = _report(job, runs, evaluate(job.assignment, runs), trajectories)

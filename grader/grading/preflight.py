@@ -12,9 +12,9 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Final, Self
 
+from grader.contracts.assignment import Limits
 from grader.contracts.errors import GraderError, InfrastructureError, ProtocolError
 from grader.contracts.grading import SyntaxProblem
-from grader.contracts.limits import Limits
 from grader.sandbox import Jail, RunEnd, Sandbox
 from grader.sim.frames import SYNTAX_ERROR, Exit
 from grader.sim.wire import PROTOCOL, decode, encode_start

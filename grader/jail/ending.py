@@ -11,7 +11,7 @@ from dataclasses import field
 from enum import StrEnum
 from typing import Final, NamedTuple
 
-from grader.contracts.limits import Limits
+from grader.contracts.assignment import Limits
 from grader.contracts.outcome import Stream
 from grader.contracts.record import record
 from grader.jail import bounds

@@ -10,8 +10,8 @@ from collections.abc import Callable
 from types import TracebackType
 from typing import Final, Self
 
+from grader.contracts.assignment import Limits
 from grader.contracts.errors import ProtocolError, SandboxError
-from grader.contracts.limits import Limits
 from grader.contracts.outcome import Stream
 from grader.jail import bounds
 from grader.jail.ending import TICK_NS, Clocks, Ending, JailReport, KernelAccount, RunEnd, explain

@@ -18,8 +18,8 @@ from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from typing import Final
 
+from grader.contracts.assignment import Limits
 from grader.contracts.errors import SandboxError
-from grader.contracts.limits import Limits
 from grader.contracts.record import record
 from grader.jail import bounds, libc, syscalls
 from grader.jail.jail import Capture, Jail

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from typing import Final, TypeGuard
 
-from grader.contracts.numerals import written
+from grader.contracts.notation import written
 from grader.contracts.record import positional_record
 from grader.contracts.rubric import RubricItem, Unit
 from grader.contracts.text import Language, Text

@@ -13,9 +13,8 @@ from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Caller, Role
-from grader.contracts.numerals import decimal, whole
-from grader.contracts.seen import Seen
+from grader.contracts.identity import Caller, Role, Seen
+from grader.contracts.notation import decimal, whole
 from grader.contracts.text import LANGUAGES, Language
 from grader.use_cases.services import Services
 

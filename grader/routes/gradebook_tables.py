@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
-from grader.contracts.numerals import written
+from grader.contracts.notation import written
 from grader.contracts.rubric import summed
 from grader.contracts.text import BYTE_ORDER_MARK, Language
 

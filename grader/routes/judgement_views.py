@@ -7,10 +7,10 @@ from typing import Annotated
 from pydantic import BaseModel, ConfigDict, Field
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.judgement import LONGEST_COMMENT, Judgement, standing
+from grader.contracts.judgement import LONGEST_COMMENT, standing
 from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus, RubricItem
-from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.submission import Judgement, StoredReport, Submission
 from grader.contracts.text import Language
 from grader.routes.dependencies import Number
 from grader.routes.submission_views import SUBMISSIONS

@@ -7,7 +7,7 @@ from fastapi import APIRouter, Header, Path, Query, Response
 
 from grader.contracts.errors import JudgementError, RefusedError
 from grader.contracts.identity import Caller
-from grader.contracts.numerals import written
+from grader.contracts.notation import written
 from grader.contracts.report import report_from
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language, Text

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from pydantic_core import PydanticCustomError
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.instants import instant
+from grader.contracts.notation import instant
 from grader.contracts.rules import (
     Counts,
     Extension,

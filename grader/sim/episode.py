@@ -4,11 +4,10 @@ import struct
 from collections.abc import Callable
 from typing import Any, Final
 
-from grader.contracts.assignment import World
+from grader.contracts.assignment import ServiceCall, World
 from grader.contracts.errors import ProtocolError
-from grader.contracts.outcome import Endpoint, LogRecord, Note
+from grader.contracts.outcome import Endpoint, LogRecord, Note, ServiceResult
 from grader.contracts.record import record
-from grader.contracts.services import ServiceCall, ServiceResult
 from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import HEADER

@@ -1,7 +1,8 @@
 """Requests that an assignment sends to the script's own services, as `ros2 service call` would."""
 
+from grader.contracts.assignment import ServiceCall
 from grader.contracts.errors import AssignmentError, ProtocolError
-from grader.contracts.services import ServiceCall, ServiceResult
+from grader.contracts.outcome import ServiceResult
 from grader.sim.cdr import decode, encode
 from grader.sim.frames import REQUEST_EVENT, Event, Response
 from grader.sim.script_graph import ScriptGraph

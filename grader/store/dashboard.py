@@ -17,10 +17,10 @@ from sqlalchemy import ColumnElement, Select, and_, case, func, select
 from sqlmodel import Session, SQLModel, col
 
 from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, Progress
-from grader.contracts.judgement import ItemScore, Judgement, settled
+from grader.contracts.judgement import ItemScore, settled
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.submission import SubmissionState
+from grader.contracts.submission import Judgement, SubmissionState
 from grader.store.courses import in_class
 from grader.store.database import Database
 from grader.store.intake import as_attempts

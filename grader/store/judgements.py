@@ -14,11 +14,12 @@ from sqlalchemy.orm import aliased
 from sqlmodel import Session, col
 
 from grader.contracts.errors import JudgementError
-from grader.contracts.judgement import Judgement, composed, standing, to_judge
-from grader.contracts.numerals import written
+from grader.contracts.identity import Seen
+from grader.contracts.judgement import composed, standing, to_judge
+from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, report_from
 from grader.contracts.rubric import ItemStatus, RubricItem
-from grader.contracts.seen import Seen
+from grader.contracts.submission import Judgement
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
 from grader.store.database import Database

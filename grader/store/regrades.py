@@ -17,10 +17,10 @@ from sqlmodel import Session, SQLModel, col
 
 from grader.contracts.codec import from_plain
 from grader.contracts.errors import RegradeError
-from grader.contracts.judgement import ItemScore, Judgement, settled, standing, total
+from grader.contracts.judgement import ItemScore, settled, standing, total
 from grader.contracts.regrade import ItemChange, PastGrading, Regrade, RegradeState, ScoreChange, Wanted
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.submission import SubmissionState
+from grader.contracts.submission import Judgement, SubmissionState
 from grader.store.audit import Signature, record
 from grader.store.database import Database, one_at_a_time
 from grader.store.intake import new_id

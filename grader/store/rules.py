@@ -12,7 +12,7 @@ from sqlalchemy import and_, bindparam, literal, outerjoin, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import ChangedMeanwhileError
-from grader.contracts.identity import no_course, unknown_course, unknown_members
+from grader.contracts.identity import Seen, no_course, unknown_course, unknown_members
 from grader.contracts.rules import (
     NO_EXTENSION,
     NO_RULES,
@@ -22,7 +22,6 @@ from grader.contracts.rules import (
     LateStep,
     Rules,
 )
-from grader.contracts.seen import Seen
 from grader.store.audit import Signature, record
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, table_of

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from grader.checks import sketch
-from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import PictureForm
 from grader.contracts.report import CaseRun, GradeReport, report_from
 from grader.contracts.scoring import Run
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
+from grader.contracts.trajectory import decode_trajectory
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -90,14 +90,14 @@ def draw(  # noqa: PLR0913
     Args:
         assignment: the version that was graded.
         report: the graded report.
-        trajectory: of that run, as `grader.contracts.trajectory_json.encode` wrote it.
+        trajectory: of that run, as `grader.contracts.encode_trajectory` wrote it.
         language: of all words in the plot.
         form: file format.
         case: which run; None: the first.
     """
     from grader.render.plot import plot  # matplotlib takes a second to import
 
-    motion = trajectory_json.decode(trajectory)
+    motion = decode_trajectory(trajectory)
     run = _run(report, case)
     figure = sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
     return plot(assignment, report, motion, figure, language, form=form, case=run.case)

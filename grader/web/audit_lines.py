@@ -10,7 +10,7 @@ from datetime import datetime
 from typing import Any
 from zoneinfo import ZoneInfo
 
-from grader.contracts.numerals import written
+from grader.contracts.notation import written
 from grader.contracts.text import Language
 from grader.web.words import say, table
 

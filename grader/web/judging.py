@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field, ValidationError
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import LONGEST_COMMENT
-from grader.contracts.numerals import decimal, written
+from grader.contracts.notation import decimal, written
 from grader.contracts.submission import Submission
 from grader.routes import judgements
 from grader.routes.dependencies import ServicesDep, SubmissionId

@@ -12,8 +12,7 @@ from zoneinfo import ZoneInfo
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from grader.contracts.instants import instant
-from grader.contracts.numerals import decimal, whole, written
+from grader.contracts.notation import decimal, instant, whole, written
 from grader.contracts.rules import Counts, Extension, LateKind, LateRule, LateStep, Rules
 from grader.routes.rule_views import MOST_ATTEMPTS, MOST_S, YEARS
 

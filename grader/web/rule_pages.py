@@ -7,8 +7,8 @@ from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ChangedMeanwhileError, CourseError
+from grader.contracts.identity import Seen
 from grader.contracts.rules import NO_EXTENSION, Counts, Extension, LateKind
-from grader.contracts.seen import Seen
 from grader.routes.dependencies import ServicesDep
 from grader.routes.rules import AssignmentId, signature
 from grader.store.rules import ANY_STATE, CourseRules, tag

@@ -5,7 +5,6 @@ from dataclasses import asdict
 from typing import Any
 
 from grader.checks import sketch
-from grader.contracts import trajectory_json
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.identity import Caller
@@ -14,6 +13,7 @@ from grader.contracts.report import CaseRun, GradeReport
 from grader.contracts.scoring import Run
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
+from grader.contracts.trajectory import decode_trajectory
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import shown_assignment
 
@@ -33,7 +33,7 @@ def measured_figure(
     content = services.submissions.trajectory(stored, run.case)
     if content is None:
         return None
-    motion = trajectory_json.decode(gzip.decompress(content))
+    motion = decode_trajectory(gzip.decompress(content))
     try:
         published = services.assignments.get(judged(stored).assignment)
         assignment = shown_assignment(services, caller, published)

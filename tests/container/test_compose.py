@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 from grader.commands.cli import COMMANDS
-from grader.contracts.limits import MIB, Limits
+from grader.contracts.assignment import MIB, Limits
 from grader.settings import Settings, load
 from tests.fakes import postgres
 

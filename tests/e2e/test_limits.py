@@ -5,8 +5,8 @@ from dataclasses import replace
 
 import pytest
 
+from grader.contracts.assignment import MIB, Limits
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.limits import MIB, Limits
 from grader.contracts.outcome import RunStatus
 from grader.contracts.report import GradeStatus
 from grader.grading.slot import Slot, SlotConfig

@@ -18,7 +18,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
 
-from grader.contracts.limits import MIB, Limits  # noqa: E402
+from grader.contracts.assignment import MIB, Limits  # noqa: E402
 from grader.jail import bounds, libc, syscalls  # noqa: E402
 from grader.jail.ending import JailReport  # noqa: E402
 from grader.sandbox import Layer, Sandbox  # noqa: E402

@@ -11,12 +11,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from grader.contracts import trajectory_json
 from grader.contracts.assignment import Assignment, Case
 from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.outcome import RunOutcome
 from grader.contracts.text import EMPTY
-from grader.contracts.trajectory import Trajectory
+from grader.contracts.trajectory import Trajectory, decode_trajectory
 from grader.grading.slot import Slot, SlotConfig
 from tests.styles import expected_endings, expected_feedback, expected_threads, expected_timers
 from tests.styles.expectation import Expectation
@@ -75,7 +74,7 @@ def test_every_script_has_its_expectation() -> None:
 @pytest.mark.parametrize("name", EXPECTED)
 def test_the_car_goes_where_an_ideal_turtle_goes(grader: Grader, name: str) -> None:
     expected = EXPECTED[name]
-    trajectory = trajectory_json.decode(graded(grader, name).trajectories["default"])
+    trajectory = decode_trajectory(graded(grader, name).trajectories["default"])
     ideal = IdealTurtle(expected.plan)
     distances_m, turns_rad = _deviations(trajectory, ideal, expected)
     tolerance_m = min(max(MAX_PATH_ERROR * ideal.path_length_m, MIN_TOLERANCE_M), MAX_TOLERANCE_M)
@@ -107,7 +106,7 @@ def test_every_run_is_the_same(grader: Grader, name: str) -> None:
 
 def fingerprint(result: GradingResult) -> tuple[str, str, str]:
     """Return the digests of the command log, the trajectory and the report."""
-    trajectory = trajectory_json.decode(result.trajectories["default"])
+    trajectory = decode_trajectory(result.trajectories["default"])
     commands = hashlib.sha256(repr(trajectory.commands).encode()).hexdigest()
     return commands, result.report.runs[0].trajectory_sha256, result.report.sha256()
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from grader.catalog import Catalog
+from grader.contracts.assignment import Limits
 from grader.contracts.grading import GradingJob
-from grader.contracts.limits import Limits
 from grader.contracts.report import GradeReport
 from grader.grading.slot import Slot, SlotConfig
 from grader.jail import landlock

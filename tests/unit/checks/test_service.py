@@ -6,10 +6,9 @@ from typing import Any
 import pytest
 
 from grader.checks import evaluate, problems, sketch
-from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus
+from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, ServiceResult
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.scoring import Run, Scoring
-from grader.contracts.services import ServiceResult
 from tests.unit.checks.ideal_turtle import drive
 from tests.unit.checks.shipped import assignment, item, score
 

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from grader.contracts.assignment import Limits
 from grader.contracts.grading import GradingJob
-from grader.contracts.limits import Limits
 from grader.grading import launch
 from grader.grading.slot import Slot, SlotConfig
 from tests.unit.grading.test_slot import ASSIGNMENT, CHILD, JOB

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 
 import grader
+from grader.contracts.assignment import ServiceCall
 from grader.contracts.errors import InfrastructureError
-from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream
-from grader.contracts.services import ServiceCall, ServiceResult
+from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, ServiceResult, Stream
 from grader.contracts.trajectory import Trajectory
 from grader.grading.outcome import is_repeatable, merge
 from grader.jail.ending import JailReport, RunEnd

@@ -11,10 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from grader.contracts.assignment import Assignment, Case
+from grader.contracts.assignment import Assignment, Case, Limits
 from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob
-from grader.contracts.limits import Limits
 from grader.contracts.text import EMPTY
 from grader.grading import launch, slot
 from grader.grading.launch import Child

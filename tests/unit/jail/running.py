@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from grader.contracts.limits import Limits
+from grader.contracts.assignment import Limits
 from grader.jail.ending import JailReport
 from grader.sandbox import Layer, Mode, Sandbox
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.contracts.limits import Limits
+from grader.contracts.assignment import Limits
 from grader.jail import bounds
 from grader.jail import ending as module
 from grader.jail.ending import Clocks, Ending, RunEnd

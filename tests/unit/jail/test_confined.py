@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from grader.contracts.limits import Limits
+from grader.contracts.assignment import Limits
 from grader.jail import landlock
 from grader.jail.ending import JailReport
 from grader.sandbox import Sandbox

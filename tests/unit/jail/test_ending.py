@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from grader.contracts.limits import MIB, Limits
+from grader.contracts.assignment import MIB, Limits
 from grader.jail import bounds, landlock
 from grader.sandbox import RunEnd, Sandbox
 from tests.fakes.waiting import wait_until

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from grader.contracts.assignment import Limits
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
-from grader.contracts.limits import Limits
 from grader.jail import bounds, landlock, syscalls
 from grader.sandbox import Layer, Mode, RunEnd, Sandbox
 from tests.unit.jail.running import RUNNER, make, run
@@ -54,7 +54,7 @@ def test_a_confined_process_has_no_rights_of_its_own(without: tuple[Layer, ...])
 GROUPED = """
 import os, sys
 from pathlib import Path
-from grader.contracts.limits import Limits
+from grader.contracts.assignment import Limits
 from grader.sandbox import Sandbox
 
 os.setgroups([4, 27, 4242])

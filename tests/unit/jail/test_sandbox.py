@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from grader.contracts.assignment import MIB, Limits
 from grader.contracts.errors import SandboxError
-from grader.contracts.limits import MIB, Limits
 from grader.jail import bounds, landlock
 from grader.sandbox import RunEnd, Sandbox
 from tests.fakes.waiting import wait_until
@@ -153,7 +153,7 @@ def test_a_dying_zygote_takes_its_runs_along_and_blames_nobody() -> None:
 ABANDONED = """
 import sys
 from pathlib import Path
-from grader.contracts.limits import Limits
+from grader.contracts.assignment import Limits
 from grader.sandbox import Layer, Sandbox
 
 without = frozenset(map(Layer, sys.argv[2:]))

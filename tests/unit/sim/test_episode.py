@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from grader.contracts.assignment import World
-from grader.contracts.services import ServiceCall
+from grader.contracts.assignment import ServiceCall, World
 from grader.sim.bullet import BulletCar
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail

@@ -5,9 +5,8 @@ from typing import Any
 
 import pytest
 
-from grader.contracts.assignment import StartPose, World
+from grader.contracts.assignment import ServiceCall, StartPose, World
 from grader.contracts.errors import AssignmentError
-from grader.contracts.services import ServiceCall
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
 from tests.fakes import jail

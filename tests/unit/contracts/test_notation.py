@@ -1,11 +1,12 @@
 import math
+from datetime import UTC, datetime, timedelta
 from decimal import Decimal
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.contracts.numerals import decimal, whole, written
+from grader.contracts.notation import decimal, instant, whole, written
 
 NO_NUMBERS = [
     *("", " ", "1_0", " 10", "10 ", "+10", "1e1", "1E400", "0x10", "١٠", "１０", "²", "½", "1,5", "1.", ".5"),
@@ -65,3 +66,42 @@ def test_what_six_digits_lose() -> None:
     for value in (math.nan, math.inf):
         with pytest.raises(ValueError, match="digits"):
             written(value)
+
+
+PLAIN = datetime(2026, 3, 20, 23, 59)
+
+
+@pytest.mark.parametrize("text", ["2026-03-20T23:59", "2026-03-20 23:59:00", "2026-03-20t23:59:00.000000"])
+def test_without_an_offset(text: str) -> None:
+    assert instant(text) == PLAIN
+
+
+def test_with_an_offset() -> None:
+    assert instant("2026-03-20T23:59:00Z") == PLAIN.replace(tzinfo=UTC)
+    assert instant("2026-03-20T23:59+08:00").utcoffset() == timedelta(hours=8)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        *(
+            "",
+            "tomorrow",
+            "2026-03-20",
+            "20260320T2359",
+            "2026-W12-5T23:59",
+            "1772409600",
+            "2026-02-30T23:59",
+        ),
+        *(
+            "2026-03-20T24:30",
+            "2026-03-20T2_:59",
+            "２０２６-03-20T23:59",
+            " 2026-03-20T23:59",
+            "2026-03-20T23:59 CST",
+        ),
+    ],
+)
+def test_what_is_no_instant(text: str) -> None:
+    with pytest.raises(ValueError, match=r"."):
+        instant(text)

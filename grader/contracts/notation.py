@@ -1,15 +1,19 @@
-"""Numbers in writing: plain decimal digits, read without guessing and written without rounding.
+"""Numbers and instants in writing: read without guessing, written without rounding.
 
-Python's own readers take more than anybody means: ``1_0`` and full-width digits are 10, ``nan`` and ``inf`` are
-numbers, blanks are passed over. Its ``:g`` writes six digits of 1234567.5. Points pass through here both ways.
+Python's own readers accept more than anybody means: ``1_0`` and full-width digits are 10, ``nan`` and ``inf`` are
+numbers, blanks are ignored. Its ``:g`` writes six digits of 1234567.5. Points are read and written here.
 """
 
 import math
 import re
+from datetime import datetime
 
 _WHOLE = re.compile(r"-?[0-9]+")
 _DECIMAL = re.compile(r"-?[0-9]+(\.[0-9]+)?")
 _LONGEST = 40  # characters: longer than any number that fits where numbers are asked for
+_INSTANT = re.compile(
+    r"[0-9]{4}-[0-9]{2}-[0-9]{2}[T ][0-9]{2}:[0-9]{2}(:[0-9]{2}([.][0-9]{1,9})?)?(Z|[+-][0-9]{2}:[0-9]{2})?"
+)
 
 
 def whole(text: str) -> int:
@@ -49,3 +53,18 @@ def written(value: float) -> str:
 
         text = format(Decimal(text), "f")
     return text.removesuffix(".0")
+
+
+def instant(text: str) -> datetime:
+    """Return the instant that `text` writes; naive when it names no offset.
+
+    A date alone is none: as midnight it would end a day before its reader thinks. Neither is a number, which some
+    readers take for seconds since 1970.
+
+    Raises:
+        ValueError: it is anything else, or there is no such date.
+    """
+    upper = text.upper()
+    if not _INSTANT.fullmatch(upper):
+        raise ValueError("no date and time such as 2026-03-20T23:59:59")
+    return datetime.fromisoformat(upper)
