@@ -24,8 +24,8 @@ def typed(capsys: pytest.CaptureFixture[str]):
 
 
 @pytest.fixture
-def grader(typed, database_url: str, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setenv("GRADER_DATABASE_URL", database_url)
+def grader(typed, sqlite_url: str, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("GRADER_DATABASE_URL", sqlite_url)
     return typed
 
 

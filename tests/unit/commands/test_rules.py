@@ -13,13 +13,12 @@ from grader.store.clock import utc_now
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.rules import StoredRules
-from tests.conftest import on_sqlite
 
 
 @pytest.fixture
-def database(database_url: str) -> Iterator[Database]:
+def database(sqlite_url: str) -> Iterator[Database]:
     """A database with a course and two students."""
-    opened = Database(database_url)
+    opened = Database(sqlite_url)
     courses = Courses(opened, utc_now)
     courses.create("ros", "ROS", "Asia/Shanghai", "test")
     courses.import_roster("ros", [RosterEntry(id=one, name=one, role=Role.STUDENT) for one in "12"], "test")
@@ -30,11 +29,11 @@ def database(database_url: str) -> Iterator[Database]:
 @pytest.fixture
 def grader(
     database: Database,
-    database_url: str,
+    sqlite_url: str,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ):
-    monkeypatch.setenv("GRADER_DATABASE_URL", database_url)
+    monkeypatch.setenv("GRADER_DATABASE_URL", sqlite_url)
 
     def run(*arguments: str, status: int = 0, lang: str = "en") -> tuple[str, str]:
         assert cli.run([*arguments, "--lang", lang]) == status
@@ -107,7 +106,6 @@ def test_what_somebody_else_changes_meanwhile_stays(
     assert (shown()["square"]["attempts"], shown()["square"]["extensions"]["1"]["extra_attempts"]) == (9, 9)
 
 
-@on_sqlite
 @pytest.mark.parametrize(
     ("rule", "zh", "en"),
     [
@@ -134,7 +132,6 @@ def test_rules_that_make_no_sense_change_nothing(grader, shown, rule: str, zh: s
     assert shown() == {}
 
 
-@on_sqlite
 @pytest.mark.parametrize(
     ("arguments", "zh"),
     [

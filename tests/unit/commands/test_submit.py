@@ -28,8 +28,8 @@ def work(services: Services, stop: threading.Event) -> None:
 
 
 @pytest.fixture
-def services(database_url: str) -> Iterator[Services]:
-    made = server.services(Settings(database_url=database_url), FakeClock())
+def services(sqlite_url: str) -> Iterator[Services]:
+    made = server.services(Settings(database_url=sqlite_url), FakeClock())
     yield made
     made.plots.close()
     made.submissions._database.close()

@@ -31,8 +31,8 @@ def plotter() -> FakePlotter:
 
 
 @pytest.fixture
-def services(database_url: str, clock: FakeClock, plotter: FakePlotter) -> Iterator[Services]:
-    settings = Settings(database_url=database_url, max_upload_bytes=2048, max_open_submissions=3)
+def services(sqlite_url: str, clock: FakeClock, plotter: FakePlotter) -> Iterator[Services]:
+    settings = Settings(database_url=sqlite_url, max_upload_bytes=2048, max_open_submissions=3)
     made = server.services(settings, clock, plotter)
     yield made
     made.plots.close()

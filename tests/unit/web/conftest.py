@@ -68,8 +68,8 @@ def shipped() -> AssignmentSource:
 
 
 @pytest.fixture
-def services(database_url: str, shipped: AssignmentSource) -> Iterator[Services]:
-    settings = Settings(database_url=database_url, max_upload_bytes=4096)
+def services(sqlite_url: str, shipped: AssignmentSource) -> Iterator[Services]:
+    settings = Settings(database_url=sqlite_url, max_upload_bytes=4096)
     made = replace(server.services(settings, FakeClock()), assignments=shipped)
     yield made
     made.plots.close()
