@@ -23,7 +23,7 @@ capacity: ## simulate deadline evenings from measured times: docs/capacity.md's 
 	@$(RUN) capacity $(ARGS)
 setup:    ## create .venv, compile
 	@$(RUN) setup
-messages: ## compile the Chinese and English message catalogs
+messages: ## find texts that are missing, unused or differ between Chinese and English
 	@$(RUN) messages
 interfaces: ## regenerate the shim's interface data from interfaces/
 	@$(RUN) interfaces

@@ -38,7 +38,7 @@ COMMANDS: dict[str, list[list[str]]] = {
     "bench": [["-m", "benchmarks.bench"], ["-m", "benchmarks.startup"]],
     "load": [["-m", "benchmarks.load"]],
     "capacity": [["-m", "benchmarks.capacity"]],
-    "messages": [["-m", "grader.messages.compile"]],
+    "messages": [["-m", "grader.messages.check"]],
     "interfaces": [["tools/generate_interfaces.py"]],
 }
 

@@ -22,7 +22,7 @@ from grader.contracts.report import report_from
 from grader.contracts.text import LANGUAGES, Text, trouble
 from grader.messages.quantity import points
 from grader.render.escape import visible, visible_line
-from grader.render.labels import SUBMISSION_STATE
+from grader.render.labels import status_word
 from grader.render.terminal import console, render_report
 from grader.settings import is_loopback
 
@@ -144,8 +144,7 @@ def _await(client: httpx.Client, url: str, arguments: argparse.Namespace) -> dic
             time.sleep(pause_s)
             pause_s = min(pause_s * 1.2, _LONGEST_PAUSE_S)
     if document["status"] != "graded":
-        state = SUBMISSION_STATE[document["status"]]
-        raise InfrastructureError(state.en, state.zh)
+        raise InfrastructureError(*(status_word(document["status"], language) for language in ("en", "zh")))
     return document
 
 
@@ -171,7 +170,7 @@ def _told(client: httpx.Client, url: str) -> Iterator[dict[str, Any]]:
 
 
 def _standing(document: dict[str, Any], arguments: argparse.Namespace) -> str:
-    state = SUBMISSION_STATE[document["status"]].get(arguments.lang)
+    state = status_word(document["status"], arguments.lang)
     position = document["queue_position"]
     return state if position is None else f"{state} ({position + 1})"
 

@@ -1,51 +1,69 @@
-"""Sentences for students in Chinese and English, from gettext catalogs.
+"""Every sentence that users see, in Chinese and English, from one catalogue of gettext files.
 
-Message ids name the place a sentence is used (``polygon.sides.seen``); the sentences stand in
-``zh/LC_MESSAGES/grader.po`` and ``en/LC_MESSAGES/grader.po``, edited by hand. ``python -m
-grader.messages.compile`` (needs Babel) writes the ``.mo`` files read here; a test keeps the two in step.
+A message id names the place where a sentence is used (``polygon.sides.seen``). The sentences stand in
+``<language>/LC_MESSAGES``: ``grader.po`` holds those of reports, terminals and plots, ``pages.po`` those of pages
+and of HTTP's problem documents, which a grading never reads. ``python -m grader.messages.check`` finds what is
+missing, unused or different between the languages.
+
+The ``.po`` files are read as they stand. Reading one takes half a millisecond; gettext's own reader of a compiled
+``.mo`` takes four, at every start of the command line, and compiled copies have to be kept in step.
 """
 
-import gettext
+import re
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from string import Formatter
+from typing import Final
 
 from grader.contracts.text import LANGUAGES, Language, Text
 
-DOMAIN = "grader"
-FOLDER = Path(__file__).parent
-_LIST_SEPARATOR = Text(zh="、", en=", ")
+FOLDER: Final = Path(__file__).parent
+_FILES: Final = {"page": "pages", "problem": "pages"}  # by the first word of an id; any other: grader
+_ENTRY: Final = re.compile(r'^msgid "(.+)"\nmsgstr "(.*)"$', re.MULTILINE)
+_LIST_SEPARATOR: Final = Text(zh="、", en=", ")
 
 
 class MissingMessageError(LookupError):
     """A message id has no sentence in one of the languages: a defect of the grader."""
 
 
+def file_of(language: Language, name: str) -> Path:
+    """Return the path of one of the files of sentences: ``grader`` or ``pages``."""
+    return FOLDER / language / "LC_MESSAGES" / f"{name}.po"
+
+
 @cache
-def _catalog(language: Language) -> gettext.NullTranslations:
-    path = FOLDER / language / "LC_MESSAGES" / f"{DOMAIN}.mo"
-    with path.open("rb") as file:
-        return gettext.GNUTranslations(file)
+def entries(language: Language, name: str) -> Mapping[str, str]:
+    """Return id -> sentence of one file, whose entries have a line each for id and sentence."""
+    found = dict(_ENTRY.findall(file_of(language, name).read_text(encoding="utf-8")))
+    return {key: _unescaped(text) if "\\" in text else text for key, text in found.items()}
+
+
+def template(language: Language, message_id: str, /) -> str | None:
+    """Return a sentence with its fields in braces, None when there is no such id."""
+    name = _FILES.get(message_id.partition(".")[0], "grader")
+    return entries(language, name).get(message_id)
 
 
 def sentence(language: Language, message_id: str, /, **values: object) -> str:
     """Return one sentence with `values` filled in.
 
     Raises:
-        MissingMessageError: the catalog of `language` does not have the id.
+        MissingMessageError: there is no such id in `language`.
     """
-    template = _catalog(language).gettext(message_id)
-    if template == message_id:
+    text = template(language, message_id)
+    if text is None:
         raise MissingMessageError(f"{language}: no message {message_id!r}")
-    return template.format(**{name: _in(language, value) for name, value in values.items()})
+    return text.format(**{name: _in(language, value) for name, value in values.items()})
 
 
 def outline(language: Language, message_id: str) -> str | None:
-    """Return a sentence with each of its fields as ``…``, or None when the catalog does not have the id."""
-    template = _catalog(language).gettext(message_id)
-    if template == message_id:
+    """Return a sentence with each of its fields as ``…``, or None when there is no such id."""
+    text = template(language, message_id)
+    if text is None:
         return None
-    return "".join(text + ("" if field is None else "…") for text, field, _, _ in Formatter().parse(template))
+    return "".join(before + ("" if field is None else "…") for before, field, _, _ in Formatter().parse(text))
 
 
 def say(message_id: str, /, **values: object) -> Text:
@@ -68,3 +86,7 @@ def enumerated(parts: list[Text]) -> Text:
 
 def _in(language: Language, value: object) -> object:
     return value.get(language) if isinstance(value, Text) else value
+
+
+def _unescaped(text: str) -> str:
+    return re.sub(r"\\(.)", lambda found: {"n": "\n", "t": "\t"}.get(found[1], found[1]), text)

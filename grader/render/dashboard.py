@@ -12,9 +12,9 @@ from rich.text import Text
 
 from grader.contracts.report import GradeStatus
 from grader.contracts.text import Language
-from grader.messages import quantity
+from grader.messages import quantity, template
 from grader.render.escape import visible_line
-from grader.render.labels import SUBMISSION_STATE, word
+from grader.render.labels import word
 
 _NAME_CHARACTERS = 24
 _HARDEST = 3
@@ -111,8 +111,7 @@ def _assignments(assignments: Sequence[Json], language: Language) -> Table:
 
 
 def _state(state: object, language: Language) -> str:
-    known = SUBMISSION_STATE.get(str(state))
-    return known.get(language) if known else _shown(state)
+    return template(language, f"status.{state}") or _shown(state)
 
 
 def _name(entry: Json) -> str:

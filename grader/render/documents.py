@@ -5,7 +5,7 @@ from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Language
 from grader.messages import quantity
 from grader.render.escape import visible
-from grader.render.labels import GRADE_STATUS, ITEM_STATUS, word
+from grader.render.labels import item_status_word, status_word, word
 
 
 def to_gradescope(
@@ -73,7 +73,7 @@ def _prairielearn_test(item: RubricItem, language: Language) -> dict[str, object
         "description": f"{word('wanted', language)}: {visible(quantity.wanted(item, language))}",
         "points": item.earned,
         "max_points": item.points,
-        "message": ITEM_STATUS[item.status].get(language),
+        "message": item_status_word(item.status, language),
         "output": _evidence(item, language),
     }
 
@@ -87,7 +87,7 @@ def _share(report: GradeReport) -> float:
 
 def _overview(report: GradeReport, language: Language) -> str:
     """Return status, summary, next step and the script's own error as plain text."""
-    lines = [] if report.status is GradeStatus.GRADED else [GRADE_STATUS[report.status].get(language)]
+    lines = [] if report.status is GradeStatus.GRADED else [status_word(report.status, language)]
     lines += [visible(text) for text in (report.summary.get(language),) if text]
     if hint := report.hint.get(language):
         lines.append(f"{word('next_step', language)}: {visible(hint)}")

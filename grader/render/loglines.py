@@ -4,7 +4,7 @@ from matplotlib.axes import Axes
 
 from grader.contracts.outcome import Blame, LogRecord
 from grader.render import palette
-from grader.render.labels import RUN_STATUS
+from grader.render.labels import status_word
 from grader.render.scene import Scene
 from grader.render.typeface import clipped, drawable
 
@@ -37,7 +37,7 @@ def draw_log(axes: Axes, scene: Scene) -> None:
     fill, edge = (palette.PASSED_TINT, palette.PASSED) if normal else (palette.FAILED_TINT, palette.FAILED)
     axes.barh(0.35, end_s, height=0.5, color=fill, edgecolor=edge, lw=1.0, zorder=2)
     names = ", ".join(outcome.nodes) or scene.word("running")
-    text = f"{names}  {RUN_STATUS[outcome.status].get(scene.language)}"
+    text = f"{names}  {status_word(outcome.status, scene.language)}"
     axes.text(
         end_s / 2, 0.35, clipped(drawable(text), 100), ha="center", va="center", fontsize=10.5, zorder=3
     )

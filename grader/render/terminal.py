@@ -23,7 +23,7 @@ from grader.contracts.text import Text as Sentence
 from grader.messages import quantity
 from grader.messages.details import explained
 from grader.render.escape import visible, visible_line
-from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, note_sentence, word
+from grader.render.labels import ITEM_MARK, item_status_word, note_sentence, status_word, word
 from grader.render.prose import Prose
 
 _STYLE = {
@@ -76,7 +76,7 @@ def _header(report: GradeReport, language: Language, file_name: str, title: Sent
     line.add_row(left, _score(report, language))
     parts: list[RenderableType] = [line]
     if report.status is not GradeStatus.GRADED:
-        parts.append(Text(GRADE_STATUS[report.status].get(language), style="bold red"))
+        parts.append(Text(status_word(report.status, language), style="bold red"))
     if summary := report.summary.get(language):
         parts.append(Prose(visible(summary)))
     return Group(*parts)
@@ -103,7 +103,7 @@ def _rubric(report: GradeReport, language: Language) -> Table:
     table.add_column(word("wanted", language), overflow="fold", max_width=_WANTED_COLUMNS)
     for item in report.items:
         style = _STYLE[item.status]
-        mark = Text(f"{ITEM_MARK[item.status]} {ITEM_STATUS[item.status].get(language)}", style=style)
+        mark = Text(f"{ITEM_MARK[item.status]} {item_status_word(item.status, language)}", style=style)
         points = f"{quantity.points(item.earned)}/{quantity.points(item.points)}"
         table.add_row(
             mark,

@@ -14,7 +14,7 @@ from grader.contracts.trajectory import Command, Trajectory
 from grader.messages import quantity
 from grader.messages.details import explained
 from grader.render.escape import visible, visible_line
-from grader.render.labels import RUN_STATUS, WALL, word
+from grader.render.labels import status_word, wall_word, word
 
 MOST_EVENTS = 200
 _NANO = 1e-9
@@ -54,9 +54,7 @@ def _events(outcome: RunOutcome, trajectory: Trajectory | None, language: Langua
     if trajectory is not None:
         yield from _command_runs(trajectory.commands, language)
         for contact in trajectory.contacts:
-            wall = (
-                WALL[contact.wall].get(language) if contact.wall in WALL else visible_line(contact.wall, 20)
-            )
+            wall = wall_word(contact.wall, language) or visible_line(contact.wall, 20)
             yield Event(contact.start_ns, word("contact", language, wall=wall), "yellow")
     yield Event(outcome.duration_ns, _end(outcome, language), "bold")
 
@@ -84,7 +82,7 @@ def _command_run(command: Command, last_ns: int, count: int, language: Language)
 
 
 def _end(outcome: RunOutcome, language: Language) -> str:
-    text = f"{word('end', language)}: {RUN_STATUS[outcome.status].get(language)}"
+    text = f"{word('end', language)}: {status_word(outcome.status, language)}"
     if outcome.error is not None:
         text += f" - {visible_line(outcome.error.type, 80)}: {visible_line(outcome.error.message, 300)}"
     detail = explained(outcome.status, outcome.detail).get(language)

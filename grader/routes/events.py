@@ -23,7 +23,7 @@ from grader.contracts.identity import Caller
 from grader.contracts.progress import ClassStanding, Standing
 from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
-from grader.render.labels import SUBMISSION_STATE
+from grader.render.labels import status_word
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     CallerDep,
@@ -164,7 +164,7 @@ def progress_event(standing: Standing, language: Language) -> ServerSentEvent:
     """Return the event that says where a submission stands."""
     view = ProgressView(
         status=standing.state,
-        text=SUBMISSION_STATE[standing.state.value].get(language),
+        text=status_word(standing.state, language),
         open=not standing.is_final,
         queue_position=standing.position,
         estimated_finish_at=standing.estimated_at,

@@ -12,7 +12,7 @@ from zoneinfo import ZoneInfo
 
 from grader.contracts.notation import written
 from grader.contracts.text import Language
-from grader.web.words import say, table
+from grader.web.words import known, say
 
 ACTIONS = (
     "course.create", "member.add", "member.change", "token.issue", "token.revoke", "rules.change",
@@ -93,7 +93,7 @@ class Teller:
             return _text(value)
         try:
             return told(self, value)
-        except (KeyError, TypeError, ValueError, AttributeError):
+        except (LookupError, TypeError, ValueError, AttributeError):
             return _text(value)
 
     def _part(self, part: str) -> str:
@@ -104,7 +104,7 @@ class Teller:
         return f"{self._word(f'audit.kind.{kind}', kind)} {name}" if name else part
 
     def _word(self, key: str, otherwise: str) -> str:
-        return say(key, self.language) if key in table() else otherwise
+        return say(key, self.language) if known(key) else otherwise
 
     def _instant(self, value: str) -> str:
         return (

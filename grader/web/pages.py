@@ -19,7 +19,7 @@ from markupsafe import Markup
 from grader.contracts.text import LANGUAGES, Language
 from grader.messages import quantity
 from grader.render.escape import visible_html
-from grader.render.labels import GRADE_STATUS, SUBMISSION_STATE
+from grader.render.labels import status_word
 from grader.web import forms
 from grader.web.access import visitor_of
 from grader.web.words import say
@@ -108,7 +108,7 @@ def _environment() -> Environment:
     environment.filters["points"] = quantity.points
     environment.filters["number"] = quantity.exact
     environment.filters["local"] = _local
-    environment.globals.update(GRADE_STATUS=GRADE_STATUS, SUBMISSION_STATE=SUBMISSION_STATE)
+    environment.globals.update(status_word=status_word)
     return environment
 
 

@@ -13,7 +13,7 @@ from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
 from grader.messages import quantity
 from grader.messages.details import explained
-from grader.render.labels import GRADE_STATUS, ITEM_MARK, ITEM_STATUS, RUN_STATUS, note_sentence, word
+from grader.render.labels import ITEM_MARK, item_status_word, note_sentence, status_word, word
 from grader.routes.submission_document import SHOWN_CHARACTERS, SHOWN_LOGS
 
 
@@ -105,7 +105,7 @@ def result_page(report: GradeReport, assignment: Assignment | None, language: La
         percent=round(100.0 * share),
         full=share >= 1.0,
         pending=report.score is None,
-        status=GRADE_STATUS[report.status].get(language),
+        status=status_word(report.status, language),
         normal=report.status in (GradeStatus.GRADED, GradeStatus.NEEDS_MANUAL),
         summary=report.summary.get(language),
         hint=report.hint.get(language),
@@ -120,7 +120,7 @@ def item_line(item: RubricItem, language: Language) -> ItemLine:
         title=item.title.get(language),
         status=item.status.value,
         mark=ITEM_MARK[item.status].replace("-", "–"),
-        status_text=ITEM_STATUS[item.status].get(language),
+        status_text=item_status_word(item.status, language),
         earned=quantity.NOTHING if item.status is ItemStatus.NEEDS_MANUAL else quantity.points(item.earned),
         points=quantity.points(item.points),
         measured=quantity.measured(item, language),
@@ -155,7 +155,7 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
     return RunPart(
         case=run.case,
         title=title or run.case,
-        ended=RUN_STATUS[outcome.status].get(language),
+        ended=status_word(outcome.status, language),
         normal=outcome.blame is Blame.NOBODY,
         seconds=quantity.number(outcome.duration_ns * 1e-9, "1", 1),
         error=outcome.error,

@@ -12,7 +12,7 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import judged
 from grader.contracts.report import report_from
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
-from grader.render.labels import SUBMISSION_STATE
+from grader.render.labels import status_word
 from grader.routes import recordings
 from grader.routes.dependencies import ServicesDep, SubmissionId
 from grader.routes.judgement_views import ManualItemView, manual_items
@@ -64,7 +64,7 @@ def read_state(
 ) -> Response:
     """Say where a submission stands: what the progress display asks for again and again."""
     submission, _ = access.seen(services, visitor, submission_id)
-    state = SUBMISSION_STATE[submission.state.value].get(language_of(request))
+    state = status_word(submission.state, language_of(request))
     document = {
         "open": submission.state in _OPEN,
         "state": submission.state.value,

@@ -1,25 +1,25 @@
-"""The pages' own words in both languages, from ``words.toml``."""
-
-import tomllib
-from functools import cache
-from pathlib import Path
+"""The pages' own words, from the catalogue of texts, where their ids begin with ``page.``."""
 
 from grader.contracts.text import Language
-
-_PATH = Path(__file__).with_name("words.toml")
-
-
-@cache
-def table() -> dict[str, dict[str, str]]:
-    """Return every entry: key to language to text with fields in braces."""
-    return tomllib.loads(_PATH.read_text(encoding="utf-8"))
+from grader.messages import MissingMessageError, sentence, template
 
 
 def say(key: str, language: Language, /, **values: object) -> str:
-    """Return one entry in `language`, its fields filled in, not yet escaped.
+    """Return one text in `language`, its fields filled in, not yet escaped.
+
+    Without values the fields stay in their braces: the pages' scripts fill some of them in.
 
     Raises:
-        KeyError: there is no such entry: a defect of the page.
+        MissingMessageError: there is no such text: a defect of the page.
     """
-    text = table()[key][language]
-    return text.format(**values) if values else text
+    if values:
+        return sentence(language, f"page.{key}", **values)
+    text = template(language, f"page.{key}")
+    if text is None:
+        raise MissingMessageError(f"{language}: no message {key!r} of a page")
+    return text
+
+
+def known(key: str) -> bool:
+    """Whether the pages have such a text."""
+    return template("en", f"page.{key}") is not None

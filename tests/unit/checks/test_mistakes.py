@@ -12,10 +12,9 @@ from grader.checks import evaluate, mistakes
 from grader.contracts.outcome import Endpoint, Note, RunStatus, Stream
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Trajectory
-from grader.messages import exceptions
+from grader.messages import entries, exceptions
 from tests.unit.checks.ideal_turtle import drive, error, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, score, silent
-from tests.unit.messages.catalogs import catalog_texts
 
 TWIST = "geometry_msgs/msg/Twist"
 AT_REST = drive([(2.0, 0.0, 0.0)])
@@ -169,11 +168,11 @@ def codes_in_source() -> set[str]:
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Constant) and isinstance(node.value, str)
     }
-    return {each for each in strings if f"mistake.{each}" in catalog_texts("en")}
+    return {each for each in strings if f"mistake.{each}" in entries("en", "grader")}
 
 
 def test_the_recognisers_cover_every_mistake_text() -> None:
-    texts = {each for each in catalog_texts("zh") if each.startswith("mistake.")}
+    texts = {each for each in entries("zh", "grader") if each.startswith("mistake.")}
     assert {f"mistake.{code}" for code in codes_in_source()} == texts
 
 

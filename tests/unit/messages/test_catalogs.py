@@ -1,98 +1,86 @@
-"""Nothing is missing in either language, and the compiled catalogs are those of the edited ones."""
+"""The catalogue of texts is complete, and whoever reads gettext's files reads the same as the grader."""
 
-import ast
-import gettext
-import io
-import string
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
+from babel.messages.pofile import read_po
 
-import grader.checks
 from grader.checks import KINDS
 from grader.contracts.text import LANGUAGES, Language, Text
-from grader.messages import DOMAIN, FOLDER, MissingMessageError, join, say, sentence
-from grader.messages.compile import compiled
-from tests.unit.messages.catalogs import catalog_texts
-
-
-def fields(template: str) -> set[str]:
-    return {name for _, name, _, _ in string.Formatter().parse(template) if name is not None}
-
-
-def literal_ids() -> set[str]:
-    """Every id that the checks pass to `say` as a plain string."""
-    return {
-        node.args[0].value
-        for path in Path(grader.checks.__file__).parent.rglob("*.py")
-        for node in ast.walk(ast.parse(path.read_text()))
-        if isinstance(node, ast.Call)
-        and isinstance(node.func, ast.Name)
-        and node.func.id == "say"
-        and isinstance(node.args[0], ast.Constant)
-    }
+from grader.messages import MissingMessageError, check, entries, file_of, join, outline, say, sentence
 
 
 def measure_ids() -> set[str]:
     """Every id that follows from the table of checks."""
     ids = {f"{kind}.remarks" for kind in KINDS}
-    for kind, check in KINDS.items():
-        for name, measure in check.measures.items():
+    for kind, one in KINDS.items():
+        for name, measure in one.measures.items():
             seen = ("yes", "no") if measure.form == "flag" else ("seen",)
             ids |= {f"{kind}.{name}.{part}" for part in ("name", "hint", *seen)}
     return ids
 
 
-def sentences(binary: bytes, ids: set[str]) -> dict[str, str]:
-    catalog = gettext.GNUTranslations(io.BytesIO(binary))
-    return {key: catalog.gettext(key) for key in ids}
+def test_nothing_is_missing_unused_or_different() -> None:
+    assert check.faults() == []
 
 
+@pytest.mark.parametrize("name", check.FILES)
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_compiled_catalog_is_in_step(language: Language) -> None:
-    """Compared by sentences, because the header of a compiled catalog names the version of Babel."""
-    po_path = FOLDER / language / "LC_MESSAGES" / f"{DOMAIN}.po"
-    ids = set(catalog_texts(language))
-    committed = po_path.with_suffix(".mo").read_bytes()
-    assert sentences(committed, ids) == catalog_texts(language), "run: python -m grader.messages.compile"
-    assert sentences(compiled(po_path), ids) == catalog_texts(language)
+def test_other_tools_read_the_same(language: Language, name: str) -> None:
+    with file_of(language, name).open("rb") as file:
+        read = {str(each.id): str(each.string) for each in read_po(file, abort_invalid=True) if each.id}
+    assert read == entries(language, name)
+    assert len(read) > 200
 
 
-def test_compiling_is_repeatable() -> None:
-    po_path = FOLDER / "zh" / "LC_MESSAGES" / f"{DOMAIN}.po"
-    assert compiled(po_path) == compiled(po_path)
+def test_every_measure_has_its_sentences() -> None:
+    assert measure_ids() <= set(entries("en", "grader"))
 
 
-def test_both_languages_say_the_same_things_with_the_same_values() -> None:
-    chinese, english = catalog_texts("zh"), catalog_texts("en")
-    assert set(chinese) == set(english)
-    assert {key: fields(text) for key, text in chinese.items()} == {
-        key: fields(text) for key, text in english.items()
-    }
+@pytest.mark.parametrize(
+    ("changed", "fault"),
+    [
+        ({"page.upload.send": None}, "en: page.upload.send is missing"),
+        ({"page.upload.send": " "}, "en: page.upload.send is missing"),
+        ({"page.upload.send": "上传"}, "en: page.upload.send has Chinese characters"),
+        ({"page.points": "points"}, "page.points has other fields in one language: zh: ['points']; en: []"),
+        ({"page.rules.late.never": "-"}, "page.rules.late.never is not used"),
+        ({"mistake.too_tired": "-"}, "mistake.too_tired is not used"),
+        ({"mistake.curved": None}, "no message mistake.curved"),
+        ({"word.gap": None}, "no message word.gap"),
+        ({"page.nav.people": None}, "no message page.nav.people"),
+    ],
+)
+def test_each_fault_is_found(
+    monkeypatch: pytest.MonkeyPatch, changed: dict[str, str | None], fault: str
+) -> None:
+    (key,) = changed
+
+    def with_the_fault(language: Language, name: str) -> Mapping[str, str]:
+        texts = dict(entries(language, name))
+        if language == "en" and (key in texts or name == ("pages" if key.startswith("page.") else "grader")):
+            texts |= {key: changed[key] or ""}
+            texts = {one: text for one, text in texts.items() if text}
+        return texts
+
+    monkeypatch.setattr(check, "entries", with_the_fault)
+    assert any(line.endswith(fault) for line in (*check.differences(), *check.uses()))
 
 
-@pytest.mark.parametrize("language", LANGUAGES)
-def test_no_sentence_is_empty(language: Language) -> None:
-    assert not [key for key, text in catalog_texts(language).items() if not text.strip()]
-
-
-def test_every_id_in_use_exists() -> None:
-    assert literal_ids()
-    assert not (literal_ids() | measure_ids()) - set(catalog_texts("zh"))
-
-
-def test_no_sentence_is_idle() -> None:
-    families = (
-        "mistake.",
-        "figure.",
-        "wall.",
-        "stall.",
-        "detail.",
-        "item.yes",
-        "item.no",
-    )  # chosen at run time; mistakes have a test of their own
-    rest = {key for key in catalog_texts("zh") if not key.startswith(families)}
-    assert rest == {key for key in literal_ids() | measure_ids() if not key.startswith(families)}
+def test_an_entry_that_is_given_twice_or_over_two_lines_is_found(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    text = file_of("en", "pages").read_text(encoding="utf-8")
+    copy = tmp_path / "pages.po"
+    text += '\nmsgid "page.points"\nmsgstr "-"\n\nmsgid "page.no"\nmsgstr ""\n"no"\n'
+    copy.write_text(text, encoding="utf-8")
+    monkeypatch.setattr(
+        check, "file_of", lambda *names: copy if names == ("en", "pages") else file_of(*names)
+    )
+    faults = list(check.differences())
+    assert "en: page.points stands there 2 times" in faults
+    assert "en: page.no stands there 2 times" in faults
 
 
 def test_a_value_in_two_languages_is_inserted_in_each() -> None:
@@ -108,6 +96,7 @@ def test_values_are_not_templates() -> None:
 def test_an_unknown_id_is_refused() -> None:
     with pytest.raises(MissingMessageError):
         say("no.such.message")
+    assert outline("en", "no.such.message") is None
 
 
 def test_join() -> None:

@@ -3,7 +3,7 @@
 import re
 from pathlib import Path
 
-from tests.unit.messages.catalogs import catalog_texts
+from grader.messages import entries
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "feedback.md"
 
@@ -11,5 +11,5 @@ PAGE = Path(__file__).resolve().parents[3] / "docs" / "feedback.md"
 def test_every_mistake_is_explained() -> None:
     rows = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("| `")]
     named = {code for row in rows for code in re.findall(r"`(\w+)`", row.split("|")[1])}
-    known = {key.removeprefix("mistake.") for key in catalog_texts("zh") if key.startswith("mistake.")}
+    known = {key.removeprefix("mistake.") for key in entries("zh", "grader") if key.startswith("mistake.")}
     assert named == known

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from matplotlib.ft2font import FT2Font
 
 import grader.render
-from grader.render.labels import WORDS
+from grader.messages import entries
 from grader.render.typeface import FAMILY, clipped, columns, drawable
 
 FONTS = Path(grader.render.__file__).parent / "fonts"
@@ -25,7 +25,8 @@ def test_common_chinese_ascii_and_signs_are_there() -> None:
         for cell in range(0xA1, 0xFF)
     }
     wanted = set("".join(level_1)) | set(map(chr, range(0x20, 0x7F))) | set("−±°×·→…—≤≥ω,。:;!?()、“”")
-    wanted |= set("".join(text.zh for text in WORDS.values())) - {"✗"}
+    labels = (text for key, text in entries("zh", "grader").items() if key.startswith("word."))
+    wanted |= set("".join(labels)) - {"✗"}
     assert len(wanted) > 3800
     assert not set(map(ord, wanted)) - set(FT2Font(str(FONT)).get_charmap())
 
