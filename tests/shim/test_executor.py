@@ -197,3 +197,79 @@ print("main", round(time.time() - 1.7e9, 2))
     )
     assert run.stdout.splitlines() == ["main 0.5", "slow 3.1"]
     assert (run.exit["reason"], run.exit["t_ns"] // 10**8) == (0, 31)
+
+
+def test_a_callback_that_raises_system_exit_is_not_resumed(run_script):
+    """Upstream's task stays `_executing` (task.py:229-256), and executors skip it (executors.py:496)."""
+    source = """
+        def tick():
+            ticks.append(1)
+            at(len(ticks))
+            if len(ticks) == 2:
+                raise {error}
+        ticks = []
+        node.create_timer(0.1, tick)
+        try:
+            rclpy.spin(node)
+        except {error}:
+            at("stopped", rclpy.ok())
+        for _ in range(3):
+            rclpy.spin_once(node)
+        at("end")
+    """
+    for error in ("SystemExit", "KeyboardInterrupt"):
+        lines = run_lines(run_script, source.format(error=error))
+        assert lines == ["100 1", "200 2", "200 stopped True", "300 3", "400 4", "500 5", "500 end"], error
+
+
+def test_a_service_whose_callback_exits_never_answers(run_script):
+    source = """
+        def serve(request, response):
+            at("served")
+            raise SystemExit(3)
+        node.create_service(Trigger, "t", serve)
+        future = node.create_client(Trigger, "t").call_async(Trigger.Request())
+        try:
+            rclpy.spin_until_future_complete(node, future)
+        except SystemExit as error:
+            at("exit", error.code)
+        rclpy.spin_once(node, timeout_sec=0.2)
+        at(future.done())
+    """
+    assert run_lines(run_script, source) == ["0 served", "0 exit 3", "200 False"]
+
+
+def test_an_executor_of_threads_loses_system_exit_and_goes_on(run_script):
+    """A pool's future keeps the exception (executors.py, MultiThreadedExecutor) and nobody asks for it."""
+    source = """
+        def tick():
+            at("tick")
+            raise SystemExit
+        node.create_timer(0.1, tick)
+        executor = MultiThreadedExecutor(2)
+        executor.add_node(node)
+        while node.get_clock().now().nanoseconds < 1_700_000_000_350_000_000:
+            executor.spin_once(timeout_sec=0.05)
+        print(len(executor._tasks) < 3)
+    """
+    assert run_lines(run_script, source) == ["100 tick", "200 tick", "300 tick", "True"]
+
+
+def test_spinning_once_after_ctrl_c_fails_as_its_timer_or_wait_set_does(run_script):
+    """A timeout is measured by a timer (executors.py:479); rcl refuses both in a context that was shut down."""
+    source = """
+        try:
+            rclpy.spin(node)
+        except KeyboardInterrupt:
+            pass
+        for timeout_sec in (0.1, 0, None):
+            try:
+                rclpy.spin_once(node, timeout_sec=timeout_sec)
+            except RuntimeError as error:
+                print(type(error).__name__, error)
+    """
+    invalid = "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called."
+    assert run_script(PREFIX + dedent(source), horizon_s=1).stdout.splitlines() == [
+        f"RCLError failed to create timer: {invalid}, at ./src/rcl/guard_condition.c:67",
+        *[f"RCLError failed to initialize wait set: {invalid}, at ./src/rcl/wait.c:130"] * 2,
+    ]

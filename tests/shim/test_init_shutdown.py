@@ -155,3 +155,84 @@ def test_shutdown_from_another_thread_ends_the_spin(run_script):
             print(type(error))
     """
     assert lines(run_script, source) == ["<class 'rclpy.executors.ExternalShutdownException'>"]
+
+
+AFTER_SHUTDOWN = """
+import rclpy
+from rclpy.node import Node
+from rclpy.action import ActionClient, ActionServer
+from example_interfaces.action import Fibonacci
+from std_msgs.msg import Int32
+from std_srvs.srv import Trigger
+rclpy.init()
+n = Node("n")
+publisher = n.create_publisher(Int32, "x", 10)
+client = n.create_client(Trigger, "t")
+actions = ActionClient(n, Fibonacci, "f")
+context = n.context
+rclpy.shutdown()
+def show(call):
+    try:
+        print("no error:", call())
+    except Exception as error:
+        print(type(error).__name__, error, sep="|")
+"""
+
+GUARD = (
+    "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called., "
+    "at ./src/rcl/guard_condition.c:67"
+)
+NODE = "rcl node's context is invalid, at ./src/rcl/node.c:428"
+PUBLISHER = "publisher's context is invalid, at ./src/rcl/publisher.c:389"
+
+
+def test_after_shutdown_everything_fails_with_upstreams_texts(run_script):
+    """Texts of rclpy's src/rclpy/*.cpp, then rcl's: timer.c:158, guard_condition.c:66, node.c:428, graph.c:85."""
+    expected = {
+        "n.create_timer(1, print)": f"RCLError|failed to create timer: {GUARD}",
+        "n.create_rate(1)": f"RCLError|failed to create timer: {GUARD}",
+        "n.create_guard_condition(print)": f"RCLError|failed to create guard_condition: {GUARD}",
+        "n.create_publisher(Int32, 'y', 1)": f"RCLError|Failed to create publisher: {NODE}",
+        "n.create_subscription(Int32, 'y', print, 1)": f"RCLError|Failed to create subscription: {NODE}",
+        "n.create_client(Trigger, 'y')": f"RCLError|failed to create client: {NODE}",
+        "n.create_service(Trigger, 'y', print)": f"RCLError|failed to create service: {NODE}",
+        "ActionClient(n, Fibonacci, 'g')": f"ValueError|Failed to create action client: {NODE}",
+        "ActionServer(n, Fibonacci, 'g', print)": f"ValueError|Failed to create action server: {NODE}",
+        "n.declare_parameter('p', 1)": f"RCLError|Failed to publish: {PUBLISHER}",
+        "n.get_topic_names_and_types()": f"RCLError|failed to get topic names and types: {NODE}",
+        "n.get_service_names_and_types()": f"RCLError|failed to get service names and types: {NODE}",
+        "n.get_node_names()": f"RCLError|Failed to get node names: {NODE}",
+        "n.get_node_names_and_namespaces()": f"RCLError|Failed to get node names: {NODE}",
+        "n.get_publisher_names_and_types_by_node('n', '/')": "RCLError|failed to get publisher names and types: "
+        + NODE,
+        "n.get_client_names_and_types_by_node('n', '/')": f"RCLError|failed to get client names and types: {NODE}",
+        "n.count_publishers('x')": f"RCLError|Error in rcl_count_publishers: {NODE}",
+        "n.count_subscribers('x')": f"RCLError|Error in rcl_count_subscribers: {NODE}",
+        "n.get_publishers_info_by_topic('x')": "RCLError|Failed to get information by topic for publishers: "
+        + NODE,
+        "n.get_subscriptions_info_by_topic('x')": "RCLError|Failed to get information by topic for subscriptions: "
+        + NODE,
+        "publisher.get_subscription_count()": f"RCLError|failed to get subscription count: {PUBLISHER}",
+        "publisher.assert_liveliness()": f"RCLError|Failed to assert liveliness on the Publisher: {PUBLISHER}",
+        "client.wait_for_service(1.0)": f"RCLError|failed to check service availability: {NODE}",
+        "actions.server_is_ready()": f"RCLError|Failed to check if action server is available: {NODE}",
+        "rclpy.executors.SingleThreadedExecutor(context=context)": f"RCLError|failed to create guard_condition: {GUARD}",
+    }
+    source = AFTER_SHUTDOWN + "".join(f"show(lambda: {call})\n" for call in expected)
+    run = run_script(source)
+    assert dict(zip(expected, run.stdout.splitlines(), strict=True)) == expected
+
+
+def test_a_destroyed_node_stores_no_parameters(run_script):
+    """Upstream asks for the node's namespace before it stores anything (node.py, _set_parameters_atomically)."""
+    source = """
+        import rclpy
+        rclpy.init()
+        node = rclpy.create_node("n")
+        node.destroy_node()
+        try:
+            node.declare_parameter("p", 1)
+        except RuntimeError as error:
+            print(type(error).__name__, node.has_parameter("p"))
+    """
+    assert lines(run_script, source) == ["InvalidHandle False"]

@@ -49,3 +49,30 @@ def test_transitions_publishers_and_services(run_script):
         "RCLError",
         "TransitionCallbackReturnType.SUCCESS TransitionCallbackReturnType.SUCCESS",
     ]
+
+
+def test_an_invalid_transition_is_warned_of(run_script):
+    """rcl_lifecycle.c:319 and 340 log it before the exception."""
+    run = run_script(
+        dedent("""
+            import rclpy
+            from rclpy.lifecycle import LifecycleNode
+            rclpy.init()
+            node = LifecycleNode("talker")
+            for trigger in (node.trigger_activate, node.trigger_configure, node.trigger_configure):
+                try:
+                    print(trigger())
+                except RuntimeError as error:
+                    print(type(error).__name__, error)
+        """)
+    )
+    refused = (
+        "RCLError Failed to trigger lifecycle state machine transition: Transition is not registered., "
+        "at ./src/rcl_lifecycle.c:355"
+    )
+    assert run.stdout.splitlines() == [refused, "TransitionCallbackReturnType.SUCCESS", refused]
+    warned = [line.partition("] [")[2].partition("] ")[2] for line in run.stderr.splitlines()]
+    assert warned == [
+        "[rcl_lifecycle]: No transition matching 3 found for current state unconfigured",
+        "[rcl_lifecycle]: No transition matching 1 found for current state inactive",
+    ]

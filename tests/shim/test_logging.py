@@ -138,3 +138,40 @@ def test_a_very_long_message_is_shown_whole_and_bounded_on_rosout(run_script):
     run, err = run_and_stderr(run_script, "log.info('长' * 50_000)\n")
     assert err[0].endswith("]: " + "长" * 50_000)
     assert len(run.published("/rosout")[0][1]) < 10_000
+
+
+def test_two_nodes_of_one_name_share_a_log_publisher_and_are_warned_of(run_script):
+    """As logging_rosout.c:159 has it: the first publisher serves both, and goes with either."""
+    source = """
+        first, second = rclpy.create_node("same"), rclpy.create_node("same")
+        print(first.count_publishers("/rosout"))
+        other = rclpy.create_node("other")
+        heard = []
+        from rcl_interfaces.msg import Log
+        other.create_subscription(Log, "/rosout", lambda m: heard.append((m.name, m.msg)), 10)
+        second.get_logger().info("by the first's publisher")
+        first.destroy_node()
+        second.get_logger().info("on the console only")
+        rclpy.spin_once(other, timeout_sec=0.1)
+        rclpy.spin_once(other, timeout_sec=0.1)
+        print(heard, other.count_publishers("/rosout"))
+    """
+    run = run_script("import rclpy\nrclpy.init()\n" + dedent(source))
+    assert run.stdout.splitlines() == ["1", "[('same', \"by the first's publisher\")] 1"]
+    assert run.stderr.count("[rcl.logging_rosout]: Publisher already registered for provided node name.") == 1
+    assert "on the console only" in run.stderr
+
+
+def test_the_episode_is_told_what_a_node_logs_after_its_end(run_script):
+    source = """
+        import rclpy
+        rclpy.init()
+        node, late = rclpy.create_node("n"), rclpy.create_node("late")
+        node.destroy_node()
+        node.get_logger().info("after destruction")
+        rclpy.shutdown()
+        late.get_logger().info("after shutdown")
+    """
+    run = run_script(dedent(source))
+    texts = (b"destruction", b"shutdown")
+    assert [text for _, cdr in run.published("/rosout") for text in texts if text in cdr] == list(texts)

@@ -76,3 +76,35 @@ def test_compatibility(run_script):
         "ERROR ERROR: Volatile publisher and transient local subscription;",
         "ERROR ERROR: Subscription has a deadline, but publisher does not;",
     ]
+
+
+def test_what_others_learn_of_an_endpoint_is_what_rmw_fastrtps_fills_in(run_script):
+    """qos.cpp:38 leaves DDS' defaults where a profile says nothing; qos.hpp:140 tells no history and no depth."""
+    source = """
+        import rclpy
+        from rclpy.duration import Duration
+        from rclpy.qos import QoSProfile, qos_profile_system_default
+        from std_msgs.msg import String
+        rclpy.init()
+        node = rclpy.create_node("n")
+        node.create_publisher(String, "plain", 7)
+        node.create_publisher(String, "system", qos_profile_system_default)
+        node.create_subscription(String, "system", print, qos_profile_system_default)
+        node.create_publisher(String, "asked", QoSProfile(depth=1, deadline=Duration(seconds=2), reliability=2))
+        def show(info):
+            p = info.qos_profile
+            print(p.history.name, p.depth, p.reliability.name, p.durability.name, p.lifespan, p.deadline,
+                  p.liveliness.name, p.liveliness_lease_duration)
+        for info in (
+            *node.get_publishers_info_by_topic("plain"), *node.get_publishers_info_by_topic("system"),
+            *node.get_subscriptions_info_by_topic("system"), *node.get_publishers_info_by_topic("asked"),
+        ):
+            show(info)
+    """
+    run = run_script(dedent(source))
+    assert run.stdout.splitlines() == [
+        "UNKNOWN 0 RELIABLE VOLATILE Infinite Infinite AUTOMATIC Infinite",
+        "UNKNOWN 0 RELIABLE TRANSIENT_LOCAL Infinite Infinite AUTOMATIC Infinite",
+        "UNKNOWN 0 BEST_EFFORT VOLATILE Infinite Infinite AUTOMATIC Infinite",
+        "UNKNOWN 0 BEST_EFFORT VOLATILE Infinite 2000000000 nanoseconds AUTOMATIC Infinite",
+    ], run.stderr

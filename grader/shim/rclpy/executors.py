@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 from rclpy._kernel import kernel
+from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
 from rclpy.exceptions import InvalidHandle as InvalidHandle
 from rclpy.guard_condition import GuardCondition
@@ -246,6 +247,10 @@ class Executor:
         """
         seconds = timeout_sec.timeout if isinstance(timeout_sec, TimeoutObject) else timeout_sec
         timeout_ns = timeout_sec_to_nsec(seconds)
+        if timeout_ns > 0 and not self._context._valid():
+            raise RCLError(
+                f"failed to create timer: {GUARD_CONTEXT}"
+            )  # upstream measures a timeout by a timer
         deadline_ns = None if timeout_ns < 0 else kernel.now_ns + timeout_ns
         yielded = False
         while not yielded and not self._is_shutdown and not condition():
@@ -256,7 +261,9 @@ class Executor:
                 if not task.executing() and not task._done and (node is None or node in using):
                     yielded = True
                     yield task, entity, node
-            self._tasks = [item for item in self._tasks if not item[0]._done]
+            self._tasks = [item for item in self._tasks if not (item[0]._done or item[0]._abandoned)]
+            if not self._context._valid():
+                raise RCLError(f"failed to initialize wait set: {WAIT_CONTEXT}")
             watch = Watch(self.can_execute, using)
             self._block(watch, guard, deadline_ns)
             timed_out = deadline_ns is not None and kernel.now_ns >= deadline_ns

@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
     from typing import Any, Protocol
 
-    from rclpy._rcl.graph import Names
     from rclpy.callback_groups import CallbackGroup
     from rclpy.clock import Clock
     from rclpy.context import Context
@@ -774,6 +773,7 @@ class Node:
             result = callback(parameter_list)
             if not result.successful:
                 return result
+        self._graph_handle()  # upstream asks for the node's name here: a destroyed one stores nothing any more
         event: dict[str, list[Parameter]] = {"new": [], "changed": [], "deleted": []}
         for parameter in parameter_list:
             event[self._store(parameter, descriptors, allow_not_set_type)].append(parameter)
@@ -803,8 +803,8 @@ class Node:
 
     def _publish_parameter_event(self, event: dict[str, list[Parameter]]) -> None:
         publisher = self._parameter_event_publisher
-        if publisher is None or not publisher.handle.readers:
-            return
+        if publisher is None or not (publisher.handle.readers or not self.__node.context.valid):
+            return  # nobody listens, and publishing would not fail: building the message is the costly part
         from rclpy._interfaces.own import ParameterEvent
 
         message = ParameterEvent(node=self.get_fully_qualified_name())
@@ -895,34 +895,39 @@ class Node:
     ) -> NamesAndTypes:
         """Return the topics a node publishes; NodeNameNonExistentError."""
         handle = self._graph_handle()
-        return handle.names_and_types_by_node(handle.graph.writers, node_name, node_namespace)
+        failure = "failed to get publisher names and types"
+        return handle.names_and_types_by_node(failure, handle.graph.writers, node_name, node_namespace)
 
     def get_subscriber_names_and_types_by_node(
         self, node_name: str, node_namespace: str, no_demangle: bool = False
     ) -> NamesAndTypes:
         """Return the topics a node listens to; NodeNameNonExistentError."""
         handle = self._graph_handle()
-        return handle.names_and_types_by_node(handle.graph.readers, node_name, node_namespace)
+        failure = "failed to get subscriber names and types"
+        return handle.names_and_types_by_node(failure, handle.graph.readers, node_name, node_namespace)
 
     def get_service_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
         """Return the services a node offers; NodeNameNonExistentError."""
         handle = self._graph_handle()
-        return handle.names_and_types_by_node(handle.graph.servers, node_name, node_namespace)
+        failure = "failed to get service names and types"
+        return handle.names_and_types_by_node(failure, handle.graph.servers, node_name, node_namespace)
 
     def get_client_names_and_types_by_node(self, node_name: str, node_namespace: str) -> NamesAndTypes:
         """Return the services a node has clients of; NodeNameNonExistentError."""
         handle = self._graph_handle()
-        return handle.names_and_types_by_node(handle.graph.clients, node_name, node_namespace)
+        failure = "failed to get client names and types"
+        return handle.names_and_types_by_node(failure, handle.graph.clients, node_name, node_namespace)
 
     def get_topic_names_and_types(self, no_demangle: bool = False) -> NamesAndTypes:
         """Return all topics with their types."""
         handle = self._graph_handle()
-        return handle.names_and_types(handle.graph.writers, handle.graph.readers)
+        failure = "failed to get topic names and types"
+        return handle.names_and_types(failure, handle.graph.writers, handle.graph.readers)
 
     def get_service_names_and_types(self) -> NamesAndTypes:
         """Return all services with their types."""
         handle = self._graph_handle()
-        return handle.names_and_types(handle.graph.servers)
+        return handle.names_and_types("failed to get service names and types", handle.graph.servers)
 
     def get_node_names(self) -> list[str]:
         """Return the names of all nodes."""
@@ -950,20 +955,24 @@ class Node:
         """Return how many subscriptions a topic has."""
         return self._graph_handle().get_count_subscribers(self._full_topic_name(topic_name))
 
-    def _infos(self, topic_name: str, no_mangle: bool, kind: Names, number: int) -> list[TopicEndpointInfo]:
+    def _infos(self, topic_name: str, no_mangle: bool, *, writers: bool) -> list[TopicEndpointInfo]:
         from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+        handle = self._graph_handle()
         name = topic_name
         if not no_mangle:
-            name = self._graph_handle().remap(self._full_topic_name(topic_name), "topic")
+            name = handle.remap(self._full_topic_name(topic_name), "topic")
+        what = "publishers" if writers else "subscriptions"
+        handle.require_context(f"Failed to get information by topic for {what}")
+        kind = handle.graph.writers if writers else handle.graph.readers
         return [
             TopicEndpointInfo(
                 node_name=endpoint.owner[0],
                 node_namespace=endpoint.owner[1],
                 topic_type=endpoint.type_name,
-                endpoint_type=number,
+                endpoint_type=1 if writers else 2,
                 endpoint_gid=list(endpoint.gid.to_bytes(_GID_BYTES, "big")),
-                qos_profile={**endpoint.qos.to_dict(), "history": 3, "depth": 0},
+                qos_profile=endpoint.qos.discovered(writer=writers),
             )
             for endpoint in kind.at(name)
         ]
@@ -972,13 +981,13 @@ class Node:
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
         """Return what is known of a topic's publishers."""
-        return self._infos(topic_name, no_mangle, self._graph_handle().graph.writers, 1)
+        return self._infos(topic_name, no_mangle, writers=True)
 
     def get_subscriptions_info_by_topic(
         self, topic_name: str, no_mangle: bool = False
     ) -> list[TopicEndpointInfo]:
         """Return what is known of a topic's subscriptions."""
-        return self._infos(topic_name, no_mangle, self._graph_handle().graph.readers, 2)
+        return self._infos(topic_name, no_mangle, writers=False)
 
 
 def _require_names(names: list[str]) -> None:

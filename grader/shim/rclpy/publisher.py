@@ -76,6 +76,7 @@ class Publisher:
     def assert_liveliness(self) -> None:
         """Tell that the publisher is alive."""
         self.__publisher.require()
+        self.__publisher.assert_liveliness()
 
     def wait_for_all_acked(self, timeout: Duration = Duration(seconds=-1)) -> bool:  # noqa: B008
         """Wait until everything published was received: True, it is received at once."""

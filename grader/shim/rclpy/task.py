@@ -160,6 +160,7 @@ class Task(Future):
             self._handler = handler(*self._args, **self._kwargs)
             self._args = self._kwargs = None
         self._executing = False
+        self._abandoned = False
 
     def __call__(self) -> None:
         """Run or resume; does nothing when done or running."""
@@ -171,8 +172,12 @@ class Task(Future):
                 self._resume()
             else:
                 self._run()
-        finally:
-            self._executing = False
+        except BaseException:
+            # SystemExit or KeyboardInterrupt out of a callback: the task counts as executing for ever, and whoever
+            # spins again skips it (upstream's task.py:229-256 and executors.py:496).
+            self._abandoned = True
+            raise
+        self._executing = False
 
     def _resume(self) -> None:
         try:

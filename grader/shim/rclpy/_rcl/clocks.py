@@ -5,7 +5,7 @@ from __future__ import annotations
 from rclpy._kernel import kernel
 from rclpy._patches.time import UPTIME_NS
 from rclpy._rcl.enums import ClockChange, ClockType
-from rclpy._rcl.errors import NEGATIVE_PERIOD, TIMER_CANCELED, RCLError
+from rclpy._rcl.errors import GUARD_CONTEXT, NEGATIVE_PERIOD, TIMER_CANCELED, RCLError
 from rclpy._rcl.handles import ContextHandle, Handle, required
 
 TYPE_CHECKING = False
@@ -167,6 +167,10 @@ class TimerHandle(Handle):
         required(context)
         if period_ns < 0:
             raise RCLError(NEGATIVE_PERIOD)
+        if not context.valid:
+            raise RCLError(
+                f"failed to create timer: {GUARD_CONTEXT}"
+            )  # a timer has a guard condition of its own
         self.clock = clock
         self.canceled = False
         self.backlog: list[bool] = []

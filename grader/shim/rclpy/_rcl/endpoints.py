@@ -41,7 +41,8 @@ class EndpointHandle(Handle):
         super().__init__()
         node.require()
         self.node = node
-        self.name = node.resolve_for_creation(name, service=service)
+        node.require_context(f"{'failed' if service else 'Failed'} to create {self.what}")
+        self.name = node.expand_and_remap(name, service=service)
         self.type_name = type_name(cls)
         self.qos = qos
         self.gid = next_gid()
@@ -130,8 +131,7 @@ class PublisherHandle(EndpointHandle):
     def publish(self, message: Any) -> None:
         """Publish a message of the publisher's class; later changes of it have no effect."""
         kernel.charge()
-        if not self._context.valid:
-            raise RCLError("Failed to publish: " + PUBLISHER_CONTEXT)
+        self._require_context("Failed to publish")
         if self.readers or self._carried or self._kept is not None:
             self.send(serialize(message))
         elif self._counted:
@@ -140,9 +140,12 @@ class PublisherHandle(EndpointHandle):
     def publish_raw(self, data: bytes) -> None:
         """Publish a serialised message as it is."""
         kernel.charge()
-        if not self._context.valid:
-            raise RCLError("Failed to publish: " + PUBLISHER_CONTEXT)
+        self._require_context("Failed to publish")
         self.send(data)
+
+    def _require_context(self, failure: str) -> None:
+        if not self._context.valid:
+            raise RCLError(f"{failure}: {PUBLISHER_CONTEXT}")
 
     def context_valid(self) -> bool:
         """Whether publishing is possible."""
@@ -165,10 +168,16 @@ class PublisherHandle(EndpointHandle):
 
     def get_subscription_count(self) -> int:
         """Return how many subscriptions are matched."""
+        self._require_context("failed to get subscription count")
         return len(self.readers) + len(self._world)
+
+    def assert_liveliness(self) -> None:
+        """Tell that the publisher is alive."""
+        self._require_context("Failed to assert liveliness on the Publisher")
 
     def wait_for_all_acked(self, timeout: Any) -> bool:
         """Everything published has arrived already."""
+        self._require_context("Failed to wait for all acknowledgements")
         return True
 
     def _dispose(self) -> None:

@@ -63,6 +63,11 @@ PUBLISHER_CONTEXT = "publisher's context is invalid, at ./src/rcl/publisher.c:38
 SHUTDOWN_TWICE = (
     "failed to shutdown: rcl_shutdown already called on the given context, at ./src/rcl/init.c:241"
 )
+_NOT_VALID = (
+    "the given context is not valid, either rcl_init() was not called or rcl_shutdown() was called., at "
+)
+GUARD_CONTEXT = _NOT_VALID + "./src/rcl/guard_condition.c:67"
+WAIT_CONTEXT = _NOT_VALID + "./src/rcl/wait.c:130"
 NODE_CONTEXT = "rcl node's context is invalid, at ./src/rcl/node.c:428"
 NEGATIVE_PERIOD = "failed to create timer: timer period must be non-negative, at ./src/rcl/timer.c:139"
 TIMER_CANCELED = "failed to call timer: timer is canceled, at ./src/rcl/timer.c:249"

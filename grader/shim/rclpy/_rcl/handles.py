@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from rclpy._rcl.errors import DESTROYED, SHUTDOWN_TWICE, InvalidHandle, RCLError
+from rclpy._rcl.errors import DESTROYED, GUARD_CONTEXT, SHUTDOWN_TWICE, InvalidHandle, RCLError
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -121,7 +121,8 @@ class GuardHandle(Handle):
 
     def __init__(self, context: ContextHandle) -> None:
         super().__init__()
-        required(context)
+        if not required(context).valid:
+            raise RCLError(f"failed to create guard_condition: {GUARD_CONTEXT}")
         self.backlog: list[bool] = []
 
     def trigger_guard_condition(self) -> None:

@@ -9,6 +9,7 @@ import os
 import struct
 
 from rclpy._kernel import kernel
+from rclpy._link import link
 from rclpy._patches.output import budget
 
 TYPE_CHECKING = False
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     class LogPublisher(Protocol):
         """What logging needs of the publisher of a node's records."""
 
+        def destroy_when_not_in_use(self) -> None:
+            """Destroy it."""
+
         def context_valid(self) -> bool:
             """Whether publishing is possible."""
 
@@ -26,7 +30,7 @@ if TYPE_CHECKING:
 
 
 NAMES = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
-INFO = 20
+INFO, WARN = 20, 30
 FORMAT = "[{severity}] [{time}] [{name}]: {message}"
 ROSOUT_BYTES = 8_192
 """Longest text a record on /rosout carries: a frame of the channel is bounded."""
@@ -48,6 +52,10 @@ _settings: _Settings | None = None
 _levels: dict[str, int] = {}
 _rosout: dict[str, LogPublisher] = {}
 _rosout_open = False
+_nodes: dict[str, str] = {}
+"""Logger -> path of its node, which may be gone."""
+_late: dict[str, int] = {}
+"""Logger -> id on the link of what carries its records when no publisher does (`_tell_late`)."""
 
 
 def configure(levels: dict[str, int], *, rosout: bool) -> None:
@@ -60,9 +68,11 @@ def configure(levels: dict[str, int], *, rosout: bool) -> None:
 
 
 def finish() -> None:
-    """End logging to /rosout: the last context was shut down."""
+    """End logging to /rosout: the last context was shut down. Its publishers go, as in rcl_logging_rosout_fini."""
     global _rosout_open
     _rosout_open = False
+    for name in tuple(_rosout):
+        close_rosout(name)
 
 
 def reset() -> None:
@@ -114,9 +124,14 @@ def log(severity: int, name: str, message: str | bytes, function: str, file: str
         )
     stamp_ns = kernel.epoch_ns + kernel.now_ns
     _print(int(severity), name, message, stamp_ns, (function, file, line))
-    publisher = _rosout.get(name) if _rosout_open else None
-    if publisher is not None:
-        _publish(publisher, _record(stamp_ns, int(severity), name, message, (function, file, line)))
+    if name in _nodes:
+        _publish(name, _record(stamp_ns, int(severity), name, message, (function, file, line)))
+
+
+def warn(name: str, message: str) -> None:
+    """Log a warning of rcl's own."""
+    if is_enabled(name, WARN):
+        log(WARN, name, message, "", "", 0)
 
 
 def _print(severity: int, name: str, message: str, stamp_ns: int, place: tuple[str, str, int]) -> None:
@@ -168,24 +183,50 @@ def write(text: str, fd: int = 2) -> None:
 # /rosout -------------------------------------------------------------------------------------------
 
 
-def attach_rosout(name: str, publisher: LogPublisher) -> None:
-    """Have the logger of that name publish on `publisher`, unless another node's does: the first one stays."""
-    _rosout.setdefault(name, publisher)
+def attach_rosout(name: str, node: str, publisher: LogPublisher) -> None:
+    """Have the logger of that name, which is that of the node at path `node`, publish on `publisher`."""
+    _rosout[name] = publisher
+    _nodes[name] = node
 
 
-def detach_rosout(name: str, publisher: LogPublisher) -> None:
-    """Undo `attach_rosout`."""
-    if _rosout.get(name) is publisher:
-        del _rosout[name]
+def has_rosout(name: str) -> bool:
+    """Whether the logger of that name publishes."""
+    return name in _rosout
 
 
-def _publish(publisher: LogPublisher, record: bytes) -> None:
-    if publisher.context_valid():
+def is_rosout_open() -> bool:
+    """Whether nodes get log publishers: not with ``--disable-rosout-logs``."""
+    return _rosout_open
+
+
+def close_rosout(name: str) -> None:
+    """Destroy the publisher of the logger of that name, if it has one."""
+    publisher = _rosout.pop(name, None)
+    if publisher is not None:
+        publisher.destroy_when_not_in_use()
+
+
+def _publish(name: str, record: bytes) -> None:
+    """Publish a record on /rosout, or else tell only the episode: the report shows all that a node has logged."""
+    publisher = _rosout.get(name)
+    if publisher is not None and publisher.context_valid():
         publisher.send(record)
-    else:
+        return
+    if publisher is not None:
         from rclpy._rcl.errors import PUBLISHER_CONTEXT
 
         write(f"Failed to publish log message to rosout: {PUBLISHER_CONTEXT}\n")
+    _tell_late(name, record)
+
+
+def _tell_late(name: str, record: bytes) -> None:
+    """Tell the episode of a record that reaches no /rosout: it is on the console, so it belongs in the report."""
+    if name not in _late:
+        try:
+            _late[name] = link.register("publisher", _nodes[name], "/rosout", "rcl_interfaces/msg/Log")
+        except RuntimeError:
+            return  # the script has used up all entities
+    link.publish(_late[name], record)
 
 
 _HEAD = struct.Struct("<iIB3x")

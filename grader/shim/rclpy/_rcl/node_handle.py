@@ -10,7 +10,7 @@ from rclpy._rcl.names import expand, full_topic_name_fault, namespace_fault, nod
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Callable, Iterable
     from typing import Any
 
     from rclpy._rcl.graph import Endpoint, Names
@@ -25,6 +25,7 @@ class NodeHandle(Handle):
     Attributes:
         name, namespace: after remapping. path: fully qualified name.
         context: the node's context handle. graph: of the context's domain.
+        at_disposal: called when the node is destroyed.
         rosout: publisher of the node's log records, None when it has none.
 
     Raises:
@@ -60,15 +61,14 @@ class NodeHandle(Handle):
         self._identity = (self.name, self.namespace, "/")
         self.graph.nodes.append(self._identity)
         self.link_id = link.register("node", self.path)
-        self.rosout: Handle | None = None
+        self.at_disposal: Callable[[], None] = _nothing
 
     def _dispose(self) -> None:
         for i, identity in enumerate(self.graph.nodes):
             if identity is self._identity:
                 del self.graph.nodes[i]
                 break
-        if self.rosout is not None:
-            self.rosout.destroy_when_not_in_use()
+        self.at_disposal()
         link.unregister(self.link_id)
 
     def _remapped(self, kind: str, node: str, default: str) -> str:
@@ -134,11 +134,10 @@ class NodeHandle(Handle):
             text = str(fault).partition("is invalid: ")[2] or str(fault)
             raise RCLError(f"failed to resolve name: {text}") from None
 
-    def resolve_for_creation(self, name: str, *, service: bool) -> str:
-        """Return the name of an endpoint to be created; ValueError when it is invalid."""
+    def require_context(self, failure: str) -> None:
+        """Raise RCLError, beginning with `failure`, when the context was shut down."""
         if not self.context.valid:
-            raise RCLError(f"Failed to create endpoint: {NODE_CONTEXT}")
-        return self.expand_and_remap(name, service=service)
+            raise RCLError(f"{failure}: {NODE_CONTEXT}")
 
     def get_parameters(self, parameter_class: Any) -> dict[str, Any]:
         """Return the parameters given on the command line for this node, by name."""
@@ -153,22 +152,26 @@ class NodeHandle(Handle):
 
     def get_node_names_and_namespaces(self) -> list[tuple[str, str]]:
         """Return every node's name and namespace."""
+        self.require_context("Failed to get node names")
         return [(name, space) for name, space, _ in self.graph.nodes]
 
     def get_node_names_and_namespaces_with_enclaves(self) -> list[tuple[str, str, str]]:
         """Return every node's name, namespace and security enclave."""
+        self.require_context("Failed to get node names")
         return list(self.graph.nodes)
 
-    def names_and_types(self, *kinds: Names) -> NamesAndTypes:
-        """Return the names and types of endpoints, sorted by name."""
+    def names_and_types(self, failure: str, *kinds: Names) -> NamesAndTypes:
+        """Return the names and types of endpoints, sorted by name; RCLError after shutdown."""
+        self.require_context(failure)
         return _collect(endpoint for kind in kinds for endpoint in kind.all())
 
-    def names_and_types_by_node(self, kind: Names, name: str, namespace: str) -> NamesAndTypes:
+    def names_and_types_by_node(self, failure: str, kind: Names, name: str, namespace: str) -> NamesAndTypes:
         """Return the names and types of one node's endpoints.
 
         Raises:
-            NodeNameNonExistentError: there is no such node.
+            NodeNameNonExistentError: there is no such node. RCLError: the context was shut down.
         """
+        self.require_context(failure)
         space = namespace if namespace.startswith("/") else "/" + namespace
         if (name, space, "/") not in self.graph.nodes:
             raise NodeNameNonExistentError(
@@ -179,23 +182,32 @@ class NodeHandle(Handle):
 
     def get_count_publishers(self, topic: str) -> int:
         """Return how many publishers a topic has."""
+        self.require_context("Error in rcl_count_publishers")
         return len(self.graph.writers.at(topic))
 
     def get_count_subscribers(self, topic: str) -> int:
         """Return how many subscriptions a topic has."""
+        self.require_context("Error in rcl_count_subscribers")
         return len(self.graph.readers.at(topic))
 
     def get_action_client_names_and_types_by_node(self, name: str, namespace: str) -> NamesAndTypes:
         """Return the actions a node has clients of."""
-        return _actions(self.names_and_types_by_node(self.graph.readers, name, namespace))
+        failure = "Failed to get action client names and type"
+        return _actions(self.names_and_types_by_node(failure, self.graph.readers, name, namespace))
 
     def get_action_server_names_and_types_by_node(self, name: str, namespace: str) -> NamesAndTypes:
         """Return the actions a node serves."""
-        return _actions(self.names_and_types_by_node(self.graph.writers, name, namespace))
+        failure = "Failed to get action server names and type"
+        return _actions(self.names_and_types_by_node(failure, self.graph.writers, name, namespace))
 
     def get_action_names_and_types(self) -> NamesAndTypes:
         """Return every action."""
-        return _actions(self.names_and_types(self.graph.readers, self.graph.writers))
+        failure = "Failed to get action names and type"
+        return _actions(self.names_and_types(failure, self.graph.readers, self.graph.writers))
+
+
+def _nothing() -> None:
+    pass
 
 
 def _matches(pattern: str, path: str) -> bool:

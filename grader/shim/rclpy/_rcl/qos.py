@@ -17,6 +17,8 @@ VOLATILE = 2
 KEEP_LAST = 1
 KEEP_ALL = 2
 AUTOMATIC = 1
+UNKNOWN_HISTORY = 3
+AUTOMATIC = 1
 MANUAL_BY_TOPIC = 3
 SYSTEM_DEFAULT = 0
 
@@ -93,6 +95,23 @@ class NativeQos:
         for name in ("lifespan", "deadline", "liveliness_lease_duration"):
             values[name] = Duration(nanoseconds=values[name])
         return values
+
+    def discovered(self, *, writer: bool) -> dict[str, Any]:
+        """Return `to_dict` of what others learn of an endpoint with this profile, as rmw_fastrtps fills it.
+
+        Discovery does not carry history and depth (qos.hpp, rtps_qos_to_rmw_qos). What a profile leaves to the
+        system has DDS' defaults, those of a DataWriter or of a DataReader (qos.cpp, fill_entity_qos_from_profile).
+        """
+        return NativeQos(
+            UNKNOWN_HISTORY,
+            0,
+            self.reliability or (RELIABLE if writer else BEST_EFFORT),
+            self.durability or (TRANSIENT_LOCAL if writer else VOLATILE),
+            _bound_ns(self.lifespan),
+            _bound_ns(self.deadline),
+            self.liveliness or AUTOMATIC,
+            _bound_ns(self.liveliness_lease_duration),
+        ).to_dict()
 
     @property
     def kept(self) -> int | None:

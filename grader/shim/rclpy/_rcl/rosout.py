@@ -1,4 +1,4 @@
-"""The log publisher of each node: what rcl's logging_rosout does."""
+"""The log publisher of each node: what rcl's logging_rosout.c does."""
 
 from __future__ import annotations
 
@@ -11,20 +11,23 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from rclpy._rcl.node_handle import NodeHandle
 
-
-class RosoutHandle(PublisherHandle):
-    """Publisher on /rosout that a node's logger uses while the node lives."""
-
-    def __init__(self, node: NodeHandle) -> None:
-        qos = NativeQos(1, 1000, 1, 1, lifespan=10_000_000_000)
-        super().__init__(node, LazyType("rcl_interfaces/msg/Log"), "/rosout", qos)
-        logs.attach_rosout(node.logger_name(), self)
-
-    def _dispose(self) -> None:
-        logs.detach_rosout(self.node.logger_name(), self)
-        super()._dispose()
+SECOND_OF_ITS_NAME = (
+    "Publisher already registered for provided node name. If this is due to multiple nodes with the same name "
+    "then all logs for that logger name will go out over the existing publisher. As soon as any node with that "
+    "name is destructed it will unregister the publisher, preventing any further logs for that name from being "
+    "published on the rosout topic."
+)
 
 
 def open_rosout(node: NodeHandle) -> None:
-    """Create the log publisher of a node; it is destroyed with the node."""
-    node.rosout = RosoutHandle(node)
+    """Create a node's log publisher, unless a node of that name has one; it goes with either of them."""
+    name = node.logger_name()
+    if not logs.is_rosout_open():
+        return
+    node.at_disposal = lambda: logs.close_rosout(name)
+    if logs.has_rosout(name):
+        logs.warn("rcl.logging_rosout", SECOND_OF_ITS_NAME)
+    else:
+        qos = NativeQos(1, 1000, 1, 1, lifespan=10_000_000_000)
+        publisher = PublisherHandle(node, LazyType("rcl_interfaces/msg/Log"), "/rosout", qos)
+        logs.attach_rosout(name, node.path, publisher)

@@ -76,6 +76,7 @@ class ClientHandle(EndpointHandle):
     def service_server_is_available(self) -> bool:
         """Whether some service of this name and type exists."""
         kernel.charge()
+        self.node.require_context("failed to check service availability")
         return bool(self.node.graph.servers_of(self))
 
     def _dispose(self) -> None:

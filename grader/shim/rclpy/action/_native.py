@@ -72,6 +72,14 @@ class _Members(Handle):
             member.destroy_when_not_in_use()
 
 
+def _require_context(node: NodeHandle, failure: str) -> None:
+    """Raise what upstream's action_client.cpp and action_server.cpp raise after shutdown: a ValueError."""
+    try:
+        node.require_context(failure)
+    except RCLError as error:
+        raise ValueError(str(error)) from None
+
+
 class ActionClientHandle(_Members):
     """The client's five endpoints, in the order in which their readiness is told: topics, then services."""
 
@@ -87,6 +95,7 @@ class ActionClientHandle(_Members):
         status_qos: NativeQos,
     ) -> None:
         super().__init__()
+        _require_context(node, "Failed to create action client")
         kinds, base = action_type.Impl, f"{name}/_action/"
         self.goal = ClientHandle(node, kinds.SendGoalService, base + "send_goal", goal_qos)
         self.cancel = ClientHandle(node, kinds.CancelGoalService, base + "cancel_goal", cancel_qos)
@@ -97,6 +106,7 @@ class ActionClientHandle(_Members):
 
     def is_action_server_available(self) -> bool:
         """Whether a server offers all of the action."""
+        self.feedback.node.require_context("Failed to check if action server is available")
         graph = self.feedback.node.graph
         return all(
             client.service_server_is_available() for client in (self.goal, self.cancel, self.result)
@@ -155,6 +165,7 @@ class ActionServerHandle(_Members):
         result_timeout: float,
     ) -> None:
         super().__init__()
+        _require_context(node, "Failed to create action server")
         goal_qos, result_qos, cancel_qos, feedback_qos, status_qos = profiles
         kinds, base = action_type.Impl, f"{name}/_action/"
         self.goal = ServiceHandle(node, kinds.SendGoalService, base + "send_goal", goal_qos)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rclpy._interfaces import own
+from rclpy._rcl import logs
 from rclpy._rcl.endpoints import PublisherHandle
 from rclpy._rcl.enums import NativeEnum
 from rclpy._rcl.errors import RCLError
@@ -57,6 +58,11 @@ TRANSITIONS = (
     (62, ERROR, 15, 4),
 )
 """(id, label, start state, goal state)."""
+
+_NOT_REGISTERED = (
+    "Failed to trigger lifecycle state machine transition: Transition is not registered., at "
+    "./src/rcl_lifecycle.c:355"
+)
 
 
 class TransitionCallbackReturnType(NativeEnum):
@@ -127,7 +133,8 @@ class LifecycleStateMachine:
         for ident, known, start, _ in TRANSITIONS:
             if known == label and start == self._state:
                 return ident
-        raise RCLError("Failed to get transition from label")
+        self._warn_of(label)
+        raise RCLError("Failed to get transition from label: error not set")
 
     def trigger_transition_by_id(self, transition_id: int, publish_update: bool) -> None:
         """Make a transition; RCLError when it is not possible now."""
@@ -135,14 +142,22 @@ class LifecycleStateMachine:
             if ident == transition_id and start == self._state:
                 self._move(ident, label, goal, publish_update)
                 return
-        raise RCLError(
-            "Failed to trigger lifecycle state machine transition: Transition is not registered., at "
-            "./src/rcl_lifecycle.c:355"
-        )
+        self._warn_of(transition_id)
+        raise RCLError(_NOT_REGISTERED)
 
     def trigger_transition_by_label(self, label: str, publish_update: bool) -> None:
         """Make a transition; RCLError when it is not possible now."""
-        self.trigger_transition_by_id(self.get_transition_by_label(label), publish_update)
+        for ident, known, start, goal in TRANSITIONS:
+            if known == label and start == self._state:
+                self._move(ident, label, goal, publish_update)
+                return
+        self._warn_of(label)
+        raise RCLError(_NOT_REGISTERED)
+
+    def _warn_of(self, transition: int | str) -> None:
+        """Log what rcl_lifecycle_get_transition_by_id and by_label log (rcl_lifecycle.c:318 and :339)."""
+        text = f"No transition matching {transition} found for current state {STATES[self._state]}"
+        logs.warn("rcl_lifecycle", text)
 
     def _move(self, ident: int, label: str, goal: int, publish_update: bool) -> None:
         start, self._state = self._state, goal
