@@ -216,7 +216,8 @@ def test_after_shutdown_everything_fails_with_upstreams_texts(run_script):
         "publisher.assert_liveliness()": f"RCLError|Failed to assert liveliness on the Publisher: {PUBLISHER}",
         "client.wait_for_service(1.0)": f"RCLError|failed to check service availability: {NODE}",
         "actions.server_is_ready()": f"RCLError|Failed to check if action server is available: {NODE}",
-        "rclpy.executors.SingleThreadedExecutor(context=context)": f"RCLError|failed to create guard_condition: {GUARD}",
+        "rclpy.executors.SingleThreadedExecutor(context=context)": "RCLError|failed to create guard_condition: "
+        + GUARD,
     }
     source = AFTER_SHUTDOWN + "".join(f"show(lambda: {call})\n" for call in expected)
     run = run_script(source)
