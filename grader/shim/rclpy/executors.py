@@ -245,13 +245,7 @@ class Executor:
             TimeoutException: nothing (more) came in time. ShutdownException: the executor was shut down.
             ExternalShutdownException: the context was. ConditionReachedException: `condition` holds.
         """
-        seconds = timeout_sec.timeout if isinstance(timeout_sec, TimeoutObject) else timeout_sec
-        timeout_ns = timeout_sec_to_nsec(seconds)
-        if timeout_ns > 0 and not self._context._valid():
-            raise RCLError(
-                f"failed to create timer: {GUARD_CONTEXT}"
-            )  # upstream measures a timeout by a timer
-        deadline_ns = None if timeout_ns < 0 else kernel.now_ns + timeout_ns
+        deadline_ns = self._deadline_of(timeout_sec)
         yielded = False
         while not yielded and not self._is_shutdown and not condition():
             guard = self._guard.handle.backlog if self._guard is not None else []
@@ -262,8 +256,7 @@ class Executor:
                     yielded = True
                     yield task, entity, node
             self._tasks = [item for item in self._tasks if not (item[0]._done or item[0]._abandoned)]
-            if not self._context._valid():
-                raise RCLError(f"failed to initialize wait set: {WAIT_CONTEXT}")
+            self._require_context(f"failed to initialize wait set: {WAIT_CONTEXT}")
             watch = Watch(self.can_execute, using)
             self._block(watch, guard, deadline_ns)
             timed_out = deadline_ns is not None and kernel.now_ns >= deadline_ns
@@ -277,6 +270,17 @@ class Executor:
             raise ShutdownException()
         if condition():
             raise ConditionReachedException()
+
+    def _deadline_of(self, timeout_sec: float | TimeoutObject | None) -> int | None:
+        seconds = timeout_sec.timeout if isinstance(timeout_sec, TimeoutObject) else timeout_sec
+        timeout_ns = timeout_sec_to_nsec(seconds)
+        if timeout_ns > 0:  # upstream measures it by a timer, which it cannot create after shutdown
+            self._require_context(f"failed to create timer: {GUARD_CONTEXT}")
+        return None if timeout_ns < 0 else kernel.now_ns + timeout_ns
+
+    def _require_context(self, failure: str) -> None:
+        if not self._context._valid():
+            raise RCLError(failure)
 
     def _block(self, watch: Watch, guard: list[bool], deadline_ns: int | None) -> None:
         """Block until the watch is ready, the executor is woken or the earliest deadline has come."""
