@@ -47,16 +47,14 @@ def _worker(services: Services, config: WorkerConfig) -> Worker:
 @contextmanager
 def opened(url: str, slots: int = 2) -> Iterator[tuple[Services, httpx.Client]]:
     """Run everything but physics: store, workers in threads, HTTP."""
-    services = server.services(Settings(database_url=url), utc_now)
-    worker = _worker(services, WorkerConfig(slots=slots))
-    worker.start()
-    try:
-        with server.serving(server.application(services)) as client:
-            yield services, client
-    finally:
-        worker.stop()
-        services.plots.close()
-        services.submissions._database.close()
+    with server.services(Settings(database_url=url), utc_now) as services:
+        worker = _worker(services, WorkerConfig(slots=slots))
+        worker.start()
+        try:
+            with server.serving(server.application(services)) as client:
+                yield services, client
+        finally:
+            worker.stop()
 
 
 def upload(client: httpx.Client, student: str, source: bytes) -> str:
@@ -121,8 +119,10 @@ def application_in(url: str):
 
     @contextmanager
     def services() -> Iterator[Services]:
-        made = server.services(Settings(database_url=url), utc_now, lease_s=LEASE_S)
-        with presence(url, lambda: made.queue.reconcile(all_running=True)):
+        with (
+            server.services(Settings(database_url=url), utc_now, lease_s=LEASE_S) as made,
+            presence(url, lambda: made.queue.reconcile(all_running=True)),
+        ):
             worker = _worker(made, WorkerConfig(slots=2, heartbeat_s=HEARTBEAT_S))
             worker.start()
             yield made

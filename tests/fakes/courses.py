@@ -1,6 +1,7 @@
 """Courses that many tests begin with: made once as an instructor makes them, then put in as the rows they are."""
 
 from collections.abc import Mapping
+from contextlib import closing
 from datetime import timedelta
 
 from sqlalchemy import insert, select
@@ -39,8 +40,8 @@ class PreparedCourses:
         for row in self._rows[AuditRow]:
             del row["id"]  # counted anew by each database
 
-    def put_into(self, database: Database) -> None:
-        """Put them into another database, migrated and empty."""
-        with database.writing() as session:
+    def put_into(self, url: str) -> None:
+        """Put them into the database at `url`, which is migrated and empty."""
+        with closing(Database(url)) as database, database.writing() as session:
             for table, rows in self._rows.items():
                 session.execute(insert(table), rows)

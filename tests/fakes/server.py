@@ -3,7 +3,7 @@
 import socket
 import threading
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import closing, contextmanager, nullcontext
 from functools import cache
 from typing import Any
 
@@ -36,21 +36,24 @@ class FakePlotter:
         return magic + f" {assignment.id} {spec.language} {spec.case} {len(trajectory)}".encode()
 
 
+@contextmanager
 def services(
     settings: Settings, clock: Clock, plotter: Plotter | None = None, lease_s: float = 15.0
-) -> Services:
-    """Return everything behind the application, over a database that has its tables already."""
-    database = Database(settings.database_url)
-    return Services.over(
-        database,
-        settings,
-        clock,
-        retries=Retries(lease_s=lease_s, max_tries=3, backoff_s=0),
-        assignments=FakeAssignments(),
-        preflight=FakePreflight(),
-        plots=PlotCache(plotter or FakePlotter(), 8),
-        instructor_token=TOKEN,
-    )
+) -> Iterator[Services]:
+    """Yield everything behind the application, over a database that has its tables already."""
+    with closing(Database(settings.database_url)) as database:
+        made = Services.over(
+            database,
+            settings,
+            clock,
+            retries=Retries(lease_s=lease_s, max_tries=3, backoff_s=0),
+            assignments=FakeAssignments(),
+            preflight=FakePreflight(),
+            plots=PlotCache(plotter or FakePlotter(), 8),
+            instructor_token=TOKEN,
+        )
+        with closing(made.watching), closing(made.plots):
+            yield made
 
 
 def application(made: Services) -> FastAPI:

@@ -7,9 +7,10 @@ SQLite and on PostgreSQL, and always the same. ``GRADER_OPENAPI_EXAMPLES`` asks 
 import os
 import shutil
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from datetime import timedelta
-from itertools import chain, count
+from itertools import count
 from pathlib import Path
 
 import pytest
@@ -97,20 +98,20 @@ def asked(
     files = {role: tmp_path_factory.mktemp(role) / "grader.db" for role in ROLES}
     for file in files.values():
         shutil.copy(migrated_file, file)
-    both = {
-        role: [_services(url) for url in (f"sqlite:///{files[role]}", postgres_server.create(names[role]))]
-        for role in ROLES
-    }
-    app = server.application(both["anybody"][0])
-    app.state.default_language = "zh"
-    schema = schemathesis.openapi.from_dict(DOCUMENT)
-    schema.app = app
-    kept = {role: tuple(_kept(app, services, role) for services in both[role]) for role in ROLES}
-    yield Asked(schema, app, kept, count())
-    for services in chain(*both.values()):
-        services.watching.close()
-        services.plots.close()
-        services.submissions._database.close()
+    with ExitStack() as opened:
+        both = {
+            role: [
+                opened.enter_context(_services(url))
+                for url in (f"sqlite:///{files[role]}", postgres_server.create(names[role]))
+            ]
+            for role in ROLES
+        }
+        app = server.application(both["anybody"][0])
+        app.state.default_language = "zh"
+        schema = schemathesis.openapi.from_dict(DOCUMENT)
+        schema.app = app
+        kept = {role: tuple(_kept(app, services, role) for services in both[role]) for role in ROLES}
+        yield Asked(schema, app, kept, count())
     for name in names.values():
         postgres_server.drop(name)
 
@@ -138,24 +139,25 @@ def _takes_anything(path: str, method: str) -> bool:
     )
 
 
-def _services(url: str) -> Services:
+@contextmanager
+def _services(url: str) -> Iterator[Services]:
     often = {"requests_per_minute": MOST, "uploads_per_minute": MOST, "max_open_submissions": MOST}
-    services = server.services(Settings(database_url=url, **often), FakeClock())
-    services.watching.limits = replace(services.watching.limits, life_s=0.01, most_each=MOST)
-    now = services.clock()
-    services.workers.report(
-        WorkerState(
-            id="w",
-            slots=1,
-            busy=0,
-            sandbox_ready=True,
-            isolation="strict",
-            detail="",
-            started_at=now,
-            seen_at=now,
+    with server.services(Settings(database_url=url, **often), FakeClock()) as services:
+        services.watching.limits = replace(services.watching.limits, life_s=0.01, most_each=MOST)
+        now = services.clock()
+        services.workers.report(
+            WorkerState(
+                id="w",
+                slots=1,
+                busy=0,
+                sandbox_ready=True,
+                isolation="strict",
+                detail="",
+                started_at=now,
+                seen_at=now,
+            )
         )
-    )
-    return services
+        yield services
 
 
 def _kept(app: FastAPI, services: Services, role: str) -> Kept:

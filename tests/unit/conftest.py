@@ -14,10 +14,8 @@ def running(migrated_file: Path) -> Iterator[tuple[Any, str]]:
     from tests.fakes import server
     from tests.fakes.clock import FakeClock
 
-    made = server.services(Settings(database_url=f"sqlite:///{migrated_file}"), FakeClock())
-    app = server.application(made)
-    with server.serving(app) as client:
-        client.get("/healthz")
-        yield app, str(client.base_url)
-    made.plots.close()
-    made.submissions._database.close()
+    with server.services(Settings(database_url=f"sqlite:///{migrated_file}"), FakeClock()) as made:
+        app = server.application(made)
+        with server.serving(app) as client:
+            client.get("/healthz")
+            yield app, str(client.base_url)

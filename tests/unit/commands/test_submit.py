@@ -29,10 +29,8 @@ def work(services: Services, stop: threading.Event) -> None:
 
 @pytest.fixture
 def services(sqlite_url: str) -> Iterator[Services]:
-    made = server.services(Settings(database_url=sqlite_url), FakeClock())
-    yield made
-    made.plots.close()
-    made.submissions._database.close()
+    with server.services(Settings(database_url=sqlite_url), FakeClock()) as made:
+        yield made
 
 
 @pytest.fixture

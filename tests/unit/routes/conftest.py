@@ -33,10 +33,8 @@ def plotter() -> FakePlotter:
 @pytest.fixture
 def services(sqlite_url: str, clock: FakeClock, plotter: FakePlotter) -> Iterator[Services]:
     settings = Settings(database_url=sqlite_url, max_upload_bytes=2048, max_open_submissions=3)
-    made = server.services(settings, clock, plotter)
-    yield made
-    made.plots.close()
-    made.submissions._database.close()
+    with server.services(settings, clock, plotter) as made:
+        yield made
 
 
 @pytest.fixture(scope="session")
@@ -108,8 +106,8 @@ class School:
 
 
 @pytest.fixture
-def school(services: Services, client: httpx.Client, courses: PreparedCourses) -> School:
-    courses.put_into(services.submissions._database)
+def school(sqlite_url: str, client: httpx.Client, courses: PreparedCourses) -> School:
+    courses.put_into(sqlite_url)
     return School(dict(courses.tokens))
 
 

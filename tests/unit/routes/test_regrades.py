@@ -1,7 +1,10 @@
 """Grading again: trial, what would change, apply or discard."""
 
+import sqlite3
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -82,6 +85,7 @@ def test_nothing_changes_until_it_is_applied(
     school: Any,
     klass: dict[str, str],
     post: Callable[..., httpx.Response],
+    tmp_path: Path,
 ) -> None:
     before = {url: client.get(url + "/report", headers=school.as_("ta")).content for url in klass.values()}
     dashboard = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"]
@@ -94,11 +98,9 @@ def test_nothing_changes_until_it_is_applied(
     discarded = post(f"{url}/discard", reason="a mistake").json()
     assert (discarded["state"], discarded["gain"]) == ("discarded", 1)
     assert {one: client.get(one + "/report", headers=school.as_("ta")).content for one in before} == before
-    with services.submissions._database.reading() as session:
-        rows = session.connection().exec_driver_sql("SELECT count(*) FROM submission").scalar_one()
-        assert rows == 2
-        if services.submissions._database.is_sqlite:
-            assert session.connection().exec_driver_sql("PRAGMA foreign_key_check").all() == []
+    with closing(sqlite3.connect(tmp_path / "grader.db")) as rows:
+        assert rows.execute("SELECT count(*) FROM submission").fetchone() == (2,)
+        assert rows.execute("PRAGMA foreign_key_check").fetchall() == []
 
 
 def test_applied_it_counts_and_the_old_grading_stays(

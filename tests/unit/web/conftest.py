@@ -70,10 +70,8 @@ def shipped() -> AssignmentSource:
 @pytest.fixture
 def services(sqlite_url: str, shipped: AssignmentSource) -> Iterator[Services]:
     settings = Settings(database_url=sqlite_url, max_upload_bytes=4096)
-    made = replace(server.services(settings, FakeClock()), assignments=shipped)
-    yield made
-    made.plots.close()
-    made.submissions._database.close()
+    with server.services(settings, FakeClock()) as made:
+        yield replace(made, assignments=shipped)
 
 
 @pytest.fixture
@@ -140,7 +138,7 @@ def courses(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Pr
 
 
 @pytest.fixture
-def tokens(services: Services, courses: PreparedCourses) -> dict[str, str]:
+def tokens(services: Services, sqlite_url: str, courses: PreparedCourses) -> dict[str, str]:
     """Open a course; return its people's tokens."""
-    courses.put_into(services.submissions._database)
+    courses.put_into(sqlite_url)
     return dict(courses.tokens)
