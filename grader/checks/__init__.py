@@ -5,12 +5,12 @@ will be looked for, `sketch` what a plot should show, and `problems` what is wro
 its check.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
-from grader.checks import essay, motion, node, number, polygon, rotation, service
 from grader.checks.fit import misfits
-from grader.checks.measure import Check, Findings, Kind, TextCheck
+from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
+from grader.checks.measure import Check, Findings
 from grader.checks.rubric_text import published
 from grader.checks.scoring import WHOLE, Portion, score_items
 from grader.checks.summary import summarise, summarise_text
@@ -20,12 +20,6 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.rubric import PublishedRubric
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.text import Text
-
-CHECKS: Mapping[str, Check] = {
-    check.kind: check for check in (node.CHECK, motion.CHECK, rotation.CHECK, polygon.CHECK, service.CHECK)
-}
-TEXT_CHECKS: Mapping[str, TextCheck] = {check.kind: check for check in (number.CHECK, essay.CHECK)}
-KINDS: Mapping[str, Kind] = {**CHECKS, **TEXT_CHECKS}
 
 
 def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:

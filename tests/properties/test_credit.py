@@ -3,7 +3,7 @@
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.checks import credit
+from grader.checks.scoring import band_error, credit, earned_points
 from grader.contracts.assignment import ItemSpec
 from grader.contracts.text import EMPTY
 
@@ -29,17 +29,17 @@ def specs(draw: st.DrawFn) -> ItemSpec:
 
 @given(specs(), st.floats(allow_nan=True, allow_infinity=True))
 def test_earned_points_lie_between_nothing_and_all(spec: ItemSpec, value: float) -> None:
-    part = credit.share(spec, value)
+    part = credit(spec, value)
     assert 0.0 <= part <= 1.0
-    assert 0.0 <= credit.earned(spec.points, part) <= spec.points
+    assert 0.0 <= earned_points(spec.points, part) <= spec.points
 
 
 @given(specs(), finite, finite)
 def test_credit_falls_with_the_error(spec: ItemSpec, one: float, other: float) -> None:
-    near, far = sorted((one, other), key=lambda value: credit.error(spec, value))
-    near_part, far_part = credit.share(spec, near), credit.share(spec, far)
+    near, far = sorted((one, other), key=lambda value: band_error(spec, value))
+    near_part, far_part = credit(spec, near), credit(spec, far)
     assert near_part >= far_part - 1e-12
-    assert credit.earned(spec.points, near_part) >= credit.earned(spec.points, far_part) - 0.01
+    assert earned_points(spec.points, near_part) >= earned_points(spec.points, far_part) - 0.01
 
 
 @given(specs(), finite, st.floats(0.0, 1.0))
@@ -50,7 +50,7 @@ def test_credit_has_no_steps_but_the_end_of_a_band_without_ramp(
     if spec.ramp < 1e-3:
         return
     step = fraction * spec.ramp / 1000.0
-    change = abs(credit.share(spec, value + step) - credit.share(spec, value))
+    change = abs(credit(spec, value + step) - credit(spec, value))
     assert change <= 1.5 * fraction / 1000.0 + 1e-6
 
 
@@ -58,4 +58,4 @@ def test_credit_has_no_steps_but_the_end_of_a_band_without_ramp(
 def test_the_edges_of_the_band_earn_all(spec: ItemSpec) -> None:
     for edge in (spec.low, spec.high):
         if edge is not None:
-            assert credit.share(spec, edge) == 1.0
+            assert credit(spec, edge) == 1.0

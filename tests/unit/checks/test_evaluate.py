@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from grader.catalog import Catalog
-from grader.checks import CHECKS, evaluate, problems, published_rubric
+from grader.checks import evaluate, problems, published_rubric
+from grader.checks.kinds import CHECKS
 from grader.checks.measure import MeasureKind
 from grader.contracts.assignment import Assignment, Case, ItemSpec
 from grader.contracts.errors import AssignmentError

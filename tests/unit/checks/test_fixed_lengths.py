@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.checks import evaluate, problems, sketch
-from grader.checks.polygon_figures import WantedPolygon
+from grader.checks.kinds.polygon.figures import WantedPolygon
 from grader.contracts.assignment import Case
 from grader.contracts.outcome import RunStatus
 from grader.contracts.rubric import ItemStatus

@@ -161,7 +161,7 @@ def test_the_hint_of_an_item_is_the_mistake_that_spoilt_it() -> None:
 
 def codes_in_source() -> set[str]:
     """Every string in the recognisers that has a text ``mistake.<string>``."""
-    files = [*Path(mistakes.__file__).parent.glob("*.py"), Path(exceptions.__file__)]
+    files = [*Path(mistakes.__file__).parent.rglob("*.py"), Path(exceptions.__file__)]
     strings = {
         node.value
         for path in files

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.checks import evaluate, evaluate_text, problems, published_rubric
-from grader.checks.number import given_answer
+from grader.checks.kinds.number import given_answer
 from grader.contracts.errors import AssignmentError
 from grader.contracts.rubric import ItemStatus
 from grader.messages.quantity import quantities

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from babel.messages.pofile import read_po
 
-from grader.checks import KINDS
+from grader.checks.kinds import KINDS
 from grader.contracts.text import LANGUAGES, Language, Text
 from grader.messages import MissingMessageError, check, entries, file_of, join, outline, say, sentence
 

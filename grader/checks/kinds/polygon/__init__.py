@@ -5,9 +5,9 @@ import math
 
 import numpy as np
 
+from grader.checks.kinds.polygon.figures import DrivenPolygon, WantedPolygon, driven_polygon, wanted_polygon
+from grader.checks.kinds.polygon.mistakes import polygon_mistakes
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
-from grader.checks.polygon_figures import DrivenPolygon, WantedPolygon, driven_polygon, wanted_polygon
-from grader.checks.polygon_mistakes import polygon_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.checks.drive import MOVING_MPS, MOVING_RADPS
+from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import command_mistakes, script_mistakes
-from grader.checks.polygon_figures import FULL_TURN_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
