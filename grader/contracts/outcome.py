@@ -8,6 +8,12 @@ from typing import Any
 from grader.contracts.assignment import ServiceCall
 from grader.contracts.record import record
 
+SHOWN_CHARACTERS = 16_384
+"""Of each captured stream, as much as a page or a JSON document shows; the report has more."""
+
+SHOWN_LOGS = 200
+"""Messages of a run that are shown, the first ones; the report has all."""
+
 
 class Blame(StrEnum):
     """Whose fault the end of a run is. A fault of the grader has no outcome: the script is run again."""

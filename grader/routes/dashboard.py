@@ -13,7 +13,7 @@ from grader.contracts.text import Language
 from grader.routes.dashboard_document import Selection, overview, selected
 from grader.routes.dashboard_views import DashboardView
 from grader.routes.dependencies import ENTRY_PROBLEMS, LanguageDep, QueryWhole, ServicesDep, StaffDep
-from grader.routes.health import alive
+from grader.routes.health import worker_views
 from grader.routes.problems import responses
 from grader.use_cases.services import Services
 
@@ -74,7 +74,7 @@ def class_overview(
         state,
         services.assignments.all(),
         services.queue.state(),
-        alive(services),
+        worker_views(services.workers.alive(services.settings.silent_s)),
         roster=tuple(member.id for member in roster),
         generated_at=services.clock(),
         pass_fraction=services.settings.pass_fraction,
@@ -84,7 +84,8 @@ def class_overview(
 
 def _tag(services: Services, state: ClassState, language: Language, selection: Selection) -> str:
     """Return a weak ETag of everything shown but the instants of this answer and of heartbeats."""
-    workers = [worker.model_dump(mode="json", exclude={"seen_at"}) for worker in alive(services)]
+    alive = worker_views(services.workers.alive(services.settings.silent_s))
+    workers = [worker.model_dump(mode="json", exclude={"seen_at"}) for worker in alive]
     versions = [(one.id, one.version, one.title.get(language)) for one in services.assignments.all()]
     queue = asdict(services.queue.state())
     shown = [

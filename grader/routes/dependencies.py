@@ -17,6 +17,7 @@ from grader.contracts.identity import Caller, Role, Seen
 from grader.contracts.notation import decimal, whole
 from grader.contracts.text import LANGUAGES, Language
 from grader.use_cases.services import Services
+from grader.use_cases.visibility import visible_submission
 
 _LONGEST_HEADER = 1_000
 _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.8.3
@@ -167,6 +168,15 @@ SubmissionId = Annotated[
         examples=["0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"],
     ),
 ]
+
+
+def _require_sight(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> None:
+    visible_submission(services, caller, submission_id)
+
+
+SIGHT = Depends(_require_sight)
+"""Of everything that says something about one submission before its use case looks at it."""
+
 QueryWhole = Annotated[int, BeforeValidator(_in_digits)]
 """A whole number in the query of an address."""
 

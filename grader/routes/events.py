@@ -26,6 +26,7 @@ from grader.contracts.text import Language
 from grader.render.labels import status_word
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
+    SIGHT,
     CallerDep,
     LanguageDep,
     ServicesDep,
@@ -33,7 +34,6 @@ from grader.routes.dependencies import (
     SubmissionId,
 )
 from grader.routes.problems import responses
-from grader.routes.submissions import SIGHT
 from grader.use_cases.following import Subject, Watch
 from grader.use_cases.services import Services
 

@@ -11,6 +11,7 @@ from grader.contracts.text import Language
 from grader.render.documents import to_gradescope, to_prairielearn
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
+    SIGHT,
     CallerDep,
     LanguageDep,
     ServicesDep,
@@ -19,7 +20,6 @@ from grader.routes.dependencies import (
 )
 from grader.routes.gradebook_tables import Scores, canvas, plain
 from grader.routes.problems import responses
-from grader.routes.submissions import SIGHT
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded
 
@@ -118,7 +118,7 @@ def exported(
     Raises:
         RefusedError: there is no such submission, or no grading yet.
     """
-    _, stored = graded(services, submission_id, caller)
+    _, stored = graded(services, caller, submission_id)
     if platform == "prairielearn":
         return to_prairielearn(judged(stored), language)
     return to_gradescope(judged(stored), language, stored.sha256)

@@ -6,9 +6,8 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from grader.contracts.regrade import PastGrading
-from grader.routes.dependencies import ENTRY_PROBLEMS, ServicesDep, StaffDep, SubmissionId
+from grader.routes.dependencies import ENTRY_PROBLEMS, SIGHT, ServicesDep, StaffDep, SubmissionId
 from grader.routes.problems import responses
-from grader.routes.submissions import SIGHT
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
 

@@ -1,5 +1,6 @@
 """Whether the service can do its work."""
 
+from collections.abc import Iterable, Sequence
 from datetime import datetime
 from typing import Literal
 
@@ -10,7 +11,7 @@ from grader import __version__
 from grader.contracts.submission import QueueState, WorkerState
 from grader.routes.dependencies import ServicesDep
 from grader.routes.problems import responses
-from grader.use_cases.services import Services
+from grader.use_cases.health import health_of
 
 router = APIRouter(tags=["health"])
 
@@ -67,23 +68,15 @@ class Health(BaseModel):
 def read(services: ServicesDep, response: Response) -> Health:
     """Return queue, workers and sandbox; 503 when nothing would be graded."""
     health = health_of(services)
-    response.status_code = 200 if health.status == "ok" else 503
+    response.status_code = 200 if health.ready else 503
     response.headers["Cache-Control"] = "no-store"
-    return health
-
-
-def health_of(services: Services) -> Health:
-    """Return queue, workers and sandbox."""
-    workers = alive(services)
-    ready = [worker for worker in workers if worker.sandbox.ready and worker.slots > 0]
-    state = services.queue.state()
     return Health(
-        status="ok" if ready else "degraded",
+        status="ok" if health.ready else "degraded",
         version=__version__,
-        sandbox=_sandbox(ready or workers),
-        queue=queue_view(state),
-        oldest_queued_at=state.oldest_queued_at,
-        workers=workers,
+        sandbox=_sandbox(health.ready or health.workers),
+        queue=queue_view(health.queue),
+        oldest_queued_at=health.queue.oldest_queued_at,
+        workers=worker_views(health.workers),
     )
 
 
@@ -94,24 +87,25 @@ def queue_view(state: QueueState) -> QueueView:
     )
 
 
-def alive(services: Services) -> list[WorkerView]:
-    """Return the workers that were heard of lately."""
-    return [_worker(state) for state in services.workers.alive(services.settings.silent_s)]
+def worker_views(workers: Iterable[WorkerState]) -> list[WorkerView]:
+    """Return workers as the interface shows them."""
+    return [_worker(one) for one in workers]
 
 
 def _worker(state: WorkerState) -> WorkerView:
-    sandbox = SandboxView(ready=state.sandbox_ready, isolation=state.isolation, detail=state.detail)
     return WorkerView(
         id=state.id,
         slots=state.slots,
         busy=state.busy,
-        sandbox=sandbox,
+        sandbox=_sandbox((state,)),
         started_at=state.started_at,
         seen_at=state.seen_at,
     )
 
 
-def _sandbox(workers: list[WorkerView]) -> SandboxView:
+def _sandbox(workers: Sequence[WorkerState]) -> SandboxView:
+    """Return the sandbox of the first worker."""
     if not workers:
         return SandboxView(ready=False, isolation="", detail="no worker is alive")
-    return workers[0].sandbox
+    first = workers[0]
+    return SandboxView(ready=first.sandbox_ready, isolation=first.isolation, detail=first.detail)

@@ -13,6 +13,7 @@ from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language, Text
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
+    SIGHT,
     LanguageDep,
     QueryWhole,
     ServicesDep,
@@ -29,7 +30,6 @@ from grader.routes.judgement_views import (
     waiting_list,
 )
 from grader.routes.problems import responses
-from grader.routes.submissions import SIGHT
 from grader.store.audit import Signature
 from grader.store.judgements import Given, WaitingFor
 from grader.use_cases.services import Services
@@ -115,19 +115,19 @@ def waiting(  # noqa: PLR0913
     responses=responses(*_KNOWN),
 )
 def read_judgements(
-    services: ServicesDep, _caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
+    services: ServicesDep, caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
 ) -> ManualItemsView:
     """Return every rubric item, whether it is left to people, and what was given by whom and when."""
-    return items_of(services, language, submission_id)
+    return items_of(services, caller, language, submission_id)
 
 
-def items_of(services: Services, language: Language, submission_id: str) -> ManualItemsView:
+def items_of(services: Services, caller: Caller, language: Language, submission_id: str) -> ManualItemsView:
     """Return the rubric items of a submission with what people gave for them.
 
     Raises:
         RefusedError: there is no such submission, or no grading yet.
     """
-    submission, stored = graded(services, submission_id)
+    submission, stored = graded(services, caller, submission_id)
     return manual_items(submission, stored, report_from(stored.content), language)
 
 
@@ -136,9 +136,9 @@ def items_of(services: Services, language: Language, submission_id: str) -> Manu
     summary="What people gave for one rubric item",
     responses={200: {"headers": _ETAG}, **responses(*_KNOWN, "item_not_found")},
 )
-def read_judgement(
+def read_judgement(  # noqa: PLR0913
     services: ServicesDep,
-    _caller: StaffDep,
+    caller: StaffDep,
     language: LanguageDep,
     response: Response,
     *,
@@ -146,13 +146,13 @@ def read_judgement(
     item: ItemId,
 ) -> ManualItemView:
     """Return one item, with its ETag."""
-    return _tagged(services, language, response, submission_id, item)
+    return _tagged(services, caller, language, response, submission_id, item)
 
 
-def _tagged(
-    services: Services, language: Language, response: Response, submission_id: str, item: str
+def _tagged(  # noqa: PLR0913, PLR0917
+    services: Services, caller: Caller, language: Language, response: Response, submission_id: str, item: str
 ) -> ManualItemView:
-    items = items_of(services, language, submission_id).items
+    items = items_of(services, caller, language, submission_id).items
     for one in items:
         if one.item == item:
             response.headers.update({"ETag": one.etag, "Cache-Control": "no-store"})
@@ -193,7 +193,7 @@ def judge(  # noqa: PLR0913
     machine judged only instructors correct, with a comment; the machine's own points take a correction back.
     """
     give(services, caller, submission_id, item, body, if_match)
-    return _tagged(services, language, response, submission_id, item)
+    return _tagged(services, caller, language, response, submission_id, item)
 
 
 def give(  # noqa: PLR0913, PLR0917
@@ -222,15 +222,17 @@ def give(  # noqa: PLR0913, PLR0917
     try:
         services.judgements.judge(submission_id, given, seen(if_match), signed)
     except JudgementError as error:
-        raise _problem(services, submission_id, given, error) from None
+        raise _problem(services, caller, submission_id, given, error) from None
 
 
-def _problem(services: Services, submission_id: str, given: Given, error: JudgementError) -> RefusedError:
+def _problem(
+    services: Services, caller: Caller, submission_id: str, given: Given, error: JudgementError
+) -> RefusedError:
     if error.code in _REFUSALS:
         return RefusedError(_REFUSALS[error.code])
     if error.code == "reason":
         return RefusedError("invalid_request", _REASON, field="comment")
-    items = report_from(graded(services, submission_id)[1].content).items
+    items = report_from(graded(services, caller, submission_id)[1].content).items
     if error.code == "range":
         most = next((written(one.points) for one in items if one.id == given.item), "?")
         detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")

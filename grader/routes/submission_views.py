@@ -1,43 +1,36 @@
-"""The documents that the interface shows of a submission."""
+"""A submission as JSON: in one language, of bounded length, with no invisible characters in it."""
 
+import json
+from collections.abc import Mapping
 from datetime import datetime
+from typing import Any
 
 from pydantic import BaseModel, Field
 
-from grader.contracts.outcome import Blame, RunStatus
+from grader.contracts.judgement import judged
+from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.submission import SubmissionState
+from grader.contracts.submission import StoredReport, SubmissionState
+from grader.contracts.text import Language
+from grader.render.escape import visible
+from grader.use_cases.submissions import Progress
 
-_ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
+EXAMPLE_ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
 SUBMISSIONS = "/api/v1/submissions/"
 
 
 class Links(BaseModel):
     """Where the rest of a submission is."""
 
-    self: str = Field(description="This document.", examples=[SUBMISSIONS + _ID])
-    report: str = Field(description="The report, byte for byte.", examples=[f"{SUBMISSIONS}{_ID}/report"])
-    trajectory: str = Field(description="What the car did.", examples=[f"{SUBMISSIONS}{_ID}/trajectory"])
-    plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{_ID}/plot.png"])
-
-
-class Receipt(BaseModel):
-    """Answer to an upload: it is stored, and will be graded even if the service is stopped now."""
-
-    id: str = Field(examples=[_ID])
-    status: SubmissionState = Field(examples=["queued"])
-    status_url: str = Field(
-        description="Ask here how it went; the same as in Location.", examples=[SUBMISSIONS + _ID]
+    self: str = Field(description="This document.", examples=[SUBMISSIONS + EXAMPLE_ID])
+    report: str = Field(
+        description="The report, byte for byte.", examples=[f"{SUBMISSIONS}{EXAMPLE_ID}/report"]
     )
-    assignment: str = Field(examples=["square"])
-    student: str = Field(examples=["20260123"])
-    sha256: str = Field(description="Of the uploaded bytes.", examples=["9f86d081884c7d65" * 4])
-    received_at: datetime = Field(examples=["2026-03-02T08:00:00Z"])
-    repeated: bool = Field(
-        description="This is an earlier submission: the same was sent again. It cost no attempt.",
-        examples=[False],
+    trajectory: str = Field(
+        description="What the car did.", examples=[f"{SUBMISSIONS}{EXAMPLE_ID}/trajectory"]
     )
+    plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{EXAMPLE_ID}/plot.png"])
 
 
 class RubricItemView(BaseModel):
@@ -120,7 +113,7 @@ class RunView(BaseModel):
 class SubmissionView(BaseModel):
     """Where a submission stands, and its grading once there is one."""
 
-    id: str = Field(examples=[_ID])
+    id: str = Field(examples=[EXAMPLE_ID])
     student: str = Field(examples=["20260123"])
     assignment: str = Field(examples=["square"])
     file_name: str = Field(examples=["square_mover.py"])
@@ -159,3 +152,95 @@ class SubmissionView(BaseModel):
     grader_version: str | None = Field(examples=["0.1.0"])
     assignment_version: int | None = Field(examples=[1])
     links: Links
+
+
+def submission_view(read: Progress, language: Language) -> SubmissionView:
+    """Return a submission and its latest grading in `language`."""
+    submission, stored, lateness = read.submission, read.grading, read.lateness
+    report = {} if stored is None else _whole(stored)
+    return SubmissionView(
+        id=submission.id,
+        student=submission.student,
+        assignment=submission.assignment,
+        file_name=submission.file_name,
+        sha256=submission.sha256,
+        size_bytes=submission.size_bytes,
+        status=submission.state,
+        queue_position=read.position,
+        estimated_finish_at=read.estimated_finish_at,
+        received_at=submission.received_at,
+        queued_at=submission.queued_at,
+        started_at=submission.started_at,
+        finished_at=submission.finished_at,
+        tries=submission.tries,
+        verdict=submission.verdict,
+        score=submission.score,
+        to_judge=submission.to_judge,
+        max_score=submission.max_score,
+        late_s=lateness.late_s,
+        kept_share=lateness.kept_share,
+        kept_score=lateness.kept_score,
+        summary=_said(report.get("summary"), language),
+        hint=_said(report.get("hint"), language),
+        mistakes=report.get("mistakes", []),
+        rubric=[_item(item, language) for item in report.get("items", [])],
+        runs=[_run(run) for run in report.get("runs", [])],
+        report_sha256=submission.report_sha256,
+        graded_at=None if stored is None else stored.finished_at,
+        grader_version=report.get("grader_version"),
+        assignment_version=report.get("assignment_version"),
+        links=_links(SUBMISSIONS + submission.id),
+    )
+
+
+def _links(own: str) -> Links:
+    return Links(self=own, report=f"{own}/report", trajectory=f"{own}/trajectory", plot=f"{own}/plot.png")
+
+
+def _whole(stored: StoredReport) -> Mapping[str, Any]:
+    return judged(stored).to_dict() if stored.judgements else dict(json.loads(stored.content))
+
+
+def _said(text: Mapping[str, str] | None, language: Language) -> str:
+    return "" if text is None else text[language]
+
+
+def _item(item: Mapping[str, Any], language: Language) -> RubricItemView:
+    texts = {name: _said(item[name], language) for name in ("title", "message", "hint")}
+    return RubricItemView.model_validate({**item, **texts})
+
+
+def _run(run: Mapping[str, Any]) -> RunView:
+    outcome = run["outcome"]
+    status = RunStatus(outcome["status"])
+    logs = outcome["logs"][:SHOWN_LOGS]
+    changed = {
+        "case": run["case"],
+        "blame": status.blame,
+        "duration_s": outcome["duration_ns"] / 1e9,
+        "error": _error(outcome["error"]),
+        "cleanup_error": _error(outcome["cleanup_error"]),
+        "detail": visible(outcome["detail"]),
+        "stdout": _stream(outcome["stdout"]),
+        "stderr": _stream(outcome["stderr"]),
+        "nodes": [visible(name) for name in outcome["nodes"]],
+        "endpoints": [_visible_values(endpoint) for endpoint in outcome["endpoints"]],
+        "logs": [_visible_values({**record, "t_s": record["t_ns"] / 1e9}) for record in logs],
+        "logs_dropped": outcome["logs_dropped"] + len(outcome["logs"]) - len(logs),
+        "trajectory_sha256": run["trajectory_sha256"],
+    }
+    return RunView.model_validate({**outcome, **changed})
+
+
+def _visible_values(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: visible(value) if isinstance(value, str) else value for name, value in values.items()}
+
+
+def _error(error: Mapping[str, Any] | None) -> StudentErrorView | None:
+    return None if error is None else StudentErrorView.model_validate(_visible_values(error))
+
+
+def _stream(stream: Mapping[str, Any]) -> StreamView:
+    text = stream["text"]
+    left_out = max(0, len(text) - SHOWN_CHARACTERS)
+    return StreamView(text=visible(text[:SHOWN_CHARACTERS]), dropped=stream["dropped_bytes"] + left_out)

@@ -4,16 +4,16 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, File, Form, Header, Response, UploadFile, status
+from pydantic import BaseModel, Field
 
-from grader.contracts.errors import RefusedError
 from grader.contracts.submission import SubmissionState
 from grader.routes.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep, SubmissionId
 from grader.routes.middleware import UploadRoute, arrival
 from grader.routes.problems import responses
-from grader.routes.submission_document import Place, receipt, view
-from grader.routes.submission_views import Receipt, SubmissionView
+from grader.routes.submission_views import EXAMPLE_ID, SUBMISSIONS, SubmissionView, submission_view
+from grader.use_cases import submissions
 from grader.use_cases.handing_in import Upload, hand_in
-from grader.use_cases.visibility import found, graded, require_sight, shown
+from grader.use_cases.visibility import graded
 
 uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
 
@@ -38,12 +38,25 @@ IdempotencyKey = Annotated[
 ]
 
 
-def _require_sight(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> None:
-    require_sight(services, caller, submission_id)
+router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
 
 
-SIGHT = Depends(_require_sight)
-router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], dependencies=[SIGHT])
+class Receipt(BaseModel):
+    """Answer to an upload: it is stored, and will be graded even if the service is stopped now."""
+
+    id: str = Field(examples=[EXAMPLE_ID])
+    status: SubmissionState = Field(examples=["queued"])
+    status_url: str = Field(
+        description="Ask here how it went; the same as in Location.", examples=[SUBMISSIONS + EXAMPLE_ID]
+    )
+    assignment: str = Field(examples=["square"])
+    student: str = Field(examples=["20260123"])
+    sha256: str = Field(description="Of the uploaded bytes.", examples=["9f86d081884c7d65" * 4])
+    received_at: datetime = Field(examples=["2026-03-02T08:00:00Z"])
+    repeated: bool = Field(
+        description="This is an earlier submission: the same was sent again. It cost no attempt.",
+        examples=[False],
+    )
 
 
 @uploads.post(
@@ -101,7 +114,16 @@ def upload(  # noqa: PLR0913
         key=idempotency_key,
     )
     submission, repeated = hand_in(services, caller, new)
-    added = receipt(submission, repeated=repeated)
+    added = Receipt(
+        id=submission.id,
+        status=submission.state,
+        status_url=SUBMISSIONS + submission.id,
+        assignment=submission.assignment,
+        student=submission.student,
+        sha256=submission.sha256,
+        received_at=submission.received_at,
+        repeated=repeated,
+    )
     # checked when it was made: to be checked again, it would wait for a thread twice
     return Response(
         added.model_dump_json(),
@@ -124,15 +146,11 @@ def read(
     submission_id: SubmissionId,
 ) -> SubmissionView:
     """Return where a submission stands; once graded, with score, rubric items, feedback and what ran."""
-    submission, report = shown(services, caller, *found(services, submission_id))
-    waiting = submission.state is SubmissionState.QUEUED
-    position = services.queue.position(submission_id) if waiting else None
+    found = submissions.read(services, caller, submission_id)
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
-    known = services.rules.of(submission.course)
-    place = Place(position, services.watching.estimates.finish(submission, position))
-    return view(submission, report, place, known, language)
+    return submission_view(found, language)
 
 
 @router.get(
@@ -152,7 +170,7 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
 
     While rubric items are hidden, students get a copy without them.
     """
-    _, report = graded(services, submission_id, caller)
+    _, report = graded(services, caller, submission_id)
     return Response(report.content, media_type="application/json", headers={"ETag": f'"{report.sha256}"'})
 
 
@@ -168,10 +186,8 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
         **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
     },
 )
-def read_source(services: ServicesDep, submission_id: SubmissionId) -> Response:
+def read_source(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
     """Return what the student uploaded: a script, or the answer to a question."""
-    submission, source = services.submissions.get(submission_id), services.submissions.source(submission_id)
-    if submission is None or source is None:
-        raise RefusedError("submission_not_found")
+    submission, source = submissions.read_source(services, caller, submission_id)
     headers = {"ETag": f'"{submission.sha256}"', "Cache-Control": "private, no-cache"}
     return Response(source, media_type="text/plain; charset=utf-8", headers=headers)

@@ -1,9 +1,35 @@
-"""Published assignments."""
+"""Published assignments, and what they are to one student: what is shown, the dates, what is left."""
+
+from dataclasses import dataclass
+from datetime import datetime
+from zoneinfo import ZoneInfo
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError, UnknownAssignmentError
+from grader.contracts.identity import Caller, Role
+from grader.contracts.rules import NO_EXTENSION, Counted, Refusal, Rules
 from grader.contracts.text import Language
 from grader.use_cases.services import Services
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Terms:
+    """The rules of one assignment as they hold for one member of a course now.
+
+    Attributes:
+        due: with the member's extension.
+        attempts_left: in all; None: any number.
+        counted: the attempt that counts; None while there is none, or while it would tell about hidden items.
+        refusal: why the rules would accept no file from this student now; None: they would.
+    """
+
+    rules: Rules
+    zone: ZoneInfo
+    due: datetime | None
+    attempts_used: int
+    attempts_left: int | None
+    counted: Counted | None
+    refusal: Refusal | None
 
 
 def published(services: Services, assignment_id: str) -> Assignment | None:
@@ -26,6 +52,36 @@ def require_published(
     if assignment is None:
         raise RefusedError(code, field=field, allowed=[one.id for one in services.assignments.all()])
     return assignment
+
+
+def terms_of(services: Services, caller: Caller, assignment_id: str) -> Terms:
+    """Return the rules of an assignment as they hold for the caller; without courses nothing is ruled."""
+    known, person = services.rules.of(caller.course), caller.person
+    rules = known.of(assignment_id)
+    extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
+    attempts = () if person is None else services.submissions.attempts(person, assignment_id, caller.course)
+    now, is_student = services.clock(), caller.role is Role.STUDENT
+    is_hiding = is_student and bool(rules.hidden_at(now))
+    return Terms(
+        rules=rules,
+        zone=known.zone,
+        due=rules.due_for(extension),
+        attempts_used=sum(one.costs for one in attempts),
+        attempts_left=rules.attempts_left(extension, attempts),
+        counted=None if is_hiding else rules.counting(extension, attempts),
+        refusal=rules.refusal(extension, attempts, now, known.zone) if is_student else None,
+    )
+
+
+def due_dates(services: Services, caller: Caller) -> dict[str, datetime | None]:
+    """Return by assignment when it is due for a member of a course; nothing without courses."""
+    if caller.course is None:
+        return {}
+    known, person = services.rules.of(caller.course), caller.person or ""
+    return {
+        assignment: rules.due_for(known.extension(assignment, person))
+        for assignment, rules in known.by_assignment.items()
+    }
 
 
 def item_title(assignment: Assignment | None, item_id: str, language: Language) -> str:

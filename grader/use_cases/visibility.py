@@ -27,47 +27,44 @@ _RETRY_AFTER_S = 5
 _EMPTY = {"zh": "", "en": ""}
 
 
-def require_sight(services: Services, caller: Caller, submission_id: str) -> None:
-    """Make sure that a submission is the caller's to see.
+def visible_submission(services: Services, caller: Caller, submission_id: str) -> Submission:
+    """Return a submission without its grading; scores that hidden items are part of are still in it.
 
     Raises:
         RefusedError: there is none of that id, or it is somebody else's: a caller cannot tell which.
     """
-    submission = services.submissions.get(submission_id)
-    if submission is None or not caller.may_see(submission.course, submission.student):
-        raise RefusedError("submission_not_found")
-    note(submission=submission.id, assignment=submission.assignment)
+    return _seen(caller, services.submissions.get(submission_id))
 
 
-def found(services: Services, submission_id: str) -> tuple[Submission, StoredReport | None]:
-    """Return a submission and its grading, if there is one yet.
+def found(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, StoredReport | None]:
+    """Return a submission and its latest grading, None before the first, as the caller may see them.
 
     Raises:
-        RefusedError: there is no such submission.
+        RefusedError: there is none of that id, or it is somebody else's: a caller cannot tell which.
     """
-    pair = services.submissions.with_report(submission_id)
-    if pair is None:
-        raise RefusedError("submission_not_found")
-    return pair
+    submission, report = services.submissions.with_report(submission_id) or (None, None)
+    return shown(services, caller, _seen(caller, submission), report)
 
 
-def graded(
-    services: Services, submission_id: str, caller: Caller | None = None
-) -> tuple[Submission, StoredReport]:
-    """Return a submission and its latest grading, as `caller` may see it when one is named.
+def graded(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, StoredReport]:
+    """Return a submission and its latest grading, as the caller may see them.
 
     Raises:
-        RefusedError: there is no such submission, or no grading yet.
+        RefusedError: as `found`, or there is no grading yet.
     """
-    submission, report = found(services, submission_id)
+    submission, report = found(services, caller, submission_id)
     if report is None:
         state = submission.state.value
         detail = Text(zh=f"提交的状态是 {state}。", en=f"The submission is {state}.")
         raise RefusedError("not_graded_yet", detail, retry_after_s=_RETRY_AFTER_S)
-    if caller is not None:
-        submission, copy = shown(services, caller, submission, report)
-        report = copy or report
     return submission, report
+
+
+def _seen(caller: Caller, submission: Submission | None) -> Submission:
+    if submission is None or not caller.may_see(submission.course, submission.student):
+        raise RefusedError("submission_not_found")
+    note(submission=submission.id, assignment=submission.assignment)
+    return submission
 
 
 def hidden_from(services: Services, caller: Caller, assignment_id: str) -> frozenset[str]:

@@ -15,11 +15,17 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
+from grader.routes.dependencies import QueryWhole, ServicesDep, SubmissionId
 from grader.use_cases.handing_in import checked_student
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import found, shown
+from grader.use_cases.visibility import found
 from grader.web.forms import set_private_cookie
 
+__all__ = (
+    "QueryWhole",
+    "ServicesDep",
+    "SubmissionId",
+)  # what pages read of a request as the JSON interface does
 STUDENT_COOKIE = "grader_student"
 TOKEN_COOKIE = "grader_token"  # noqa: S105  the name of a cookie
 ENTER = "/enter"
@@ -128,11 +134,19 @@ def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Subm
         RefusedError: there is none of that id, or it is somebody else's: the visitor cannot tell which.
     """
     require_known(visitor)
-    submission, stored = found(services, submission_id)
-    own = visitor.staff or visitor.student == submission.student
-    if not (own and visitor.caller.may_see(submission.course, submission.student)):
+    submission, stored = found(services, visitor.caller, submission_id)
+    require_own(visitor, submission)
+    return submission, stored
+
+
+def require_own(visitor: Visitor, submission: Submission) -> None:
+    """Show a student nobody else's submission, also where the service has no courses and its id would open it.
+
+    Raises:
+        RefusedError: it is somebody else's; the same refusal as when there is none.
+    """
+    if not (visitor.staff or visitor.student == submission.student):
         raise RefusedError("submission_not_found")
-    return shown(services, visitor.caller, submission, stored)
 
 
 def enter_student(request: Request, response: Response, student: str) -> None:

@@ -4,17 +4,17 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
+from grader import __version__
 from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
 from grader.routes.dashboard import class_overview
 from grader.routes.dashboard_views import STUCK_ATTEMPTS, DashboardView
-from grader.routes.dependencies import ServicesDep
-from grader.routes.health import health_of
+from grader.use_cases.health import health_of
 from grader.use_cases.services import Services
 from grader.web import access
-from grader.web.access import StaffDep, Visitor, require_staff
+from grader.web.access import ServicesDep, StaffDep, Visitor, require_staff
 from grader.web.comparison import compare
 from grader.web.matrix import SHOWS, MatrixQuery, matrix
 from grader.web.pages import language_of, page
@@ -105,7 +105,7 @@ def read_comparison(
 @router.get("/service")
 def read_service(request: Request, services: ServicesDep) -> Response:
     """Show queue, workers and sandbox."""
-    return page(request, "service.html", health=health_of(services))
+    return page(request, "service.html", health=health_of(services), version=__version__)
 
 
 def _overview(request: Request, services: Services, visitor: Visitor) -> DashboardView:

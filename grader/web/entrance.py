@@ -7,8 +7,8 @@ from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
-from grader.routes.problem_types import PROBLEM_TYPES
 from grader.web import access
+from grader.web.errors import refusal
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.words import say
@@ -25,7 +25,7 @@ class Entry(BaseModel):
     next: str = Field(default="", max_length=_LONGEST)
 
 
-class Refusal(BaseModel):
+class Wrong(BaseModel):
     """Which field was not accepted, and what to do about it."""
 
     field: Literal["student", "token"]
@@ -49,14 +49,13 @@ def enter(request: Request, entry: Annotated[Entry, Form()]) -> Response:
             home = "/class" if caller.is_staff else "/"
             response.headers["Location"] = own_address(entry.next) or home
             return response
-        return _ask(request, entry, 403, Refusal(field="token", text=say("enter.wrong_token", language)))
+        return _ask(request, entry, 403, Wrong(field="token", text=say("enter.wrong_token", language)))
     response = RedirectResponse(own_address(entry.next) or "/submissions", status_code=303)
     try:
         access.enter_student(request, response, entry.student.strip())
     except RefusedError as problem:
-        kind = PROBLEM_TYPES[problem.code]
-        refusal = Refusal(field="student", text=kind.fix.get(language))
-        return _ask(request, entry, kind.status, refusal)
+        refused = refusal(problem, language)
+        return _ask(request, entry, refused.status, Wrong(field="student", text=refused.fix))
     return response
 
 
@@ -74,6 +73,6 @@ def own_address(path: str) -> str:
     return path if own and path.isascii() else ""
 
 
-def _ask(request: Request, entry: Entry, status: int = 200, refusal: Refusal | None = None) -> Response:
+def _ask(request: Request, entry: Entry, status: int = 200, wrong: Wrong | None = None) -> Response:
     wanted = own_address(entry.next)
-    return page(request, "enter.html", status=status, next=wanted, given=entry.student, refusal=refusal)
+    return page(request, "enter.html", status=status, next=wanted, given=entry.student, refusal=wrong)

@@ -1,16 +1,54 @@
-"""Failures as pages for people; programs keep getting problem documents."""
+"""Failures as pages for people, and refusals beside the form that was refused; programs get problem documents."""
 
 import json
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from typing import Any, cast
 
 from fastapi import FastAPI, Request, Response
 
+from grader.contracts.errors import RefusedError
+from grader.contracts.text import Language
+from grader.routes.problem_types import PROBLEM_TYPES
 from grader.web.access import EnterFirstError, ask_to_enter
 from grader.web.pages import language_of, page
 
 _Handler = Callable[[Request, Exception], Awaitable[Response]]
 _MACHINES = ("/api/", "/healthz")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Refusal:
+    """A refusal in the visitor's language.
+
+    Attributes:
+        field: which field of the form is wrong; empty: none in particular.
+        fix: what to do about it. line, text: the line of the file that is wrong.
+    """
+
+    code: str
+    status: int
+    title: str
+    fix: str
+    detail: str | None
+    field: str
+    line: int | None
+    text: str | None
+
+
+def refusal(error: RefusedError, language: Language, field: str = "") -> Refusal:
+    """Return what a form says about a refusal, which is about `field` unless it names another."""
+    kind = PROBLEM_TYPES[error.code]
+    return Refusal(
+        code=error.code,
+        status=kind.status,
+        title=kind.title.get(language),
+        fix=kind.fix.get(language),
+        detail=None if error.detail is None else error.detail.get(language),
+        field=error.members.get("field", field),
+        line=error.members.get("line"),
+        text=error.members.get("text"),
+    )
 
 
 def install(app: FastAPI) -> None:

@@ -13,10 +13,9 @@ from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
 from grader.contracts.rubric import summed
 from grader.routes import gradebook
-from grader.routes.dependencies import ServicesDep
 from grader.routes.gradebook import Format
 from grader.routes.gradebook_tables import Scores
-from grader.web.access import StaffDep, require_staff
+from grader.web.access import ServicesDep, StaffDep, require_staff
 from grader.web.pages import language_of, page
 from grader.web.paging import PageQuery, cut
 

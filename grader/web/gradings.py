@@ -8,11 +8,10 @@ from fastapi.responses import JSONResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
-from grader.routes.dependencies import QueryWhole, ServicesDep, SubmissionId
 from grader.routes.gradebook import Platform, exported
 from grader.use_cases.services import Services
 from grader.web import access
-from grader.web.access import StaffDep, Visitor, require_staff
+from grader.web.access import QueryWhole, ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
 from grader.web.comparison import compare
 from grader.web.pages import language_of, page
 from grader.web.roster import names, person

@@ -15,13 +15,12 @@ from grader.contracts.judgement import LONGEST_COMMENT
 from grader.contracts.notation import decimal, written
 from grader.contracts.submission import Submission
 from grader.routes import judgements
-from grader.routes.dependencies import ServicesDep, SubmissionId
 from grader.routes.judgement_views import JudgementBody, ManualItemsView, ManualItemView
 from grader.store.judgements import WaitingFor
 from grader.use_cases.assignments import published
 from grader.use_cases.services import Services
 from grader.web import access
-from grader.web.access import StaffDep, Visitor, require_staff
+from grader.web.access import ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.paging import PageQuery, pages_of
@@ -200,7 +199,7 @@ def _desk(  # noqa: PLR0913, PLR0917
 ) -> Response:
     submission, _ = access.seen(services, visitor, submission_id)
     language = language_of(request)
-    judged = judgements.items_of(services, language, submission.id)
+    judged = judgements.items_of(services, visitor.caller, language, submission.id)
     item = _chosen(judged, form.item, corrects=visitor.caller.is_instructor)
     return page(
         request,

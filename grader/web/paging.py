@@ -7,7 +7,7 @@ from urllib.parse import urlencode
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from grader.routes.dependencies import QueryWhole
+from grader.web.access import QueryWhole
 
 _LINES = 100  # of a page
 _Item = TypeVar("_Item")

@@ -5,9 +5,8 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
-from grader.routes.dependencies import QueryWhole, ServicesDep
 from grader.routes.people import audit_page
-from grader.web.access import InstructorDep, StaffDep, require_staff
+from grader.web.access import InstructorDep, QueryWhole, ServicesDep, StaffDep, require_staff
 from grader.web.audit_lines import Teller
 from grader.web.pages import language_of, page
 

@@ -12,13 +12,12 @@ from grader.contracts.identity import is_person_id
 from grader.contracts.judgement import judged
 from grader.contracts.regrade import Wanted, Which
 from grader.routes import regrades
-from grader.routes.dependencies import ServicesDep
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.routes.regrades import RegradeId, RegradeSummary
 from grader.use_cases.assignments import published
 from grader.use_cases.services import Services
 from grader.web import access
-from grader.web.access import InstructorDep, StaffDep, require_staff
+from grader.web.access import InstructorDep, ServicesDep, StaffDep, require_staff
 from grader.web.comparison import compare
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page

@@ -7,14 +7,21 @@ from dataclasses import dataclass
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchSide
-from grader.contracts.outcome import Blame, LogRecord, RunOutcome, Stream, StudentError
+from grader.contracts.outcome import (
+    SHOWN_CHARACTERS,
+    SHOWN_LOGS,
+    Blame,
+    LogRecord,
+    RunOutcome,
+    Stream,
+    StudentError,
+)
 from grader.contracts.report import CaseRun, GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
 from grader.messages import quantity
 from grader.messages.details import explained
 from grader.render.labels import ITEM_MARK, item_status_word, note_sentence, status_word, word
-from grader.routes.submission_document import SHOWN_CHARACTERS, SHOWN_LOGS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

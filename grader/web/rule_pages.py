@@ -9,12 +9,11 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ChangedMeanwhileError, CourseError
 from grader.contracts.identity import Seen
 from grader.contracts.rules import NO_EXTENSION, Counts, Extension, LateKind
-from grader.routes.dependencies import ServicesDep
 from grader.routes.rules import AssignmentId, signature
 from grader.store.rules import ANY_STATE, CourseRules, tag
 from grader.use_cases.assignments import require_published
 from grader.use_cases.services import Services
-from grader.web.access import InstructorDep, StaffDep, Visitor, require_staff
+from grader.web.access import InstructorDep, ServicesDep, StaffDep, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import page
 from grader.web.roster import names

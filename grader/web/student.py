@@ -1,8 +1,7 @@
 """The student's pages: assignments, handing in, earlier attempts."""
 
-from datetime import datetime
-from typing import Annotated, Any
-from zoneinfo import ZoneInfo
+from dataclasses import asdict
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, File, Form, Request, Response, UploadFile
 from fastapi.responses import RedirectResponse
@@ -13,20 +12,17 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language
 from grader.messages import quantity
-from grader.routes import rules
-from grader.routes.dependencies import ServicesDep
 from grader.routes.middleware import UploadRoute, arrival_of
-from grader.routes.problem_types import PROBLEM_TYPES, ProblemType
-from grader.routes.rule_views import StandingView
 from grader.telemetry.context import note
-from grader.use_cases import handing_in
-from grader.use_cases.assignments import require_published
-from grader.use_cases.handing_in import Upload
+from grader.use_cases.assignments import Terms, due_dates, require_published, terms_of
+from grader.use_cases.handing_in import Upload, hand_in
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import shown_assignment, shown_list
+from grader.use_cases.submissions import attempts
+from grader.use_cases.visibility import shown_assignment
 from grader.web import access
-from grader.web.access import Visitor, VisitorDep
+from grader.web.access import ServicesDep, Visitor, VisitorDep
 from grader.web.audit_lines import Teller
+from grader.web.errors import refusal
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.words import say
@@ -39,9 +35,8 @@ _MOST_ATTEMPTS = 50
 @router.get("/")
 def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
     """Show the checklist, with what the student reached so far."""
-    attempts = _attempts(services, visitor)
     best: dict[str, Submission] = {}
-    for one in attempts:
+    for one in _attempts(services, visitor):
         if one.score is not None and (
             one.assignment not in best or one.score > (best[one.assignment].score or 0)
         ):
@@ -52,7 +47,7 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
         "assignments.html",
         assignments=shown,
         best=best,
-        due=_due(services, visitor),
+        due=due_dates(services, visitor.caller),
         now=services.clock(),
     )
 
@@ -66,7 +61,7 @@ def read_assignment(
 
 
 @uploads.post("/assignments/{assignment_id}", dependencies=[Depends(require_own_form)])
-def hand_in(  # noqa: PLR0913, PLR0917
+def take_file(  # noqa: PLR0913, PLR0917
     request: Request,
     services: ServicesDep,
     visitor: VisitorDep,
@@ -87,7 +82,7 @@ def hand_in(  # noqa: PLR0913, PLR0917
         arrived_at=arrival_of(request),
     )
     try:
-        submission, _ = handing_in.hand_in(services, visitor.caller, upload)
+        submission, _ = hand_in(services, visitor.caller, upload)
     except RefusedError as problem:
         note(code=problem.code)
         return _assignment_page(request, assignment, problem, student)
@@ -106,10 +101,7 @@ def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) 
 
 
 def _attempts(services: Services, visitor: Visitor, assignment: str | None = None) -> tuple[Submission, ...]:
-    if visitor.student is None:
-        return ()
-    own = services.submissions.of_student(visitor.student, assignment, course=visitor.caller.course)
-    return shown_list(services, visitor.caller, own)
+    return () if visitor.student is None else attempts(services, visitor.caller, visitor.student, assignment)
 
 
 def _assignment_page(
@@ -117,76 +109,33 @@ def _assignment_page(
 ) -> Response:
     services: Services = request.app.state.services
     visitor, language = access.visitor_of(request), language_of(request)
-    standing = _standing(services, visitor, assignment)
+    terms = None if visitor.caller.course is None else terms_of(services, visitor.caller, assignment.id)
+    closed = None if terms is None or terms.refusal is None else RefusedError(terms.refusal.code)
+    refused = None if problem is None else refusal(problem, language, field="file")
     return page(
         request,
         "assignment.html",
-        status=200 if problem is None else PROBLEM_TYPES[problem.code].status,
+        status=200 if refused is None else refused.status,
         assignment=assignment,
         rubric=published_rubric(shown_assignment(services, visitor.caller, assignment)),
-        standing=standing,
-        late="" if standing is None else _late(standing, language),
+        terms=terms,
+        late="" if terms is None else _late(terms, language),
         attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],
         suffixes=SUFFIXES[assignment.input],
         max_bytes=services.settings.max_upload_bytes,
-        closed=_closed(services, visitor, assignment),
-        refusal=None if problem is None else _refusal(problem, language),
+        closed=None if closed is None else refusal(closed, language),
+        refusal=refused,
         given=given,
     )
 
 
-def _standing(services: Services, visitor: Visitor, assignment: Assignment) -> StandingView | None:
-    """Return dates and attempts for a member of a course."""
-    caller = visitor.caller
-    if caller.course is None:
-        return None
-    return rules.standing(services, caller, services.rules.of(caller.course), assignment.id)
-
-
-def _closed(services: Services, visitor: Visitor, assignment: Assignment) -> ProblemType | None:
-    """Return why the rules accept no file from this student now; None when they do."""
-    caller = visitor.caller
-    if caller.course is None or caller.person is None or caller.is_staff:
-        return None
-    known = services.rules.of(caller.course)
-    attempts = services.submissions.attempts(caller.person, assignment.id, caller.course)
-    extension = known.extension(assignment.id, caller.person)
-    why = known.of(assignment.id).refusal(extension, attempts, services.clock(), known.zone)
-    return None if why is None else PROBLEM_TYPES[why.code]
-
-
-def _due(services: Services, visitor: Visitor) -> dict[str, datetime | None]:
-    """Return by assignment when it is due for a member of a course."""
-    if visitor.caller.course is None:
-        return {}
-    known, person = services.rules.of(visitor.caller.course), visitor.caller.person or ""
-    return {
-        assignment: rules.due_for(known.extension(assignment, person))
-        for assignment, rules in known.by_assignment.items()
-    }
-
-
-def _late(standing: StandingView, language: Language) -> str:
+def _late(terms: Terms, language: Language) -> str:
     """Return what handing in after the due date costs, and until when it is possible."""
-    accepted_s = standing.rules.accept_late_s
+    accepted_s = terms.rules.accept_late_s
     if accepted_s == 0:
         return say("standing.closed", language)
-    teller = Teller(language, ZoneInfo(standing.time_zone))
-    cost = teller.value("late", standing.rules.late.model_dump())
+    cost = Teller(language, terms.zone).value("late", asdict(terms.rules.late))
     if accepted_s is None:
         return cost
     hours = quantity.exact(accepted_s / 3_600)
     return cost + say("comma", language) + say("rules.accept_short", language, hours=hours)
-
-
-def _refusal(problem: RefusedError, language: Language) -> dict[str, Any]:
-    """Return what the form says about a file that was not accepted."""
-    kind, detail = PROBLEM_TYPES[problem.code], problem.detail
-    return {
-        "field": problem.members.get("field", "file"),
-        "title": kind.title.get(language),
-        "detail": None if detail is None else detail.get(language),
-        "fix": kind.fix.get(language),
-        "line": problem.members.get("line"),
-        "text": problem.members.get("text"),
-    }

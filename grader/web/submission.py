@@ -1,34 +1,35 @@
 """The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
 
+from collections.abc import AsyncIterator
+from dataclasses import asdict
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Header, Query, Request, Response
+from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse
+from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import judged
-from grader.contracts.report import report_from
-from grader.contracts.submission import StoredReport, Submission, SubmissionState
+from grader.contracts.report import CaseRun, GradeReport, report_from
+from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.text import Language
 from grader.render.labels import status_word
-from grader.routes import recordings
-from grader.routes.dependencies import ServicesDep, SubmissionId
+from grader.routes.events import LastEventId, events, owner_of, progress_event, watched
 from grader.routes.judgement_views import ManualItemView, manual_items
-from grader.routes.submission_document import lateness
+from grader.use_cases import recordings, submissions
 from grader.use_cases.assignments import published
+from grader.use_cases.following import Watch
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import shown_list
 from grader.web import access
-from grader.web.access import Visitor, VisitorDep
+from grader.web.access import ServicesDep, SubmissionId, Visitor, VisitorDep
 from grader.web.pages import language_of, page
 from grader.web.result import StreamText, figure_parts, result_page, stream_text
-from grader.web.sketches import figure_document, measured_figure, run_of
 from grader.web.words import say
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
-_OPEN = (SubmissionState.QUEUED, SubmissionState.RUNNING)
 _REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading")
 Case = Annotated[str | None, Query(max_length=64)]
 
@@ -42,19 +43,22 @@ def read(
     case: Case = None,
 ) -> Response:
     """Show where a submission stands, and its grading once there is one."""
-    submission, stored = access.seen(services, visitor, submission_id)
+    access.require_known(visitor)
+    found = submissions.read(services, visitor.caller, submission_id)
+    submission = found.submission
+    access.require_own(visitor, submission)
     assignment = published(services, submission.assignment)
     return page(
         request,
         "submission.html",
         submission=submission,
         assignment=assignment,
-        open=submission.state in _OPEN,
-        position=_position(services, submission),
-        attempts=_attempts(services, visitor, submission),
-        late=lateness(submission, services.rules.of(submission.course)),
-        corrections=_corrections(request, visitor, submission, stored),
-        **_result(request, services, assignment, stored, case),
+        open=submissions.is_open(submission),
+        position=found.position,
+        attempts=submissions.attempts(services, visitor.caller, submission.student, submission.assignment),
+        late=found.lateness,
+        corrections=_corrections(request, visitor, submission, found.grading),
+        **_result(request, services, assignment, found.grading, case),
     )
 
 
@@ -66,12 +70,38 @@ def read_state(
     submission, _ = access.seen(services, visitor, submission_id)
     state = status_word(submission.state, language_of(request))
     document = {
-        "open": submission.state in _OPEN,
+        "open": submissions.is_open(submission),
         "state": submission.state.value,
         "text": state,
-        "position": _position(services, submission),
+        "position": submissions.place(services, submission)[0],
     }
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
+
+
+async def _watched(
+    request: Request,
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    last_event_id: LastEventId = None,
+) -> AsyncIterator[Watch]:
+    await run_in_threadpool(access.seen, services, visitor, submission_id)
+    owner = owner_of(visitor.caller, f"visitor {visitor.student}")
+    async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
+        yield watch
+
+
+@router.get("/events", response_class=EventSourceResponse)
+async def follow(
+    request: Request,
+    services: ServicesDep,
+    watch: Annotated[Watch, Depends(_watched)],
+    last_event_id: LastEventId = None,
+) -> AsyncIterator[ServerSentEvent]:
+    """Send where the submission stands whenever that changes; ends when it is graded."""
+    language, life_s = language_of(request), services.watching.limits.life_s
+    async for event in events(watch, last_event_id, life_s, lambda one: progress_event(one, language)):
+        yield event
 
 
 @router.get("/trajectory.json")
@@ -82,11 +112,18 @@ def read_trajectory(
     case: Case = None,
     accept_encoding: Annotated[str | None, Header()] = None,
 ) -> Response:
-    """Return what the car did, as `grader.routes.recordings` does."""
+    """Return what the car did, for the replay."""
     access.seen(services, visitor, submission_id)
-    response = recordings.trajectory(services, submission_id, case, accept_encoding)
-    response.headers["Cache-Control"] = "private, no-cache"
-    return response
+    recording = recordings.trajectory(services, visitor.caller, submission_id, case)
+    headers = {
+        "ETag": f'"{recording.sha256}"',
+        "Vary": "Accept-Encoding",
+        "Cache-Control": "private, no-cache",
+    }
+    if "gzip" not in (accept_encoding or "").lower():
+        return Response(recording.content, media_type="application/json", headers=headers)
+    headers["Content-Encoding"] = "gzip"  # sent as it is stored
+    return Response(recording.compressed, media_type="application/json", headers=headers)
 
 
 @router.get("/sketch.json")
@@ -99,13 +136,13 @@ def read_sketch(
 ) -> Response:
     """Return what the checks saw in the motion; an empty object when they cannot say."""
     _, stored = access.seen(services, visitor, submission_id)
-    run = None if stored is None else run_of(judged(stored), case)
+    run = None if stored is None else _run_of(judged(stored), case)
     figure = (
         None
         if stored is None or run is None
-        else measured_figure(services, access.visitor_of(request).caller, stored, run)
+        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
     )
-    document = {} if figure is None else figure_document(figure, language_of(request))
+    document = {} if figure is None else _figure_document(figure, language_of(request))
     return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
 
 
@@ -119,15 +156,15 @@ async def read_plot(
 ) -> Response:
     """Return the picture of one run, for browsers without scripts and for comparing."""
     await run_in_threadpool(access.seen, services, visitor, submission_id)
-    return await recordings.picture(
-        services, submission_id, visitor.caller, language_of(request), "png", case
-    )
-
-
-def _attempts(services: Services, visitor: Visitor, submission: Submission) -> tuple[Submission, ...]:
-    """Return the student's submissions to the same assignment, newest first."""
-    own = services.submissions.of_student(submission.student, submission.assignment, course=submission.course)
-    return shown_list(services, visitor.caller, own)
+    language = language_of(request)
+    drawn = await recordings.picture(services, visitor.caller, submission_id, case, language, "png")
+    headers = {
+        "ETag": f'"{drawn.tag}"',
+        "Content-Language": language,
+        "Vary": "Accept-Language",
+        "Cache-Control": "private, no-cache",
+    }
+    return Response(drawn.content, media_type="image/png", headers=headers)
 
 
 def _corrections(
@@ -137,10 +174,6 @@ def _corrections(
     if stored is None or not visitor.caller.is_instructor:
         return []
     return manual_items(submission, stored, report_from(stored.content), language_of(request)).items
-
-
-def _position(services: Services, submission: Submission) -> int | None:
-    return services.queue.position(submission.id) if submission.state is SubmissionState.QUEUED else None
 
 
 def _only_talks(figure: FigureSketch | None) -> bool:
@@ -169,11 +202,13 @@ def _result(
         return {"result": None, "replay": False}
     language = language_of(request)
     report = judged(stored)
-    run = run_of(report, case)
+    run = _run_of(report, case)
     if run is None and case is not None:
         raise RefusedError("no_trajectory", field="case", allowed=list(stored.cases))
     figure = (
-        None if run is None else measured_figure(services, access.visitor_of(request).caller, stored, run)
+        None
+        if run is None
+        else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
     )
     names = {name: say(f"figure.{name}", language) for name in ("side", "corner", "gap")}
     return {
@@ -184,3 +219,14 @@ def _result(
         "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
         "replay_words": {word: say(f"replay.{word}", language) for word in _REPLAY_WORDS},
     }
+
+
+def _run_of(report: GradeReport, case: str | None) -> CaseRun | None:
+    """Return the run of `case`, the first when None; None when there is no such run."""
+    return next((run for run in report.runs if case is None or run.case == case), None)
+
+
+def _figure_document(figure: FigureSketch, language: Language) -> dict[str, Any]:
+    """Return a figure as plain data with its remarks in `language`."""
+    labels = [{"at_m": one.at_m, "text": one.text.get(language), "ok": one.ok} for one in figure.labels]
+    return {**asdict(figure), "labels": labels}

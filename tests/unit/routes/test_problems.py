@@ -1,19 +1,24 @@
 """Every refusal is a problem document that says what, where and what to do."""
 
+import ast
 import json
 from collections.abc import Callable
+from pathlib import Path
+from typing import get_args
 
 import httpx
 import pytest
 from fastapi import Request
 
 from grader.contracts.errors import InfrastructureError, SandboxError
+from grader.contracts.rules import RefusalCode
 from grader.routes import problems
 from grader.routes.problem_types import PROBLEM_TYPES
 from grader.use_cases.services import Services
 from tests.fakes.refusals import nothing_stored, problem
 from tests.fakes.server import TOKEN
 
+ROOT = Path(__file__).resolve().parents[3]
 Upload = Callable[..., httpx.Response]
 
 
@@ -208,7 +213,7 @@ def test_a_database_that_is_away(
     def away(_: str) -> None:
         raise InfrastructureError("database is locked")
 
-    monkeypatch.setattr(services.submissions, "get", away)
+    monkeypatch.setattr(services.submissions, "with_report", away)
     response = client.get("/api/v1/submissions/x")
     problem(response, 503, "unavailable")
     assert "Retry-After" in response.headers
@@ -226,6 +231,23 @@ def test_every_type_is_explained_at_its_address(client: httpx.Client) -> None:
         document = client.get(f"/api/v1/problems/{code}", params={"lang": "en"}).json()
         assert document["title"] == type_.title.en
         assert document["fix"], code
+
+
+def test_every_refusal_of_a_use_case_has_a_type() -> None:
+    """A code without one would answer 500 instead of telling what is wrong."""
+    named = {
+        call.args[0].value
+        for path in (ROOT / "grader").rglob("*.py")
+        for call in ast.walk(ast.parse(path.read_text()))
+        if isinstance(call, ast.Call)
+        and isinstance(call.func, ast.Name)
+        and call.func.id == "RefusedError"
+        and call.args
+        and isinstance(call.args[0], ast.Constant)
+    }
+    assert len(named) > 20
+    assert named <= PROBLEM_TYPES.keys()
+    assert set(get_args(RefusalCode)) <= PROBLEM_TYPES.keys()
 
 
 def test_an_unknown_type(client: httpx.Client) -> None:

@@ -1,0 +1,121 @@
+"""What the car did in one run: the trajectory as it was recorded, as a picture, and what the checks see in it."""
+
+import asyncio
+import gzip
+from dataclasses import dataclass, replace
+
+from grader.checks import sketch
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import AssignmentError, RefusedError, UnknownAssignmentError
+from grader.contracts.figure import FigureSketch, PictureForm
+from grader.contracts.identity import Caller
+from grader.contracts.judgement import judged
+from grader.contracts.report import CaseRun
+from grader.contracts.scoring import Run
+from grader.contracts.submission import StoredReport
+from grader.contracts.text import Language
+from grader.contracts.trajectory import decode_trajectory
+from grader.use_cases.assignments import require_published
+from grader.use_cases.pictures import PlotSpec
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import graded, shown_assignment
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Recording:
+    """One run's trajectory: its JSON compressed by gzip as it is stored, and the digest of the JSON."""
+
+    compressed: bytes
+    sha256: str
+
+    @property
+    def content(self) -> bytes:
+        """Return the JSON itself."""
+        return gzip.decompress(self.compressed)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picture:
+    """A drawn run; `tag` differs between pictures that differ."""
+
+    content: bytes
+    tag: str
+
+
+def trajectory(services: Services, caller: Caller, submission_id: str, case: str | None) -> Recording:
+    """Return what was recorded in the run `case` of a submission, None: in its first run.
+
+    Raises:
+        RefusedError: the caller may not see it, there is no grading, or nothing was recorded in such a run.
+    """
+    _, report = graded(services, caller, submission_id)
+    return _recorded(services, report, case)
+
+
+async def picture(  # noqa: PLR0913, PLR0917
+    services: Services,
+    caller: Caller,
+    submission_id: str,
+    case: str | None,
+    language: Language,
+    form: PictureForm,
+) -> Picture:
+    """Return the picture of one run, as the caller may see it.
+
+    It waits on the event loop while the one thread that draws is busy: a class that looks at its pictures must not
+    take the threads that uploads need.
+
+    Raises:
+        RefusedError: as `trajectory`, or nobody knows the assignment any more.
+    """
+    assignment, report, recording, case_id = await asyncio.to_thread(
+        _drawable, services, caller, submission_id, case
+    )
+    spec = PlotSpec(case=case_id, language=language, form=form)
+    content = await services.plots.get(assignment, report, recording.content, spec)
+    return Picture(content=content, tag=f"{report.sha256}-{case_id}-{language}-{form}")
+
+
+def measured_figure(
+    services: Services, caller: Caller, stored: StoredReport, run: CaseRun
+) -> FigureSketch | None:
+    """Return the figure that the checks see in a run, judged by what the caller may see.
+
+    None when nothing was recorded, or the assignment is no longer published in a form that can be measured.
+    """
+    content = services.submissions.trajectory(stored, run.case)
+    if content is None:
+        return None
+    motion = decode_trajectory(gzip.decompress(content))
+    try:
+        published = services.assignments.get(judged(stored).assignment)
+        assignment = shown_assignment(services, caller, published)
+        return sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
+    except (AssignmentError, UnknownAssignmentError):
+        return None
+
+
+def _drawable(
+    services: Services, caller: Caller, submission_id: str, case: str | None
+) -> tuple[Assignment, StoredReport, Recording, str]:
+    submission, report = graded(services, caller, submission_id)
+    kept = services.submissions.graded_assignment(report)
+    known = kept or require_published(services, submission.assignment)
+    assignment = shown_assignment(services, caller, known)
+    recording = _recorded(services, report, case)
+    if report.judgements:  # the picture shows the score, which people have a part in
+        whole = judged(report)
+        report = replace(report, content=whole.canonical_bytes(), sha256=whole.sha256())
+    return assignment, report, recording, _case_id(report, case)
+
+
+def _recorded(services: Services, report: StoredReport, case: str | None) -> Recording:
+    case_id = _case_id(report, case)
+    compressed = services.submissions.trajectory(report, case_id)
+    if compressed is None:
+        raise RefusedError("no_trajectory", field="case", allowed=list(report.cases))
+    return Recording(compressed=compressed, sha256=report.cases[case_id])
+
+
+def _case_id(report: StoredReport, case: str | None) -> str:
+    return case if case is not None else next(iter(report.cases), "")

@@ -1,0 +1,103 @@
+"""Reading a submission: where it stands, how it was graded, the file itself, and the attempts beside it."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+from grader.contracts.identity import Caller
+from grader.contracts.submission import StoredReport, Submission, SubmissionState
+from grader.store.rules import CourseRules
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import found, shown_list, visible_submission
+
+_OPEN = (SubmissionState.QUEUED, SubmissionState.RUNNING)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Lateness:
+    """What handing in late costs one submission.
+
+    Attributes:
+        late_s: seconds after the student's due date.
+        kept_share: of its points. kept_score: what that leaves of its score; None while it has none.
+    """
+
+    late_s: float
+    kept_share: float
+    kept_score: float | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Progress:
+    """A submission and its latest grading, as the caller may see them.
+
+    Attributes:
+        grading: None before the first.
+        position: how many are before it while it waits.
+        estimated_finish_at: None when it is graded, or nobody can say.
+    """
+
+    submission: Submission
+    grading: StoredReport | None
+    position: int | None
+    estimated_finish_at: datetime | None
+    lateness: Lateness
+
+
+def read(services: Services, caller: Caller, submission_id: str) -> Progress:
+    """Return where a submission stands, and its grading once there is one.
+
+    Raises:
+        RefusedError: the caller may not see it.
+    """
+    submission, grading = found(services, caller, submission_id)
+    position, estimated = place(services, submission)
+    return Progress(
+        submission=submission,
+        grading=grading,
+        position=position,
+        estimated_finish_at=estimated,
+        lateness=_lateness(submission, services.rules.of(submission.course)),
+    )
+
+
+def is_open(submission: Submission) -> bool:
+    """Whether more will happen to a submission by itself."""
+    return submission.state in _OPEN
+
+
+def place(services: Services, submission: Submission) -> tuple[int | None, datetime | None]:
+    """Return how many are before a submission while it waits, and when it will probably be graded."""
+    if not is_open(submission):
+        return None, None
+    is_waiting = submission.state is SubmissionState.QUEUED
+    position = services.queue.position(submission.id) if is_waiting else None
+    return position, services.watching.estimates.finish(submission, position)
+
+
+def read_source(services: Services, caller: Caller, submission_id: str) -> tuple[Submission, bytes]:
+    """Return a submission and its file, byte for byte.
+
+    Raises:
+        RefusedError: the caller may not see it.
+    """
+    submission = visible_submission(services, caller, submission_id)
+    return submission, services.submissions.source(submission_id) or b""
+
+
+def attempts(
+    services: Services, caller: Caller, student: str, assignment: str | None = None
+) -> tuple[Submission, ...]:
+    """Return a student's submissions, newest first, as the caller may see them; only those to `assignment`."""
+    own = services.submissions.of_student(student, assignment, course=caller.course)
+    return shown_list(services, caller, own)
+
+
+def _lateness(submission: Submission, known: CourseRules) -> Lateness:
+    rules = known.of(submission.assignment)
+    extension = known.extension(submission.assignment, submission.student)
+    score, received_at = submission.score, submission.received_at
+    return Lateness(
+        late_s=rules.late_s(extension, received_at),
+        kept_share=rules.kept_share(extension, received_at),
+        kept_score=None if score is None else rules.kept_score(extension, score, received_at),
+    )
