@@ -15,20 +15,21 @@ from pydantic import ValidationError
 from grader.catalog import Catalog
 from grader.commands.options import add_language_option, tell
 from grader.commands.storage import actor, add_course_option, add_data_option, chosen_course, opened
+from grader.contracts import fields
 from grader.contracts.errors import CourseError
+from grader.contracts.fields import kinds_of
 from grader.contracts.identity import Seen, unknown_members
 from grader.contracts.notation import whole
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Counts, Extension, Rules
 from grader.contracts.text import Text
 from grader.contracts.validation_words import said
-from grader.routes.rule_views import ExtensionBody, RulesBody, extension_from, rules_from
+from grader.routes.rules import ExtensionBody, RulesBody, rules_from
 from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.rules import CourseRules, StoredRules, tag, to_document
 from grader.web.audit_lines import Teller
 
-_FIELDS = tuple(to_document(NO_RULES))
-_TEXTS = ("opens", "due", "hidden_until", "counts")
+_KINDS = kinds_of(Rules)
 _NONE = ("none", "null", "")
 
 
@@ -46,7 +47,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
         "rules",
         nargs="+",
         metavar="RULE=VALUE",
-        help=f"{', '.join(_FIELDS)}; e.g. due=2026-03-20T23:59:59 attempts=5 counts={Counts.LAST} "
+        help=f"{', '.join(_KINDS)}; e.g. due=2026-03-20T23:59:59 attempts=5 counts={Counts.LAST} "
         'late=\'{"kind": "linear", "per_day": 0.1}\'; none takes a rule back / none 取消一条规则',
     )
     extend = actions.add_parser(
@@ -118,8 +119,8 @@ def _changed(before: Rules, given: list[str]) -> dict[str, Any]:
     document = to_document(before)
     for rule in given:
         name, equals, value = rule.partition("=")
-        if name not in _FIELDS or not equals:
-            known = ", ".join(_FIELDS)
+        if name not in _KINDS or not equals:
+            known = ", ".join(_KINDS)
             raise CourseError(
                 f"{rule}: write RULE=VALUE with one of {known}", f"{rule}：写成 规则=值，规则有 {known}"
             )
@@ -130,14 +131,17 @@ def _changed(before: Rules, given: list[str]) -> dict[str, Any]:
 def _value(name: str, text: str) -> Any:
     if text in _NONE:
         return to_document(NO_RULES)[name]
-    if name in _TEXTS:
+    kind = _KINDS[name]
+    if isinstance(kind, fields.Instant | fields.Choice):
         return text
-    if name == "hidden_items":
+    if isinstance(kind, fields.Names):
         return [one.strip() for one in text.split(",")]
     try:
         return json.loads(text)
     except ValueError:
-        example = """'late={"kind":"linear","per_day":0.1}'""" if name == "late" else f"{name}=3"
+        example = (
+            """'late={"kind":"linear","per_day":0.1}'""" if isinstance(kind, fields.Record) else f"{name}=3"
+        )
         raise CourseError(
             f"{name}={text}: not a number or JSON; write for example {example}",
             f"{name}={text}：不是数字或 JSON；例如 {example}",
@@ -173,7 +177,7 @@ def _extended(before: Extension, zone: ZoneInfo, arguments: argparse.Namespace) 
     if arguments.extra_attempts is not None:
         given["extra_attempts"] = arguments.extra_attempts
     try:
-        read = extension_from(ExtensionBody.model_validate(given), zone)
+        read = ExtensionBody.model_validate(given).meant(zone)
     except ValidationError as error:
         raise _refusal(error) from None
     return replace(before, **{name: getattr(read, name) for name in given})

@@ -9,12 +9,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime, time, timedelta
 from enum import StrEnum
-from typing import Literal
+from typing import Annotated, Final, Literal
 from zoneinfo import ZoneInfo
 
+from grader.contracts.fields import Choice, Count, Instant, Names, Record, Seconds, Share, Table
 from grader.contracts.text import Text
 
 LateKind = Literal["none", "linear", "steps"]
+LATE_PARAMETERS: Final[dict[LateKind, tuple[str, ...]]] = {
+    "none": (),
+    "linear": ("per_day",),
+    "steps": ("steps",),
+}
+"""Which fields of a late rule count for each kind of it."""
+
+YEARS = range(2000, 2201)  # near the ends of the calendar, adding a duration to an instant overflows
+_MOST_S = 10 * 366 * 86_400
+_MOST_ATTEMPTS = 10_000
 _DAY_S = 86_400
 _SCORE_DIGITS = 2  # as rubric items are rounded
 
@@ -23,12 +34,14 @@ class RuleError(ValueError):
     """Rules that contradict themselves; the message is English.
 
     Attributes:
-        field: the rule that is wrong. text: what is wrong with it, in both languages.
+        field: the rule that is wrong. code: what is wrong with it, for forms, which have their own words.
+        text: what is wrong with it, in both languages.
     """
 
-    def __init__(self, field: str, *, zh: str, en: str) -> None:
+    def __init__(self, field: str, code: str, *, zh: str, en: str) -> None:
         super().__init__(en)
         self.field = field
+        self.code = code
         self.text = Text(zh=zh, en=en)
 
 
@@ -44,8 +57,8 @@ class Counts(StrEnum):
 class LateStep:
     """What is kept of the points of a submission that is late by more than `after_s`."""
 
-    after_s: int
-    keep: float
+    after_s: Annotated[int, Seconds("Late by more than this.", high=_MOST_S, example=86_400)]
+    keep: Annotated[float, Share("Share of the points that is kept.", example=0.8)]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,24 +71,29 @@ class LateRule:
         steps: by rising `after_s`; `keep` never rises.
     """
 
-    kind: LateKind = "none"
-    per_day: float = 0.0
-    steps: tuple[LateStep, ...] = ()
+    kind: Annotated[LateKind, Choice(options=tuple(LATE_PARAMETERS), example="linear")] = "none"
+    per_day: Annotated[float, Share("`linear`: share lost for each begun day.", example=0.1)] = 0.0
+    steps: Annotated[tuple[LateStep, ...], Table("`steps`.", of=LateStep, example=())] = ()
 
     def __post_init__(self) -> None:
         if self.kind == "linear" and not 0.0 < self.per_day <= 1.0:
             raise RuleError(
                 "late.per_day",
+                "percent",
                 zh="late.per_day 要大于 0、不超过 1。",
                 en="late.per_day must be more than 0 and at most 1",
             )
         if self.kind == "steps" and not self.steps:
             raise RuleError(
-                "late.steps", zh="late.steps 至少要有一档。", en="late.steps must name at least one step"
+                "late.steps",
+                "no_steps",
+                zh="late.steps 至少要有一档。",
+                en="late.steps must name at least one step",
             )
         if any(not (step.after_s >= 0 and 0.0 <= step.keep <= 1.0) for step in self.steps):
             raise RuleError(
                 "late.steps",
+                "step",
                 zh="late.steps：after_s 不能小于 0，keep 在 0 到 1 之间。",
                 en="late.steps: after_s must be at least 0, keep from 0 to 1",
             )
@@ -83,6 +101,7 @@ class LateRule:
         if any(second.after_s <= first.after_s or second.keep > first.keep for first, second in pairs):
             raise RuleError(
                 "late.steps",
+                "steps_order",
                 zh="late.steps：after_s 要一档比一档大，keep 不能变大。",
                 en="late.steps must rise in after_s and not rise in keep",
             )
@@ -102,15 +121,18 @@ class LateRule:
 class Extension:
     """What one student gets beyond the rules: a later due date, more attempts. It never takes anything away."""
 
-    due: datetime | None = None
-    extra_attempts: int = 0
+    due: Annotated[datetime | None, Instant("Later than everybody's, else without effect.")] = None
+    extra_attempts: Annotated[int, Count(high=_MOST_ATTEMPTS)] = 0
 
     def __post_init__(self) -> None:
         if self.due is not None and self.due.tzinfo is None:
-            raise RuleError("due", zh="due 要有时区。", en="due needs a time zone")
+            raise RuleError("due", "instant", zh="due 要有时区。", en="due needs a time zone")
         if self.extra_attempts < 0:
             raise RuleError(
-                "extra_attempts", zh="extra_attempts 不能小于 0。", en="extra_attempts must be at least 0"
+                "extra_attempts",
+                "count",
+                zh="extra_attempts 不能小于 0。",
+                en="extra_attempts must be at least 0",
             )
 
 
@@ -162,34 +184,47 @@ class Rules:
         hidden_items: rubric items that students do not see before `hidden_until`; None: they never see them.
     """
 
-    opens: datetime | None = None
-    due: datetime | None = None
-    late: LateRule = LateRule()
-    accept_late_s: int | None = None
-    attempts: int | None = None
-    attempts_per_day: int | None = None
-    counts: Counts = Counts.BEST
-    hidden_items: tuple[str, ...] = ()
-    hidden_until: datetime | None = None
+    opens: Annotated[datetime | None, Instant("Nothing is accepted before.")] = None
+    due: Annotated[datetime | None, Instant("Later is late.", example="2026-03-20T23:59:59")] = None
+    late: Annotated[LateRule, Record(of=LateRule)] = LateRule()
+    accept_late_s: Annotated[
+        int | None,
+        Seconds("How long after `due`; null: for ever.", high=_MOST_S, example=172_800),
+    ] = None
+    attempts: Annotated[int | None, Count("In all; null: any number.", low=1, high=_MOST_ATTEMPTS)] = None
+    attempts_per_day: Annotated[
+        int | None, Count("In a calendar day of the course.", low=1, high=_MOST_ATTEMPTS)
+    ] = None
+    counts: Annotated[Counts, Choice("Which attempt counts.", options=tuple(Counts))] = Counts.BEST
+    hidden_items: Annotated[tuple[str, ...], Names("Rubric items that students do not see.")] = ()
+    hidden_until: Annotated[datetime | None, Instant("Null: students never see them.")] = None
 
     def __post_init__(self) -> None:
         for name in ("opens", "due", "hidden_until"):
             instant: datetime | None = getattr(self, name)
             if instant is not None and instant.tzinfo is None:
-                raise RuleError(name, zh=f"{name} 要有时区。", en=f"{name} needs a time zone")
+                raise RuleError(name, "instant", zh=f"{name} 要有时区。", en=f"{name} needs a time zone")
         if self.opens is not None and self.due is not None and self.opens >= self.due:
-            raise RuleError("due", zh="due（截止）要晚于 opens（开放）。", en="due must be later than opens")
+            raise RuleError(
+                "due", "order", zh="due（截止）要晚于 opens（开放）。", en="due must be later than opens"
+            )
         for name in ("attempts", "attempts_per_day"):
             number: int | None = getattr(self, name)
             if number is not None and number < 1:
-                raise RuleError(name, zh=f"{name} 不能小于 1。", en=f"{name} must be at least 1")
+                raise RuleError(
+                    name, "count_from_1", zh=f"{name} 不能小于 1。", en=f"{name} must be at least 1"
+                )
         if self.accept_late_s is not None and self.accept_late_s < 0:
             raise RuleError(
-                "accept_late_s", zh="accept_late_s 不能小于 0。", en="accept_late_s must be at least 0"
+                "accept_late_s",
+                "hours",
+                zh="accept_late_s 不能小于 0。",
+                en="accept_late_s must be at least 0",
             )
         if self.due is None and self.counts is Counts.BEST_BEFORE_DUE:
             raise RuleError(
                 "counts",
+                "needs_due",
                 zh="counts 用 best_before_due 时要有 due（截止时间）。",
                 en="counts best_before_due needs a due date",
             )

@@ -11,22 +11,20 @@ from zoneinfo import ZoneInfo
 from sqlalchemy import and_, bindparam, literal, outerjoin, select
 from sqlmodel import Session, col
 
+from grader.contracts.codec import from_plain
 from grader.contracts.errors import ChangedMeanwhileError
+from grader.contracts.fields import Instant, kinds_of
 from grader.contracts.identity import Seen, no_course, unknown_course, unknown_members
 from grader.contracts.rules import (
     NO_EXTENSION,
     NO_RULES,
-    Counts,
     Extension,
-    LateRule,
-    LateStep,
     Rules,
 )
 from grader.store.audit import Signature, record
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, table_of
 
-_INSTANTS = ("opens", "due", "hidden_until")
 _UTC = "UTC"
 _TAG_LENGTH = 16
 ANY_STATE = Seen(None)
@@ -209,15 +207,14 @@ def from_document(document: dict[str, Any]) -> Rules:
     Raises:
         ValueError: it is not one.
     """
-    values = dict(document)
-    late = dict(values.pop("late"))
-    steps = tuple(LateStep(**step) for step in late.pop("steps"))
-    for name in _INSTANTS:
-        if values[name] is not None:
-            values[name] = datetime.fromisoformat(values[name])
-    values["hidden_items"] = tuple(values["hidden_items"])
-    values["counts"] = Counts(values["counts"])
-    return Rules(late=LateRule(steps=steps, **late), **values)
+    instants = {name for name, kind in kinds_of(Rules).items() if isinstance(kind, Instant)}
+    return from_plain(
+        Rules,
+        {
+            name: datetime.fromisoformat(value) if name in instants and value is not None else value
+            for name, value in document.items()
+        },
+    )
 
 
 @lru_cache(maxsize=1_024)

@@ -4,13 +4,17 @@ Entries are kept for ever, whatever wrote them: what has no words here is shown 
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 from zoneinfo import ZoneInfo
 
+from grader.contracts import fields
+from grader.contracts.fields import Kind, kinds_of
+from grader.contracts.identity import Role
 from grader.contracts.notation import written
+from grader.contracts.rules import LATE_PARAMETERS, Extension, LateRule, Rules
 from grader.contracts.text import Language
 from grader.web.words import known, say
 
@@ -20,17 +24,16 @@ ACTIONS = (
     "regrade.discarded",
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "submission", "token")
+_RULES = {**kinds_of(Rules), **kinds_of(Extension)}
+_KINDS: Mapping[str, Kind] = {
+    **_RULES,
+    "expires_at": fields.Instant(),
+    "role": fields.Choice(options=tuple(Role)),
+}
 FIELDS: Mapping[str, str] = {
-    "opens": "rules.opens",
-    "due": "rules.due",
-    "late": "rules.late",
+    **{name: f"rules.{name}" for name in _RULES},
     "accept_late_s": "audit.field.accept_late",
-    "attempts": "rules.attempts_all",
-    "attempts_per_day": "rules.attempts_per_day",
-    "counts": "rules.counts",
-    "hidden_items": "rules.hidden",
-    "hidden_until": "rules.hidden_until",
-    "extra_attempts": "rules.extra_attempts",
+    "hidden_items": "rules.heading.hidden_items",
     "points": "audit.field.points",
     "comment": "audit.field.comment",
     "score": "score",
@@ -88,11 +91,10 @@ class Teller:
 
     def value(self, name: str, value: Any) -> str:
         """Return the value of the field `name` in words, as it stands when it is not what such fields hold."""
-        told = _VALUES.get(name)
-        if told is None or value is None:
+        if value is None:
             return _text(value)
         try:
-            return told(self, value)
+            return self._told(name, _KINDS.get(name), value)
         except (LookupError, TypeError, ValueError, AttributeError):
             return _text(value)
 
@@ -122,29 +124,33 @@ class Teller:
                 parts.append(say(key, self.language, count=count))
         return " ".join(parts) or say("audit.seconds", self.language, count=0)
 
-    def _late(self, late: dict[str, Any]) -> str:
-        if late["kind"] == "linear":
-            return say("rules.late_linear_short", self.language, percent=_percent(late["per_day"]))
-        if late["kind"] == "steps":
-            steps = ((self._span(one["after_s"]), _percent(one["keep"])) for one in late["steps"])
-            told = [say("audit.late_step", self.language, after=after, percent=keep) for after, keep in steps]
-            return say("comma", self.language).join(told)
-        return say(f"rules.late_short.{late['kind']}", self.language)
+    def late(self, late: Mapping[str, Any], *, in_full: bool) -> str:
+        """Return what lateness costs by the JSON of a late rule; `in_full`: with every line of its table."""
+        kinds, chosen = kinds_of(LateRule), late["kind"]
+        told = {name: self._told(name, kinds[name], late[name]) for name in LATE_PARAMETERS[chosen]}
+        tables = [text for name, text in told.items() if isinstance(kinds[name], fields.Table)]
+        return tables[0] if in_full and tables else say(f"rules.late_short.{chosen}", self.language, **told)
 
-    def _counts(self, value: str) -> str:
-        return say(f"rules.counts.{value}", self.language)
+    def _told(self, name: str, kind: Kind | None, value: Any) -> str:
+        match kind:
+            case fields.Instant():
+                return self._instant(value)
+            case fields.Seconds():
+                return self._span(value)
+            case fields.Share():
+                return written(round(value * 100, 9))
+            case fields.Choice():
+                return say(f"{'people' if name == 'role' else 'rules'}.{name}.{value}", self.language)
+            case fields.Record():
+                return self.late(value, in_full=True)
+            case fields.Table():
+                return say("comma", self.language).join(self._line(name, kind, line) for line in value)
+            case _:
+                return _text(value)
 
-    def _role(self, value: str) -> str:
-        return say(f"people.role.{value}", self.language)
-
-
-_VALUES: Mapping[str, Callable[[Teller, Any], str]] = {
-    **dict.fromkeys(("opens", "due", "hidden_until", "expires_at"), Teller._instant),
-    "accept_late_s": Teller._span,
-    "late": Teller._late,
-    "counts": Teller._counts,
-    "role": Teller._role,
-}
+    def _line(self, name: str, kind: fields.Table, line: Mapping[str, Any]) -> str:
+        told = {part: self._told(part, of, line[part]) for part, of in kinds_of(kind.of).items()}
+        return say(f"rules.{name}.line", self.language, **told)
 
 
 def _empty(value: Any) -> bool:
@@ -160,7 +166,3 @@ def _text(value: Any) -> str:
         value = ", ".join(value)
     text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, sort_keys=True)
     return text if len(text) <= _LONGEST_SHOWN else text[:_LONGEST_SHOWN] + "…"
-
-
-def _percent(share: float) -> str:
-    return written(round(share * 100, 9))

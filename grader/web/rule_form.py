@@ -1,29 +1,63 @@
-"""The rules of an assignment as a form: rules to text fields and back, with what is wrong at each field.
+"""The rules of an assignment as a form: rules to typed texts and back, with what is wrong at each field.
 
-Instants are on the clock of the course, durations in hours, shares in per cent. A field that was not touched gives
-back exactly what it was made from, whatever its text leaves out.
+Which fields there are, and between which bounds, stands at the contracts. Instants are typed on the clock of the
+course, durations in hours, shares in per cent. A field that was not touched gives back exactly the value that it
+was made from, whatever its text leaves out.
 """
 
-from collections.abc import Callable
+import dataclasses
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
-from typing import Literal, TypeVar
+from itertools import chain
+from typing import Any, TypeVar
 from zoneinfo import ZoneInfo
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, ConfigDict, Field, create_model
 
+from grader.contracts import fields
+from grader.contracts.fields import Kind, kinds_of
 from grader.contracts.notation import decimal, instant, whole, written
-from grader.contracts.rules import Counts, Extension, LateKind, LateRule, LateStep, Rules
-from grader.routes.rule_views import MOST_ATTEMPTS, MOST_S, YEARS
+from grader.contracts.rules import (
+    LATE_PARAMETERS,
+    YEARS,
+    Counts,
+    Extension,
+    LateKind,
+    LateRule,
+    LateStep,
+    RuleError,
+    Rules,
+)
+from grader.web.words import known
 
-_HOUR_S = 3600
-_SPARE_STEPS = 2
 CHANGED_MEANWHILE = "rules.error.meanwhile"
 EXTENDED_MEANWHILE = "rules.error.extended_meanwhile"
+_HOUR_S = 3600
+_SPARE_STEPS = 2
 _SHORT = Field(default="", max_length=40)
-_Read = TypeVar("_Read")
+_Form = TypeVar("_Form", bound=BaseModel)
+_Contract = TypeVar("_Contract")
 
 
+def typed_name(name: str) -> str:
+    """Return what forms call the field `name` of a contract; people do not type durations in seconds."""
+    return name.removesuffix("_s")
+
+
+def _short(contract: type) -> dict[str, Kind]:
+    """Return the fields of a contract that are typed as one short text."""
+    kinds = kinds_of(contract).items()
+    return {name: kind for name, kind in kinds if isinstance(kind, fields.Instant | fields.Number)}
+
+
+def _typed(*contracts: type) -> Callable[[type[_Form]], type[_Form]]:
+    """Return a decorator that gives a form the short fields of contracts."""
+    made: Any = {typed_name(name): (str, _SHORT) for one in contracts for name in _short(one)}
+    return lambda form: create_model(form.__name__, __base__=form, __doc__=form.__doc__, **made)
+
+
+@_typed(Rules, LateRule)
 class RuleForm(BaseModel):
     """The fields as they are typed. `step_after` and `step_keep` belong together line by line.
 
@@ -32,28 +66,26 @@ class RuleForm(BaseModel):
 
     model_config = ConfigDict(use_enum_values=True)
 
-    opens: str = _SHORT
-    due: str = _SHORT
     late: LateKind = "none"
-    per_day: str = _SHORT
     step_after: list[str] = Field(default_factory=list, max_length=50)
     step_keep: list[str] = Field(default_factory=list, max_length=50)
-    accept_late: str = _SHORT
-    attempts: str = _SHORT
-    attempts_per_day: str = _SHORT
     counts: Counts = Counts.BEST
     hidden_items: list[str] = Field(default_factory=list, max_length=100)
-    hidden_until: str = _SHORT
     reason: str = Field(default="", max_length=1_000)
     seen: str = _SHORT
 
     def steps(self) -> list[tuple[str, str]]:
         """Return the lines of the late rule with some empty ones behind them."""
-        lines = list(zip(self.step_after, self.step_keep, strict=False))
+        lines = zip(self.step_after, self.step_keep, strict=False)
         typed = [line for line in lines if any(one.strip() for one in line)]
         return [*typed, *[("", "")] * _SPARE_STEPS]
 
+    def late_texts(self) -> list[object]:
+        """Return everything that is typed about lateness."""
+        return [self.late, self.steps(), *(getattr(self, typed_name(name)) for name in _short(LateRule))]
 
+
+@_typed(Extension)
 class ExtensionForm(BaseModel):
     """What one student gets beyond the rules, as typed.
 
@@ -61,56 +93,99 @@ class ExtensionForm(BaseModel):
     """
 
     student: str = Field(default="", max_length=200)
-    due: str = _SHORT
-    extra_attempts: str = _SHORT
     reason: str = Field(default="", max_length=1_000)
     seen: str = _SHORT
     seen_for: str = Field(default="", max_length=200)
 
 
-def form_of(rules: Rules, zone: ZoneInfo) -> RuleForm:
+@dataclass(frozen=True, slots=True)
+class Widget:
+    """How a short field is asked for: what the form calls it, attributes of its input, whether a hint helps."""
+
+    name: str
+    type: str
+    mode: str
+    hint: bool
+
+
+def widgets() -> dict[str, Widget]:
+    """Return how each short field of the rules is asked for."""
+    return {
+        name: Widget(
+            name=typed_name(name),
+            type="datetime-local" if isinstance(kind, fields.Instant) else "text",
+            mode={fields.Instant: "", fields.Count: "numeric"}.get(type(kind), "decimal"),
+            hint=known(f"rules.hint.{name}"),
+        )
+        for name, kind in {**_short(Rules), **_short(LateRule)}.items()
+    }
+
+
+def late_parameters() -> dict[str, list[str]]:
+    """Return the parameters of late rules, each with the kinds of late rule that have it."""
+    return {
+        name: [kind for kind, own in LATE_PARAMETERS.items() if name in own]
+        for name in dict.fromkeys(chain(*LATE_PARAMETERS.values()))
+    }
+
+
+def form_of(rules: Rules, zone: ZoneInfo, seen: str = "") -> RuleForm:
     """Return the form that shows `rules`."""
-    late = rules.late
-    return RuleForm(
-        opens=shown_instant(rules.opens, zone),
-        due=shown_instant(rules.due, zone),
-        late=late.kind,
-        per_day=_number(late.per_day * 100) if late.per_day else "",
-        step_after=[_number(step.after_s / _HOUR_S) for step in late.steps],
-        step_keep=[_number(step.keep * 100) for step in late.steps],
-        accept_late="" if rules.accept_late_s is None else _number(rules.accept_late_s / _HOUR_S),
-        attempts="" if rules.attempts is None else str(rules.attempts),
-        attempts_per_day="" if rules.attempts_per_day is None else str(rules.attempts_per_day),
-        counts=rules.counts,
-        hidden_items=list(rules.hidden_items),
-        hidden_until=shown_instant(rules.hidden_until, zone),
+    late, step = rules.late, kinds_of(LateStep)
+    return RuleForm.model_validate(
+        {
+            **_texts(rules, zone),
+            **_texts(late, zone),
+            "late": late.kind,
+            "step_after": [_text(step["after_s"], one.after_s, zone) for one in late.steps],
+            "step_keep": [_text(step["keep"], one.keep, zone) for one in late.steps],
+            "counts": rules.counts,
+            "hidden_items": list(rules.hidden_items),
+            "seen": seen,
+        }
     )
 
 
-def extension_form_of(student: str, extension: Extension, zone: ZoneInfo) -> ExtensionForm:
+def extension_form_of(student: str, extension: Extension, zone: ZoneInfo, seen: str) -> ExtensionForm:
     """Return the form that shows what a student has."""
-    return ExtensionForm(
-        student=student,
-        due=shown_instant(extension.due, zone),
-        extra_attempts=str(extension.extra_attempts) if extension.extra_attempts else "",
-    )
+    others = {"student": student, "seen": seen, "seen_for": student}
+    return ExtensionForm.model_validate({**_texts(extension, zone), **others})
 
 
-def shown_instant(instant: datetime | None, zone: ZoneInfo) -> str:
-    """Return an instant as a browser's field for date and time wants it, empty for None."""
-    if instant is None:
-        return ""
-    local = instant.astimezone(zone)
-    return local.strftime("%Y-%m-%dT%H:%M:%S" if local.second else "%Y-%m-%dT%H:%M")
+def _texts(contract: object, zone: ZoneInfo) -> dict[str, str]:
+    """Return the short fields of a contract as they are typed; empty where they say nothing."""
+    values = {name: (kind, getattr(contract, name)) for name, kind in _short(type(contract)).items()}
+    defaults = _defaults(type(contract))
+    return {
+        typed_name(name): "" if value == defaults[name] else _text(kind, value, zone)
+        for name, (kind, value) in values.items()
+    }
+
+
+def _text(kind: Kind, value: Any, zone: ZoneInfo) -> str:
+    match kind:
+        case fields.Instant():
+            local: datetime = value.astimezone(zone)  # as a browser's field for date and time wants it
+            return local.strftime("%Y-%m-%dT%H:%M:%S" if local.second else "%Y-%m-%dT%H:%M")
+        case fields.Seconds():
+            return _number(value / _HOUR_S)
+        case fields.Share():
+            return _number(value * 100)
+        case _:
+            return str(value)
+
+
+def _defaults(contract: Any) -> Mapping[str, Any]:
+    return {one.name: one.default for one in dataclasses.fields(contract)}
 
 
 class FieldError(ValueError):
-    """What is wrong with a field: the key of the sentence about it in ``words.toml``."""
+    """What is wrong with a field: the id of the sentence about it."""
 
 
 @dataclass
 class Reader:
-    """Reads typed fields. `errors`: by field, the key of the sentence about it."""
+    """Reads typed fields. `errors`: by what the form calls a field, the key of the sentence about it."""
 
     zone: ZoneInfo
     errors: dict[str, str] = field(default_factory=dict)
@@ -120,60 +195,84 @@ class Reader:
 
         `items` are the ids of the rubric.
         """
-        opens = self._instant("opens", form.opens, before.opens)
-        due = self._instant("due", form.due, before.due)
-        hidden_until = self._instant("hidden_until", form.hidden_until, before.hidden_until)
-        if opens is not None and due is not None and opens >= due:
-            self.errors.setdefault("due", "rules.error.order")
-        if form.counts == Counts.BEST_BEFORE_DUE and due is None:
-            self.errors.setdefault("counts", "rules.error.needs_due")
         if not set(form.hidden_items) <= items:
             self.errors["hidden_items"] = "rules.error.items"
-        late = self._read("per_day" if form.late == "linear" else "steps", lambda: self._late(form, before))
-        accept_late_s = self._read("accept_late", lambda: _seconds(form.accept_late))
-        attempts = self._read("attempts", lambda: _count(form.attempts, 1))
-        attempts_per_day = self._read("attempts_per_day", lambda: _count(form.attempts_per_day, 1))
-        if self.errors or late is None:
-            return before
-        return Rules(
-            opens=opens,
-            due=due,
-            late=late,
-            accept_late_s=accept_late_s,
-            attempts=attempts,
-            attempts_per_day=attempts_per_day,
-            counts=Counts(form.counts),
-            hidden_items=tuple(form.hidden_items),
-            hidden_until=hidden_until,
-        )
+        untouched = form.late_texts() == form_of(before, self.zone).late_texts()
+        values = {
+            "late": before.late if untouched else self._late(form),
+            "counts": Counts(form.counts),
+            "hidden_items": tuple(form.hidden_items),
+            **{name: self._value(name, form, before) for name in _short(Rules)},
+        }
+        rules = self._made(Rules, values, before)
+        return before if self.errors else rules
 
     def extension(self, form: ExtensionForm, before: Extension) -> Extension:
         """Return the extension that `form` states; `before` while there are errors."""
-        due = self._instant("due", form.due, before.due)
-        extra = self._read("extra_attempts", lambda: _count(form.extra_attempts, 0))
-        return before if self.errors else Extension(due=due, extra_attempts=extra or 0)
+        values = {name: self._value(name, form, before) for name in _short(Extension)}
+        return before if self.errors else self._made(Extension, values, before)
 
-    def _late(self, form: RuleForm, before: Rules) -> LateRule:
-        shown = form_of(before, self.zone)
-        untouched = (form.late, form.per_day, form.steps()) == (shown.late, shown.per_day, shown.steps())
-        return before.late if untouched else _late(form)
+    def _late(self, form: RuleForm) -> LateRule:
+        nothing = LateRule()
+        values: dict[str, Any] = {"kind": form.late}
+        for name in LATE_PARAMETERS[form.late]:
+            values[name] = self._steps(form) if name == "steps" else self._value(name, form, nothing)
+        return self._made(LateRule, values, nothing)
 
-    def _instant(self, name: str, text: str, before: datetime | None) -> datetime | None:
-        if text == shown_instant(before, self.zone):
-            return before
-        return self._read(name, lambda: _instant(text.strip(), self.zone))
-
-    def _read(self, name: str, read: Callable[[], _Read]) -> _Read | None:
+    def _steps(self, form: RuleForm) -> tuple[LateStep, ...]:
         try:
-            return read()
+            return tuple(_step(*line, self.zone) for line in form.steps()[:-_SPARE_STEPS])
         except FieldError as error:
-            self.errors.setdefault(name, str(error))
-            return None
+            self.errors.setdefault("steps", str(error))
+            return ()
+
+    def _value(self, name: str, form: BaseModel, before: object) -> Any:
+        """Return what is typed for a short field of the contract that the form was made from.
+
+        That is its default where nothing is typed, or something wrong.
+        """
+        contract: type = type(before)
+        text = getattr(form, typed_name(name))
+        if text == _texts(before, self.zone)[typed_name(name)]:
+            return getattr(before, name)
+        try:
+            if text.strip():
+                return _read(kinds_of(contract)[name], text.strip(), self.zone)
+        except FieldError as error:
+            self.errors.setdefault(typed_name(name), str(error))
+        return _defaults(contract)[name]
+
+    def _made(self, contract: type[_Contract], values: Mapping[str, Any], otherwise: _Contract) -> _Contract:
+        """Return the contract with these values; `otherwise` if they contradict each other."""
+        try:
+            return contract(**values)
+        except RuleError as error:
+            self.errors.setdefault(typed_name(error.field.rpartition(".")[2]), f"rules.error.{error.code}")
+            return otherwise
 
 
-def _instant(text: str, zone: ZoneInfo) -> datetime | None:
-    if not text:
-        return None
+def _step(hours: str, percent: str, zone: ZoneInfo) -> LateStep:
+    kinds, wrong = kinds_of(LateStep), "rules.error.step"
+    if not hours.strip():
+        raise FieldError(wrong)
+    after_s = _read(kinds["after_s"], hours.strip(), zone)
+    return LateStep(after_s=after_s, keep=_read(kinds["keep"], percent.strip(), zone, wrong))
+
+
+def _read(kind: Kind, text: str, zone: ZoneInfo, wrong_share: str = "rules.error.percent") -> Any:
+    match kind:
+        case fields.Instant():
+            return _instant(text, zone)
+        case fields.Seconds():
+            return round(_between(text, kind.high / _HOUR_S, "rules.error.hours") * _HOUR_S)
+        case fields.Share():
+            return _between(text, 100.0, wrong_share) / 100
+        case _:
+            assert isinstance(kind, fields.Count)
+            return _count(text, kind)
+
+
+def _instant(text: str, zone: ZoneInfo) -> datetime:
     try:
         typed = instant(text)
     except ValueError:
@@ -183,51 +282,24 @@ def _instant(text: str, zone: ZoneInfo) -> datetime | None:
     return typed.replace(tzinfo=zone) if typed.tzinfo is None else typed
 
 
-def _count(text: str, least: Literal[0, 1]) -> int | None:
-    if not text.strip():
-        return None
+def _count(text: str, kind: fields.Count) -> int:
     try:
-        number = whole(text.strip())
+        number = whole(text)
     except ValueError:
         raise FieldError("rules.error.count") from None
-    if not least <= number <= MOST_ATTEMPTS:
-        raise FieldError(f"rules.error.count_from_{least}")
+    if not kind.low <= number <= kind.high:
+        raise FieldError(f"rules.error.count_from_{kind.low}")
     return number
 
 
-def _late(form: RuleForm) -> LateRule:
-    if form.late == "linear":
-        percent = _between(form.per_day, 100.0, "rules.error.percent")
-        if percent is None or percent <= 0.0:
-            raise FieldError("rules.error.percent")
-        return LateRule(kind="linear", per_day=percent / 100)
-    return LateRule() if form.late == "none" else _steps(form)
+def _between(text: str, high: float, wrong: str) -> float:
+    """Return the number that was typed.
 
-
-def _steps(form: RuleForm) -> LateRule:
-    steps = []
-    for after, keep in form.steps()[:-_SPARE_STEPS]:
-        after_s, percent = _seconds(after), _between(keep, 100.0, "rules.error.step")
-        if after_s is None or percent is None:
-            raise FieldError("rules.error.step")
-        steps.append(LateStep(after_s=after_s, keep=percent / 100))
+    Raises:
+        FieldError: `wrong`: it is none from 0 to `high`.
+    """
     try:
-        return LateRule(kind="steps", steps=tuple(steps))
-    except ValueError:
-        raise FieldError("rules.error.steps_order" if steps else "rules.error.no_steps") from None
-
-
-def _seconds(hours: str) -> int | None:
-    number = _between(hours, MOST_S / _HOUR_S, "rules.error.hours")
-    return None if number is None else round(number * _HOUR_S)
-
-
-def _between(text: str, high: float, wrong: str) -> float | None:
-    """Return the number that was typed if it lies from 0 to `high`; None when nothing was typed."""
-    if not text.strip():
-        return None
-    try:
-        number = decimal(text.strip().removesuffix("%").strip())
+        number = decimal(text.removesuffix("%").strip())
     except ValueError:
         raise FieldError(wrong) from None
     if not 0.0 <= number <= high:

@@ -1,6 +1,7 @@
 """The rules of the assignments as pages: everybody of the staff reads them, instructors change them."""
 
-from typing import Annotated, Any, get_args
+from dataclasses import asdict
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
@@ -8,14 +9,15 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import ChangedMeanwhileError, CourseError
 from grader.contracts.identity import Seen
-from grader.contracts.rules import NO_EXTENSION, Counts, Extension, LateKind
+from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts, Extension
 from grader.routes.rules import AssignmentId, signature
 from grader.store.rules import ANY_STATE, CourseRules, tag
 from grader.use_cases.assignments import require_published
 from grader.use_cases.services import Services
 from grader.web.access import InstructorDep, ServicesDep, StaffDep, Visitor, require_staff
+from grader.web.audit_lines import Teller
 from grader.web.forms import require_own_form
-from grader.web.pages import page
+from grader.web.pages import language_of, page
 from grader.web.roster import names
 from grader.web.rule_form import (
     CHANGED_MEANWHILE,
@@ -25,18 +27,23 @@ from grader.web.rule_form import (
     RuleForm,
     extension_form_of,
     form_of,
+    late_parameters,
+    widgets,
 )
 
 router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=[Depends(require_staff)])
-LATE_KINDS = get_args(LateKind)
-COUNTS = tuple(one.value for one in Counts)
 
 
 @router.get("")
 def read_all(request: Request, services: ServicesDep, visitor: StaffDep) -> Response:
     """Show the rules of every assignment in a line."""
     known = services.rules.of(visitor.caller.course)
-    lines = [(one, known.of(one.id), len(_extensions(known, one.id))) for one in services.assignments.all()]
+    teller = Teller(language_of(request), known.zone)
+    lines = []
+    for assignment in services.assignments.all():
+        rules = known.of(assignment.id)
+        late = teller.late(asdict(rules.late), in_full=False)
+        lines.append((assignment, rules, late, len(_extensions(known, assignment.id))))
     return page(request, "rules.html", lines=lines, zone=known.zone, course=visitor.caller.course)
 
 
@@ -139,8 +146,10 @@ def _page(  # noqa: PLR0913
         "extension_errors": extension_errors or {},
         "names": names(services, visitor.caller),
         "may_change": visitor.caller.is_instructor and visitor.caller.course is not None,
-        "late_kinds": LATE_KINDS,
-        "counts": COUNTS,
+        "short_fields": widgets(),
+        "late_parameters": late_parameters(),
+        "late_kinds": tuple(LATE_PARAMETERS),
+        "counts": tuple(Counts),
         "saved": saved,
     }
     return page(request, "rules_assignment.html", status=422 if errors or extension_errors else 200, **values)
@@ -148,13 +157,12 @@ def _page(  # noqa: PLR0913
 
 def _form(known: CourseRules, assignment_id: str) -> RuleForm:
     rules = known.of(assignment_id)
-    return form_of(rules, known.zone).model_copy(update={"seen": tag(rules)})
+    return form_of(rules, known.zone, tag(rules))
 
 
 def _extension_form(known: CourseRules, assignment_id: str, student: str) -> ExtensionForm:
     extension = known.extension(assignment_id, student)
-    form = extension_form_of(student, extension, known.zone)
-    return form.model_copy(update={"seen": tag(extension), "seen_for": student})
+    return extension_form_of(student, extension, known.zone, tag(extension))
 
 
 def _seen(form: ExtensionForm, student: str) -> Seen:
