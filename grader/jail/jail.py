@@ -317,9 +317,12 @@ class Jail:
             self._poll.unregister(self._channel)
         self._drain()
         self._check_clocks()
-        if self._ending is None and self._clocks.sleeps_for_ever() and not self._has_ended():
+        if ready or self._ending is not None:
+            return any(descriptor == self._channel.fileno() for descriptor, _ in ready)
+        # Only a script that has sent nothing is waited for: one that has asked sleeps until it is answered.
+        if self._clocks.sleeps_for_ever() and not self._has_ended():
             self._end(Ending(RunEnd.STALLED, "the script waits in a call that nothing can end"))
-        return any(descriptor == self._channel.fileno() for descriptor, _ in ready)
+        return False
 
     def _await_end(self) -> None:
         """Wait, under all limits, for a process that has closed its channel."""

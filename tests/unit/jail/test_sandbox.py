@@ -1,6 +1,7 @@
 """The sandbox as the episode uses it."""
 
 import os
+import select
 import subprocess
 import sys
 import time
@@ -103,6 +104,26 @@ def test_a_slow_episode_does_not_make_a_script_stalled(
             time.sleep(0.1)
             jail.send(b"x")
             assert jail.receive() == b"x"
+
+
+def test_a_script_that_waits_for_the_answer_to_its_question_is_not_stalled(
+    sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bounds, "IDLE_LIMIT_NS", 50_000_000)
+    ask = (  # it computes for several ticks, asks, and sleeps until it is answered
+        "import os, time\nwhile True:\n    end = time.perf_counter() + 0.018\n"
+        "    while time.perf_counter() < end: pass\n"
+        "    os.write(channel, b'\\1\\0\\0\\0?')\n    os.read(channel, 9)\n"
+    )
+    with sandbox.open(Limits()) as jail:
+        # It falls asleep as soon as it has asked, which is seldom quick enough to be seen.
+        monkeypatch.setattr(
+            jail._process, "sleeps", lambda: bool(select.select([jail._channel], [], [], 0)[0])
+        )
+        jail.send(ask.encode())
+        for _ in range(30):
+            assert jail.receive() == b"?"
+            jail.send(b"!")
 
 
 def test_parallel_runs_do_not_disturb_each_other(sandbox: Sandbox) -> None:
