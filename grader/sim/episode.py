@@ -37,6 +37,7 @@ from grader.sim.turtle_world import TWIST, TurtleWorld
 from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
 
 ROSOUT: Final = "/rosout"
+NEVER_NS: Final = 1 << 62
 DEFAULT_EPOCH_NS: Final = 1_700_000_000 * 1_000_000_000
 
 _TWIST: Final = struct.Struct("<4s6d")
@@ -157,7 +158,7 @@ class Episode:
             self._journal.note(frame.code, frame.text)
         elif isinstance(frame, Advance):
             self._check_time(frame.t_ns)
-            self._advance(frame.t_ns, link)
+            self._advance(frame, link)
         else:
             self._pass_time(frame.t_ns)
             if isinstance(frame, Exit):
@@ -233,21 +234,30 @@ class Episode:
         _, x, y, _, _, _, turn = _TWIST.unpack(payload)
         self._world.command(t_ns, x, y, turn)
 
-    def _advance(self, t_ns: int, link: Link) -> None:
-        """Answer ADVANCE: run to the first instant at which something is due, or to `t_ns`."""
-        outbox = self._world.outbox
+    def _advance(self, frame: Advance, link: Link) -> None:
+        """Answer ADVANCE: run to the first instant at which something is due, or as far as is asked."""
+        outbox, t_ns = self._world.outbox, frame.t_ns
         limit_ns = min(t_ns, self._spec.horizon_ns)
+        together_ns = min(frame.together_ns, limit_ns)
+        while together_ns > self._now_ns and not outbox.full and not self._run_to_next(together_ns):
+            pass
         while not outbox and not self._run_to_next(limit_ns):
             pass
-        due_ns, events = outbox.take() if outbox else (t_ns, [])
+        due_ns, events = outbox.take(together_ns) if outbox else (t_ns, [])
         # What became due while the script was computing is told now, not in its past.
         self._now_ns = min(max(due_ns, self._now_ns), t_ns)
-        link.send(encode_events(self._now_ns, events))
+        left_ns = outbox.first_ns
+        quiet_ns = self._next_due() if left_ns is None else left_ns
+        link.send(encode_events(self._now_ns, quiet_ns, events))
+
+    def _next_due(self) -> int:
+        """Return the next instant at which something may become due, whatever is commanded until then."""
+        instants = (self._world.next_due(), self._calls.next_ns())
+        return min((instant for instant in instants if instant is not None), default=NEVER_NS)
 
     def _run_to_next(self, limit_ns: int) -> bool:
         """Run to the next instant at which something may be due; true when that is the limit."""
-        instants = (self._world.next_due(), self._calls.next_ns())
-        now_ns = min([limit_ns, *(instant for instant in instants if instant is not None)])
+        now_ns = min(limit_ns, self._next_due())
         self._world.advance(now_ns)
         self._world.emit(now_ns)
         for event in self._calls.due(now_ns):

@@ -68,9 +68,13 @@ class Response(NamedTuple):
 
 
 class Advance(NamedTuple):
-    """Nothing earlier than `t_ns` will come; what is due up to then?"""
+    """Nothing earlier than `t_ns` will come; what is due first up to then?
+
+    Everything that is due up to `together_ns` travels in one answer: nobody looks at it one by one.
+    """
 
     t_ns: int
+    together_ns: int
 
 
 class NoteFrame(NamedTuple):

@@ -49,10 +49,25 @@ class Outbox:
         if len(self._queue) < MAX_QUEUED:
             self._queue.append(event)
 
-    def take(self) -> tuple[int, list[Event]]:
-        """Return the first queued instant and what is queued for it, at most `MAX_EVENTS`."""
-        now_ns = self._queue[0].t_ns
+    @property
+    def full(self) -> bool:
+        """Whether one answer could not hold more than what is queued."""
+        return len(self._queue) >= MAX_EVENTS
+
+    @property
+    def first_ns(self) -> int | None:
+        """Instant of the first queued event, None when nothing is queued."""
+        return self._queue[0].t_ns if self._queue else None
+
+    def take(self, together_ns: int = 0) -> tuple[int, list[Event]]:
+        """Return what is queued for the first instant, or up to `together_ns` if that is later, and its instant.
+
+        These are at most `MAX_EVENTS`. The instant is that of the last event if some are left for the next answer.
+        """
+        now_ns = max(self._queue[0].t_ns, together_ns)
         events: list[Event] = []
-        while self._queue and self._queue[0].t_ns <= now_ns and len(events) < MAX_EVENTS:
+        while self._queue and self._queue[0].t_ns <= now_ns:
+            if len(events) == MAX_EVENTS:
+                return events[-1].t_ns, events
             events.append(self._queue.popleft())
         return now_ns, events

@@ -29,7 +29,7 @@ from grader.sim.frames import (
     Response,
 )
 
-PROTOCOL: Final = 1
+PROTOCOL: Final = 2
 MAX_NAME_BYTES: Final = 1_024
 MAX_MESSAGE_BYTES: Final = 4_096
 MAX_DETAIL_BYTES: Final = 16_384
@@ -40,7 +40,7 @@ START, EVENTS = 0x80, 0x81
 _U8, _U16, _U32, _I32, _I64 = (struct.Struct("<" + code) for code in "BHIiq")
 _PUBLISH_HEAD: Final = struct.Struct("<BHq")
 _CALL_HEAD: Final = struct.Struct("<BHIq")
-_EVENTS_HEAD: Final = struct.Struct("<BqH")
+_EVENTS_HEAD: Final = struct.Struct("<BqqH")
 _EVENT_HEAD: Final = struct.Struct("<BHIqI")
 
 
@@ -64,12 +64,12 @@ def encode_start(fields: Mapping[str, Any], source: bytes) -> bytes:
     return _U8.pack(START) + _U32.pack(len(text)) + text + source
 
 
-def encode_events(now_ns: int, events: Iterable[Event]) -> bytes:
-    """Build EVENTS, the answer to ADVANCE."""
+def encode_events(now_ns: int, quiet_ns: int, events: Iterable[Event]) -> bytes:
+    """Build EVENTS, the answer to ADVANCE; before `quiet_ns` nothing more becomes due by itself."""
     chunks: list[bytes] = []
     for what, identity, sequence, t_ns, payload in events:
         chunks += (_EVENT_HEAD.pack(what, identity, sequence, t_ns, len(payload)), payload)
-    return _EVENTS_HEAD.pack(EVENTS, now_ns, len(chunks) // 2) + b"".join(chunks)
+    return _EVENTS_HEAD.pack(EVENTS, now_ns, quiet_ns, len(chunks) // 2) + b"".join(chunks)
 
 
 class _Cursor:
@@ -88,10 +88,10 @@ class _Cursor:
         self._at += kind.size
         return int(value)
 
-    def time(self) -> int:
-        t_ns = self.number("t", _I64)
+    def time(self, field: str = "t") -> int:
+        t_ns = self.number(field, _I64)
         if t_ns < 0:
-            raise self._error("t", "is negative")
+            raise self._error(field, "is negative")
         return t_ns
 
     def choice(self, field: str, allowed: range) -> int:
@@ -175,7 +175,7 @@ def _read_response(body: bytes) -> Response:
 
 def _read_advance(body: bytes) -> Advance:
     cursor = _Cursor("ADVANCE", body)
-    advance = Advance(cursor.time())
+    advance = Advance(t_ns=cursor.time(), together_ns=cursor.time("together"))
     cursor.end()
     return advance
 

@@ -56,8 +56,8 @@ def response(identity: int, sequence: int, t_ns: int, payload: bytes) -> bytes:
     return struct.pack("<BHIq", 0x14, identity, sequence, t_ns) + payload
 
 
-def advance(t_ns: int) -> bytes:
-    return struct.pack("<Bq", 0x15, t_ns)
+def advance(t_ns: int, together_ns: int = 0) -> bytes:
+    return struct.pack("<Bqq", 0x15, t_ns, together_ns)
 
 
 def note(code: str, words: str = "") -> bytes:
@@ -97,6 +97,7 @@ class Answer:
     """A decoded EVENTS frame."""
 
     now_ns: int
+    quiet_ns: int
     events: list[tuple[int, int, int, int, bytes]]
 
     def messages(self, identity: int, type: str) -> list[dict[str, Any]]:
@@ -108,16 +109,16 @@ class Answer:
 
 
 def read_events(body: bytes) -> Answer:
-    kind, now_ns, count = struct.unpack_from("<BqH", body)
+    kind, now_ns, quiet_ns, count = struct.unpack_from("<BqqH", body)
     assert kind == 0x81
-    offset, events = 11, []
+    offset, events = 19, []
     for _ in range(count):
         what, identity, sequence, t_ns, length = struct.unpack_from("<BHIqI", body, offset)
         offset += 19
         events.append((what, identity, sequence, t_ns, body[offset : offset + length]))
         offset += length
     assert offset == len(body)
-    return Answer(now_ns, events)
+    return Answer(now_ns, quiet_ns, events)
 
 
 Script = Generator[bytes, Answer | None, None]

@@ -141,7 +141,7 @@ def decode(body: bytes) -> dict[str, Any]:
         }
         frame |= {"t_ns": r.take("q"), "cdr": r.rest()}
     elif kind == 0x15:
-        frame = {"kind": "ADVANCE", "t_ns": r.take("q")}
+        frame = {"kind": "ADVANCE", "t_ns": r.take("q"), "together_ns": r.take("q")}
     elif kind == 0x20:
         frame = {"kind": "NOTE", "code": r.text(), "text": r.text()}
     elif kind == 0x21:
@@ -174,7 +174,7 @@ class Episode:
                 frame = decode(body)
                 self.run.frames.append(frame)
                 if frame["kind"] == "ADVANCE":
-                    self.end.sendall(self.answer(frame["t_ns"]))
+                    self.end.sendall(self.answer(frame["t_ns"], frame["together_ns"]))
                 elif frame["kind"] == "REQUEST":
                     self.respond(frame)
 
@@ -184,11 +184,9 @@ class Episode:
             when = frame["t_ns"] + 1_000_000
             self.responses.append((when, frame["id"], frame["sequence"], service(frame["cdr"])))
 
-    def answer(self, target_ns: int) -> bytes:
-        instants = [t for t, *_ in self.due if t <= target_ns] + [
-            t for t, *_ in self.responses if t <= target_ns
-        ]
-        now_ns = min(instants, default=target_ns)
+    def answer(self, target_ns: int, together_ns: int) -> bytes:
+        instants = [t for t, *_ in self.due + self.responses if t <= target_ns]
+        now_ns = max(min(instants, default=target_ns), together_ns)
         events = b""
         count = 0
         for t_ns, topic, cdr in [item for item in self.due if item[0] <= now_ns]:
@@ -201,7 +199,8 @@ class Episode:
             count += 1
         self.due = [item for item in self.due if item[0] > now_ns]
         self.responses = [item for item in self.responses if item[0] > now_ns]
-        body = struct.pack("<BqH", 0x81, now_ns, count) + events
+        quiet_ns = min((t for t, *_ in self.due + self.responses), default=1 << 62)
+        body = struct.pack("<BqqH", 0x81, now_ns, quiet_ns, count) + events
         return struct.pack("<I", len(body)) + body
 
 
@@ -235,7 +234,7 @@ def run_script_text(
     """
     data = source.encode() if isinstance(source, str) else source
     start = {
-        "protocol": 1,
+        "protocol": 2,
         "file_name": file_name,
         "args": list(args),
         "stdin": stdin,

@@ -76,3 +76,27 @@ def test_a_loop_that_blocks_costs_no_extra_time_beside_threads(run_bare: RunScri
         "while n < 3000:\n    n += 1\n    time.sleep(0.01)\nprint(time.time_ns() - start)\n"
     )
     assert run.stdout == "30000001000\n"
+
+
+@pytest.mark.parametrize(
+    "loop",
+    [
+        "while rclpy.ok(): rclpy.spin_once(node, timeout_sec=0)",
+        "while rclpy.ok(): rclpy.spin_once(node, timeout_sec=0.001)",
+        "while rclpy.ok(): node.get_clock().now(); publisher.publish(Twist())",
+        "node.create_timer(0.001, lambda: publisher.publish(Twist()))\nrclpy.spin(node)",
+        "import threading, time\nthreading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()\n"
+        "while rclpy.ok(): time.sleep(0.0007)",
+    ],
+)
+def test_whoever_listens_to_the_pose_asks_the_world_once_a_pose(run_script: RunScript, loop: str) -> None:
+    script = (
+        "import rclpy\nfrom geometry_msgs.msg import Twist\nfrom turtlesim.msg import Pose\n"
+        "rclpy.init()\nnode = rclpy.create_node('listener')\n"
+        "publisher = node.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+        "node.create_subscription(Pose, '/turtle1/pose', lambda pose: None, 10)\n"
+    )
+    poses = [(t_ns, "/turtle1/pose", b"\0\1\0\0" + bytes(20)) for t_ns in range(0, 2_000_000_000, 16_000_000)]
+    run = run_script(script + loop, horizon_s=2.0, feed=poses)
+    asked = len(run.of("ADVANCE"))
+    assert 100 < asked <= 2 * 62.5 + 2  # and once after each of the two announcements

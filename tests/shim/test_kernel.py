@@ -48,15 +48,18 @@ class FakeWorld:
     def __init__(self, *due_ns: int) -> None:
         self.coupled = True
         self.due = list(due_ns)
+        self.quiet_ns = 0
         self.asked: list[int] = []
         self.arrived = 0
 
-    def advance(self, target_ns: int) -> int:
+    def advance(self, target_ns: int, together_ns: int) -> int:
         self.asked.append(target_ns)
-        if self.due and self.due[0] <= target_ns:
+        now_ns = max(min([target_ns, *self.due]), together_ns)
+        while self.due and self.due[0] <= now_ns:
             self.arrived += 1
-            return self.due.pop(0)
-        return target_ns
+            self.due.pop(0)
+        self.quiet_ns = min(self.due, default=1 << 62)
+        return now_ns
 
 
 def test_a_sleep_takes_exactly_its_duration() -> None:
@@ -196,13 +199,29 @@ def test_a_signal_interrupts_a_wait_when_its_handler_raises() -> None:
     assert kernel.now_ns == 3 * S
 
 
-def test_a_coupled_sleep_asks_the_world_until_its_deadline() -> None:
+def test_a_coupled_sleep_asks_once_for_everything_that_comes_meanwhile() -> None:
     kernel = make()
-    world = FakeWorld(16 * MS, 32 * MS)
+    world = FakeWorld(16 * MS, 32 * MS, 48 * MS)
     kernel.connect(world)
     kernel.sleep_ns(40 * MS)
-    assert world.asked == [40 * MS] * 3
+    assert world.asked == [40 * MS]
+    assert world.arrived == 2
     assert kernel.now_ns == 40 * MS
+
+
+def test_a_quiet_world_is_not_asked() -> None:
+    kernel = make()
+    world = FakeWorld(50 * MS)
+    world.quiet_ns = 50 * MS
+    kernel.connect(world)
+    while kernel.now_ns < 40 * MS:
+        kernel.sleep_ns(MS)
+        kernel.charge()
+        kernel.wait(lambda: False, kernel.now_ns, "spin_once(timeout_sec=0)")
+        kernel.wait(lambda: False, kernel.now_ns + MS, "spin_once(timeout_sec=0.001)")
+    assert world.asked == []
+    kernel.sleep_ns(20 * MS)
+    assert len(world.asked) == world.arrived == 1
 
 
 def test_a_coupled_wait_ends_at_the_event_that_makes_it_ready() -> None:
@@ -220,7 +239,7 @@ def test_a_coupled_busy_loop_asks_the_world_once_a_slice() -> None:
     while not world.arrived:
         kernel.charge()
     assert 1_500 * US <= kernel.now_ns <= 2_010 * US
-    assert len(world.asked) <= 4
+    assert len(world.asked) == 2
 
 
 def test_polling_meets_the_world_as_soon_as_waiting() -> None:
@@ -234,7 +253,7 @@ def test_polling_meets_the_world_as_soon_as_waiting() -> None:
 
 def test_the_world_is_never_asked_for_a_time_beyond_the_horizon() -> None:
     kernel = make(2)
-    world = FakeWorld()
+    world = FakeWorld(*range(16 * MS, 3 * S, 16 * MS))
     kernel.connect(world)
     with pytest.raises(KeyboardInterrupt):
         charge_for_ever(kernel)

@@ -57,7 +57,7 @@ def test_a_subscription_to_the_world_couples_time(run_bare: RunScript) -> None:
         feed=feed,
     )
     assert run.stdout == "True\n[16000000, 32000000] 0024f40000000000\nFalse\n"
-    assert [f["t_ns"] for f in run.of("ADVANCE")] == [40_000_000] * 3
+    assert [(f["t_ns"], f["together_ns"]) for f in run.of("ADVANCE")] == [(40_000_000, 40_000_000)]
 
 
 def test_a_request_couples_time_until_it_is_answered(run_bare: RunScript) -> None:

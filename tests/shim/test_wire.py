@@ -37,7 +37,7 @@ def write(f: dict[str, Any]) -> bytes:
             kind = wire.REQUEST if f["kind"] == "REQUEST" else wire.RESPONSE
             frame = wire.service(kind, f["id"], f["sequence"], f["t_ns"], payload)
         case "ADVANCE":
-            frame = wire.advance(f["t_ns"])
+            frame = wire.advance(f["t_ns"], f["together_ns"])
         case "NOTE":
             frame = wire.note(f["code"], f["text"])
         case _:
@@ -68,13 +68,13 @@ def test_what_the_jail_reads(case: dict[str, Any]) -> None:
         assert json.loads(text) == fields["json"]
         assert source == bytes.fromhex(fields["source"])
     else:
-        now_ns, events = wire.read_events(body)
-        assert now_ns == fields["now_ns"]
+        now_ns, quiet_ns, events = wire.read_events(body)
+        assert (now_ns, quiet_ns) == (fields["now_ns"], fields["quiet_ns"])
         events = [(e.what, e.id, e.sequence, e.t_ns, e.cdr.hex()) for e in events]
         assert events == [tuple(event) for event in fields["events"]]
 
 
-@pytest.mark.parametrize("body", [b"\x15" + bytes(8), b"\x81" + bytes(8) + b"\x01\x00" + b"\x01" * 19])
+@pytest.mark.parametrize("body", [b"\x15" + bytes(16), b"\x81" + bytes(16) + b"\x01\x00" + b"\x01" * 19])
 def test_what_is_not_a_frame_is_refused(body: bytes) -> None:
     with pytest.raises((ValueError, struct.error)):
         wire.read_events(body)

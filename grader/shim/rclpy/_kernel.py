@@ -28,9 +28,13 @@ if TYPE_CHECKING:
         """What the kernel needs of the link to the episode."""
 
         coupled: bool
+        quiet_ns: int
 
-        def advance(self, target_ns: int) -> int:
-            """Let the world run to `target_ns`, deliver what is due, return the instant reached."""
+        def advance(self, target_ns: int, together_ns: int) -> int:
+            """Let the world run to the first event up to `target_ns`, deliver it, return the instant reached.
+
+            Everything due up to `together_ns` is delivered at once. Afterwards nothing is due before `quiet_ns`.
+            """
 
     class Sentinel(Protocol):
         """A lock that somebody who joins a thread waits for."""
@@ -184,6 +188,7 @@ class Kernel:
         self._spins = SPINS_PER_SLICE
         self._quiet_until_ns = FOREVER_NS
         self._preempt_ns = FOREVER_NS
+        self._slices = False
         self._slice_end_ns = 0
 
     # Interface for the rest of the shim ------------------------------------------------------------
@@ -239,6 +244,9 @@ class Kernel:
         if target_ns < self._quiet_until_ns:
             self.now_ns = target_ns
             self._streak = 0
+            if self._slices:
+                self._spins = SPINS_PER_SLICE
+                self._begin_slice()
         else:
             self.wait(never, target_ns, "sleep()")
 
@@ -363,13 +371,24 @@ class Kernel:
         limit_ns = min(self._limit_ns, self._alarm_ns)
         if self._signals:
             limit_ns = 0  # the next charge must come to `_pause`, which delivers them
-        if self._coupled() is not None or len(self.threads) > 1:
+        world = self._coupled()
+        self._slices = True
+        if len(self.threads) > 1:
             self._quiet_until_ns = 0  # every sleep goes through the scheduler
             others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=limit_ns)
             # Not before now + 1: a thread that is due keeps no other from the one operation it is about to do.
             self._preempt_ns = min(limit_ns, self._slice_end_ns, max(others_ns, self.now_ns + 1))
+        elif world is not None:
+            self._quiet_until_ns = min(limit_ns, world.quiet_ns)
+            self._preempt_ns = min(limit_ns, self._slice_end_ns)
         else:
+            self._slices = False
             self._quiet_until_ns = self._preempt_ns = limit_ns
+
+    def _begin_slice(self) -> None:
+        """Begin a slice in a thread that is alone while the world is quiet: nobody has to be looked at."""
+        self._slice_end_ns = self.now_ns + SLICE_NS
+        self._preempt_ns = min(self._limit_ns, self._alarm_ns, self._slice_end_ns)
 
     def _block(self, me: Thread) -> bool:
         while True:
@@ -413,18 +432,20 @@ class Kernel:
         # While the world is coupled something may still arrive, and a spinning node may idle until the horizon.
         if target_ns == FOREVER_NS and self._coupled() is None and not any(t.idle for t in threads):
             self.end("stalled")
-        self._move_to(min(target_ns, self._limit_ns))
+        target_ns = min(target_ns, self._limit_ns)
+        asleep = all(thread.ready is never for thread in threads)  # then nobody looks at what comes before
+        self._move_to(target_ns, target_ns if asleep else 0)
 
     def _coupled(self) -> World | None:
         """Return the world if time may only move with its consent; after Ctrl+C it is not asked any more."""
         world = self._world
         return world if world is not None and world.coupled and not self.interrupted else None
 
-    def _move_to(self, target_ns: int) -> None:
-        """Let time pass up to `target_ns` or the first event before it."""
+    def _move_to(self, target_ns: int, together_ns: int = 0) -> None:
+        """Let time pass up to `target_ns` or the first event before it that is later than `together_ns`."""
         world = self._coupled()
-        if world is not None:
-            target_ns = world.advance(max(target_ns, self.now_ns))
+        if world is not None and world.quiet_ns <= max(target_ns, self.now_ns):
+            target_ns = world.advance(max(target_ns, self.now_ns), together_ns)
         self.now_ns = max(self.now_ns, target_ns)  # charges may have gone past the instant the world reached
         self._slice_end_ns = self.now_ns + SLICE_NS
         self._on_time()
@@ -453,12 +474,15 @@ class Kernel:
 
     def _pause(self) -> None:
         """A charge went past the end of the slice: catch up with the world, let the others run."""
+        if self.now_ns < self._quiet_until_ns:
+            self._begin_slice()
+            return
         world = self._coupled()
         if world is not None:
             # Charges may have gone past the horizon; the world ends there and takes no later instant.
             target_ns = min(self.now_ns, self.horizon_ns)
-            while world.advance(target_ns) < target_ns:
-                pass
+            while world.quiet_ns <= target_ns:
+                world.advance(target_ns, target_ns)
         self._slice_end_ns = self.now_ns + SLICE_NS
         self._on_time()
         self._yield()
@@ -475,7 +499,7 @@ class Kernel:
     def _spin(self) -> None:
         """A loop has gone round `SPINS_PER_SLICE` times: if it may wait for others, let time pass."""
         self._spins = SPINS_PER_SLICE
-        if self._quiet_until_ns:
+        if not self._slices:
             return  # alone and uncoupled: nothing can change what the loop waits for, and computing takes no time
         others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=FOREVER_NS)
         self._streak += 1

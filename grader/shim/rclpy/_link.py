@@ -75,12 +75,15 @@ class Link:
     Attributes:
         world: START's ``world``: what the world publishes, subscribes to, offers and which nodes it has.
         coupled: whether time may only advance by ADVANCE.
+        quiet_ns: nothing can become due before this instant, unless the script subscribes, offers or requests
+            something.
         connected: whether there is a world at all.
     """
 
     def __init__(self, clock: Kernel) -> None:
         self.world: dict[str, Any] = {"publishes": [], "subscribes": [], "services": [], "nodes": []}
         self.coupled = False
+        self.quiet_ns = 0
         self.connected = False
         self._kernel = clock
         self._channel: Descriptor | None = None
@@ -142,7 +145,7 @@ class Link:
         quality = (1 if reliable else 2, 1 if transient else 2, depth)
         self._tell(_wire.entity(ident, _WHAT[what], self._kernel.now_ns, (node, name, type), quality))
         self._sort_in(ident, what, (name, type))
-        self._couple()
+        self._expect()
         return ident
 
     def _sort_in(self, ident: int, what: str, topic: tuple[str, str]) -> None:
@@ -189,7 +192,7 @@ class Link:
         self._tell(_wire.service(_wire.REQUEST, ident, sequence, self._kernel.now_ns, cdr))
         if ident in self._clients:
             self._requests.add((ident, sequence))
-            self._couple()
+            self._expect()
 
     def respond(self, ident: int, sequence: int, cdr: bytes) -> None:
         """Answer a request of the world to service `ident`."""
@@ -203,11 +206,14 @@ class Link:
         """Tell the episode something worth telling the student."""
         self._tell(_wire.note(code, text))
 
-    def advance(self, target_ns: int) -> int:
-        """Let the world run to the first event up to `target_ns`; deliver it; return the instant reached."""
-        self._send(_wire.advance(target_ns))
+    def advance(self, target_ns: int, together_ns: int) -> int:
+        """Let the world run to the first event up to `target_ns`; deliver it; return the instant reached.
+
+        All events up to `together_ns` are delivered together.
+        """
+        self._send(_wire.advance(target_ns, together_ns))
         self.flush()
-        now_ns, events = _wire.read_events(self._receive())
+        now_ns, self.quiet_ns, events = _wire.read_events(self._receive())
         for event in events:
             if event.what == _wire.TO_CLIENT:
                 self._requests.discard((event.id, event.sequence))
@@ -235,6 +241,12 @@ class Link:
         """Read START from `channel`: its JSON text and the source."""
         self._channel = channel
         return _wire.read_start(self._receive())
+
+    def _expect(self) -> None:
+        """What the world was asked for may become due at any time: it has to be asked when."""
+        self.quiet_ns = 0
+        self._kernel.replan()
+        self._couple()
 
     def _couple(self) -> None:
         coupled = bool(self._listening or self._services or self._requests) and self.connected

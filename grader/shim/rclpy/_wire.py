@@ -25,6 +25,8 @@ MAX_TEXT_BYTES = 4_096
 MAX_TRACEBACK_BYTES = 16_384
 
 _PUBLISH = struct.Struct("<IBHq")
+_ADVANCE = struct.Struct("<IBqq")
+_EVENTS = struct.Struct("<BqqH")
 _SERVICE = struct.Struct("<IBHIq")
 _EVENT = struct.Struct("<BHIqI")
 
@@ -88,9 +90,9 @@ def service(kind: int, ident: int, sequence: int, t_ns: int, cdr: bytes) -> byte
     return _SERVICE.pack(15 + len(cdr), kind, ident, sequence, t_ns) + cdr
 
 
-def advance(t_ns: int) -> bytes:
+def advance(t_ns: int, together_ns: int) -> bytes:
     """Return ADVANCE."""
-    return _frame(struct.pack("<Bq", ADVANCE, t_ns))
+    return _ADVANCE.pack(17, ADVANCE, t_ns, together_ns)
 
 
 def note(code: str, text: str) -> bytes:
@@ -146,17 +148,17 @@ def read_start(body: bytes) -> tuple[str, bytes]:
     return body[5 : 5 + length].decode(), body[5 + length :]
 
 
-def read_events(body: bytes) -> tuple[int, list[Event]]:
-    """Return the instant reached and what is due at it.
+def read_events(body: bytes) -> tuple[int, int, list[Event]]:
+    """Return the instant reached, the one before which nothing more becomes due, and what is due now.
 
     Raises:
         ValueError, struct.error: `body` is not EVENTS.
     """
-    kind, now_ns, count = struct.unpack_from("<BqH", body)
+    kind, now_ns, quiet_ns, count = _EVENTS.unpack_from(body)
     if kind != EVENTS:
         raise ValueError("not an EVENTS frame")
     events = []
-    offset = 11
+    offset = _EVENTS.size
     for _ in range(count):
         what, ident, sequence, t_ns, length = _EVENT.unpack_from(body, offset)
         offset += _EVENT.size
@@ -164,4 +166,4 @@ def read_events(body: bytes) -> tuple[int, list[Event]]:
             raise ValueError("EVENTS ends inside an event")
         events.append(Event(what, ident, sequence, t_ns, body[offset : offset + length]))
         offset += length
-    return now_ns, events
+    return now_ns, quiet_ns, events

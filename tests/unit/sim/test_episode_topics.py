@@ -112,6 +112,25 @@ def test_advance_without_anything_due_reaches_its_time(car: BulletCar) -> None:
     assert result.sim_steps == 0
 
 
+def test_the_answer_says_until_when_nothing_is_due(car: BulletCar) -> None:
+    answers = []
+
+    def script() -> Script:
+        yield jail.entity(3, 3, name="/turtle1/pose", type="turtlesim/msg/Pose")
+        for t_ns, together_ns in ((5 * MS, 0), (SECOND, 0), (SECOND, 100 * MS), (SECOND, SECOND)):
+            answer = yield jail.advance(t_ns, together_ns)
+            assert answer is not None
+            answers.append((answer.now_ns // MS, answer.quiet_ns // MS, len(answer.events)))
+        yield jail.gone(3, SECOND)
+        answer = yield jail.advance(SECOND)
+        assert answer is not None
+        assert answer.quiet_ns == 1 << 62
+        yield jail.ended(SECOND)
+
+    play(car, script())
+    assert answers == [(5, 16, 0), (16, 32, 1), (100, 112, 5), (1_000, 1_008, 56)]
+
+
 def test_odometry_starts_at_zero_and_stamps_wall_clock(car: BulletCar) -> None:
     seen: list[dict[str, Any]] = []
 

@@ -25,6 +25,24 @@ def test_one_instant_is_taken_at_a_time() -> None:
     assert outbox.take() == (6, [Event(2, 4, 9, 6, b"y")])
 
 
+def test_what_nobody_looks_at_one_by_one_travels_together() -> None:
+    outbox = Outbox()
+    for t_ns in (5, 6, 7):
+        outbox.add(Event(1, 1, 0, t_ns, b""))
+    now_ns, events = outbox.take(6)
+    assert (now_ns, [event.t_ns for event in events]) == (6, [5, 6])
+    assert outbox.take(6) == (7, [Event(1, 1, 0, 7, b"")])
+
+
+def test_an_answer_that_is_cut_reaches_its_last_event() -> None:
+    outbox = Outbox()
+    for t_ns in range(MAX_EVENTS + 1):
+        outbox.add(Event(1, 1, 0, t_ns, b""))
+    now_ns, events = outbox.take(1_000_000)
+    assert (now_ns, len(events)) == (MAX_EVENTS - 1, MAX_EVENTS)
+    assert outbox.first_ns == MAX_EVENTS
+
+
 def test_answers_and_queue_are_bounded() -> None:
     outbox = Outbox()
     for _ in range(MAX_QUEUED + 3):

@@ -39,7 +39,7 @@ def test_golden_frames_are_written(body: bytes, fields: dict[str, Any]) -> None:
         assert wire.encode_start(fields["json"], bytes.fromhex(fields["source"])) == body
     else:
         events = [Event(*event[:4], bytes.fromhex(event[4])) for event in fields["events"]]
-        assert wire.encode_events(fields["now_ns"], events) == body
+        assert wire.encode_events(fields["now_ns"], fields["quiet_ns"], events) == body
 
 
 @pytest.mark.parametrize(("body", "fields"), golden("jail_to_episode.json"))
@@ -72,6 +72,7 @@ def test_nothing_may_follow_the_last_field(body: bytes, fields: dict[str, Any]) 
         (jail.request(1, 1, -5, b""), "REQUEST.t is negative"),
         (jail.response(1, 1, -5, b""), "RESPONSE.t is negative"),
         (jail.advance(-1), "ADVANCE.t is negative"),
+        (jail.advance(0, -1), "ADVANCE.together is negative"),
         (b"\x20" + jail.text(b"\xff") + jail.text(""), "NOTE.code is not UTF-8"),
         (
             b"\x20" + jail.text("a") + jail.text("\ud800".encode("utf-8", "surrogatepass")),
