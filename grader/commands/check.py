@@ -11,12 +11,12 @@ from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_grading_opti
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import (
     InfrastructureError,
+    RefusedError,
     SandboxUnavailableError,
-    SubmissionError,
     UnknownAssignmentError,
 )
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.text import Language, trouble
+from grader.contracts.text import Language, Text, trouble
 from grader.grading.slot import Slot, SlotConfig
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def read_source(path: Path) -> bytes:
     """Return the bytes of a script.
 
     Raises:
-        SubmissionError: it cannot be read, or could not be uploaded either.
+        RefusedError: it cannot be read, or could not be uploaded either.
     """
     from grader.contracts.upload import MAX_SOURCE_BYTES, check_source
 
@@ -71,19 +71,21 @@ def read_source(path: Path) -> bytes:
     except OSError as error:
         raise _file_error("unreadable", str(path), error) from error
     if len(source) > MAX_SOURCE_BYTES:
-        raise SubmissionError(
+        raise RefusedError(
             "too_large",
-            f"{path}: the file has more than {MAX_SOURCE_BYTES} bytes",
-            f"{path}：文件超过 {MAX_SOURCE_BYTES} 字节",
+            Text(
+                zh=f"{path}：文件超过 {MAX_SOURCE_BYTES} 字节",
+                en=f"{path}: the file has more than {MAX_SOURCE_BYTES} bytes",
+            ),
         )
     check_source(source)
     return source
 
 
-def _file_error(code: str, name: str, error: OSError) -> SubmissionError:
+def _file_error(code: str, name: str, error: OSError) -> RefusedError:
     """Return what the operating system said about a file, in words."""
     told = trouble(error)
-    return SubmissionError(code, f"{name}: {told.en}", f"{name}：{told.zh}")
+    return RefusedError(code, Text(zh=f"{name}：{told.zh}", en=f"{name}: {told.en}"))
 
 
 def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Assignment, GradingResult]:
@@ -128,23 +130,27 @@ def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
     """Refuse a script where a text is asked for, and the other way round, as an upload would be.
 
     Raises:
-        SubmissionError: the file's name or ``--plot`` does not go with the assignment.
+        RefusedError: the file's name or ``--plot`` does not go with the assignment.
     """
     from grader.contracts.assignment import SUFFIXES
 
     endings = SUFFIXES[assignment.input]
     if not arguments.file.name.lower().endswith(endings):
-        raise SubmissionError(
+        raise RefusedError(
             "wrong_file_type",
-            f"{arguments.file.name}: {assignment.id} takes a {assignment.input} whose name ends in "
-            f"{' or '.join(endings)}",
-            f"{arguments.file.name}：作业 {assignment.id} 要交的文件名以 {' 或 '.join(endings)} 结尾",
+            Text(
+                zh=f"{arguments.file.name}：作业 {assignment.id} 要交的文件名以 {' 或 '.join(endings)} 结尾",
+                en=f"{arguments.file.name}: {assignment.id} takes a {assignment.input} whose name ends in "
+                f"{' or '.join(endings)}",
+            ),
         )
     if arguments.plot is not None and assignment.input == "text":
-        raise SubmissionError(
+        raise RefusedError(
             "plot_text",
-            f"{assignment.id} is answered by a text: there is nothing to plot",
-            f"作业 {assignment.id} 交的是文字，没有轨迹可画",
+            Text(
+                zh=f"作业 {assignment.id} 交的是文字，没有轨迹可画",
+                en=f"{assignment.id} is answered by a text: there is nothing to plot",
+            ),
         )
 
 
@@ -193,16 +199,20 @@ def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: 
 
 def _check_plot_path(path: Path) -> None:
     if path.suffix.lower() not in (".png", ".svg"):
-        raise SubmissionError(
+        raise RefusedError(
             "plot_format",
-            f"--plot {path}: the name must end in .png or .svg",
-            f"--plot {path}：文件名要以 .png 或 .svg 结尾",
+            Text(
+                zh=f"--plot {path}：文件名要以 .png 或 .svg 结尾",
+                en=f"--plot {path}: the name must end in .png or .svg",
+            ),
         )
     if not path.resolve().parent.is_dir():
-        raise SubmissionError(
+        raise RefusedError(
             "plot_folder",
-            f"--plot {path}: the folder {path.resolve().parent} does not exist",
-            f"--plot {path}：没有文件夹 {path.resolve().parent}",
+            Text(
+                zh=f"--plot {path}：没有文件夹 {path.resolve().parent}",
+                en=f"--plot {path}: the folder {path.resolve().parent} does not exist",
+            ),
         )
 
 

@@ -17,7 +17,7 @@ from rich.console import Console
 from grader.catalog import Catalog
 from grader.commands.check import EXIT_FULL_MARKS, EXIT_NOT_FULL, read_source
 from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_language_option, tell
-from grader.contracts.errors import InfrastructureError, SubmissionError, UnknownAssignmentError
+from grader.contracts.errors import InfrastructureError, RefusedError, UnknownAssignmentError
 from grader.contracts.report import report_from
 from grader.contracts.text import LANGUAGES, Text, trouble
 from grader.messages.quantity import points
@@ -212,7 +212,7 @@ def _accepted(response: httpx.Response) -> httpx.Response:
             f"{response.url} 回答了 {response.status_code}：--server 是不是评分服务的地址？",
         ) from None
     zh, en = ("\n".join(visible(str(one)) for one in (*lines, fix.get(lang)) if one) for lang in LANGUAGES)
-    raise SubmissionError(code, en, zh)
+    raise RefusedError(code, Text(zh=zh, en=en))
 
 
 def _check_address(server: str) -> None:
@@ -222,10 +222,12 @@ def _check_address(server: str) -> None:
     except httpx.InvalidURL:
         usable = False
     if not usable:
-        raise SubmissionError(
+        raise RefusedError(
             "server",
-            f"--server {server}: this is no address such as https://grader.example.org",
-            f"--server {server}：不是服务器地址，例如 https://grader.example.org",
+            Text(
+                zh=f"--server {server}：不是服务器地址，例如 https://grader.example.org",
+                en=f"--server {server}: this is no address such as https://grader.example.org",
+            ),
         )
 
 
@@ -237,19 +239,21 @@ def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
         except (OSError, UnicodeDecodeError) as error:
             told = trouble(error) if isinstance(error, OSError) else _NO_TOKEN
             name = f"--token-file {arguments.token_file}"
-            raise SubmissionError("token", f"{name}: {told.en}", f"{name}：{told.zh}") from error
+            raise RefusedError("token", Text(zh=f"{name}：{told.zh}", en=f"{name}: {told.en}")) from error
     token = token.strip()
     if not token:
         return {}
     address = urlsplit(arguments.server)
     if address.scheme != "https" and not is_loopback(address.hostname or ""):
-        raise SubmissionError(
+        raise RefusedError(
             "token",
-            f"{arguments.server} is not encrypted: a token goes over https only",
-            f"{arguments.server} 没有加密：令牌只能通过 https 发送",
+            Text(
+                zh=f"{arguments.server} 没有加密：令牌只能通过 https 发送",
+                en=f"{arguments.server} is not encrypted: a token goes over https only",
+            ),
         )
     if not (token.isascii() and token.isprintable()) or " " in token:
-        raise SubmissionError("token", _NO_TOKEN.en, _NO_TOKEN.zh)
+        raise RefusedError("token", Text(zh=_NO_TOKEN.zh, en=_NO_TOKEN.en))
     return {"Authorization": f"Bearer {token}"}
 
 

@@ -3,13 +3,11 @@
 GraderError
 ├── AssignmentError        the instructor's file is wrong: names file, field and fix
 ├── UnknownAssignmentError no assignment of that name
-├── SubmissionError        the student's file cannot be accepted: names the reason and the fix
 ├── RefusedError           what somebody asks for is not done: names the kind, the place and what is accepted
 ├── CourseError            a course, its people or its rules cannot be changed as asked
 │   └── ChangedMeanwhileError     somebody else changed the same since it was looked at
 ├── RegradeError           a re-grade cannot be opened or decided
 ├── JudgementError         a person's points for a rubric item cannot be taken
-├── UploadRefusedError     the rules of the assignment do not accept an upload (any more, yet)
 ├── SettingsError          the operator's configuration is wrong
 ├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
 │   └── SandboxUnavailableError   a required layer is missing: the service refuses to grade
@@ -20,7 +18,6 @@ GraderError
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from grader.contracts.rules import Refusal
     from grader.contracts.text import Language, Text
 
 
@@ -46,19 +43,6 @@ class AssignmentError(GraderError):
 
 class UnknownAssignmentError(GraderError):
     """No assignment has the name asked for."""
-
-
-class SubmissionError(GraderError):
-    """A submitted file cannot be accepted.
-
-    Attributes:
-        code: stable machine-readable reason, e.g. ``not_utf8``.
-        zh: the message in Chinese, which students read in their browser; else the message itself.
-    """
-
-    def __init__(self, code: str, message: str, zh: str = "") -> None:
-        super().__init__(message, zh or message)
-        self.code = code
 
 
 class RefusedError(GraderError):
@@ -120,18 +104,6 @@ class JudgementError(GraderError):
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)
         self.code = code
-
-
-class UploadRefusedError(GraderError):
-    """The rules of an assignment do not accept an upload.
-
-    Attributes:
-        refusal: which rule, and until when.
-    """
-
-    def __init__(self, refusal: "Refusal") -> None:
-        super().__init__(refusal.code)
-        self.refusal = refusal
 
 
 class SettingsError(GraderError):

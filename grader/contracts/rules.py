@@ -12,6 +12,7 @@ from enum import StrEnum
 from typing import Annotated, Final, Literal
 from zoneinfo import ZoneInfo
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.fields import Choice, Count, Instant, Names, Record, Seconds, Share, Table
 from grader.contracts.text import Text
 
@@ -171,6 +172,14 @@ class Refusal:
 
     code: RefusalCode
     until: datetime | None = None
+
+    def error(self) -> RefusedError:
+        """Return the error that tells whoever handed in."""
+        if self.until is None:
+            return RefusedError(self.code)
+        until = self.until.isoformat(timespec="seconds")
+        detail = Text(zh=f"{until} 之后可以提交。", en=f"Uploads are accepted from {until} on.")
+        return RefusedError(self.code, detail)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

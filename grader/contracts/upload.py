@@ -2,7 +2,7 @@
 
 import re
 
-from grader.contracts.errors import SubmissionError
+from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
 
 MAX_SOURCE_BYTES = 256 * 1024
@@ -24,27 +24,63 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
     """Accept a file of UTF-8 text (a byte order mark is fine) within `max_bytes`.
 
     Raises:
-        SubmissionError: ``too_large``, ``empty``, ``not_utf8`` or ``contains_nul``; the message says where.
+        RefusedError: ``too_large``, ``empty``, ``not_utf8`` or ``contains_nul``; the message says where.
     """
     if len(source) > max_bytes:
-        raise SubmissionError(
+        raise RefusedError(
             "too_large",
-            f"the file has {len(source)} bytes; at most {max_bytes} are accepted",
-            f"文件有 {len(source)} 字节，最多接受 {max_bytes} 字节。",
+            Text(
+                zh=f"文件有 {len(source)} 字节，最多接受 {max_bytes} 字节。",
+                en=f"the file has {len(source)} bytes; at most {max_bytes} are accepted",
+            ),
+            field="file",
         )
     if not source.removeprefix(b"\xef\xbb\xbf").strip():
-        raise SubmissionError(
+        raise RefusedError(
             "empty",
-            "the file is empty: was it saved before it was handed in?",
-            "文件里什么也没有：提交之前保存了吗？",
+            Text(
+                zh="文件里什么也没有：提交之前保存了吗？",
+                en="the file is empty: was it saved before it was handed in?",
+            ),
+            field="file",
         )
     _check_kind(source)
     if (place := source.find(b"\0")) >= 0:
-        raise SubmissionError(
+        raise RefusedError(
             "contains_nul",
-            f"line {_line(source, place)} contains a NUL byte: this is not a text file",
-            f"第 {_line(source, place)} 行含有 NUL 字节，这不是文本文件。",
+            Text(
+                zh=f"第 {_line(source, place)} 行含有 NUL 字节，这不是文本文件。",
+                en=f"line {_line(source, place)} contains a NUL byte: this is not a text file",
+            ),
+            field="file",
         )
+    _check_encoding(source)
+
+
+def _check_kind(source: bytes) -> None:
+    """Refuse what its first bytes tell to be no text in UTF-8."""
+    if source.startswith((b"\xff\xfe", b"\xfe\xff")):
+        raise RefusedError(
+            "not_utf8",
+            Text(
+                zh="文件是 UTF-16 编码（记事本里叫 Unicode）：请把文件另存为 UTF-8。",
+                en="this is UTF-16, which Notepad calls Unicode: save the file as UTF-8",
+            ),
+            field="file",
+        )
+    kind = next((kind for head, kind in _OTHER_FILES.items() if source.startswith(head)), None)
+    if kind is not None:
+        raise RefusedError(
+            "contains_nul",
+            Text(
+                zh=f"这是{kind.zh}，改名字没有用：请提交脚本或文字文件本身。",
+                en=f"this is {kind.en}, whatever its name ends in: hand in the script or text itself",
+            ),
+            field="file",
+        )
+
+
+def _check_encoding(source: bytes) -> None:
     try:
         source.decode("utf-8")
     except UnicodeDecodeError as error:
@@ -54,28 +90,14 @@ def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
             where, coding = declared
             en = f", and delete line {where}, which declares {coding}: only UTF-8 is accepted"
             zh = f"，并删去第 {where} 行的编码声明（{coding}）：这里只接受 UTF-8"
-        raise SubmissionError(
+        raise RefusedError(
             "not_utf8",
-            f"line {line} contains a byte that is not UTF-8 ({byte}): save the file as UTF-8{en}",
-            f"第 {line} 行有一个字节不是 UTF-8 编码（{byte}）：请把文件另存为 UTF-8{zh}。",
+            Text(
+                zh=f"第 {line} 行有一个字节不是 UTF-8 编码（{byte}）：请把文件另存为 UTF-8{zh}。",
+                en=f"line {line} contains a byte that is not UTF-8 ({byte}): save the file as UTF-8{en}",
+            ),
+            field="file",
         ) from None
-
-
-def _check_kind(source: bytes) -> None:
-    """Refuse what its first bytes tell to be no text in UTF-8."""
-    if source.startswith((b"\xff\xfe", b"\xfe\xff")):
-        raise SubmissionError(
-            "not_utf8",
-            "this is UTF-16, which Notepad calls Unicode: save the file as UTF-8",
-            "文件是 UTF-16 编码（记事本里叫 Unicode）：请把文件另存为 UTF-8。",
-        )
-    kind = next((kind for head, kind in _OTHER_FILES.items() if source.startswith(head)), None)
-    if kind is not None:
-        raise SubmissionError(
-            "contains_nul",
-            f"this is {kind.en}, whatever its name ends in: hand in the script or text itself",
-            f"这是{kind.zh}，改名字没有用：请提交脚本或文字文件本身。",
-        )
 
 
 def _declared(source: bytes) -> tuple[int, str] | None:

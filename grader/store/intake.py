@@ -11,7 +11,7 @@ from zoneinfo import ZoneInfo
 from sqlalchemy import ColumnElement, Select, and_, bindparam, delete, insert, select, update
 from sqlmodel import Session, col
 
-from grader.contracts.errors import SubmissionError, UploadRefusedError
+from grader.contracts.errors import RefusedError
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, SubmissionState
@@ -82,8 +82,7 @@ def take_in(
     """Store `upload` and announce it; return its row, and whether it is that of one that was sent before.
 
     Raises:
-        UploadRefusedError: the rules of the assignment do not accept it.
-        SubmissionError: ``key_reused``: its key belongs to another upload.
+        RefusedError: by the rules of the assignment; or ``key_reused``, its key belongs to another upload.
         InfrastructureError: the database does not answer.
     """
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are theirs
@@ -93,7 +92,7 @@ def take_in(
     if earlier is not None:
         return session.get_one(SubmissionRow, earlier), True
     if upload.ruled and (refused := _refusal(known, now)) is not None:
-        raise UploadRefusedError(refused)
+        raise refused.error()
     row = SubmissionRow(
         id=new_id(now),
         course=upload.course,
@@ -175,7 +174,7 @@ def _under_key(upload: NewSubmission, digest: str, known: _Known) -> str | None:
         return None
     meaning, submission_id = known.keyed
     if meaning != _meaning(upload, digest):
-        raise SubmissionError("key_reused", "this Idempotency-Key belongs to another upload")
+        raise RefusedError("key_reused")
     return submission_id
 
 

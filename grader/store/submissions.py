@@ -31,7 +31,7 @@ class Submissions:
         """Store an accepted upload and queue it, in one transaction: once this returns, it is not lost.
 
         Raises:
-            UploadRefusedError: the rules of the assignment do not accept it. Uploads at the same moment are
+            RefusedError: the rules of the assignment do not accept it. Uploads at the same moment are
                 counted one after the other.
         """
         return self.accept(upload)[0]
@@ -46,7 +46,7 @@ class Submissions:
             The submission, and whether it is an earlier one.
 
         Raises:
-            UploadRefusedError: as `add`. SubmissionError: ``key_reused``: the key belongs to another upload.
+            RefusedError: as `add`; or ``key_reused``, the key belongs to another upload.
         """
         with self._database.writing() as session:
             now = upload.received_at or self._clock()

@@ -6,17 +6,10 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 
 from grader.contracts.assignment import SUFFIXES, Input
-from grader.contracts.errors import (
-    InfrastructureError,
-    RefusedError,
-    SandboxError,
-    SubmissionError,
-    UploadRefusedError,
-)
+from grader.contracts.errors import InfrastructureError, RefusedError, SandboxError
 from grader.contracts.grading import SyntaxProblem
 from grader.contracts.identity import Caller, Role, is_person_id
 from grader.contracts.outcome import StudentError
-from grader.contracts.rules import Refusal
 from grader.contracts.submission import NewSubmission, Submission
 from grader.contracts.text import Text
 from grader.contracts.upload import check_source
@@ -59,7 +52,7 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
     Raises:
         RefusedError: it is not accepted, and nothing was stored.
     """
-    student = submitter(services, caller, upload.student)
+    student = _submitter(services, caller, upload.student)
     services.upload_limit.take(f"{caller.course}/{student}")
     new = NewSubmission(
         course=caller.course,
@@ -72,7 +65,7 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
         ruled=caller.role is Role.STUDENT,
         by=None if student == caller.person or caller.course is None else caller.signature,
     )
-    submission, repeated = _store(services, _checked(services, new))
+    submission, repeated = services.submissions.accept(_checked(services, new))
     note(
         submission=submission.id,
         assignment=submission.assignment,
@@ -86,30 +79,12 @@ def _checked(services: Services, new: NewSubmission) -> NewSubmission:
     """Return `new` as it is stored: for a published assignment, its name and content checked."""
     published = require_published(services, new.assignment, "unknown_assignment", field="assignment")
     if new.key is None and (refusal := services.submissions.refusal(new)) is not None:
-        raise _refused(refusal)  # one with a key may be an upload that was accepted before
-    name = checked_name(new.file_name, published.input)
-    check_content(services, new.source, name, published.input)
+        raise refusal.error()  # one with a key may be an upload that was accepted before
+    name = _checked_name(new.file_name, published.input)
+    _check_content(services, new.source, name, published.input)
     if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
         raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
     return replace(new, file_name=name, assignment_version=published.version)
-
-
-def _store(services: Services, new: NewSubmission) -> tuple[Submission, bool]:
-    try:
-        return services.submissions.accept(new)
-    except UploadRefusedError as error:
-        raise _refused(error.refusal) from None
-    except SubmissionError as error:
-        raise RefusedError(error.code) from None
-
-
-def _refused(refusal: Refusal) -> RefusedError:
-    """Return the refusal by a rule of the assignment."""
-    if refusal.until is None:
-        return RefusedError(refusal.code)
-    until = refusal.until.isoformat(timespec="seconds")
-    detail = Text(zh=f"{until} 之后可以提交。", en=f"Uploads are accepted from {until} on.")
-    return RefusedError(refusal.code, detail)
 
 
 def checked_student(student: str) -> str:
@@ -123,7 +98,7 @@ def checked_student(student: str) -> str:
     return student
 
 
-def submitter(services: Services, caller: Caller, student: str) -> str:
+def _submitter(services: Services, caller: Caller, student: str) -> str:
     """Return whose work an upload is, given what its form says.
 
     Raises:
@@ -140,7 +115,7 @@ def submitter(services: Services, caller: Caller, student: str) -> str:
     return student
 
 
-def checked_name(file_name: str, kind: Input) -> str:
+def _checked_name(file_name: str, kind: Input) -> str:
     """Return the last part of the name the student's browser sent, one printable line.
 
     Raises:
@@ -161,7 +136,7 @@ def checked_name(file_name: str, kind: Input) -> str:
     return name
 
 
-def check_content(services: Services, source: bytes, file_name: str, kind: Input) -> None:
+def _check_content(services: Services, source: bytes, file_name: str, kind: Input) -> None:
     """Refuse what could not run at all.
 
     Raises:
@@ -170,10 +145,7 @@ def check_content(services: Services, source: bytes, file_name: str, kind: Input
     limit = services.settings.max_upload_bytes
     if len(source) > limit:
         raise too_large(limit)
-    try:
-        check_source(source, limit)
-    except SubmissionError as error:
-        raise RefusedError(error.code, Text(zh=error.zh, en=str(error)), field="file") from error
+    check_source(source, limit)
     if kind == "text":
         return
     try:

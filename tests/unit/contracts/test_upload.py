@@ -2,7 +2,7 @@
 
 import pytest
 
-from grader.contracts.errors import SubmissionError
+from grader.contracts.errors import RefusedError
 from grader.contracts.upload import check_source
 
 
@@ -18,7 +18,7 @@ from grader.contracts.upload import check_source
     ],
 )
 def test_a_declared_coding_is_named_where_python_would_heed_it(head: str, advice: str) -> None:
-    with pytest.raises(SubmissionError, match="save the file as UTF-8") as refused:
+    with pytest.raises(RefusedError, match="save the file as UTF-8") as refused:
         check_source((head + "s = '方'\n").encode("gbk"))
     assert refused.value.code == "not_utf8"
     assert advice in str(refused.value)
@@ -42,7 +42,7 @@ def test_what_is_utf_8_is_accepted_whatever_it_declares() -> None:
     ],
 )
 def test_what_is_no_text_is_named(content: bytes, code: str, said: str) -> None:
-    with pytest.raises(SubmissionError) as refused:
+    with pytest.raises(RefusedError) as refused:
         check_source(content)
     assert refused.value.code == code
     assert said in str(refused.value)

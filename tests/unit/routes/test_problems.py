@@ -238,6 +238,7 @@ def test_every_refusal_of_a_use_case_has_a_type() -> None:
     named = {
         call.args[0].value
         for path in (ROOT / "grader").rglob("*.py")
+        if path.parent.name != "commands"  # they print what happened and need no type
         for call in ast.walk(ast.parse(path.read_text()))
         if isinstance(call, ast.Call)
         and isinstance(call.func, ast.Name)

@@ -9,7 +9,7 @@ from typing import TypeVar
 import pytest
 from sqlalchemy import text
 
-from grader.contracts.errors import CourseError, RegradeError, UploadRefusedError
+from grader.contracts.errors import CourseError, RefusedError, RegradeError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.regrade import RegradeState, Wanted
@@ -72,7 +72,7 @@ def test_a_limit_of_attempts_is_never_exceeded(
     StoredRules(database).set("square", Rules(attempts=3), Signature(clock(), course, "wang"))
     made = at_once(lambda n: submissions.add(new(source=b"good # %d" % n, course=course, ruled=True)))
     kinds = Counter(type(one) for one in made)
-    assert kinds[UploadRefusedError] == THREADS - 3
+    assert kinds[RefusedError] == THREADS - 3
     assert count(database, "submission") == 3
 
 
