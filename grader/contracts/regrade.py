@@ -31,6 +31,10 @@ class Wanted:
     students: tuple[str, ...] = ()
 
 
+def _difference(before: float | None, after: float | None) -> float:
+    return round((after or 0.0) - (before or 0.0), 2)
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ItemChange:
     """What one rubric item earned before and earns now; None where the item is not in the rubric."""
@@ -38,6 +42,11 @@ class ItemChange:
     item: str
     before: float | None
     after: float | None
+
+    @property
+    def by(self) -> float:
+        """How many points more it earns; no points at all count as 0."""
+        return _difference(self.before, self.after)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -57,6 +66,11 @@ class ScoreChange:
     items: tuple[ItemChange, ...]
     kept: tuple[str, ...] = ()
     void: tuple[str, ...] = ()
+
+    @property
+    def by(self) -> float:
+        """By how much the score rises; no score counts as 0."""
+        return _difference(self.before, self.after)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,6 +99,21 @@ class Regrade:
     same: int
     changes: tuple[ScoreChange, ...]
     kept: int = 0
+
+    @property
+    def gain(self) -> int:
+        """How many submissions' scores rise."""
+        return sum(one.by > 0 for one in self.changes)
+
+    @property
+    def lose(self) -> int:
+        """How many submissions' scores fall."""
+        return sum(one.by < 0 for one in self.changes)
+
+    @property
+    def total(self) -> int:
+        """Of how many submissions a trial grading is made."""
+        return self.waiting + self.failed + self.same + len(self.changes)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -16,6 +16,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role, Seen
 from grader.contracts.notation import decimal, whole
 from grader.contracts.text import LANGUAGES, Language
+from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
 
@@ -60,32 +61,22 @@ def caller_of(
 CallerDep = Annotated[Caller, Depends(caller_of)]
 
 
-async def require_staff(caller: CallerDep) -> Caller:
-    """Dependency of what assistants and instructors see.
-
-    Raises:
-        RefusedError: the caller is neither.
-    """
-    if caller.is_staff:
-        return caller
-    raise RefusedError("forbidden" if caller.role is not None else "unauthorized")
-
-
-StaffDep = Annotated[Caller, Depends(require_staff)]
-
-
-async def require_instructor(caller: StaffDep) -> Caller:
-    """Dependency of what changes settings or grades.
-
-    Raises:
-        RefusedError: the caller is no instructor.
-    """
-    if not caller.is_instructor:
-        raise RefusedError("forbidden")
+async def _staff(caller: CallerDep) -> Caller:
+    require_staff(caller)
     return caller
 
 
-InstructorDep = Annotated[Caller, Depends(require_instructor)]
+StaffDep = Annotated[Caller, Depends(_staff)]
+"""Assistants and instructors; others are refused before the body of their request is looked at."""
+
+
+async def _instructor(caller: CallerDep) -> Caller:
+    require_instructor(caller)
+    return caller
+
+
+InstructorDep = Annotated[Caller, Depends(_instructor)]
+"""Instructors; others are refused before the body of their request is looked at."""
 
 
 async def requested_language(  # on the event loop: what is no coroutine waits for a thread
@@ -160,6 +151,8 @@ def _whole_number(value: object) -> object:
     return value
 
 
+AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
+RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]
 SubmissionId = Annotated[
     str,
     Path(

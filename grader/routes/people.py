@@ -1,13 +1,12 @@
 """Who the caller is, who is in the course, and what was changed by whom."""
 
-from collections.abc import Sequence
 from datetime import datetime
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, Field
 
-from grader.contracts.identity import AuditEntry, Caller, Role
+from grader.contracts.identity import AuditEntry, Role
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     CallerDep,
@@ -17,7 +16,7 @@ from grader.routes.dependencies import (
     StaffDep,
 )
 from grader.routes.problems import responses
-from grader.use_cases.services import Services
+from grader.use_cases.people import changes, members, myself
 
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100
@@ -79,10 +78,9 @@ class AuditPage(BaseModel):
 def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeView:
     """Return the caller's course, name and role."""
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
-    if caller.course is None or caller.person is None:
+    course, member = myself(services, caller)
+    if course is None:
         return MeView(course=None, person=None, name=None, role=caller.role)
-    course = services.courses.get(caller.course)
-    member = services.courses.member(caller.course, caller.person)
     return MeView(
         course=CourseView(id=course.id, title=course.title, time_zone=course.time_zone),
         person=caller.person,
@@ -104,8 +102,8 @@ def read_members(
 ) -> MemberList:
     """Return who is in the caller's course; nobody while there are no courses."""
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
-    members = services.courses.members(caller.course, role)
-    return MemberList(members=[MemberView(id=one.id, name=one.name, role=one.role) for one in members])
+    found = members(services, caller, role)
+    return MemberList(members=[MemberView(id=one.id, name=one.name, role=one.role) for one in found])
 
 
 @router.get(
@@ -124,17 +122,8 @@ def read_audit(
 ) -> AuditPage:
     """Return changes of grades and settings in the caller's course."""
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
-    entries, more = audit_page(services, caller, before, limit)
+    entries, more = changes(services, caller, before, limit)
     return AuditPage(entries=[_entry(one) for one in entries], next_before=more)
-
-
-def audit_page(
-    services: Services, caller: Caller, before: int | None, limit: int
-) -> tuple[Sequence[AuditEntry], int | None]:
-    """Return `limit` changes older than the id `before`, newest first, and the `before` of the next page."""
-    entries = services.audit.entries(caller.course, limit + 1, before)
-    page = entries[:limit]
-    return page, page[-1].id if len(entries) > limit else None
 
 
 def _entry(entry: AuditEntry) -> AuditView:

@@ -1,33 +1,27 @@
 """Grading again: first on trial, with what would change, then applied with a reason or discarded."""
 
 from datetime import datetime
-from typing import Annotated, Literal
+from typing import Annotated
 
-from fastapi import APIRouter, Path, Query, Response
+from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from grader.contracts.errors import RefusedError, RegradeError
-from grader.contracts.identity import Caller
 from grader.contracts.regrade import Regrade, RegradeState, ScoreChange, Wanted, Which
-from grader.routes.dependencies import ENTRY_PROBLEMS, InstructorDep, QueryWhole, ServicesDep, StaffDep
+from grader.routes.dependencies import (
+    ENTRY_PROBLEMS,
+    InstructorDep,
+    QueryWhole,
+    RegradeId,
+    ServicesDep,
+    StaffDep,
+)
 from grader.routes.problems import responses
 from grader.routes.submission_views import SUBMISSIONS
-from grader.store.audit import Signature
-from grader.use_cases.assignments import require_published
-from grader.use_cases.services import Services
+from grader.use_cases import regrading
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
-Ending = Literal["apply", "discard"]
-RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]
 _MOST = 100_000
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
-_CODES = {
-    "unknown": "regrade_not_found",
-    "nothing": "nothing_to_regrade",
-    "open": "regrade_open",
-    "waiting": "regrade_running",
-    "decided": "regrade_decided",
-}
 
 
 class RegradeOrder(BaseModel):
@@ -127,30 +121,15 @@ def start(
     """Queue trial gradings behind all fresh submissions. Nothing changes until they are applied."""
     students = tuple(order.students)
     wanted = Wanted(assignment=order.assignment, which=order.which, students=students)
-    opened = open_regrade(services, caller, wanted)
+    opened = regrading.open_regrade(services, caller, wanted)
     response.headers["Location"] = f"/api/v1/regrades/{opened.id}"
-    return view(opened)
-
-
-def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
-    """Start a re-grade and tell workers that there is work.
-
-    Raises:
-        RefusedError: the assignment is not published, nothing is to be graded, or a re-grade of it is open.
-    """
-    require_published(services, wanted.assignment, field="assignment")
-    try:
-        opened = services.regrades.open(wanted, _signed(services, caller))
-    except RegradeError as error:
-        raise RefusedError(_CODES[error.code]) from None
-    services.doorbell.ring()
-    return opened
+    return _view(opened)
 
 
 @router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
 def read_all(services: ServicesDep, caller: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
-    return RegradeList(regrades=[summary(one) for one in services.regrades.all(caller.course)])
+    return RegradeList(regrades=[_summary(one) for one in regrading.all_regrades(services, caller)])
 
 
 @router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
@@ -163,20 +142,8 @@ def read(
     limit: Annotated[QueryWhole | None, Query(ge=1, le=_MOST, description="Most changes; null: all.")] = None,
 ) -> RegradeView:
     """Return how far a re-grade is, who gains and who loses, by which item. Counts are of all changes."""
-    regrade = found(services, caller, regrade_id)
-    return view(regrade, slice(offset, None if limit is None else offset + limit))
-
-
-def found(services: Services, caller: Caller, regrade_id: str) -> Regrade:
-    """Return a re-grade of the caller's course.
-
-    Raises:
-        RefusedError: there is none of that id.
-    """
-    regrade = services.regrades.get(regrade_id, caller.course)
-    if regrade is None:
-        raise RefusedError("regrade_not_found")
-    return regrade
+    regrade = regrading.regrade_of(services, caller, regrade_id)
+    return _view(regrade, slice(offset, None if limit is None else offset + limit))
 
 
 @router.post(
@@ -190,7 +157,7 @@ def apply(
     services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
 ) -> RegradeView:
     """Make the trial gradings the submissions' latest; earlier ones stay in their history."""
-    return view(decide(services, caller, regrade_id, "apply", decision.reason))
+    return _view(regrading.decide(services, caller, regrade_id, "apply", decision.reason))
 
 
 @router.post(
@@ -202,36 +169,18 @@ def discard(
     services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
 ) -> RegradeView:
     """Drop the trial gradings; every submission stays as it is."""
-    return view(decide(services, caller, regrade_id, "discard", decision.reason))
+    return _view(regrading.decide(services, caller, regrade_id, "discard", decision.reason))
 
 
-def decide(services: Services, caller: Caller, regrade_id: str, how: Ending, reason: str) -> Regrade:
-    """Apply or discard a re-grade.
-
-    Raises:
-        RefusedError: there is none of that id, it is decided already, or still running.
-    """
-    act = services.regrades.apply if how == "apply" else services.regrades.discard
-    try:
-        return act(regrade_id, _signed(services, caller), reason)
-    except RegradeError as error:
-        raise RefusedError(_CODES[error.code]) from None
-
-
-def _signed(services: Services, caller: Caller) -> Signature:
-    return Signature(services.clock(), caller.course, caller.signature)
-
-
-def view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
+def _view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
     """Return a re-grade with the changes in the slice `shown`."""
     return RegradeView(
-        **summary(regrade).model_dump(), changes=[_change(one) for one in regrade.changes[shown]]
+        **_summary(regrade).model_dump(), changes=[_change(one) for one in regrade.changes[shown]]
     )
 
 
-def summary(regrade: Regrade) -> RegradeSummary:
+def _summary(regrade: Regrade) -> RegradeSummary:
     """Return a re-grade without its changes."""
-    moved = [(one.after or 0.0) - (one.before or 0.0) for one in regrade.changes]
     return RegradeSummary(
         id=regrade.id,
         assignment=regrade.wanted.assignment,
@@ -247,8 +196,8 @@ def summary(regrade: Regrade) -> RegradeSummary:
         failed=regrade.failed,
         same=regrade.same,
         kept=regrade.kept,
-        gain=sum(one > 0 for one in moved),
-        lose=sum(one < 0 for one in moved),
+        gain=regrade.gain,
+        lose=regrade.lose,
         changed=len(regrade.changes),
     )
 

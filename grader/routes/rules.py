@@ -15,15 +15,15 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Fie
 from pydantic_core import PydanticCustomError
 
 from grader.contracts import fields
-from grader.contracts.errors import ChangedMeanwhileError, CourseError, RefusedError
+from grader.contracts.errors import RefusedError
 from grader.contracts.fields import Kind, kinds_of
-from grader.contracts.identity import Caller, Role
+from grader.contracts.identity import Role
 from grader.contracts.notation import instant
-from grader.contracts.rules import NO_EXTENSION, YEARS, Extension, LateRule, LateStep, RuleError, Rules
-from grader.contracts.text import Text
+from grader.contracts.rules import YEARS, Extension, LateRule, LateStep, RuleError, Rules
 from grader.contracts.validation_words import OUT_OF_YEARS
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
+    AssignmentId,
     CallerDep,
     InstructorDep,
     Number,
@@ -35,14 +35,12 @@ from grader.routes.dependencies import (
 )
 from grader.routes.problems import responses
 from grader.routes.submission_views import SUBMISSIONS
-from grader.store.audit import Signature
-from grader.store.rules import ANY_STATE, CourseRules, tag
-from grader.use_cases.assignments import require_published
-from grader.use_cases.services import Services
-from grader.use_cases.visibility import hidden_from
+from grader.store.rules import tag
+from grader.use_cases import rules as use_case
+from grader.use_cases.assignments import Terms, require_published, terms_of
+from grader.use_cases.rules import course_rules
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
-AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
 _KNOWN = (*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request")
 _CHANGING = ("forbidden", "malformed_body", "too_large", "no_course", "changed_meanwhile")
 _ETAG = {
@@ -246,10 +244,10 @@ def read_rules(
     """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
     require_published(services, assignment_id)
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
-    known = services.rules.of(caller.course)
+    terms = terms_of(services, caller, assignment_id)
     if caller.is_staff:  # a student could find out from a digest which items are hidden
-        response.headers["ETag"] = etag(tag(known.of(assignment_id)))
-    return standing(services, caller, known, assignment_id)
+        response.headers["ETag"] = etag(tag(terms.rules))
+    return _standing(terms, shows_hidden=caller.role is not Role.STUDENT)
 
 
 @router.put(
@@ -269,17 +267,8 @@ def change_rules(  # noqa: PLR0913, PLR0917
     if_match: IfMatch = None,
 ) -> RulesBody:
     """Put new rules in place of the old ones. They hold for what was handed in before, too."""
-    items = [item.id for item in require_published(services, assignment_id).items]
-    signed = signature(services, caller)
-    rules = rules_from(change, services.rules.of(caller.course).zone)
-    unknown = set(rules.hidden_items) - set(items)
-    if unknown:
-        detail = Text(zh=f"没有这个评分项：{min(unknown)}。", en=f"There is no rubric item {min(unknown)}.")
-        raise RefusedError("invalid_rules", detail, field="hidden_items", allowed=items)
-    try:
-        services.rules.set(assignment_id, rules, signed, change.reason, seen=seen(if_match) or ANY_STATE)
-    except ChangedMeanwhileError:
-        raise RefusedError("changed_meanwhile") from None
+    rules = rules_from(change, course_rules(services, caller, assignment_id).zone)
+    use_case.change_rules(services, caller, assignment_id, rules, change.reason, seen=seen(if_match))
     response.headers["ETag"] = etag(tag(rules))
     return RulesBody.of(rules)
 
@@ -287,15 +276,8 @@ def change_rules(  # noqa: PLR0913, PLR0917
 @router.get("/extensions", summary="Who got more", responses=responses(*_KNOWN, "forbidden"))
 def read_extensions(services: ServicesDep, caller: StaffDep, assignment_id: AssignmentId) -> ExtensionList:
     """Return all extensions of an assignment."""
-    require_published(services, assignment_id)
-    extensions = services.rules.of(caller.course).extensions.items()
-    return ExtensionList(
-        extensions=[
-            _extension(student, one)
-            for (assignment, student), one in sorted(extensions, key=lambda item: item[0])
-            if assignment == assignment_id and one != NO_EXTENSION
-        ]
-    )
+    found = use_case.extensions(services, caller, assignment_id)
+    return ExtensionList(extensions=[_extension(student, one) for student, one in found])
 
 
 @router.put(
@@ -312,48 +294,21 @@ def change_extension(  # noqa: PLR0913, PLR0917
     if_match: IfMatch = None,
 ) -> ExtensionView:
     """Put an extension in place of what the student had."""
-    require_published(services, assignment_id)
-    signed = signature(services, caller)
-    extension = change.meant(services.rules.of(caller.course).zone)
-    try:
-        services.rules.extend(
-            assignment_id, student, extension, signed, change.reason, seen=seen(if_match) or ANY_STATE
-        )
-    except ChangedMeanwhileError:
-        raise RefusedError("changed_meanwhile") from None
-    except CourseError:
-        raise RefusedError("unknown_student", field="student") from None
+    extension: Extension = change.meant(course_rules(services, caller, assignment_id).zone)
+    use_case.extend(services, caller, assignment_id, student, extension, change.reason, seen=seen(if_match))
     return _extension(student, extension)
 
 
-def signature(services: Services, caller: Caller) -> Signature:
-    """Return who changes something now.
-
-    Raises:
-        RefusedError: there is no course whose settings could be changed.
-    """
-    if caller.course is None:
-        raise RefusedError("no_course")
-    return Signature(services.clock(), caller.course, caller.signature)
-
-
-def standing(services: Services, caller: Caller, known: CourseRules, assignment_id: str) -> StandingView:
-    """Return where `caller` stands under the rules of an assignment; `known` are those of the course."""
-    rules, person = known.of(assignment_id), caller.person
-    extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
-    attempts = () if person is None else services.submissions.attempts(person, assignment_id, caller.course)
-    counted = rules.counting(extension, attempts)
-    hiding = bool(hidden_from(services, caller, assignment_id))
+def _standing(terms: Terms, *, shows_hidden: bool) -> StandingView:
+    rules, counted = terms.rules, terms.counted
     return StandingView(
-        rules=RulesBody.of(
-            dataclasses.replace(rules, hidden_items=()) if caller.role is Role.STUDENT else rules
-        ),
-        time_zone=str(known.zone),
-        your_due=rules.due_for(extension),
-        attempts_used=sum(one.costs for one in attempts),
-        attempts_left=rules.attempts_left(extension, attempts),
-        counted_submission=None if counted is None or hiding else SUBMISSIONS + counted.attempt.id,
-        counted_score=None if counted is None or hiding else counted.score,
+        rules=RulesBody.of(rules if shows_hidden else dataclasses.replace(rules, hidden_items=())),
+        time_zone=str(terms.zone),
+        your_due=terms.due,
+        attempts_used=terms.attempts_used,
+        attempts_left=terms.attempts_left,
+        counted_submission=None if counted is None else SUBMISSIONS + counted.attempt.id,
+        counted_score=None if counted is None else counted.score,
     )
 
 

@@ -68,6 +68,14 @@ class CourseRules:
         """Return what one student gets beyond them."""
         return self.extensions.get((assignment, person), NO_EXTENSION)
 
+    def extended(self, assignment: str) -> list[tuple[str, Extension]]:
+        """Return who got more for one assignment, and what, in order of student."""
+        return sorted(
+            (person, one)
+            for (of, person), one in self.extensions.items()
+            if of == assignment and one != NO_EXTENSION
+        )
+
 
 class StoredRules:
     """Reads and changes rules; every change is in the audit log. Safe to share between threads."""

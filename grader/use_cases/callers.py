@@ -46,6 +46,27 @@ class Callers:
         return OPERATOR if hmac.compare_digest(_digest(token), self._digest) else None
 
 
+def require_staff(caller: Caller) -> None:
+    """Let assistants and instructors through.
+
+    Raises:
+        RefusedError: the caller is neither.
+    """
+    if not caller.is_staff:
+        raise RefusedError("unauthorized" if caller.role is None else "forbidden")
+
+
+def require_instructor(caller: Caller) -> None:
+    """Let instructors through.
+
+    Raises:
+        RefusedError: the caller is none.
+    """
+    require_staff(caller)
+    if not caller.is_instructor:
+        raise RefusedError("forbidden")
+
+
 def new_token() -> str:
     """Return a fresh token nobody can guess."""
     return secrets.token_urlsafe(_TOKEN_BYTES)

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from typing import Self
 
 from grader.contracts.grading import AssignmentSource, Preflight
+from grader.contracts.identity import Caller
 from grader.settings import Settings
-from grader.store.audit import AuditLog
+from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
@@ -63,6 +64,10 @@ class Services:
     doorbell: Doorbell
     watching: Watching
     metrics: Metrics
+
+    def signature(self, caller: Caller) -> Signature:
+        """Return what the audit log keeps of a change that `caller` makes now."""
+        return Signature(self.clock(), caller.course, caller.signature)
 
     @classmethod
     def over(  # noqa: PLR0913

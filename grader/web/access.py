@@ -15,14 +15,16 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
-from grader.routes.dependencies import QueryWhole, ServicesDep, SubmissionId
+from grader.routes.dependencies import AssignmentId, QueryWhole, RegradeId, ServicesDep, SubmissionId
 from grader.use_cases.handing_in import checked_student
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found
 from grader.web.forms import set_private_cookie
 
 __all__ = (
+    "AssignmentId",
     "QueryWhole",
+    "RegradeId",
     "ServicesDep",
     "SubmissionId",
 )  # what pages read of a request as the JSON interface does

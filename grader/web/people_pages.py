@@ -5,7 +5,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
-from grader.routes.people import audit_page
+from grader.use_cases.people import changes, members
 from grader.web.access import InstructorDep, QueryWhole, ServicesDep, StaffDep, require_staff
 from grader.web.audit_lines import Teller
 from grader.web.pages import language_of, page
@@ -26,7 +26,7 @@ def read_people(
     """Show the roster."""
     id_ = visitor.caller.course
     course = None if id_ is None else services.courses.get(id_)
-    everybody = services.courses.members(id_)
+    everybody = members(services, visitor.caller)
     wanted = search.strip().lower()
     found = [one for one in everybody if wanted in one.id.lower() or wanted in one.name.lower()]
     return page(request, "people.html", course=course, members=found, all=len(everybody), search=search)
@@ -40,7 +40,7 @@ def read_audit(
     before: Annotated[QueryWhole | None, Query(ge=0, le=_LARGEST_ID)] = None,
 ) -> Response:
     """Show changes of grades and settings, newest first."""
-    entries, more = audit_page(services, visitor.caller, before, _ENTRIES)
+    entries, more = changes(services, visitor.caller, before, _ENTRIES)
     teller = Teller(language_of(request), services.rules.of(visitor.caller.course).zone)
     lines = [(one, teller.differences(one.before, one.after), address(one.subject)) for one in entries]
     return page(request, "audit.html", lines=lines, teller=teller, next_before=more, newest=before is None)

@@ -7,8 +7,8 @@ from functools import partial
 from typing import Literal, get_args
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.regrade import ItemChange, ScoreChange
 from grader.contracts.text import Language
-from grader.routes.regrades import ItemChangeView, ScoreChangeView
 from grader.use_cases.assignments import item_title
 from grader.web.paging import PageQuery, cut
 from grader.web.roster import named
@@ -69,7 +69,7 @@ class Changes:
 
 
 def changes(
-    moved: Sequence[ScoreChangeView],
+    moved: Sequence[ScoreChange],
     assignment: Assignment | None,
     names: Mapping[str, str],
     language: Language,
@@ -77,7 +77,7 @@ def changes(
 ) -> Changes:
     """Return the page of what `moved` that `query` asks for; beyond the last page, the last."""
     titles = partial(item_title, assignment, language=language)
-    fitting = {part: [one for one in moved if _FITS[part](_by(one))] for part in PARTS}
+    fitting = {part: [one for one in moved if _FITS[part](one.by)] for part in PARTS}
     lines, query, pages = cut(fitting[query.part], query)
     return Changes(
         lines=tuple(_line(one, names, titles) for one in lines),
@@ -96,13 +96,9 @@ _FITS: Mapping[Part, Callable[[float], bool]] = {
 }
 
 
-def _by(change: ScoreChangeView | ItemChangeView) -> float:
-    return round((change.after or 0.0) - (change.before or 0.0), 2)
-
-
-def _line(change: ScoreChangeView, names: Mapping[str, str], titles: Callable[[str], str]) -> ChangeLine:
+def _line(change: ScoreChange, names: Mapping[str, str], titles: Callable[[str], str]) -> ChangeLine:
     return ChangeLine(
-        submission=change.submission.rpartition("/")[2],
+        submission=change.submission,
         student=change.student,
         name=named(names, change.student),
         score=_move("", change),
@@ -111,14 +107,14 @@ def _line(change: ScoreChangeView, names: Mapping[str, str], titles: Callable[[s
     )
 
 
-def _move(title: str, change: ScoreChangeView | ItemChangeView) -> Move:
-    return Move(title=title, before=change.before, after=change.after, by=_by(change))
+def _move(title: str, change: ScoreChange | ItemChange) -> Move:
+    return Move(title=title, before=change.before, after=change.after, by=change.by)
 
 
-def _totals(found: Sequence[ScoreChangeView], titles: Callable[[str], str]) -> Iterable[ItemTotal]:
+def _totals(found: Sequence[ScoreChange], titles: Callable[[str], str]) -> Iterable[ItemTotal]:
     more: Counter[str] = Counter()
     less: Counter[str] = Counter()
     for item in (item for change in found for item in change.items):
-        (more if _by(item) >= 0 else less)[item.item] += 1
+        (more if item.by >= 0 else less)[item.item] += 1
     for item_id in dict.fromkeys(item.item for change in found for item in change.items):
         yield ItemTotal(title=titles(item_id), more=more[item_id], less=less[item_id])

@@ -11,14 +11,14 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import is_person_id
 from grader.contracts.judgement import judged
 from grader.contracts.regrade import Wanted, Which
-from grader.routes import regrades
-from grader.routes.problem_types import PROBLEM_TYPES
-from grader.routes.regrades import RegradeId, RegradeSummary
+from grader.use_cases import regrading
 from grader.use_cases.assignments import published
+from grader.use_cases.regrading import Ending, all_regrades, both_gradings, open_regrade, regrade_of
 from grader.use_cases.services import Services
 from grader.web import access
-from grader.web.access import InstructorDep, ServicesDep, StaffDep, require_staff
+from grader.web.access import InstructorDep, RegradeId, ServicesDep, StaffDep, require_staff
 from grader.web.comparison import compare
+from grader.web.errors import refusal
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.regrade_table import PARTS, ChangesQuery, changes
@@ -43,11 +43,11 @@ class Order(BaseModel):
 class Decision(BaseModel):
     """What an instructor decides about a re-grade, and why."""
 
-    decision: regrades.Ending
+    decision: Ending
     reason: str = Field(default="", max_length=1_000)
 
 
-class Refusal(BaseModel):
+class FormError(BaseModel):
     """Which field was not accepted, and what to do about it."""
 
     field: Literal["assignment", "which", "students", "reason"]
@@ -68,12 +68,12 @@ def start(
 ) -> Response:
     """Start a trial and lead to its page; on a refusal show the form with the reason."""
     students = [one for one in _SEPARATORS.split(order.students) if one]
-    refusal = _refused_students(request, services, visitor, students)
-    if refusal is not None:
-        return _list(request, services, visitor, order, refusal)
+    wrong = _refused_students(request, services, visitor, students)
+    if wrong is not None:
+        return _list(request, services, visitor, order, wrong)
     try:
         wanted = Wanted(assignment=order.assignment, which=order.which, students=tuple(students))
-        started = regrades.open_regrade(services, visitor.caller, wanted)
+        started = open_regrade(services, visitor.caller, wanted)
     except RefusedError as problem:
         return _list(request, services, visitor, order, _refusal(request, problem))
     return RedirectResponse(f"/class/regrades/{started.id}", status_code=303)
@@ -94,8 +94,8 @@ def read(
 @router.get("/{regrade_id}/state.json")
 def read_state(services: ServicesDep, visitor: StaffDep, regrade_id: RegradeId) -> Response:
     """Say how far a trial is: what its page asks for again and again."""
-    regrade = regrades.summary(regrades.found(services, visitor.caller, regrade_id))
-    document = {"waiting": regrade.waiting, "total": total(regrade), "open": regrade.state == "open"}
+    regrade = regrade_of(services, visitor.caller, regrade_id)
+    document = {"waiting": regrade.waiting, "total": regrade.total, "open": regrade.state == "open"}
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
@@ -109,9 +109,9 @@ def decide(
 ) -> Response:
     """Apply or discard; without a reason show the page again."""
     if not form.reason.strip():
-        refusal = Refusal(field="reason", text=say("form.reason_needed", language_of(request)))
-        return _one(request, services, visitor, regrade_id, ChangesQuery(), refusal)
-    regrades.decide(services, visitor.caller, regrade_id, form.decision, form.reason.strip())
+        wrong = FormError(field="reason", text=say("form.reason_needed", language_of(request)))
+        return _one(request, services, visitor, regrade_id, ChangesQuery(), wrong)
+    regrading.decide(services, visitor.caller, regrade_id, form.decision, form.reason.strip())
     return RedirectResponse(f"/class/regrades/{regrade_id}", status_code=303)
 
 
@@ -120,11 +120,7 @@ def read_change(
     request: Request, services: ServicesDep, visitor: StaffDep, regrade_id: RegradeId, submission_id: str
 ) -> Response:
     """Show a submission's grading before a re-grade and the one made by it, side by side."""
-    regrade = regrades.found(services, visitor.caller, regrade_id)
-    submission, _ = access.seen(services, visitor, submission_id)
-    first, second = services.past_gradings.around(regrade.id, submission.id)
-    if first is None or second is None:
-        raise RefusedError("not_graded_yet")
+    regrade, submission, first, second = both_gradings(services, visitor.caller, regrade_id, submission_id)
     both = compare(judged(first), judged(second), "", "", language_of(request))
     return page(
         request,
@@ -137,30 +133,24 @@ def read_change(
     )
 
 
-def total(regrade: RegradeSummary) -> int:
-    """Return of how many submissions a re-grade makes trial gradings."""
-    return regrade.waiting + regrade.failed + regrade.same + regrade.changed
-
-
 def _list(
     request: Request,
     services: Services,
     visitor: access.Visitor,
     order: Order,
-    refusal: Refusal | None = None,
+    wrong: FormError | None = None,
 ) -> Response:
     assignments = services.assignments.all()
     return page(
         request,
         "regrades.html",
-        status=200 if refusal is None else 422,
-        regrades=[regrades.summary(one) for one in services.regrades.all(visitor.caller.course)],
-        total=total,
+        status=200 if wrong is None else 422,
+        regrades=all_regrades(services, visitor.caller),
         titles={one.id: one.title for one in assignments},
         assignments=assignments,
         order=order,
         choices=WHICH,
-        refusal=refusal,
+        refusal=wrong,
     )
 
 
@@ -170,41 +160,40 @@ def _one(  # noqa: PLR0913, PLR0917
     visitor: access.Visitor,
     regrade_id: str,
     query: ChangesQuery,
-    refusal: Refusal | None = None,
+    wrong: FormError | None = None,
 ) -> Response:
-    regrade = regrades.view(regrades.found(services, visitor.caller, regrade_id))
+    regrade = regrade_of(services, visitor.caller, regrade_id)
     known, language = names(services, visitor.caller), language_of(request)
-    assignment = published(services, regrade.assignment)
+    assignment = published(services, regrade.wanted.assignment)
     values: dict[str, Any] = {
         "regrade": regrade,
-        "total": total(regrade),
-        "title": regrade.assignment if assignment is None else assignment.title.get(language),
+        "title": regrade.wanted.assignment if assignment is None else assignment.title.get(language),
         "changes": changes(regrade.changes, assignment, known, language, query),
         "parts": PARTS,
-        "people": [person(known, one) for one in regrade.students],
-        "refusal": refusal,
+        "people": [person(known, one) for one in regrade.wanted.students],
+        "refusal": wrong,
     }
-    return page(request, "regrade.html", status=200 if refusal is None else 422, **values)
+    return page(request, "regrade.html", status=200 if wrong is None else 422, **values)
 
 
 def _refused_students(
     request: Request, services: Services, visitor: access.Visitor, students: list[str]
-) -> Refusal | None:
+) -> FormError | None:
     """Return what is wrong with the named students, None when nothing is."""
     language, known = language_of(request), names(services, visitor.caller)
-    wrong = [one for one in students if not is_person_id(one) or (known and one not in known)]
-    if wrong:
-        text = say("regrade.unknown_students", language, students=", ".join(wrong[:10]))
-        return Refusal(field="students", text=text)
+    unknown = [one for one in students if not is_person_id(one) or (known and one not in known)]
+    if unknown:
+        text = say("regrade.unknown_students", language, students=", ".join(unknown[:10]))
+        return FormError(field="students", text=text)
     if len(students) > _MOST_STUDENTS:
-        return Refusal(field="students", text=say("regrade.many_students", language, most=_MOST_STUDENTS))
+        return FormError(field="students", text=say("regrade.many_students", language, most=_MOST_STUDENTS))
     return None
 
 
-def _refusal(request: Request, problem: RefusedError) -> Refusal:
+def _refusal(request: Request, problem: RefusedError) -> FormError:
     language = language_of(request)
     if problem.code == "nothing_to_regrade":
-        return Refusal(field="students", text=say("regrade.nothing_fits", language))
+        return FormError(field="students", text=say("regrade.nothing_fits", language))
     if problem.code == "regrade_open":
-        return Refusal(field="assignment", text=say("regrade.open_already", language))
-    return Refusal(field="assignment", text=PROBLEM_TYPES[problem.code].title.get(language))
+        return FormError(field="assignment", text=say("regrade.open_already", language))
+    return FormError(field="assignment", text=refusal(problem, language).title)

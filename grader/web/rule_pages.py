@@ -7,14 +7,15 @@ from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import ChangedMeanwhileError, CourseError
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
-from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts, Extension
-from grader.routes.rules import AssignmentId, signature
-from grader.store.rules import ANY_STATE, CourseRules, tag
+from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts
+from grader.store.rules import CourseRules, tag
 from grader.use_cases.assignments import require_published
+from grader.use_cases.rules import change_rules, course_rules
+from grader.use_cases.rules import extend as extend_for
 from grader.use_cases.services import Services
-from grader.web.access import InstructorDep, ServicesDep, StaffDep, Visitor, require_staff
+from grader.web.access import AssignmentId, InstructorDep, ServicesDep, StaffDep, Visitor, require_staff
 from grader.web.audit_lines import Teller
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
@@ -43,7 +44,7 @@ def read_all(request: Request, services: ServicesDep, visitor: StaffDep) -> Resp
     for assignment in services.assignments.all():
         rules = known.of(assignment.id)
         late = teller.late(asdict(rules.late), in_full=False)
-        lines.append((assignment, rules, late, len(_extensions(known, assignment.id))))
+        lines.append((assignment, rules, late, len(known.extended(assignment.id))))
     return page(request, "rules.html", lines=lines, zone=known.zone, course=visitor.caller.course)
 
 
@@ -73,16 +74,17 @@ def change(
 ) -> Response:
     """Put new rules in place of the old ones, or show the form again with what is wrong at its fields."""
     assignment = require_published(services, assignment_id)
-    signed = signature(services, visitor.caller)
-    known = services.rules.of(visitor.caller.course)
+    known = course_rules(services, visitor.caller, assignment.id)
     reader = Reader(known.zone)
     items = frozenset(item.id for item in assignment.items)
     rules = reader.rules(form, known.of(assignment.id), items)
     if not reader.errors:
-        seen = Seen.one(form.seen) if form.seen else ANY_STATE
+        seen = Seen.one(form.seen) if form.seen else None
         try:
-            services.rules.set(assignment.id, rules, signed, form.reason.strip(), seen=seen)
-        except ChangedMeanwhileError:
+            change_rules(services, visitor.caller, assignment.id, rules, form.reason.strip(), seen=seen)
+        except RefusedError as error:
+            if error.code != "changed_meanwhile":
+                raise
             reader.errors["form"] = CHANGED_MEANWHILE
             now = services.rules.of(visitor.caller.course).of(assignment.id)
             form = form.model_copy(update={"seen": tag(now)})
@@ -101,21 +103,23 @@ def extend(
 ) -> Response:
     """Give one student more, or show the form again; an empty extension takes back what there was."""
     assignment = require_published(services, assignment_id)
-    signed = signature(services, visitor.caller)
-    known = services.rules.of(visitor.caller.course)
+    known = course_rules(services, visitor.caller, assignment.id)
     student = form.student.strip()
     reader = Reader(known.zone)
     extension = reader.extension(form, known.extension(assignment.id, student))
     if not reader.errors:
+        given = (assignment.id, student, extension, form.reason.strip())
         try:
-            seen = _seen(form, student)
-            services.rules.extend(assignment.id, student, extension, signed, form.reason.strip(), seen=seen)
-        except ChangedMeanwhileError:
-            reader.errors["form"] = EXTENDED_MEANWHILE
-            now = services.rules.of(visitor.caller.course).extension(assignment.id, student)
-            form = form.model_copy(update={"seen": tag(now), "seen_for": student})
-        except CourseError:
-            reader.errors["student"] = "rules.error.student"
+            extend_for(services, visitor.caller, *given, seen=_seen(form, student))
+        except RefusedError as error:
+            if error.code == "unknown_student":
+                reader.errors["student"] = "rules.error.student"
+            elif error.code == "changed_meanwhile":
+                reader.errors["form"] = EXTENDED_MEANWHILE
+                now = services.rules.of(visitor.caller.course).extension(assignment.id, student)
+                form = form.model_copy(update={"seen": tag(now), "seen_for": student})
+            else:
+                raise
     if reader.errors:
         return _page(request, services, visitor, assignment, extension=form, extension_errors=reader.errors)
     return RedirectResponse(f"/class/rules/{assignment.id}?saved=extension#extensions", status_code=303)
@@ -140,7 +144,7 @@ def _page(  # noqa: PLR0913
         "zone": known.zone,
         "form": form or _form(known, assignment.id),
         "errors": errors or {},
-        "extensions": _extensions(known, assignment.id),
+        "extensions": known.extended(assignment.id),
         "extension": extension or _extension_form(known, assignment.id, ""),
         "tag": tag,
         "extension_errors": extension_errors or {},
@@ -165,16 +169,8 @@ def _extension_form(known: CourseRules, assignment_id: str, student: str) -> Ext
     return extension_form_of(student, extension, known.zone, tag(extension))
 
 
-def _seen(form: ExtensionForm, student: str) -> Seen:
-    """Return which extension of `student` the form replaces: that it was made from, for another student none."""
+def _seen(form: ExtensionForm, student: str) -> Seen | None:
+    """Return which extension the form replaces: the one it was made from, or for another student none at all."""
     if not form.seen:
-        return ANY_STATE
+        return None
     return Seen.one(form.seen if form.seen_for == student else tag(NO_EXTENSION))
-
-
-def _extensions(known: CourseRules, assignment_id: str) -> list[tuple[str, Extension]]:
-    return sorted(
-        (student, one)
-        for (assignment, student), one in known.extensions.items()
-        if assignment == assignment_id and one != NO_EXTENSION
-    )

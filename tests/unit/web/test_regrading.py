@@ -8,8 +8,7 @@ from html import unescape
 import pytest
 
 from grader.contracts.grading import GradingJob
-from grader.contracts.regrade import Wanted
-from grader.routes.regrades import ScoreChangeView
+from grader.contracts.regrade import ScoreChange, Wanted
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from grader.web.regrade_table import ChangesQuery, changes
@@ -174,14 +173,14 @@ def test_assistants_look_and_change_nothing(
 
 def test_a_large_difference_is_paged() -> None:
     moved = [
-        ScoreChangeView(
-            submission=f"/id{number}",
+        ScoreChange(
+            submission=f"id{number}",
             student=f"s{number}",
             before=5.0,
             after=5.0 + number % 3,
-            items=[],
-            kept=[],
-            void=[],
+            items=(),
+            kept=(),
+            void=(),
         )
         for number in range(303)
     ]

@@ -1,0 +1,91 @@
+"""Grading again: first on trial, with what would change, then applied with a reason or discarded."""
+
+from typing import Literal
+
+from grader.contracts.errors import RefusedError, RegradeError
+from grader.contracts.identity import Caller
+from grader.contracts.regrade import Regrade, Wanted
+from grader.contracts.submission import StoredReport, Submission
+from grader.use_cases.assignments import require_published
+from grader.use_cases.callers import require_instructor, require_staff
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import found
+
+Ending = Literal["apply", "discard"]
+_CODES = {
+    "unknown": "regrade_not_found",
+    "nothing": "nothing_to_regrade",
+    "open": "regrade_open",
+    "waiting": "regrade_running",
+    "decided": "regrade_decided",
+}
+
+
+def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
+    """Start a re-grade and tell workers that there is work.
+
+    Raises:
+        RefusedError: the caller is no instructor, the assignment is not published, nothing is to be graded, or a
+            re-grade of it is open.
+    """
+    require_instructor(caller)
+    require_published(services, wanted.assignment, field="assignment")
+    try:
+        opened = services.regrades.open(wanted, services.signature(caller))
+    except RegradeError as error:
+        raise RefusedError(_CODES[error.code]) from None
+    services.doorbell.ring()
+    return opened
+
+
+def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
+    """Return the re-grades of the caller's course, newest first.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    return tuple(services.regrades.all(caller.course))
+
+
+def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
+    """Return a re-grade of the caller's course.
+
+    Raises:
+        RefusedError: there is none of that id, or the caller may not see the class.
+    """
+    require_staff(caller)
+    regrade = services.regrades.get(regrade_id, caller.course)
+    if regrade is None:
+        raise RefusedError("regrade_not_found")
+    return regrade
+
+
+def both_gradings(
+    services: Services, caller: Caller, regrade_id: str, submission_id: str
+) -> tuple[Regrade, Submission, StoredReport, StoredReport]:
+    """Return a re-grade, a submission, and its gradings before it and by it.
+
+    Raises:
+        RefusedError: there is no such re-grade or submission, or not both gradings.
+    """
+    regrade = regrade_of(services, caller, regrade_id)
+    submission, _ = found(services, caller, submission_id)
+    before, after = services.past_gradings.around(regrade.id, submission.id)
+    if before is None or after is None:
+        raise RefusedError("not_graded_yet")
+    return regrade, submission, before, after
+
+
+def decide(services: Services, caller: Caller, regrade_id: str, ending: Ending, reason: str) -> Regrade:
+    """Apply or discard a re-grade.
+
+    Raises:
+        RefusedError: the caller is no instructor; there is none of that id, it is decided, or still running.
+    """
+    require_instructor(caller)
+    act = services.regrades.apply if ending == "apply" else services.regrades.discard
+    try:
+        return act(regrade_id, services.signature(caller), reason)
+    except RegradeError as error:
+        raise RefusedError(_CODES[error.code]) from None

@@ -1,0 +1,93 @@
+"""The rules of assignments: instructors change them, and give single students more."""
+
+from grader.contracts.errors import ChangedMeanwhileError, CourseError, RefusedError
+from grader.contracts.identity import Caller, Seen
+from grader.contracts.rules import Extension, Rules
+from grader.contracts.text import Text
+from grader.store.rules import ANY_STATE, CourseRules
+from grader.use_cases.assignments import require_published
+from grader.use_cases.callers import require_instructor, require_staff
+from grader.use_cases.services import Services
+
+
+def course_rules(services: Services, caller: Caller, assignment_id: str) -> CourseRules:
+    """Return the rules of the caller's course, to change those of one assignment.
+
+    Raises:
+        RefusedError: the caller is no instructor, there is no course, or the assignment is not published.
+    """
+    require_instructor(caller)
+    require_published(services, assignment_id)
+    if caller.course is None:
+        raise RefusedError("no_course")
+    return services.rules.of(caller.course)
+
+
+def change_rules(  # noqa: PLR0913
+    services: Services,
+    caller: Caller,
+    assignment_id: str,
+    rules: Rules,
+    reason: str,
+    *,
+    seen: Seen | None,
+) -> None:
+    """Put new rules in place of the old ones. They hold for what was handed in before, too.
+
+    Args:
+        services: what use cases work with.
+        caller: who changes them.
+        assignment_id: whose rules.
+        rules: the new ones.
+        reason: goes into the audit log.
+        seen: the rules that the caller had looked at; None: whatever they are.
+
+    Raises:
+        RefusedError: as `course_rules`; or a hidden item does not exist, or somebody else changed the rules.
+    """
+    course_rules(services, caller, assignment_id)
+    items = [item.id for item in services.assignments.get(assignment_id).items]
+    unknown = set(rules.hidden_items) - set(items)
+    if unknown:
+        detail = Text(zh=f"没有这个评分项：{min(unknown)}。", en=f"There is no rubric item {min(unknown)}.")
+        raise RefusedError("invalid_rules", detail, field="hidden_items", allowed=items)
+    try:
+        services.rules.set(assignment_id, rules, services.signature(caller), reason, seen=seen or ANY_STATE)
+    except ChangedMeanwhileError:
+        raise RefusedError("changed_meanwhile") from None
+
+
+def extensions(services: Services, caller: Caller, assignment_id: str) -> list[tuple[str, Extension]]:
+    """Return who got more for an assignment, and what, in order of student.
+
+    Raises:
+        RefusedError: the caller may not see the class, or the assignment is not published.
+    """
+    require_staff(caller)
+    require_published(services, assignment_id)
+    return services.rules.of(caller.course).extended(assignment_id)
+
+
+def extend(  # noqa: PLR0913, PLR0917
+    services: Services,
+    caller: Caller,
+    assignment_id: str,
+    student: str,
+    extension: Extension,
+    reason: str,
+    *,
+    seen: Seen | None,
+) -> None:
+    """Put an extension in place of what a student had; an empty one takes it back.
+
+    Raises:
+        RefusedError: as `course_rules`; or there is no such student, or somebody else changed what they have.
+    """
+    course_rules(services, caller, assignment_id)
+    signed = services.signature(caller)
+    try:
+        services.rules.extend(assignment_id, student, extension, signed, reason, seen=seen or ANY_STATE)
+    except ChangedMeanwhileError:
+        raise RefusedError("changed_meanwhile") from None
+    except CourseError:
+        raise RefusedError("unknown_student", field="student") from None
