@@ -95,7 +95,7 @@ class Pipeline:
                 if code == INTERRUPTED_NOTE:  # a script that got Ctrl+C has only its grace left
                     jail.limit_cpu(limits.grace_cpu_s)
 
-            return episode.run(jail, meanwhile, on_note), jail.close()
+            return episode.run(jail, meanwhile, on_note, jail.take_turns), jail.close()
 
     def _measurements(self, accounts: list[tuple[EpisodeResult, JailReport]]) -> Measurements:
         return Measurements(

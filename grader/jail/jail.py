@@ -14,6 +14,7 @@ from grader.contracts.assignment import Limits
 from grader.contracts.errors import ProtocolError, SandboxError
 from grader.contracts.outcome import Stream
 from grader.jail import bounds
+from grader.jail.cores import SharedCore
 from grader.jail.ending import TICK_NS, Clocks, Ending, JailReport, KernelAccount, RunEnd, explain
 from grader.jail.process import ProcessHandle
 
@@ -174,6 +175,7 @@ class Jail:
         self._report: JailReport | None = None
         self._is_closed = False
         self._clocks = Clocks(process, limits)
+        self._core = SharedCore(process.pid)
         self._next_glance_ns = 0
         channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_RCVTIMEO, _TICK_TIMEVAL)
         channel.setsockopt(_socket.SOL_SOCKET, _socket.SO_SNDTIMEO, _TICK_TIMEVAL)
@@ -229,6 +231,13 @@ class Jail:
                 self._take()
             else:
                 self._take_rest()
+
+    def take_turns(self, in_turns: bool) -> None:
+        """Say whether both sides now wait for each other, or each runs by itself. It decides on speed only."""
+        if in_turns:
+            self._core.share()
+        else:
+            self._core.part()
 
     def limit_cpu(self, extra_s: float) -> None:
         """Leave the script at most `extra_s` more CPU seconds from now, and never more than it had."""
@@ -372,6 +381,7 @@ class Jail:
             if self._is_closed:  # the descriptors and the number may be somebody else's by now
                 raise SandboxError("the sandbox's process could not account for the run")
             self._is_closed = True
+            self._core.part()
             try:
                 self._report = self._account()
             finally:

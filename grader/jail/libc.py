@@ -70,6 +70,11 @@ def prctl(option: int, *arguments: int) -> int:
     return _checked(int(_libc.prctl(ctypes.c_int(option), *padded)), "prctl")
 
 
+def present_core() -> int:
+    """Return the number of the core that this thread runs on."""
+    return _checked(int(_libc.sched_getcpu()), "sched_getcpu")
+
+
 def unshare(flags: int) -> None:
     """Leave the namespaces named by `flags` (CLONE_NEW*)."""
     _checked(int(_libc.unshare(ctypes.c_int(flags))), "unshare")

@@ -37,6 +37,8 @@ from grader.sim.turtle_world import TWIST, TurtleWorld
 from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
 
 ROSOUT: Final = "/rosout"
+AHEAD_NS: Final = 100_000_000
+"""A script that has gone so far without a question runs ahead. Whoever listens asks every 16 ms."""
 NEVER_NS: Final = 1 << 62
 DEFAULT_EPOCH_NS: Final = 1_700_000_000 * 1_000_000_000
 
@@ -108,6 +110,7 @@ class Episode:
         self._calls = ServiceCalls(spec.calls, self._graph)
         self._sinks: dict[int, Callable[[int, bytes], None]] = {}
         self._now_ns = 0
+        self._asked_ns: int | None = None  # the last time, while script and world take turns
         self._exit: Exit | None = None
 
     def run(
@@ -115,16 +118,19 @@ class Episode:
         link: Link,
         meanwhile: Callable[[], None] = lambda: None,
         on_note: Callable[[str], None] = lambda code: None,
+        take_turns: Callable[[bool], None] = lambda in_turns: None,
     ) -> EpisodeResult:
         """Drive the episode until the script has ended and the car has come to rest, or the horizon.
 
-        `meanwhile` is called once, while the script is compiled, `on_note` with the code of each NOTE.
+        `meanwhile` is called once, while the script is compiled, `on_note` with the code of each NOTE. When script
+        and world begin or cease to wait for each other, `take_turns` is called with whether they do.
 
         Raises:
             InfrastructureError: the simulator failed. Nothing that the jailed process does raises.
         """
         violation = None
         self._on_note = on_note
+        self._take_turns = take_turns
         try:
             link.send(encode_start(self._start_fields(), self._spec.source))
             self._turtle.appear()
@@ -179,6 +185,9 @@ class Episode:
         """Go on to `t_ns`; what a script does after Ctrl+C happens at the horizon, as its EXIT does."""
         self._check_time(t_ns)
         self._now_ns = min(t_ns, self._spec.horizon_ns)
+        if self._asked_ns is not None and self._now_ns - self._asked_ns > AHEAD_NS:
+            self._asked_ns = None
+            self._take_turns(False)
 
     def _check_time(self, t_ns: int) -> None:
         if t_ns < self._now_ns:
@@ -236,6 +245,8 @@ class Episode:
 
     def _advance(self, frame: Advance, link: Link) -> None:
         """Answer ADVANCE: run to the first instant at which something is due, or as far as is asked."""
+        if self._asked_ns is None:
+            self._take_turns(True)
         outbox, t_ns = self._world.outbox, frame.t_ns
         limit_ns = min(t_ns, self._spec.horizon_ns)
         together_ns = min(frame.together_ns, limit_ns)
@@ -245,7 +256,7 @@ class Episode:
             pass
         due_ns, events = outbox.take(together_ns) if outbox else (t_ns, [])
         # What became due while the script was computing is told now, not in its past.
-        self._now_ns = min(max(due_ns, self._now_ns), t_ns)
+        self._asked_ns = self._now_ns = min(max(due_ns, self._now_ns), t_ns)
         left_ns = outbox.first_ns
         quiet_ns = self._next_due() if left_ns is None else left_ns
         link.send(encode_events(self._now_ns, quiet_ns, events))

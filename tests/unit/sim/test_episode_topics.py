@@ -9,9 +9,10 @@ from grader.contracts.assignment import ServiceCall, StartPose, World
 from grader.contracts.errors import AssignmentError
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import encode
+from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
-from tests.fakes.jail import SECOND, Script
-from tests.unit.sim.playing import LAG_S, end_pose, play
+from tests.fakes.jail import SECOND, FakeLink, Script
+from tests.unit.sim.playing import LAG_S, OPEN, end_pose, play
 
 MS = 1_000_000
 
@@ -129,6 +130,28 @@ def test_the_answer_says_until_when_nothing_is_due(car: BulletCar) -> None:
 
     play(car, script())
     assert answers == [(5, 16, 0), (16, 32, 1), (100, 112, 5), (1_000, 1_008, 56)]
+
+
+def test_it_tells_while_script_and_world_wait_for_each_other(car: BulletCar) -> None:
+    told: list[bool | str] = []
+
+    def script() -> Script:
+        yield jail.driver()
+        yield jail.publish(2, SECOND // 2, jail.twist(1.0))
+        yield jail.entity(3, 3, SECOND // 2, name="/turtle1/pose", type="turtlesim/msg/Pose")
+        for _ in range(3):
+            told.append("asks")
+            yield jail.advance(SECOND)
+        yield jail.gone(3, SECOND)
+        told.append("runs ahead")
+        yield jail.publish(2, 2 * SECOND, jail.twist(1.0))
+        told.append("asks")
+        yield jail.advance(3 * SECOND)
+        yield jail.ended(3 * SECOND)
+
+    spec = EpisodeSpec(world=OPEN, horizon_ns=5 * SECOND, source=b"", file_name="a.py")
+    Episode(spec, car).run(FakeLink(script()), take_turns=told.append)
+    assert told == ["asks", True, "asks", "asks", False, "runs ahead", "asks", True]
 
 
 def test_odometry_starts_at_zero_and_stamps_wall_clock(car: BulletCar) -> None:

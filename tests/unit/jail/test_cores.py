@@ -1,0 +1,108 @@
+"""Two processes that take turns share a core of their own, where the host lets them."""
+
+import contextlib
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+
+import pytest
+
+from grader.jail.cores import SharedCore
+
+ALL = os.sched_getaffinity(0)
+several = pytest.mark.skipif(len(ALL) < 2, reason="there is one core only")
+
+
+@pytest.fixture
+def other() -> Iterator[int]:
+    """A process with two threads."""
+    source = "import threading; threading.Thread(target=input).start(); print(flush=True); input()"
+    with subprocess.Popen(
+        [sys.executable, "-c", source], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    ) as process:
+        assert process.stdout is not None
+        process.stdout.readline()
+        yield process.pid
+        process.kill()
+
+
+@contextlib.contextmanager
+def sharing(pid: int) -> Iterator[SharedCore]:
+    core = SharedCore(pid)
+    core.share()
+    try:
+        yield core
+    finally:
+        core.part()
+
+
+def cores_of(pid: int) -> list[set[int]]:
+    return [os.sched_getaffinity(int(thread)) for thread in os.listdir(f"/proc/{pid}/task")]
+
+
+def test_every_thread_shares_the_core_until_they_part(other: int) -> None:
+    with sharing(other) as core:
+        ours = os.sched_getaffinity(0)
+        assert len(ours) == 1
+        assert cores_of(other) == [ours, ours]
+        core.share()
+        assert os.sched_getaffinity(0) == ours
+    assert os.sched_getaffinity(0) == ALL
+    assert cores_of(other) == [ALL, ALL]
+
+
+@several
+def test_two_pairs_never_share_one_core(other: int) -> None:
+    with sharing(other) as core:
+        taken = cores_of(other)[0]
+        os.sched_setaffinity(0, ALL)  # as if another grading process asked
+        with sharing(other) as second:
+            assert cores_of(other)[0].isdisjoint(taken)
+            second.part()
+        core.part()
+
+
+def test_whoever_finds_every_core_taken_goes_where_the_kernel_likes(other: int) -> None:
+    with contextlib.ExitStack() as taken:
+        for _ in ALL:
+            taken.enter_context(sharing(other))
+            os.sched_setaffinity(0, ALL)
+        before = cores_of(other)
+        with sharing(other):
+            assert os.sched_getaffinity(0) == ALL
+            assert cores_of(other) == before
+
+
+def test_a_host_that_refuses_leaves_everything_as_it_was(other: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    allowed = os.sched_setaffinity
+
+    def refuse(pid: int, cores: set[int]) -> None:
+        if pid:
+            raise PermissionError(1, "Operation not permitted")
+        allowed(pid, cores)
+
+    monkeypatch.setattr(os, "sched_setaffinity", refuse)
+    with sharing(other):
+        assert os.sched_getaffinity(0) == ALL
+    monkeypatch.undo()
+    with sharing(other):  # the claim was given back
+        assert len(os.sched_getaffinity(0)) == 1
+
+
+def test_only_allowed_cores_are_taken(other: int) -> None:
+    only = {max(ALL)}
+    os.sched_setaffinity(0, only)
+    try:
+        with sharing(other):
+            assert os.sched_getaffinity(0) == only
+        assert os.sched_getaffinity(0) == only
+    finally:
+        os.sched_setaffinity(0, ALL)
+
+
+def test_a_process_that_has_ended_is_no_matter() -> None:
+    with subprocess.Popen([sys.executable, "-c", ""]) as process:
+        process.wait()
+    with sharing(process.pid):
+        assert os.sched_getaffinity(0) == ALL
