@@ -24,7 +24,7 @@ from typing import Final, Self
 
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import SandboxError, SandboxUnavailableError, SettingsError
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.jail.ending import JailReport, RunEnd
 from grader.jail.jail import Jail
 from grader.jail.layers import Layer, Mode, Program, choose, configure
@@ -81,8 +81,7 @@ def _mode(name: str) -> Mode:
         raise SettingsError(f"isolation: {name!r} is not one of {', '.join(Mode)}") from error
 
 
-@record
-class Proof:
+class Proof(Record):
     """What a confined process saw when it tried to get out.
 
     Attributes:

@@ -15,7 +15,7 @@ from typing import Any, Final
 
 from grader import __version__, contracts
 from grader.contracts.assignment import Assignment
-from grader.contracts.codec import from_plain, to_plain
+from grader.contracts.record import from_plain, to_plain
 
 _VALIDATORS: Final = (
     *(Path(__file__).with_name(name) for name in ("schema.py", "misfits.py", "document.py", "cache.py")),

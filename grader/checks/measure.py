@@ -2,12 +2,11 @@
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import field
 from typing import Literal
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
-from grader.contracts.record import positional_record, record
+from grader.contracts.record import PositionalRecord, Record, field
 from grader.contracts.rubric import Unit
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
@@ -17,8 +16,7 @@ Option = float | int | str | bool
 Form = Literal["quantity", "count", "flag"]
 
 
-@positional_record
-class MeasureKind:
+class MeasureKind(PositionalRecord):
     """A quantity that a check computes. Its texts are ``<check>.<name>.{name,seen,hint}`` in the catalogs.
 
     Attributes:
@@ -30,8 +28,7 @@ class MeasureKind:
     form: Form = "quantity"
 
 
-@positional_record
-class Measure:
+class Measure(PositionalRecord):
     """A measured value. NaN: could not be measured. `details` fill the ``seen`` sentence."""
 
     value: float
@@ -41,8 +38,7 @@ class Measure:
 UNMEASURED = Measure(math.nan)
 
 
-@positional_record
-class Mistake:
+class Mistake(PositionalRecord):
     """A recognised mistake.
 
     Attributes:
@@ -65,8 +61,7 @@ def mistake(code: str, measures: tuple[str, ...] = (), /, **values: object) -> M
     return Mistake(code, say(f"mistake.{code}", **values), measures)
 
 
-@positional_record
-class Findings:
+class Findings(PositionalRecord):
     """What a check saw in one run. A measure that is absent could not be taken.
 
     Attributes:
@@ -87,8 +82,7 @@ def one_of(names: Iterable[str]) -> Text:
     return Text(zh=f"只能是这些值之一：{known}", en=f"must be one of {known}")
 
 
-@record
-class Kind:
+class Kind(Record):
     """What checks of scripts and of texts have in common.
 
     Attributes:
@@ -103,7 +97,6 @@ class Kind:
     consult: Callable[[Assignment], tuple[tuple[str, Text], ...]] = lambda assignment: ()
 
 
-@record
 class Check(Kind):
     """A check of what a script did: an entry of the table in `grader.checks`.
 
@@ -117,7 +110,6 @@ class Check(Kind):
     sketch: Callable[[Assignment, Run], FigureSketch]
 
 
-@record
 class TextCheck(Kind):
     """A check of a handed-in text: an entry of the other table in `grader.checks`.
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake
 from grader.checks.rubric_text import wanted
 from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
-from grader.contracts.record import positional_record
+from grader.contracts.record import PositionalRecord
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, say
@@ -19,8 +19,7 @@ ENOUGH = 0.5
 _BLOCKING = (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
 
 
-@positional_record
-class Portion:
+class Portion(PositionalRecord):
     """One of the runs among which each item's points are divided.
 
     Attributes:

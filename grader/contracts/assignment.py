@@ -1,9 +1,8 @@
 """An assignment as data: what is handed in, in which world and under which limits it runs, how it earns points."""
 
-from dataclasses import field
 from typing import Final, Literal
 
-from grader.contracts.record import record
+from grader.contracts.record import Record, field
 from grader.contracts.rubric import summed
 from grader.contracts.text import EMPTY, Language, Text
 
@@ -23,8 +22,7 @@ WINDOW_M: Final = 499 / 45
 MIB: Final = 1024 * 1024
 
 
-@record
-class Limits:
+class Limits(Record):
     """Budget of one jailed run.
 
     Attributes:
@@ -44,8 +42,7 @@ class Limits:
     grace_cpu_s: float = 1.0
 
 
-@record
-class StartPose:
+class StartPose(Record):
     """Pose of the car at the start of an episode, in turtlesim's frame."""
 
     x_m: float = 5.544445
@@ -57,8 +54,7 @@ TOPIC_PATTERN: Final = r"(/[A-Za-z_][A-Za-z0-9_]*)+"
 """A fully qualified name of a topic or service, by the rules of ROS 2."""
 
 
-@record
-class World:
+class World(Record):
     """The simulated world of an episode.
 
     Attributes:
@@ -78,8 +74,7 @@ class World:
 Scalar = float | int | str | bool
 
 
-@record
-class ServiceCall:
+class ServiceCall(Record):
     """A request due at `at_ns`, or as soon after as the script offers the service.
 
     Attributes:
@@ -93,8 +88,7 @@ class ServiceCall:
     values: dict[str, Scalar] = field(default_factory=dict)
 
 
-@record
-class Case:
+class Case(Record):
     """One run of the script: what it is given. Most assignments have the single case ``default``.
 
     Attributes:
@@ -110,8 +104,7 @@ class Case:
     seed: int | None = None
 
 
-@record
-class ItemSpec:
+class ItemSpec(Record):
     """One rubric item as the instructor wrote it.
 
     Credit falls smoothly with the error e = distance of the measure from [low, high]: full at e = 0,
@@ -135,8 +128,7 @@ class ItemSpec:
     needs: tuple[str, ...] = ()
 
 
-@record
-class Answer:
+class Answer(Record):
     """A number that students are known to answer, and what it tells about their thinking.
 
     Attributes:
@@ -150,8 +142,7 @@ class Answer:
     remark: Text
 
 
-@record
-class Assignment:
+class Assignment(Record):
     """A validated assignment.
 
     Attributes:
@@ -199,8 +190,7 @@ class Assignment:
         return f"{title} ({case})" if case else title
 
 
-@record
-class WrongAttempt:
+class WrongAttempt(Record):
     """A wrong script that comes with an assignment, and the verdict it must get.
 
     Attributes:

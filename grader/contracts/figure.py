@@ -6,7 +6,7 @@ Points are (x, y) in metres in turtlesim's frame, in the order driven.
 
 from typing import Literal
 
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.contracts.text import Text
 
 Point = tuple[float, float]
@@ -17,8 +17,7 @@ PictureForm = Literal["png", "svg"]
 """File format of a drawn figure."""
 
 
-@record
-class SketchSide:
+class SketchSide(Record):
     """A detected straight run.
 
     Attributes:
@@ -33,8 +32,7 @@ class SketchSide:
     ok: bool | None = None
 
 
-@record
-class SketchCorner:
+class SketchCorner(Record):
     """A detected turn between two runs.
 
     Attributes:
@@ -48,8 +46,7 @@ class SketchCorner:
     ok: bool | None = None
 
 
-@record
-class SketchLabel:
+class SketchLabel(Record):
     """A remark at a point, e.g. the gap at the end of an open figure."""
 
     at_m: Point
@@ -57,8 +54,7 @@ class SketchLabel:
     ok: bool | None = None
 
 
-@record
-class FigureSketch:
+class FigureSketch(Record):
     """What a plot shows beside the bare path.
 
     Attributes:

@@ -4,12 +4,11 @@ from collections.abc import Mapping
 from typing import Protocol
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.contracts.report import GradeReport, Measurements
 
 
-@record
-class GradingJob:
+class GradingJob(Record):
     """One submission to be graded.
 
     Attributes:
@@ -22,8 +21,7 @@ class GradingJob:
     assignment: Assignment
 
 
-@record
-class GradingResult:
+class GradingResult(Record):
     """A finished grading.
 
     Attributes:
@@ -35,8 +33,7 @@ class GradingResult:
     measurements: Measurements
 
 
-@record
-class SyntaxProblem:
+class SyntaxProblem(Record):
     """Why a file is not Python: what the compiler said and where (1-based, None when unknown)."""
 
     message: str
@@ -98,8 +95,7 @@ class AssignmentSource(Protocol):
         """
 
 
-@record
-class SandboxState:
+class SandboxState(Record):
     """Whether submissions can be confined on this host.
 
     Attributes:

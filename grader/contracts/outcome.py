@@ -1,12 +1,11 @@
 """What happened when a script ran: how it ended, what it said, what it connected to, what it answered."""
 
 from collections.abc import Mapping
-from dataclasses import field
 from enum import StrEnum
 from typing import Any
 
 from grader.contracts.assignment import ServiceCall
-from grader.contracts.record import record
+from grader.contracts.record import Record, field
 
 SHOWN_CHARACTERS = 16_384
 """Of each captured stream, as much as a page or a JSON document shows; the report has more."""
@@ -42,16 +41,14 @@ class RunStatus(StrEnum):
         return Blame.NOBODY if self in (RunStatus.FINISHED, RunStatus.INTERRUPTED) else Blame.STUDENT
 
 
-@record
-class Stream:
+class Stream(Record):
     """Captured text of one output stream, decoded with replacement; the middle of a long one is dropped."""
 
     text: str = ""
     dropped_bytes: int = 0
 
 
-@record
-class StudentError:
+class StudentError(Record):
     """The exception that ended the script, in the student's own terms.
 
     Attributes:
@@ -67,8 +64,7 @@ class StudentError:
     traceback: str
 
 
-@record
-class Endpoint:
+class Endpoint(Record):
     """A publisher, subscription, service or client that the script created.
 
     Attributes:
@@ -86,8 +82,7 @@ class Endpoint:
 LOG_LEVELS: Mapping[int, str] = {10: "DEBUG", 20: "INFO", 30: "WARN", 40: "ERROR", 50: "FATAL"}
 
 
-@record
-class LogRecord:
+class LogRecord(Record):
     """One message that reached /rosout. `level` is a key of `LOG_LEVELS`."""
 
     t_ns: int
@@ -101,8 +96,7 @@ class LogRecord:
         return LOG_LEVELS.get(self.level, str(self.level))
 
 
-@record
-class ServiceResult:
+class ServiceResult(Record):
     """What became of a call.
 
     Attributes:
@@ -117,16 +111,14 @@ class ServiceResult:
     values: Mapping[str, Any] | None = None
 
 
-@record
-class Note:
+class Note(Record):
     """Something worth telling the student that costs nothing, by a stable code, with bounded text."""
 
     code: str
     text: str = ""
 
 
-@record
-class RunOutcome:
+class RunOutcome(Record):
     """Everything about one run except where the car went. Deterministic: no wall-clock quantity.
 
     Attributes:

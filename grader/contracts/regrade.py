@@ -5,6 +5,8 @@ from datetime import datetime
 from enum import StrEnum
 from typing import Literal
 
+from grader.contracts.record import Record
+
 Which = Literal["latest", "best", "all", "faults"]
 
 
@@ -16,8 +18,7 @@ class RegradeState(StrEnum):
     DISCARDED = "discarded"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Wanted:
+class Wanted(Record):
     """Which submissions to one assignment are graded again.
 
     Attributes:
@@ -35,8 +36,7 @@ def _difference(before: float | None, after: float | None) -> float:
     return round((after or 0.0) - (before or 0.0), 2)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ItemChange:
+class ItemChange(Record):
     """What one rubric item earned before and earns now; None where the item is not in the rubric."""
 
     item: str
@@ -49,8 +49,7 @@ class ItemChange:
         return _difference(self.before, self.after)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ScoreChange:
+class ScoreChange(Record):
     """What a re-grade does to one submission. Scores are None where there is no grading, or no total yet.
 
     Attributes:

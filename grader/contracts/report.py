@@ -6,9 +6,8 @@ from collections.abc import Iterable
 from dataclasses import asdict
 from enum import StrEnum
 
-from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.outcome import RunOutcome, RunStatus, Stream
-from grader.contracts.record import record
+from grader.contracts.record import Record, from_json, to_plain
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import EMPTY, Text
 
@@ -53,8 +52,7 @@ def status_of(items: Iterable[RubricItem], outcomes: Iterable[RunOutcome]) -> Gr
     return next(unusual, GradeStatus.GRADED)
 
 
-@record
-class CaseRun:
+class CaseRun(Record):
     """One run of the script under one of the assignment's cases (most assignments have one, ``default``).
 
     Attributes:
@@ -66,8 +64,7 @@ class CaseRun:
     trajectory_sha256: str
 
 
-@record
-class GradeReport:
+class GradeReport(Record):
     """The graded part of a result. Instants, CPU time and isolation mode stand beside it, never in it.
 
     Attributes:
@@ -119,11 +116,10 @@ def report_from(content: bytes | str) -> GradeReport:
     Raises:
         ValueError: it is no report; the message names the field.
     """
-    return from_plain(GradeReport, json.loads(content))
+    return from_json(GradeReport, content)
 
 
-@record
-class CaseOutput:
+class CaseOutput(Record):
     """What the script printed in one run."""
 
     case: str
@@ -131,8 +127,7 @@ class CaseOutput:
     stderr: Stream
 
 
-@record
-class Measurements:
+class Measurements(Record):
     """What a grading cost and how it was isolated. Never part of the graded report.
 
     Attributes:

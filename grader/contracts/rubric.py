@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from enum import StrEnum
 from typing import Literal
 
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.contracts.text import EMPTY, Text
 
 Unit = Literal["s", "ms", "min", "m", "cm", "km", "rad", "deg", "m/s", "rad/s", "deg/s", "Hz", "%", "1", ""]
@@ -21,8 +21,7 @@ class ItemStatus(StrEnum):
     NEEDS_MANUAL = "needs_manual"  # a person judges it: see `grader.contracts.judgement`
 
 
-@record
-class RubricItem:
+class RubricItem(Record):
     """One line of the checklist, judged.
 
     Attributes:
@@ -49,8 +48,7 @@ class RubricItem:
     wanted: Text = EMPTY
 
 
-@record
-class PublishedItem:
+class PublishedItem(Record):
     """One line of the rubric as it is published before anything is submitted.
 
     Attributes:
@@ -67,8 +65,7 @@ class PublishedItem:
     needs: Text = EMPTY
 
 
-@record
-class PublishedRubric:
+class PublishedRubric(Record):
     """What a student reads before submitting, generated from the data the scores come from.
 
     Attributes:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from grader.contracts.outcome import RunOutcome, ServiceResult
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.contracts.rubric import RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Trajectory
@@ -24,8 +24,7 @@ class Run:
     calls: tuple[ServiceResult, ...] = ()
 
 
-@record
-class Scoring:
+class Scoring(Record):
     """The checks' answer for one submission.
 
     Attributes:

@@ -3,7 +3,7 @@
 import errno
 from typing import Literal
 
-from grader.contracts.record import record
+from grader.contracts.record import Record
 
 BYTE_ORDER_MARK = "\ufeff"
 """Begins tables for spreadsheet programs: without it, Excel takes UTF-8 for another encoding."""
@@ -12,8 +12,7 @@ Language = Literal["zh", "en"]
 LANGUAGES: tuple[Language, ...] = ("zh", "en")
 
 
-@record
-class Text:
+class Text(Record):
     """One sentence in Chinese and in English. Both are always present."""
 
     zh: str

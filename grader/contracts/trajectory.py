@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.contracts.record import record
+from grader.contracts.record import Record
 
 COMMAND_LIFE_NS: Final = 1_000_000_000
 """turtlesim drops a command once more than this has passed since it came."""
@@ -16,8 +16,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@record
-class Contact:
+class Contact(Record):
     """The car touched a wall during [start_ns, end_ns]. `wall` is left, right, top or bottom."""
 
     start_ns: int

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 
-from grader.contracts.record import positional_record
+from grader.contracts.record import PositionalRecord
 from grader.geometry.path import Path
 from grader.geometry.segmentation import MIN_TURN_RAD, Segments, Straight, Turn
 
@@ -20,8 +20,7 @@ ALIKE_RAD = math.radians(15.0)  # by how much corners of a figure with equal cor
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
-@positional_record
-class PolygonFigure:
+class PolygonFigure(PositionalRecord):
     """The first figure of a path, complete or not.
 
     Attributes:
@@ -60,8 +59,7 @@ class PolygonFigure:
         return sum(self.sides_m)
 
 
-@positional_record
-class _Extent:
+class _Extent(PositionalRecord):
     """Which straights make the figure, and what becomes of the others.
 
     Attributes:

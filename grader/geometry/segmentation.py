@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from grader.contracts.record import positional_record
+from grader.contracts.record import PositionalRecord
 from grader.geometry.path import Floats, Path
 
 HEADING_TOLERANCE_RAD = math.radians(10.0)
@@ -26,8 +26,7 @@ MAX_VERTICES = 1000
 STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
 
 
-@positional_record
-class Straight:
+class Straight(PositionalRecord):
     """A straight stretch between samples `first` and `last`.
 
     Attributes:
@@ -43,8 +42,7 @@ class Straight:
     length_m: float
 
 
-@positional_record
-class Turn:
+class Turn(PositionalRecord):
     """A change of direction between samples `first` and `last`.
 
     Attributes:
@@ -58,8 +56,7 @@ class Turn:
     length_m: float
 
 
-@positional_record
-class Segments:
+class Segments(PositionalRecord):
     """Runs and the turns around them.
 
     Attributes:

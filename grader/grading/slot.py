@@ -17,9 +17,9 @@ from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Final, Self
 
-from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.record import from_plain, to_plain
 from grader.contracts.report import GradeReport, Measurements
 from grader.grading.launch import Child, launch
 

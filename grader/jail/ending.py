@@ -7,13 +7,12 @@ The sandbox only says *how* a process ended (`RunEnd`). What that means for the 
 import os
 import signal
 import time
-from dataclasses import field
 from enum import StrEnum
 from typing import Final, NamedTuple
 
 from grader.contracts.assignment import Limits
 from grader.contracts.outcome import Stream
-from grader.contracts.record import record
+from grader.contracts.record import Record, field
 from grader.jail import bounds
 from grader.jail.process import ProcessHandle
 
@@ -48,8 +47,7 @@ class Ending(NamedTuple):
     signal: str | None = None
 
 
-@record
-class JailReport:
+class JailReport(Record):
     """The account of one run.
 
     `cpu_ns`, `wall_ns` and `peak_bytes` are measurements, and so are the streams unless `settled`.
@@ -157,8 +155,7 @@ class Clocks:
         return self._cpu_deadline_ns - self._busy_cpu_ns >= self._cpu_grant_ns // 2
 
 
-@record
-class KernelAccount:
+class KernelAccount(Record):
     """What the kernel says of a process that was reaped.
 
     Attributes:

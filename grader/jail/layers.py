@@ -12,7 +12,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Final
 
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.jail import bounds, landlock, syscalls
 from grader.jail.supervisor import ZygoteConfig
 
@@ -45,8 +45,7 @@ class Layer(StrEnum):
 REQUIRED: Final = (Layer.PROCESS, Layer.RLIMITS, Layer.SECCOMP, Layer.LANDLOCK, Layer.OWN_UID)
 
 
-@record
-class Program:
+class Program(Record):
     """What a zygote preloads and what its children run.
 
     Attributes:
@@ -60,8 +59,7 @@ class Program:
     preload: tuple[str, ...] = ()
 
 
-@record
-class Choice:
+class Choice(Record):
     """The layers that will be active and the required ones that cannot be."""
 
     active: tuple[Layer, ...]

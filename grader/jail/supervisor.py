@@ -20,7 +20,7 @@ from typing import Final
 
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import SandboxError
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.jail import bounds, libc, syscalls
 from grader.jail.jail import Capture, Jail
 from grader.jail.process import ProcessHandle
@@ -39,8 +39,7 @@ _AUTOGROUP_PAUSE_S: Final = 0.11
 _AUTOGROUP_TRIES: Final = 10
 
 
-@record
-class ZygoteConfig:
+class ZygoteConfig(Record):
     """What a zygote is told once; see `zygote._prepare`. Paths are absolute."""
 
     shim: str

@@ -12,7 +12,7 @@ from functools import cache
 from typing import Final, TypeGuard
 
 from grader.contracts.notation import written
-from grader.contracts.record import positional_record
+from grader.contracts.record import PositionalRecord
 from grader.contracts.rubric import RubricItem, Unit
 from grader.contracts.text import Language, Text
 from grader.messages import sentence
@@ -24,8 +24,7 @@ _MAX_LISTED: Final = 8  # the sides of an octagon: more would fill the sentence
 _MAX_DECIMALS: Final = 5  # of a number near the edge of a band; reports keep four
 
 
-@positional_record
-class _UnitKind:
+class _UnitKind(PositionalRecord):
     """How numbers of one unit are shown and read.
 
     Attributes:
@@ -152,8 +151,7 @@ def _digits(value: float, decimals: int) -> str:
     return "0" if text == "-0" else text
 
 
-@positional_record
-class SpokenQuantity:
+class SpokenQuantity(PositionalRecord):
     """A number in a text. `unit` is one of `ANSWER_UNITS`, or empty when none that is known follows."""
 
     value: float

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final, TypeAlias
 
 from grader.contracts.assignment import Profile
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.sim.timeline import STEP_S
 
 PlanarPose: TypeAlias = tuple[float, float, float]
@@ -35,8 +35,7 @@ just as 1000 m/s does, and at 100 rad/s a turn still spans 15 steps, so that the
 _SETTLED: Final = 1e-6  # m/s and rad/s: an exponential never arrives; from here on it would move 17 nm more
 
 
-@record
-class CarParameters:
+class CarParameters(Record):
     """How a car answers commands.
 
     Attributes:

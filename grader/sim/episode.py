@@ -7,7 +7,7 @@ from typing import Any, Final
 from grader.contracts.assignment import ServiceCall, World
 from grader.contracts.errors import ProtocolError
 from grader.contracts.outcome import Endpoint, LogRecord, Note, ServiceResult
-from grader.contracts.record import record
+from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import HEADER
@@ -45,8 +45,7 @@ DEFAULT_EPOCH_NS: Final = 1_700_000_000 * 1_000_000_000
 _TWIST: Final = struct.Struct("<4s6d")
 
 
-@record
-class EpisodeSpec:
+class EpisodeSpec(Record):
     """Everything an episode depends on besides the script's behaviour.
 
     Attributes:
@@ -69,8 +68,7 @@ class EpisodeSpec:
     output_bytes: int | None = None
 
 
-@record
-class EpisodeResult:
+class EpisodeResult(Record):
     """What the episode saw. The sandbox's report says the rest (signals, limits, streams).
 
     Attributes:

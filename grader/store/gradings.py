@@ -15,8 +15,8 @@ from sqlalchemy import Connection, Insert, Select, insert, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.grading import GradingResult
+from grader.contracts.record import from_json, to_plain
 from grader.contracts.report import Measurements
 from grader.contracts.submission import Claim, StoredReport
 from grader.store.database import Database
@@ -219,7 +219,7 @@ class PastGradings:
         """Return what was measured about a grading beside its report, or None."""
         with self._database.reading() as session:
             row = session.get(GradingRow, (stored.submission_id, stored.attempt))
-            return None if row is None else from_plain(Measurements, json.loads(row.measurements))
+            return None if row is None else from_json(Measurements, row.measurements)
 
 
 def _of(submission_id: str) -> Select[GradingRow]:

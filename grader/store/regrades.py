@@ -15,9 +15,9 @@ from sqlalchemy import Insert, Select, and_, case, delete, func, insert, literal
 from sqlalchemy.orm import aliased
 from sqlmodel import Session, SQLModel, col
 
-from grader.contracts.codec import from_plain
 from grader.contracts.errors import RegradeError
 from grader.contracts.judgement import ItemScore, settled, standing, total
+from grader.contracts.record import from_json, from_plain
 from grader.contracts.regrade import ItemChange, PastGrading, Regrade, RegradeState, ScoreChange, Wanted
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import Judgement, SubmissionState
@@ -268,7 +268,7 @@ def _regrade(session: Session, row: RegradeRow, trials: list[_Trial] | None = No
     return Regrade(
         id=row.id,
         course=row.course,
-        wanted=from_plain(Wanted, json.loads(row.wanted)),
+        wanted=from_json(Wanted, row.wanted),
         state=RegradeState(row.state),
         created_at=row.created_at,
         created_by=row.created_by,

@@ -1,12 +1,10 @@
 """Submissions and their gradings: adding uploads, and reading what became of them."""
 
-import json
-
 from sqlalchemy import func, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.codec import from_plain
+from grader.contracts.record import from_json
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
@@ -106,7 +104,7 @@ class Submissions:
             return None
         with self._database.reading() as session:
             row = session.get(GradedAssignmentRow, report.assignment_sha256)
-            return None if row is None else from_plain(Assignment, json.loads(row.content))
+            return None if row is None else from_json(Assignment, row.content)
 
     def of_student(
         self, student: str, assignment: str | None = None, course: str | None = None

@@ -11,7 +11,7 @@ import pytest
 from rich.console import Console
 
 from grader.commands.demo import Upload, await_grades, hand_in, serving
-from grader.contracts.codec import from_plain
+from grader.contracts.record import from_json
 from grader.contracts.report import GradeReport
 from tests.e2e.grading_slot import LESSON, catalog
 
@@ -56,7 +56,7 @@ def test_the_lessons_scripts_get_the_very_report_that_check_prints(
 ) -> None:
     command = [sys.executable, "-m", "grader", "check", str(LESSON / SCRIPTS[assignment]), "--json"]
     local = subprocess.run(command, capture_output=True, check=True).stdout.strip()
-    report = from_plain(GradeReport, json.loads(local))
+    report = from_json(GradeReport, local)
     assert report.score == report.max_score == 100
     document = client.get(lesson[assignment]).json()
     assert (document["verdict"], document["score"]) == ("graded", 100)

@@ -9,8 +9,8 @@ import pytest
 from grader.catalog import Catalog, default_root
 from grader.commands.validation import fitting
 from grader.contracts.assignment import Assignment
-from grader.contracts.codec import from_plain, to_plain
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
+from grader.contracts.record import from_plain, to_plain
 
 CHECKLIST = [
     "hello",

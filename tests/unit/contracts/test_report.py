@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from grader.contracts.codec import from_plain
+from grader.contracts.record import from_plain
 from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus
 from tests.unit.render.samples import crash, item, outcome, report, square_report, t

@@ -12,7 +12,7 @@ from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import Option
 from grader.checks.scoring import band_error
 from grader.contracts.assignment import Assignment
-from grader.contracts.record import positional_record
+from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
 from grader.geometry.figure import PolygonFigure, measure_polygon
@@ -21,8 +21,7 @@ from grader.geometry.segmentation import Segments, segment
 FULL_TURN_DEG = 360.0
 
 
-@positional_record
-class WantedPolygon:
+class WantedPolygon(PositionalRecord):
     """A polygon with equal corners.
 
     Attributes:
