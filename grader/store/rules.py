@@ -11,10 +11,10 @@ from zoneinfo import ZoneInfo
 from sqlalchemy import and_, bindparam, literal, outerjoin, select
 from sqlmodel import Session, col
 
-from grader.contracts.codec import from_plain
 from grader.contracts.errors import ChangedMeanwhileError
 from grader.contracts.fields import Instant, kinds_of
 from grader.contracts.identity import Seen, no_course, unknown_course, unknown_members
+from grader.contracts.record import from_plain
 from grader.contracts.rules import (
     NO_EXTENSION,
     NO_RULES,

@@ -270,7 +270,7 @@ class GradingRow(SQLModel, table=True):
 
 
 class GradedAssignmentRow(SQLModel, table=True):
-    """An assignment as it was graded, once per content: `grader.contracts.codec` as canonical JSON."""
+    """An assignment as it was graded, once per content: a `Record` as canonical JSON."""
 
     __tablename__: ClassVar[str] = "graded_assignment"
 
