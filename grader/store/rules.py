@@ -215,7 +215,10 @@ def from_document(document: dict[str, Any]) -> Rules:
     Raises:
         ValueError: it is not one.
     """
-    instants = {name for name, kind in kinds_of(Rules).items() if isinstance(kind, Instant)}
+    kinds = kinds_of(Rules)
+    if unknown := document.keys() - kinds.keys():  # msgspec ignores them in a dataclass
+        raise ValueError(f"the rules have no field {min(unknown)}")
+    instants = {name for name, kind in kinds.items() if isinstance(kind, Instant)}
     return from_plain(
         Rules,
         {
