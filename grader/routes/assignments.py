@@ -11,7 +11,7 @@ from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
 from grader.routes.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
 from grader.routes.problems import responses
-from grader.use_cases.assignments import require_published
+from grader.use_cases.assignments import checklist, require_published
 from grader.use_cases.visibility import shown_assignment
 
 router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])
@@ -87,10 +87,7 @@ def list_all(
     """Return the checklist."""
     _say(response, language)
     return AssignmentList(
-        assignments=[
-            AssignmentSummary(**_summary(shown_assignment(services, caller, one), language))
-            for one in services.assignments.all()
-        ]
+        assignments=[AssignmentSummary(**_summary(one, language)) for one in checklist(services, caller)]
     )
 
 

@@ -21,8 +21,8 @@ from grader.routes.dashboard_views import (
     RiskView,
     StudentView,
 )
+from grader.routes.dependencies import SUBMISSIONS
 from grader.routes.health import WorkerView, queue_view
-from grader.routes.submission_views import SUBMISSIONS
 from grader.use_cases.assignments import item_title
 
 _BINS = 10

@@ -23,6 +23,9 @@ from grader.use_cases.visibility import visible_submission
 _LONGEST_HEADER = 1_000
 _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.8.3
 
+SUBMISSIONS = "/api/v1/submissions/"
+"""A submission's address begins with it."""
+
 ENTRY_PROBLEMS = ("unauthorized", "too_many_requests")
 """Problems of every endpoint that asks who it is."""
 

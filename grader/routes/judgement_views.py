@@ -12,8 +12,7 @@ from grader.contracts.report import GradeReport
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import Judgement, StoredReport, Submission
 from grader.contracts.text import Language
-from grader.routes.dependencies import Number
-from grader.routes.submission_views import SUBMISSIONS
+from grader.routes.dependencies import SUBMISSIONS, Number
 from grader.store.judgements import Waiting, tag
 from grader.use_cases.assignments import item_title
 

@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 from grader.contracts.regrade import Regrade, RegradeState, ScoreChange, Wanted, Which
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
+    SUBMISSIONS,
     InstructorDep,
     QueryWhole,
     RegradeId,
@@ -16,7 +17,6 @@ from grader.routes.dependencies import (
     StaffDep,
 )
 from grader.routes.problems import responses
-from grader.routes.submission_views import SUBMISSIONS
 from grader.use_cases import regrading
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])

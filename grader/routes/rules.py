@@ -23,6 +23,7 @@ from grader.contracts.rules import YEARS, Extension, LateRule, LateStep, RuleErr
 from grader.contracts.validation_words import OUT_OF_YEARS
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
+    SUBMISSIONS,
     AssignmentId,
     CallerDep,
     InstructorDep,
@@ -34,7 +35,6 @@ from grader.routes.dependencies import (
     seen,
 )
 from grader.routes.problems import responses
-from grader.routes.submission_views import SUBMISSIONS
 from grader.store.rules import tag
 from grader.use_cases import rules as use_case
 from grader.use_cases.assignments import Terms, require_published, terms_of

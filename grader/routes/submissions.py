@@ -1,21 +1,41 @@
-"""Uploads, and what became of them."""
+"""Uploads, and what became of them.
 
+What a script wrote is shown in bounded length and with no invisible characters in it.
+"""
+
+import json
+from collections.abc import Mapping
 from datetime import datetime
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, File, Form, Header, Response, UploadFile, status
 from pydantic import BaseModel, Field
 
-from grader.contracts.submission import SubmissionState
-from grader.routes.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep, SubmissionId
+from grader.contracts.judgement import judged
+from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
+from grader.contracts.report import GradeStatus
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.submission import StoredReport, SubmissionState
+from grader.contracts.text import Language
+from grader.render.escape import visible
+from grader.routes.dependencies import (
+    ENTRY_PROBLEMS,
+    SUBMISSIONS,
+    CallerDep,
+    LanguageDep,
+    ServicesDep,
+    SubmissionId,
+)
 from grader.routes.middleware import UploadRoute, arrival
 from grader.routes.problems import responses
-from grader.routes.submission_views import EXAMPLE_ID, SUBMISSIONS, SubmissionView, submission_view
 from grader.use_cases import submissions
 from grader.use_cases.handing_in import Upload, hand_in
+from grader.use_cases.submissions import Progress
 from grader.use_cases.visibility import graded
 
+router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
 uploads = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], route_class=UploadRoute)
+_EXAMPLE_ID = "0197c2f0-8a1b-7c3d-9e4f-5a6b7c8d9e0f"
 
 UploadedFile = Annotated[
     UploadFile, File(description="The script as it runs at home, or a text; at most 256 KiB.")
@@ -38,16 +58,13 @@ IdempotencyKey = Annotated[
 ]
 
 
-router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
-
-
 class Receipt(BaseModel):
     """Answer to an upload: it is stored, and will be graded even if the service is stopped now."""
 
-    id: str = Field(examples=[EXAMPLE_ID])
+    id: str = Field(examples=[_EXAMPLE_ID])
     status: SubmissionState = Field(examples=["queued"])
     status_url: str = Field(
-        description="Ask here how it went; the same as in Location.", examples=[SUBMISSIONS + EXAMPLE_ID]
+        description="Ask here how it went; the same as in Location.", examples=[SUBMISSIONS + _EXAMPLE_ID]
     )
     assignment: str = Field(examples=["square"])
     student: str = Field(examples=["20260123"])
@@ -57,6 +74,140 @@ class Receipt(BaseModel):
         description="This is an earlier submission: the same was sent again. It cost no attempt.",
         examples=[False],
     )
+
+
+class Links(BaseModel):
+    """Where the rest of a submission is."""
+
+    self: str = Field(description="This document.", examples=[SUBMISSIONS + _EXAMPLE_ID])
+    report: str = Field(
+        description="The report, byte for byte.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/report"]
+    )
+    trajectory: str = Field(
+        description="What the car did.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/trajectory"]
+    )
+    plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/plot.png"])
+
+
+class RubricItemView(BaseModel):
+    """One line of the checklist, judged."""
+
+    id: str = Field(examples=["sides"])
+    title: str = Field(examples=["Number of sides"])
+    points: float = Field(description="Most it can earn.", examples=[5.0])
+    earned: float = Field(examples=[5.0])
+    status: ItemStatus = Field(examples=["passed"])
+    measured: float | None = Field(description="Null when nothing could be measured.", examples=[4.0])
+    target: float | None = Field(examples=[4.0])
+    tolerance: float | None = Field(examples=[0.0])
+    unit: str = Field(description="`m`, `deg`, `s`, `%` or empty.", examples=[""])
+    message: str = Field(
+        description="What was seen; of an item that a person judged, their comment.",
+        examples=["The path has 4 sides."],
+    )
+    hint: str = Field(description="One next step; empty when there is nothing to do.", examples=[""])
+
+
+class StreamView(BaseModel):
+    """Captured text, control characters shown as escapes. It is the student's: escape it for HTML."""
+
+    text: str = Field(examples=["[INFO] [1700000000.000000000] [square_mover]: side 1\n"])
+    dropped: int = Field(description="Bytes or characters left out of the middle or end.", examples=[0])
+
+
+class StudentErrorView(BaseModel):
+    """The exception that ended the script, with the student's own lines only."""
+
+    type: str = Field(examples=["AssertionError"])
+    message: str
+    line: int | None = Field(description="Line of the student's file.", examples=[17])
+    traceback: str
+
+
+class EndpointView(BaseModel):
+    """A publisher, subscription, service or client of the script."""
+
+    kind: str = Field(examples=["publisher"])
+    node: str = Field(examples=["/square_mover"])
+    name: str = Field(examples=["/turtle1/cmd_vel"])
+    type: str = Field(examples=["geometry_msgs/msg/Twist"])
+    count: int = Field(description="Messages published or requests sent.", examples=[160])
+
+
+class LogView(BaseModel):
+    """One message that reached /rosout."""
+
+    t_s: float = Field(description="Virtual seconds since the start.", examples=[1.5])
+    level: int = Field(description="10 debug, 20 info, 30 warning, 40 error, 50 fatal.", examples=[20])
+    name: str = Field(examples=["square_mover"])
+    message: str = Field(examples=["side 1"])
+
+
+class RunView(BaseModel):
+    """What happened in one run of the script."""
+
+    case: str = Field(examples=["default"])
+    status: RunStatus = Field(examples=["interrupted"])
+    blame: Blame = Field(description="Whose fault the end of the run is.", examples=["nobody"])
+    duration_s: float = Field(description="Virtual seconds the script ran.", examples=[60.0])
+    exit_code: int | None
+    signal: str | None
+    error: StudentErrorView | None
+    cleanup_error: StudentErrorView | None = Field(description="Raised after Ctrl+C; costs nothing.")
+    detail: str
+    stdout: StreamView
+    stderr: StreamView
+    nodes: list[str] = Field(examples=[["/square_mover"]])
+    endpoints: list[EndpointView]
+    logs: list[LogView] = Field(description="The first ones; all of them are in the report.")
+    logs_dropped: int
+    command_count: int = Field(description="Velocity commands the car received.", examples=[160])
+    nonfinite_commands: int
+    trajectory_sha256: str
+
+
+class SubmissionView(BaseModel):
+    """Where a submission stands, and its grading once there is one."""
+
+    id: str = Field(examples=[_EXAMPLE_ID])
+    student: str = Field(examples=["20260123"])
+    assignment: str = Field(examples=["square"])
+    file_name: str = Field(examples=["square_mover.py"])
+    sha256: str = Field(description="Of the uploaded bytes.")
+    size_bytes: int = Field(examples=[1834])
+    status: SubmissionState = Field(
+        description="`queued` and `running` are on the way. `infrastructure_error` is the service's own "
+        "fault: it costs no points and no attempt.",
+        examples=["graded"],
+    )
+    queue_position: int | None = Field(description="Submissions before this one while it waits.")
+    estimated_finish_at: datetime | None = Field(
+        description="From how long gradings took lately; null when it is graded or nobody can say."
+    )
+    received_at: datetime
+    queued_at: datetime
+    started_at: datetime | None
+    finished_at: datetime | None
+    tries: int = Field(description="How often grading was begun since it was queued.", examples=[1])
+    verdict: GradeStatus | None = Field(description="How grading ended.", examples=["graded"])
+    score: float | None = Field(
+        description="With the points that people gave; null while something waits for them.", examples=[10.0]
+    )
+    max_score: float | None = Field(examples=[10.0])
+    to_judge: int | None = Field(description="Rubric items that wait for a person; null: none ever did.")
+    late_s: float = Field(description="Seconds after the student's due date.", examples=[0.0])
+    kept_share: float = Field(description="Of the points, after lateness.", examples=[1.0])
+    kept_score: float | None = Field(description="The score after lateness.", examples=[10.0])
+    summary: str = Field(description="One sentence for the student.")
+    hint: str = Field(description="The one next step that matters most.")
+    mistakes: list[str] = Field(description="Codes of recognised mistakes, likeliest first.")
+    rubric: list[RubricItemView]
+    runs: list[RunView]
+    report_sha256: str | None = Field(description="Equal for equal files and assignments.")
+    graded_at: datetime | None
+    grader_version: str | None = Field(examples=["0.1.0"])
+    assignment_version: int | None = Field(examples=[1])
+    links: Links
 
 
 @uploads.post(
@@ -150,7 +301,7 @@ def read(
     response.headers.update(
         {"Content-Language": language, "Vary": "Accept-Language", "Cache-Control": "no-store"}
     )
-    return submission_view(found, language)
+    return _view(found, language)
 
 
 @router.get(
@@ -191,3 +342,95 @@ def read_source(services: ServicesDep, caller: CallerDep, submission_id: Submiss
     submission, source = submissions.read_source(services, caller, submission_id)
     headers = {"ETag": f'"{submission.sha256}"', "Cache-Control": "private, no-cache"}
     return Response(source, media_type="text/plain; charset=utf-8", headers=headers)
+
+
+def _view(read: Progress, language: Language) -> SubmissionView:
+    """Return a submission and its latest grading in `language`."""
+    submission, stored, lateness = read.submission, read.grading, read.lateness
+    report = {} if stored is None else _whole(stored)
+    return SubmissionView(
+        id=submission.id,
+        student=submission.student,
+        assignment=submission.assignment,
+        file_name=submission.file_name,
+        sha256=submission.sha256,
+        size_bytes=submission.size_bytes,
+        status=submission.state,
+        queue_position=read.position,
+        estimated_finish_at=read.estimated_finish_at,
+        received_at=submission.received_at,
+        queued_at=submission.queued_at,
+        started_at=submission.started_at,
+        finished_at=submission.finished_at,
+        tries=submission.tries,
+        verdict=submission.verdict,
+        score=submission.score,
+        to_judge=submission.to_judge,
+        max_score=submission.max_score,
+        late_s=lateness.late_s,
+        kept_share=lateness.kept_share,
+        kept_score=lateness.kept_score,
+        summary=_said(report.get("summary"), language),
+        hint=_said(report.get("hint"), language),
+        mistakes=report.get("mistakes", []),
+        rubric=[_item(item, language) for item in report.get("items", [])],
+        runs=[_run(run) for run in report.get("runs", [])],
+        report_sha256=submission.report_sha256,
+        graded_at=None if stored is None else stored.finished_at,
+        grader_version=report.get("grader_version"),
+        assignment_version=report.get("assignment_version"),
+        links=_links(SUBMISSIONS + submission.id),
+    )
+
+
+def _links(own: str) -> Links:
+    return Links(self=own, report=f"{own}/report", trajectory=f"{own}/trajectory", plot=f"{own}/plot.png")
+
+
+def _whole(stored: StoredReport) -> Mapping[str, Any]:
+    return judged(stored).to_dict() if stored.judgements else dict(json.loads(stored.content))
+
+
+def _said(text: Mapping[str, str] | None, language: Language) -> str:
+    return "" if text is None else text[language]
+
+
+def _item(item: Mapping[str, Any], language: Language) -> RubricItemView:
+    texts = {name: _said(item[name], language) for name in ("title", "message", "hint")}
+    return RubricItemView.model_validate({**item, **texts})
+
+
+def _run(run: Mapping[str, Any]) -> RunView:
+    outcome = run["outcome"]
+    status = RunStatus(outcome["status"])
+    logs = outcome["logs"][:SHOWN_LOGS]
+    changed = {
+        "case": run["case"],
+        "blame": status.blame,
+        "duration_s": outcome["duration_ns"] / 1e9,
+        "error": _error(outcome["error"]),
+        "cleanup_error": _error(outcome["cleanup_error"]),
+        "detail": visible(outcome["detail"]),
+        "stdout": _stream(outcome["stdout"]),
+        "stderr": _stream(outcome["stderr"]),
+        "nodes": [visible(name) for name in outcome["nodes"]],
+        "endpoints": [_visible_values(endpoint) for endpoint in outcome["endpoints"]],
+        "logs": [_visible_values({**record, "t_s": record["t_ns"] / 1e9}) for record in logs],
+        "logs_dropped": outcome["logs_dropped"] + len(outcome["logs"]) - len(logs),
+        "trajectory_sha256": run["trajectory_sha256"],
+    }
+    return RunView.model_validate({**outcome, **changed})
+
+
+def _visible_values(values: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: visible(value) if isinstance(value, str) else value for name, value in values.items()}
+
+
+def _error(error: Mapping[str, Any] | None) -> StudentErrorView | None:
+    return None if error is None else StudentErrorView.model_validate(_visible_values(error))
+
+
+def _stream(stream: Mapping[str, Any]) -> StreamView:
+    text = stream["text"]
+    left_out = max(0, len(text) - SHOWN_CHARACTERS)
+    return StreamView(text=visible(text[:SHOWN_CHARACTERS]), dropped=stream["dropped_bytes"] + left_out)

@@ -10,6 +10,7 @@ from grader.contracts.identity import Caller, Role
 from grader.contracts.rules import NO_EXTENSION, Counted, Refusal, Rules
 from grader.contracts.text import Language
 from grader.use_cases.services import Services
+from grader.use_cases.visibility import shown_assignments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -52,6 +53,11 @@ def require_published(
     if assignment is None:
         raise RefusedError(code, field=field, allowed=[one.id for one in services.assignments.all()])
     return assignment
+
+
+def checklist(services: Services, caller: Caller) -> tuple[Assignment, ...]:
+    """Return all published assignments in order, as the caller may see them."""
+    return shown_assignments(services, caller, services.assignments.all())
 
 
 def terms_of(services: Services, caller: Caller, assignment_id: str) -> Terms:

@@ -1,5 +1,6 @@
 """Reading a submission: where it stands, how it was graded, the file itself, and the attempts beside it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
 
@@ -90,6 +91,16 @@ def attempts(
     """Return a student's submissions, newest first, as the caller may see them; only those to `assignment`."""
     own = services.submissions.of_student(student, assignment, course=caller.course)
     return shown_list(services, caller, own)
+
+
+def best_of(submissions: Iterable[Submission]) -> dict[str, Submission]:
+    """Return the submission with the best score by assignment; the first of several, nothing without a score."""
+    best: dict[str, Submission] = {}
+    for one in submissions:
+        other = best.get(one.assignment)
+        if one.score is not None and (other is None or one.score > (other.score or 0)):
+            best[one.assignment] = one
+    return best
 
 
 def _lateness(submission: Submission, known: CourseRules) -> Lateness:

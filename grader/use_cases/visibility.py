@@ -7,7 +7,7 @@ its own.
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -69,23 +69,20 @@ def _seen(caller: Caller, submission: Submission | None) -> Submission:
 
 def hidden_from(services: Services, caller: Caller, assignment_id: str) -> frozenset[str]:
     """Return the ids of an assignment's rubric items that the caller does not see now."""
-    if caller.course is None or caller.role is not Role.STUDENT:
-        return frozenset()
-    rules = services.rules.of(caller.course).of(assignment_id)
-    return rules.hidden_at(services.clock())
+    return _hidden(services, caller, assignment_id)[assignment_id]
 
 
 def shown_assignment(services: Services, caller: Caller, assignment: Assignment) -> Assignment:
     """Return an assignment without the items that the caller does not see now."""
-    hidden = hidden_from(services, caller, assignment.id)
-    if not hidden:
-        return assignment
-    items = tuple(
-        replace(item, needs=tuple(one for one in item.needs if one not in hidden))
-        for item in assignment.items
-        if item.id not in hidden
-    )
-    return replace(assignment, items=items)
+    return shown_assignments(services, caller, (assignment,))[0]
+
+
+def shown_assignments(
+    services: Services, caller: Caller, assignments: Sequence[Assignment]
+) -> tuple[Assignment, ...]:
+    """Return assignments without the items that the caller does not see now."""
+    hidden = _hidden(services, caller, *(one.id for one in assignments))
+    return tuple(_without_items(one, hidden[one.id]) for one in assignments)
 
 
 def shown(
@@ -117,8 +114,27 @@ def shown_list(
 ) -> tuple[Submission, ...]:
     """Return submissions without what hidden items are part of: scores, and that somebody has to judge one."""
     listed = tuple(submissions)
-    hiding = {one for one in {item.assignment for item in listed} if hidden_from(services, caller, one)}
-    return tuple(_without_score(one) if one.assignment in hiding else one for one in listed)
+    hidden = _hidden(services, caller, *{one.assignment for one in listed})
+    return tuple(_without_score(one) if hidden[one.assignment] else one for one in listed)
+
+
+def _hidden(services: Services, caller: Caller, *assignments: str) -> dict[str, frozenset[str]]:
+    """Return what is hidden of several assignments; the rules are read once."""
+    if caller.course is None or caller.role is not Role.STUDENT:
+        return dict.fromkeys(assignments, frozenset())
+    known, now = services.rules.of(caller.course), services.clock()
+    return {one: known.of(one).hidden_at(now) for one in assignments}
+
+
+def _without_items(assignment: Assignment, hidden: frozenset[str]) -> Assignment:
+    if not hidden:
+        return assignment
+    items = tuple(
+        replace(item, needs=tuple(one for one in item.needs if one not in hidden))
+        for item in assignment.items
+        if item.id not in hidden
+    )
+    return replace(assignment, items=items)
 
 
 def _without_score(submission: Submission) -> Submission:

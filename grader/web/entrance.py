@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
 from grader.web import access
-from grader.web.errors import refusal
+from grader.web.errors import form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.words import say
@@ -54,7 +54,7 @@ def enter(request: Request, entry: Annotated[Entry, Form()]) -> Response:
     try:
         access.enter_student(request, response, entry.student.strip())
     except RefusedError as problem:
-        refused = refusal(problem, language)
+        refused = form_problem(problem, language)
         return _ask(request, entry, refused.status, Wrong(field="student", text=refused.fix))
     return response
 

@@ -18,8 +18,8 @@ _MACHINES = ("/api/", "/healthz")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Refusal:
-    """A refusal in the visitor's language.
+class FormProblem:
+    """Why something was refused, in the visitor's language: what a form shows.
 
     Attributes:
         field: which field of the form is wrong; empty: none in particular.
@@ -36,10 +36,10 @@ class Refusal:
     text: str | None
 
 
-def refusal(error: RefusedError, language: Language, field: str = "") -> Refusal:
+def form_problem(error: RefusedError, language: Language, field: str = "") -> FormProblem:
     """Return what a form says about a refusal, which is about `field` unless it names another."""
     kind = PROBLEM_TYPES[error.code]
-    return Refusal(
+    return FormProblem(
         code=error.code,
         status=kind.status,
         title=kind.title.get(language),

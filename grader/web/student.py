@@ -14,15 +14,15 @@ from grader.contracts.text import Language
 from grader.messages import quantity
 from grader.routes.middleware import UploadRoute, arrival_of
 from grader.telemetry.context import note
-from grader.use_cases.assignments import Terms, due_dates, require_published, terms_of
+from grader.use_cases.assignments import Terms, checklist, due_dates, require_published, terms_of
 from grader.use_cases.handing_in import Upload, hand_in
 from grader.use_cases.services import Services
-from grader.use_cases.submissions import attempts
+from grader.use_cases.submissions import attempts, best_of
 from grader.use_cases.visibility import shown_assignment
 from grader.web import access
 from grader.web.access import ServicesDep, Visitor, VisitorDep
 from grader.web.audit_lines import Teller
-from grader.web.errors import refusal
+from grader.web.errors import form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.words import say
@@ -35,18 +35,11 @@ _MOST_ATTEMPTS = 50
 @router.get("/")
 def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
     """Show the checklist, with what the student reached so far."""
-    best: dict[str, Submission] = {}
-    for one in _attempts(services, visitor):
-        if one.score is not None and (
-            one.assignment not in best or one.score > (best[one.assignment].score or 0)
-        ):
-            best[one.assignment] = one
-    shown = [shown_assignment(services, visitor.caller, one) for one in services.assignments.all()]
     return page(
         request,
         "assignments.html",
-        assignments=shown,
-        best=best,
+        assignments=checklist(services, visitor.caller),
+        best=best_of(_attempts(services, visitor)),
         due=due_dates(services, visitor.caller),
         now=services.clock(),
     )
@@ -111,7 +104,7 @@ def _assignment_page(
     visitor, language = access.visitor_of(request), language_of(request)
     terms = None if visitor.caller.course is None else terms_of(services, visitor.caller, assignment.id)
     closed = None if terms is None or terms.refusal is None else RefusedError(terms.refusal.code)
-    refused = None if problem is None else refusal(problem, language, field="file")
+    refused = None if problem is None else form_problem(problem, language, field="file")
     return page(
         request,
         "assignment.html",
@@ -123,7 +116,7 @@ def _assignment_page(
         attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],
         suffixes=SUFFIXES[assignment.input],
         max_bytes=services.settings.max_upload_bytes,
-        closed=None if closed is None else refusal(closed, language),
+        closed=None if closed is None else form_problem(closed, language),
         refusal=refused,
         given=given,
     )
