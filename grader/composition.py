@@ -30,7 +30,7 @@ from grader.use_cases.services import Services
 from grader.worker import Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
-_SYNTAX_CHECKS = 3  # at once: a file that keeps the compiler busy does not stop everybody else's upload
+_SYNTAX_CHECKS = 3  # side by side: one file that keeps the compiler busy does not hold up all uploads
 _ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
 
 

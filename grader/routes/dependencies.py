@@ -171,7 +171,7 @@ def _require_sight(services: ServicesDep, caller: CallerDep, submission_id: Subm
 
 
 SIGHT = Depends(_require_sight)
-"""Of everything that says something about one submission before its use case looks at it."""
+"""Of endpoints about one submission whose use case does not check by itself who may see it."""
 
 QueryWhole = Annotated[int, BeforeValidator(_in_digits)]
 """A whole number in the query of an address."""

@@ -76,14 +76,14 @@ class ClassProgressView(BaseModel):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Owner:
-    """Whose streams are counted together; `is_known` when a token says so."""
+    """Who a stream counts for. `is_known`: a token says who it is, so streams are not counted by address."""
 
     name: str
     is_known: bool
 
 
 class NothingNewError(Exception):
-    """Whoever asks has seen the last event already: 204 tells a browser not to ask again."""
+    """The client has received the last event there will be. The status 204 tells a browser not to reconnect."""
 
 
 @contextmanager
@@ -101,7 +101,7 @@ def told_to_stop(end: Callable[[], None]) -> Iterator[None]:
     before = {number: handler for number in _SIGNALS if callable(handler := signal.getsignal(number))}
 
     def hear(number: int, frame: FrameType | None) -> None:
-        loop.call_soon_threadsafe(end)  # not at once: what `end` locks may be locked where the signal struck
+        loop.call_soon_threadsafe(end)  # later: the interrupted code may hold a lock that `end` takes
         before[signal.Signals(number)](number, frame)
 
     for number in before:
@@ -127,10 +127,10 @@ def install(app: FastAPI) -> None:
 async def watched(
     request: Request, services: Services, subject: Subject, owner: Owner, last_event_id: str | None
 ) -> AsyncIterator[Watch]:
-    """Yield a watch that knows where `subject` stands; its place is free again when the answer is over.
+    """Yield a watch that knows where `subject` stands; it counts as a stream until the answer is over.
 
     Raises:
-        RefusedError: too many watch. NothingNewError: `last_event_id` is that of the last event there will be.
+        RefusedError: there are too many streams. NothingNewError: `last_event_id` names the last event of all.
     """
     address = None if owner.is_known or request.client is None else request.client.host
     with services.watching.watch(subject, owner.name, address) as watch:
@@ -148,7 +148,7 @@ async def events(
     life_s: float,
     event: Callable[[Any], ServerSentEvent],
 ) -> AsyncIterator[ServerSentEvent]:
-    """Yield what happens to what is watched until nothing more will, or for `life_s`."""
+    """Yield an event for each change until there will be no more, at most for `life_s`."""
     yield ServerSentEvent(retry=RETRY_MS)
     clock = asyncio.get_running_loop().time
     end_s = clock() + life_s
@@ -173,7 +173,7 @@ def progress_event(standing: Standing, language: Language) -> ServerSentEvent:
 
 
 def owner_of(caller: Caller, otherwise: str) -> Owner:
-    """Return whose streams a caller's are counted as; `otherwise` for somebody without a token."""
+    """Return who the caller's streams count for; `otherwise` names a caller without a token."""
     if caller.person is not None:
         return Owner(name=f"{caller.course}/{caller.person}", is_known=True)
     return Owner(name="operator" if caller.is_staff else otherwise, is_known=caller.is_staff)

@@ -1,7 +1,7 @@
 """What happens around every request: a bound on its body, the headers of its answer, a line in the log.
 
 Bodies are read before anybody is asked who they are: without a bound, anyone could fill the memory, and with files
-in forms the disk. What is beyond the bound is read for a while, dropped and refused.
+in forms the disk. Of a body beyond the bound some more is read and dropped, then the request is refused.
 """
 
 import logging
@@ -112,7 +112,7 @@ class Bounded:
         return message
 
     async def _drain(self, message: Message) -> None:
-        """Read on for a while and drop it: most clients read no answer before they sent everything."""
+        """Read some more and drop it: most clients read no answer before they have sent everything."""
         dropped = 0
         while message.get("more_body", False) and dropped < _DRAINED_BYTES:
             message = await self._receive()
@@ -133,9 +133,9 @@ def media_type(headers: Headers) -> str:
 
 
 class UploadRoute(APIRoute):
-    """A route whose body is refused by type before, and by size while, it is read.
+    """A route for one uploaded file: its body is checked by type before it is read, and by size meanwhile.
 
-    The form's parser alone would spool any amount to disk before the endpoint saw the first byte.
+    The form's parser alone would write any amount to disk before the endpoint sees the first byte.
     """
 
     def get_route_handler(self) -> Callable[[Request], Coroutine[Any, Any, Response]]:
@@ -155,7 +155,7 @@ class UploadRoute(APIRoute):
 def arrival_of(request: Request) -> datetime:
     """Return the instant at which a request to an `UploadRoute` came in, before its body was read.
 
-    Dates and limits are judged by it, so that a busy service makes nobody late.
+    Dates and limits go by it, so that a busy service makes nobody late.
     """
     instant: datetime = request.state.arrived_at
     return instant
@@ -174,10 +174,10 @@ def _too_long() -> RefusedError:
 
 
 class Observed:
-    """ASGI middleware around everything else.
+    """ASGI middleware around everything else: gives each request an id, measures and logs it.
 
-    A request's id is the client's or a proxy's when it is well-formed, else a new one; the answer carries it.
-    Only templates of routes and codes get into log and measurements, nothing of a request as it was sent.
+    The id is the one that the client or a proxy sent, if it is well-formed, else a new one; the answer carries it.
+    Log and measurements get route templates and codes only, never text that a client sent.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -191,7 +191,7 @@ class Observed:
         begun_s, status, noted = time.monotonic(), 500, False
         request_id = _request_id(Headers(scope=scope))
         scope.setdefault("state", {})["request_id"] = request_id
-        # never ended: the server gives each request a task, and what a failed one logs later is still about it
+        # not ended here: each request has its own task, and what the server logs after a failure is about it, too
         context.begin(request_id=request_id)
 
         def note() -> None:
@@ -206,7 +206,7 @@ class Observed:
                 status = message["status"]
                 MutableHeaders(scope=message)[HEADER] = request_id
             elif not message.get("more_body", False):
-                note()  # before the last of it is sent: who has an answer finds it measured
+                note()  # before the last part is sent, so that a client with an answer finds it counted
             await send(message)
 
         try:

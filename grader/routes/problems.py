@@ -176,7 +176,7 @@ def _answer(
     )
     context.note(code=code, instance=problem.instance)
     own = {"Content-Language": language, "Cache-Control": "no-store"}
-    if request_id is not None:  # what answers after a bug stands outside of the middleware that adds it
+    if request_id is not None:  # the handler of bugs runs outside the middleware that adds this header
         own["X-Request-ID"] = request_id
     return JSONResponse(
         problem.model_dump(exclude_none=True),
@@ -245,7 +245,7 @@ async def _on_unavailable(request: Request, error: Exception) -> JSONResponse:
 
 
 async def _on_bug(request: Request, error: Exception) -> JSONResponse:
-    # the server ends the connection after such an answer, and who asks next on it would get no answer
+    # the server closes the connection after this answer; unless it says so, the client's next request is lost
     answer = _answer(request, "internal_error", None, headers={"Connection": "close"})
     _log.error(
         "%s %s failed: %s", request.method, request.url.path, bytes(answer.body).decode(), exc_info=error

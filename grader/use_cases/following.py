@@ -27,9 +27,9 @@ Subject = tuple[str, str | None]
 """``("submission", id)`` or ``("class", course)``."""
 
 _FRESH_S = 5.0  # the mean of gradings and the number of slots change slowly
-_PAUSE_S = 0.1  # however often the doorbell rings
-_CLASS_EVERY = 4  # looks at submissions per look at classes, which reads more rows
-_LATER_S = 5  # a place is free whenever some page is closed or a stream has lived its time
+_PAUSE_S = 0.1  # between two looks, however often the doorbell rings: a busy class rings it all the time
+_CLASS_EVERY = 4  # classes read more rows, so they are looked at less often than submissions
+_LATER_S = 5  # a place becomes free when a page is closed or a stream reaches its age
 _log = logging.getLogger(__name__)
 
 
@@ -78,11 +78,11 @@ class WatchLimits:
     """How many may watch, and for how long.
 
     Attributes:
-        most: streams of this process; half of them for those of one address who have not said who they are.
-        most_each: of one person.
-        life_s: after this a stream ends, and whoever still watches opens another: so nobody keeps what a token
-            opened for long after it was revoked.
-        poll_s: how often rows are looked at that nobody announced.
+        most: streams of this process. Visitors from one address without a token share half of them.
+        most_each: streams of one person.
+        life_s: a stream ends after this time, and a client that still watches opens another. So a token that
+            was revoked soon opens nothing.
+        poll_s: how often rows are read when no process has announced a change.
     """
 
     most: int

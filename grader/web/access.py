@@ -18,7 +18,7 @@ from grader.contracts.submission import StoredReport, Submission
 from grader.routes.dependencies import AssignmentId, QueryWhole, RegradeId, ServicesDep, SubmissionId
 from grader.use_cases.handing_in import checked_student
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import found
+from grader.use_cases.visibility import found, visible_submission
 from grader.web.forms import set_private_cookie
 
 __all__ = (
@@ -141,8 +141,20 @@ def seen(services: Services, visitor: Visitor, submission_id: str) -> tuple[Subm
     return submission, stored
 
 
+def require_sight(services: Services, visitor: Visitor, submission_id: str) -> Submission:
+    """Return a submission, without its grading, to somebody who may see it.
+
+    Raises:
+        EnterFirstError, RefusedError: as `seen`.
+    """
+    require_known(visitor)
+    submission = visible_submission(services, visitor.caller, submission_id)
+    require_own(visitor, submission)
+    return submission
+
+
 def require_own(visitor: Visitor, submission: Submission) -> None:
-    """Show a student nobody else's submission, also where the service has no courses and its id would open it.
+    """Make sure that a student sees only their own submissions, also without courses, where an id opens any.
 
     Raises:
         RefusedError: it is somebody else's; the same refusal as when there is none.
@@ -164,7 +176,7 @@ def enter_student(request: Request, response: Response, student: str) -> None:
 
 
 def enter_by_token(request: Request, response: Response, token: str) -> Caller | None:
-    """Remember a token on this browser; None, and nothing changed, when it opens nothing."""
+    """Remember a token on this browser and return whose it is; a token of nobody is not remembered."""
     caller = _services(request).callers.identify(token)
     if caller is not None:
         set_private_cookie(request, response, TOKEN_COOKIE, token)

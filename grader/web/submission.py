@@ -67,7 +67,7 @@ def read_state(
     request: Request, services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId
 ) -> Response:
     """Say where a submission stands: what the progress display asks for again and again."""
-    submission, _ = access.seen(services, visitor, submission_id)
+    submission = access.require_sight(services, visitor, submission_id)
     state = status_word(submission.state, language_of(request))
     document = {
         "open": submissions.is_open(submission),
@@ -85,7 +85,7 @@ async def _watched(
     submission_id: SubmissionId,
     last_event_id: LastEventId = None,
 ) -> AsyncIterator[Watch]:
-    await run_in_threadpool(access.seen, services, visitor, submission_id)
+    await run_in_threadpool(access.require_sight, services, visitor, submission_id)
     owner = owner_of(visitor.caller, f"visitor {visitor.student}")
     async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
         yield watch
@@ -113,7 +113,7 @@ def read_trajectory(
     accept_encoding: Annotated[str | None, Header()] = None,
 ) -> Response:
     """Return what the car did, for the replay."""
-    access.seen(services, visitor, submission_id)
+    access.require_sight(services, visitor, submission_id)
     recording = recordings.trajectory(services, visitor.caller, submission_id, case)
     headers = {
         "ETag": f'"{recording.sha256}"',
@@ -155,7 +155,7 @@ async def read_plot(
     case: Case = None,
 ) -> Response:
     """Return the picture of one run, for browsers without scripts and for comparing."""
-    await run_in_threadpool(access.seen, services, visitor, submission_id)
+    await run_in_threadpool(access.require_sight, services, visitor, submission_id)
     language = language_of(request)
     drawn = await recordings.picture(services, visitor.caller, submission_id, case, language, "png")
     headers = {
@@ -182,9 +182,9 @@ def _only_talks(figure: FigureSketch | None) -> bool:
 
 
 def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[StreamText, StreamText]]:
-    """Return by case what a script had printed that was ended while it was still printing.
+    """Return by case what a script had printed when it was ended for printing too much.
 
-    How much it is depends on the moment, so that the report has none of it.
+    How much that is depends on the moment, so it is no part of the report.
     """
     measured = services.past_gradings.measurements(stored)
     cut = () if measured is None else measured.cut_output
