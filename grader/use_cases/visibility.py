@@ -67,11 +67,6 @@ def _seen(caller: Caller, submission: Submission | None) -> Submission:
     return submission
 
 
-def hidden_from(services: Services, caller: Caller, assignment_id: str) -> frozenset[str]:
-    """Return the ids of an assignment's rubric items that the caller does not see now."""
-    return _hidden(services, caller, assignment_id)[assignment_id]
-
-
 def shown_assignment(services: Services, caller: Caller, assignment: Assignment) -> Assignment:
     """Return an assignment without the items that the caller does not see now."""
     return shown_assignments(services, caller, (assignment,))[0]
@@ -89,7 +84,7 @@ def shown(
     services: Services, caller: Caller, submission: Submission, stored: StoredReport | None
 ) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its grading as the caller may see them."""
-    hidden = hidden_from(services, caller, submission.assignment)
+    hidden = _hidden(services, caller, submission.assignment)[submission.assignment]
     if not hidden or stored is None:
         return submission, stored
     report = _without(json.loads(stored.content), hidden)

@@ -18,7 +18,7 @@ from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import InstructorDep, RegradeId, ServicesDep, StaffDep, require_staff
 from grader.web.comparison import compare
-from grader.web.errors import refusal
+from grader.web.errors import form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.regrade_table import PARTS, ChangesQuery, changes
@@ -196,4 +196,4 @@ def _refusal(request: Request, problem: RefusedError) -> FormError:
         return FormError(field="students", text=say("regrade.nothing_fits", language))
     if problem.code == "regrade_open":
         return FormError(field="assignment", text=say("regrade.open_already", language))
-    return FormError(field="assignment", text=refusal(problem, language).title)
+    return FormError(field="assignment", text=form_problem(problem, language).title)
