@@ -1,4 +1,11 @@
-"""Measure the polygon that straights and turns make: which part is the first figure, its sides and corners."""
+"""Measure the polygon that straights and turns make: which part is the first figure, its sides and corners.
+
+Scripts drive an approach first, repeat the figure, begin in the middle of a side, or drive on afterwards. The
+wanted number of sides must decide as little as possible here: a square driven for a triangle has to be measured
+as a square. Only direction, closing and likeness tell what belongs to the figure.
+
+All tolerances are shares of the path's own size or angles, so that small and large figures are measured alike.
+"""
 
 import itertools
 import math
@@ -10,13 +17,25 @@ from grader.geometry.path import Path
 from grader.geometry.segmentation import MIN_TURN_RAD, Segments, Straight, Turn
 
 FULL_TURN_RAD = 2.0 * math.pi
-MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
-REPEAT_TOLERANCE = 0.15  # by how much a later side may differ when the figure is repeated
-SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
+
+# The shipped rubrics give full credit to sides that differ by 4 %, a gap of 4 % of the perimeter and corners
+# within 3°, and nothing beyond 20 %, 16 % and 15°. Up to the first, a motion is what was meant; beyond the
+# second, it is worth nothing whatever it is taken for. The tolerances stand at these edges, so that a motion
+# that earns something is never taken for another one.
 CLOSED_SHARE = 0.04  # of the perimeter: a figure whose end is this near to its start has closed
-NEARLY_CLOSED_SHARE = 0.16  # from here on a gap earns nothing, and says nothing of what was meant
-SAME_SHARE = 0.04  # by how much a side too many may differ from the first
-ALIKE_RAD = math.radians(15.0)  # by how much corners of a figure with equal corners may differ
+SAME_SHARE = 0.04  # by how much a side too many may differ from the first side
+MERGE_TOLERANCE = 0.2  # by how much the two halves of a side begun in its middle may miss a whole side
+
+# Of the perimeter: a wider gap says nothing about what was meant. At 8 %, the approach to a figure with one
+# corner off would be taken for a side.
+NEARLY_CLOSED_SHARE = 0.16
+
+# By how much the corners of a figure with equal corners may differ. At 7.5°, the first of several laps that do
+# not quite close would be taken for an approach.
+ALIKE_RAD = math.radians(15.0)
+
+REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a slipping car laps drift apart
+SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
@@ -26,12 +45,12 @@ class PolygonFigure(PositionalRecord):
     Attributes:
         vertices: sample indices: start of the first side, each corner, end of the last side.
         sides_m: length of each side, from vertex to vertex.
-        corners_rad: signed change of direction at the end of each side; of the last one only where the
-            figure needs it: it is repeated, or has not come round without it.
-        last_turn_rad: the turn after the last side that is no corner for that reason, less whole turns on
-            the spot; 0 if there was none.
+        corners_rad: signed change of direction at the end of each side. The last side has one only where the
+            figure needs it: it is repeated, or does not come round without it.
+        last_turn_rad: the turn after the last side where it is no corner, without whole turns on the spot;
+            0 if there was none.
         approach_m: distance driven before the first side.
-        start: sample index where the first straight begins, be it an approach.
+        start: sample index where the first straight begins, which may be an approach.
         end: sample index where the figure ends, its last turn included.
         rest: sample index where the car came to rest: `end` unless it drove on.
         gap_m: distance from `start` to `rest`.
@@ -95,8 +114,8 @@ def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bo
 def _corners(path: Path, segments: Segments) -> list[float]:
     """Return the change of direction from each straight to the next.
 
-    Between driving forward and backing up, turning by an angle or by its supplement the other way round comes
-    to the same: the smaller change of direction is meant.
+    Where the car drives forward before a corner and backs up after it (or the reverse), a turn by an angle and a
+    turn by its supplement the other way lead to the same path. The smaller change of direction is taken.
     """
     corners = []
     for before, after in itertools.pairwise(segments.straights):
@@ -123,7 +142,11 @@ def _backs_up(path: Path, straight: Straight) -> bool:
 
 
 def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *, cut_short: bool) -> _Extent:
-    """Find the figure: the first one that closes, else the first one whose direction comes round."""
+    """Find the figure: the first one that closes, else the first one whose direction comes round.
+
+    A side begun in its middle is looked for first, because its two halves are neither approach nor repetition;
+    then laps, whose first one would otherwise be taken for an approach to the next.
+    """
     total = len(segments.straights)
     lengths = [chord(path, *span(path, segments, i)) for i in range(total)]
     lap = _comes_round(corners) or total
@@ -141,16 +164,17 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
 
 
 def _one_too_many(lengths: list[float], corners: list[float]) -> bool:
-    """Whether the last side follows a figure in just the way in which its own sides follow each other."""
+    """Whether the last side continues a complete figure as its own sides do: one repetition too many in a loop."""
     count = len(lengths) - 1
     same = abs(lengths[-1] - lengths[0]) <= SAME_SHARE * lengths[0]
     return same and _comes_round(corners) == count and _alike(corners)
 
 
 def _comes_round(corners: list[float]) -> int | None:
-    """Return how many sides bring the direction round once, but for the turn after the last one, or None.
+    """Return how many sides bring the direction round once, or None.
 
-    That turn is taken to be like the others. Whole turns at a corner are left aside.
+    The turn after the last side may be missing, so it is taken to be the mean of the others. Half a mean corner is
+    the widest tolerance at which only one number of sides fits. Whole turns at a corner do not count.
     """
     total = 0.0
     for sides, corner in enumerate(corners, start=2):
@@ -171,7 +195,8 @@ def _closed(
 ) -> tuple[int, int] | None:
     """Return first straight and number of straights of the first figure of equal corners that closes, or None.
 
-    What is driven before it is an approach. Where none closes, one of `sides` that nearly does is taken.
+    What is driven before it is an approach. Where no figure closes, one that nearly does is taken if it has the
+    wanted number of sides.
     """
     nearly = None
     for first in range(min(MAX_APPROACH_STRAIGHTS + 1, len(lengths))):
@@ -188,7 +213,7 @@ def _closed(
 
 
 def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
-    """Whether the path begins in the middle of a side, which its last straight completes the same way."""
+    """Whether the path begins in the middle of a side, which its last straight completes in the same direction."""
     if len(lengths) != lap + 1 or lap < 3:
         return False
     turned = abs(sum(math.remainder(corner, FULL_TURN_RAD) for corner in corners))
@@ -200,7 +225,7 @@ def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
     first, last = lengths[0], lengths[-1]
     return any(
         abs(first + last - whole) <= MERGE_TOLERANCE * whole
-        and max(first, last) < (1.0 - 0.5 * MERGE_TOLERANCE) * whole
+        and max(first, last) < (1.0 - 0.5 * MERGE_TOLERANCE) * whole  # else one of them is a whole side
         for whole in like
     )
 
@@ -219,7 +244,7 @@ def _figure(
     curved_m += sum(_bent_m(straight) for straight in segments.straights[first:stop])
     if closing is not None:
         curved_m += closing.length_m
-    curved_m = max(curved_m, 0.0)  # a turn within a correction goes back
+    curved_m = max(curved_m, 0.0)  # distance falls within a correction, so a turn in it counts negative
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
     inner, last_turn_rad = corners[first : stop - 1], 0.0
@@ -245,7 +270,10 @@ def _figure(
 
 
 def _bent_m(straight: Straight) -> float:
-    """Return how much of a side counts as driven while turning: the more it bends, from a corner's least on."""
+    """Return how much of a side counts as driven while turning.
+
+    A side may bend by as much as the least corner for nothing; from twice that on all of it counts.
+    """
     return straight.length_m * min(max(straight.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
 
 
@@ -255,7 +283,10 @@ def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:
 
 
 def _repeats(lengths: list[float], corners: list[float], count: int, *, cut_short: bool) -> bool:
-    """Whether the first `count` sides are followed by the same over again: once, or as far as it goes."""
+    """Whether the first `count` sides are followed by another whole lap, or by a part of one that was cut short.
+
+    A part that the script itself ended was no lap: the car drove on after the figure.
+    """
     sides, later = lengths[:count], lengths[count:]
     if not later or (len(later) < count and not cut_short):
         return False
@@ -269,7 +300,7 @@ def _repeats(lengths: list[float], corners: list[float], count: int, *, cut_shor
 
 
 def _turns_alike(corners: list[float], count: int) -> bool:
-    """Whether each lap after the first `count` sides turns as those do, be it the other way round."""
+    """Whether each lap after the first `count` sides turns as the first one does, in either sense."""
     inner = _from_its_sense(corners[: count - 1])
     return all(
         abs(math.remainder(corner - first, FULL_TURN_RAD)) <= ALIKE_RAD
@@ -279,7 +310,7 @@ def _turns_alike(corners: list[float], count: int) -> bool:
 
 
 def _from_its_sense(corners: list[float]) -> list[float]:
-    """Return the corners of a lap, mirrored if its first one turns right; whole turns aside."""
+    """Return the corners of a lap without whole turns, mirrored if the first one turns right."""
     bare = [math.remainder(corner, FULL_TURN_RAD) for corner in corners]
     return [-corner for corner in bare] if bare and bare[0] < 0.0 else bare
 
@@ -297,18 +328,18 @@ def chord(path: Path, start: int, stop: int) -> float:
 
 
 def _vertex(path: Path, turn: Turn) -> int:
-    """Return the sample at which half of the turn is done."""
+    """Return the sample at which half of the turn is done: where the corner of a rounded turn is measured from."""
     travel = path.travel_rad[turn.first : turn.last + 1]
     return turn.first + int(np.argmin(np.abs(travel - (travel[0] + travel[-1]) / 2.0)))
 
 
 def _start(path: Path, straight: Straight) -> int:
-    """Return where the first side begins: of a correction there, where the car had backed up to."""
+    """Return where the first side begins. After a correction that is the point to which the car backed up."""
     return straight.first + int(np.argmin(path.along_m[straight.first : straight.last + 1]))
 
 
 def _end(path: Path, straight: Straight) -> int:
-    """Return where the last side ends: of a correction there, where it came nearest to where the path began."""
+    """Return where the last side ends. With a correction, where the car came nearest to where the path began."""
     far = straight.first + int(np.argmax(path.along_m[straight.first : straight.last + 1]))
     x_m, y_m = path.x_m[far : straight.last + 1], path.y_m[far : straight.last + 1]
     return far + int(np.argmin(np.hypot(x_m - path.x_m[0], y_m - path.y_m[0])))

@@ -10,8 +10,12 @@ from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]
 
-REVERSAL_SHARE = 0.1  # a way back shorter than this share of the path's extent is a correction
-MIN_REVERSAL_M = 0.01
+# A way back shorter than this share of the path's extent is a correction: a controller that went too far backs up
+# a little, but driving back on purpose goes for a good part of a side. Halved or doubled, a longer way back would
+# earn more than a shorter one.
+REVERSAL_SHARE = 0.1
+
+MIN_REVERSAL_M = 0.01  # of a path that hardly moved; halved, the noise of a car at rest adds up to a distance
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,9 +1,13 @@
 """Cut a driven path into straights and turns (in place or in an arc).
 
 Everything happens in the plane of distance travelled against direction of travel, where a straight is a level
-line, a turn in place an upright one and an arc a slope. Time plays no part: pauses, speed and sampling
-cannot matter. The staircase is simplified by Ramer-Douglas-Peucker with a tolerance in degrees and a share
-of the path's extent, so that wobble and noise below it vanish; what is left is classified and merged.
+line, a turn in place an upright one and an arc a slope. Time plays no part, so pauses, speed and sampling
+cannot matter. Ramer-Douglas-Peucker simplifies this staircase with one tolerance in degrees and one in shares of
+the path's extent: wobble and noise below them vanish. What is left is classified and merged.
+
+The smallest corner of an assignment is the 30° of a dodecagon. A car that steers by the sign of its error
+swings by up to 10° about a straight side. The constants below keep the two apart; the tests of steering
+that weaves and of figures with twelve sides fail when one is halved or doubled, as its comment says.
 """
 
 import math
@@ -14,15 +18,20 @@ import numpy as np
 from grader.contracts.record import PositionalRecord
 from grader.geometry.path import Floats, Path
 
-HEADING_TOLERANCE_RAD = math.radians(10.0)
-WOBBLE_RAD = math.radians(12.0)  # of a steering loop that still counts as straight, to either side
-DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent
-MIN_TURN_RAD = math.radians(
-    15.0
-)  # below this, or in an arc wider than the path, a straight is bent, not a corner
-MIN_STRAIGHT_SHARE = 0.06  # of the extent: shorter straight bits inside a corner belong to it
-MIN_EXTENT_M = 0.02
-MAX_VERTICES = 1000
+HEADING_TOLERANCE_RAD = math.radians(10.0)  # doubled, it swallows the corners of a dodecagon
+DISTANCE_TOLERANCE_SHARE = 0.02  # of the extent; doubled, weaving is taken for corners
+WOBBLE_RAD = math.radians(12.0)  # to either side: a swing of 10° with some noise is still straight
+
+# Half of a dodecagon's corner. A smaller change of direction, or one in an arc wider than the path, is a
+# straight that bends.
+MIN_TURN_RAD = math.radians(15.0)
+
+# Of the extent: shorter straight bits belong to the corner around them. Halved, a step after the figure counts
+# as a side; doubled, a weaving side falls apart.
+MIN_STRAIGHT_SHARE = 0.06
+
+MIN_EXTENT_M = 0.02  # keeps the tolerances of a car that turned on the spot from shrinking to its noise
+MAX_VERTICES = 1000  # bounds the work for a path that never goes straight; a dodecagon needs 25
 STILL_RAD, STILL_M = 1e-3, 1e-3  # less than this is rest, not motion
 
 
@@ -43,7 +52,7 @@ class Straight(PositionalRecord):
 
 
 class Turn(PositionalRecord):
-    """A change of direction between samples `first` and `last`.
+    """A change of direction between samples `first` and `last`, on the spot or in an arc.
 
     Attributes:
         angle_rad: signed change of continuous direction.
@@ -86,7 +95,7 @@ def segment(path: Path) -> Segments:
 
 
 def _simplify(across: Floats, up: Floats) -> list[int]:
-    """Return the sorted indices kept by Ramer-Douglas-Peucker with tolerance 1."""
+    """Return the sorted indices kept by Ramer-Douglas-Peucker with tolerance 1: both axes are in tolerances."""
     last = len(across) - 1
     kept, stack = {0, last}, [(0, last)]
     while stack and len(kept) < MAX_VERTICES:
@@ -106,7 +115,7 @@ def _simplify(across: Floats, up: Floats) -> list[int]:
 
 
 def _without_wobble(path: Path, corners: list[int]) -> list[int]:
-    """Drop the vertices between swings to and fro that are no wider than wobble."""
+    """Drop the vertices of swings to and fro that are no wider than wobble."""
     kept: list[int] = []
     for corner in corners:
         kept.append(corner)
@@ -116,7 +125,7 @@ def _without_wobble(path: Path, corners: list[int]) -> list[int]:
 
 
 def _swings(path: Path, first: int, middle: int, last: int) -> bool:
-    """Whether the direction swings out at `middle` and about back, not further than wobble does."""
+    """Whether the direction swings out until `middle` and back again, no wider than wobble does."""
     there_rad = float(path.travel_rad[middle] - path.travel_rad[first])
     back_rad = float(path.travel_rad[last] - path.travel_rad[middle])
     wide = max(abs(there_rad), abs(back_rad)) > 2.0 * WOBBLE_RAD
@@ -135,7 +144,7 @@ def _classify(path: Path, corners: list[int], extent_m: float) -> list[_Piece]:
 
 
 def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
-    """Merge neighbours of a kind, and straights over a turn between them that changed nothing."""
+    """Merge neighbours of one kind, and two straights in one direction with the turn between them."""
     joined: list[_Piece] = []
     for piece in pieces:
         if joined and joined[-1].straight == piece.straight:
@@ -154,7 +163,10 @@ def _join(path: Path, pieces: list[_Piece]) -> list[_Piece]:
 
 
 def _line(path: Path, piece: _Piece) -> tuple[float, float]:
-    """Return direction and bend of a straight piece: a line fitted over its middle four fifths, by distance."""
+    """Return direction and bend of a straight piece: a line fitted over its middle four fifths, by distance.
+
+    Its ends are left out because the car still settles there after a turn.
+    """
     along = path.along_m[piece.first : piece.last + 1]
     start, length = float(along[0]), float(along[-1] - along[0])
     if length <= 0.0:
