@@ -1,14 +1,10 @@
 """Grades for other systems: the gradebook, and single reports in other graders' formats."""
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
 from fastapi.responses import JSONResponse
 
-from grader.contracts.identity import Caller, Member, Role
-from grader.contracts.judgement import judged
-from grader.contracts.text import Language
-from grader.render.documents import to_gradescope, to_prairielearn
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     SIGHT,
@@ -18,15 +14,11 @@ from grader.routes.dependencies import (
     StaffDep,
     SubmissionId,
 )
-from grader.routes.gradebook_tables import Scores, canvas, plain
 from grader.routes.problems import responses
-from grader.use_cases.services import Services
-from grader.use_cases.visibility import graded
+from grader.use_cases.gradebook import Format, exported, gradebook_csv
 
 router = APIRouter(prefix="/api/v1", tags=["gradebook"])
 exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT])
-Format = Literal["plain", "canvas"]
-Platform = Literal["gradescope", "prairielearn"]
 _JSON = {"application/json": {"schema": {"type": "object"}}}
 _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
 
@@ -50,23 +42,12 @@ def read_gradebook(
     format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
 ) -> Response:
     """Return everybody's points; without courses of everybody who handed something in."""
-    return gradebook_file(services, caller, language, format)
-
-
-def gradebook_file(services: Services, caller: Caller, language: Language, format: Format) -> Response:
-    """Return the answer with the gradebook as a file to be saved."""
-    members, scores = book(services, caller)
-    assignments = services.assignments.all()
-    table = (
-        canvas(members, assignments, scores, language)
-        if format == "canvas"
-        else plain(members, assignments, scores)
-    )
     headers = {
         "Content-Disposition": f'attachment; filename="gradebook-{format}.csv"',
         "Cache-Control": "no-store",
         "Vary": "Accept-Language, Authorization",
     }
+    table = gradebook_csv(services, caller, language, format)
     return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
 
 
@@ -99,30 +80,3 @@ def read_prairielearn(
     """Return what a PrairieLearn external grader writes."""
     document = exported(services, caller, submission_id, "prairielearn", language)
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
-
-
-def book(services: Services, caller: Caller) -> tuple[tuple[Member, ...], Scores]:
-    """Return everybody who has a line in the gradebook, and what they reached by student and assignment."""
-    progress = services.dashboard.state(caller.course).progress
-    members = services.courses.members(caller.course, Role.STUDENT) or _seen(
-        {one.student for one in progress}
-    )
-    return members, {(one.student, one.assignment): one for one in progress}
-
-
-def exported(
-    services: Services, caller: Caller, submission_id: str, platform: Platform, language: Language
-) -> dict[str, object]:
-    """Return the report of a submission as `caller` may see it, with the points that people gave, for a platform.
-
-    Raises:
-        RefusedError: there is no such submission, or no grading yet.
-    """
-    _, stored = graded(services, caller, submission_id)
-    if platform == "prairielearn":
-        return to_prairielearn(judged(stored), language)
-    return to_gradescope(judged(stored), language, stored.sha256)
-
-
-def _seen(students: set[str]) -> tuple[Member, ...]:
-    return tuple(Member(course="", id=one, name="", role=Role.STUDENT) for one in sorted(students))

@@ -12,9 +12,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import Progress
 from grader.contracts.identity import Member
 from grader.contracts.rubric import summed
-from grader.routes import gradebook
-from grader.routes.gradebook import Format
-from grader.routes.gradebook_tables import Scores
+from grader.use_cases import gradebook
+from grader.use_cases.gradebook import Format, Scores
 from grader.web.access import ServicesDep, StaffDep, require_staff
 from grader.web.pages import language_of, page
 from grader.web.paging import PageQuery, cut
@@ -87,7 +86,13 @@ def download(
     request: Request, services: ServicesDep, visitor: StaffDep, format: Annotated[Format, Query()] = "plain"
 ) -> Response:
     """Return the whole gradebook as a file."""
-    return gradebook.gradebook_file(services, visitor.caller, language_of(request), format)
+    table = gradebook.gradebook_csv(services, visitor.caller, language_of(request), format)
+    headers = {
+        "Content-Disposition": f'attachment; filename="gradebook-{format}.csv"',
+        "Cache-Control": "no-store",
+        "Vary": "Accept-Language, Authorization",
+    }
+    return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
 
 
 def _line(member: Member, scores: Scores, assignments: Sequence[Assignment]) -> BookLine:

@@ -8,7 +8,7 @@ from fastapi.responses import JSONResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport
-from grader.routes.gradebook import Platform, exported
+from grader.use_cases.gradebook import Platform, exported
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import QueryWhole, ServicesDep, StaffDep, SubmissionId, Visitor, require_staff

@@ -18,8 +18,8 @@ from grader.contracts.identity import Member, Role, RosterEntry
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import LateRule, Rules
 from grader.contracts.submission import SubmissionState
-from grader.routes.gradebook_tables import canvas, plain
 from grader.store.audit import Signature
+from grader.use_cases.gradebook import canvas, plain
 from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import assignment

@@ -1,22 +1,74 @@
-"""The gradebook as CSV: a plain table, and the one Canvas imports.
+"""Grades for other systems: the gradebook, also as CSV, and single reports in other graders' formats.
 
-Cells that a spreadsheet program would take for a formula are made text by an apostrophe before them (OWASP,
-"CSV Injection"); with an East Asian locale that is so for the full-width signs, too.
+The CSV is a plain table, or the one that Canvas imports. Cells that a spreadsheet program would take for a formula
+are made text by an apostrophe before them (OWASP, "CSV Injection"); with an East Asian locale that includes the
+full-width signs.
 """
 
 import csv
 import io
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import Progress
-from grader.contracts.identity import Member
+from grader.contracts.identity import Caller, Member, Role
+from grader.contracts.judgement import judged
 from grader.contracts.notation import written
 from grader.contracts.rubric import summed
 from grader.contracts.text import BYTE_ORDER_MARK, Language
+from grader.render.documents import to_gradescope, to_prairielearn
+from grader.use_cases.callers import require_staff
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import graded
 
 _FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠", "\t", "\r", "\n")
+Format = Literal["plain", "canvas"]
+Platform = Literal["gradescope", "prairielearn"]
 Scores = Mapping[tuple[str, str], Progress]
+
+
+def book(services: Services, caller: Caller) -> tuple[Sequence[Member], Scores]:
+    """Return everybody who has a line in the gradebook, and what they reached by student and assignment.
+
+    Without courses, everybody who handed something in has one.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    progress = services.dashboard.state(caller.course).progress
+    members = services.courses.members(caller.course, Role.STUDENT) or _seen(
+        {one.student for one in progress}
+    )
+    return members, {(one.student, one.assignment): one for one in progress}
+
+
+def gradebook_csv(services: Services, caller: Caller, language: Language, format: Format) -> str:
+    """Return the whole gradebook as a file.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    members, scores = book(services, caller)
+    assignments = services.assignments.all()
+    if format == "canvas":
+        return canvas(members, assignments, scores, language)
+    return plain(members, assignments, scores)
+
+
+def exported(
+    services: Services, caller: Caller, submission_id: str, platform: Platform, language: Language
+) -> dict[str, object]:
+    """Return the report of a submission for a platform, as the caller may see it, with the points people gave.
+
+    Raises:
+        RefusedError: there is no such submission, or no grading yet.
+    """
+    _, stored = graded(services, caller, submission_id)
+    if platform == "prairielearn":
+        return to_prairielearn(judged(stored), language)
+    return to_gradescope(judged(stored), language, stored.sha256)
 
 
 def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: Scores) -> str:
@@ -55,6 +107,10 @@ def canvas(
         person = [_text(member.name or member.id), "", _text(member.id), _text(member.id), ""]
         rows.append([*person, *(_points(scores.get((member.id, one.id))) for one in assignments)])
     return _written(rows)
+
+
+def _seen(students: set[str]) -> tuple[Member, ...]:
+    return tuple(Member(course="", id=one, name="", role=Role.STUDENT) for one in sorted(students))
 
 
 def _points(progress: Progress | None) -> str:
