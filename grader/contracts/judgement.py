@@ -6,6 +6,7 @@ never changed. Judgements stand beside it; `composed` is the one place that puts
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, report_from, status_of
@@ -15,6 +16,9 @@ from grader.contracts.text import EMPTY, Text
 
 LONGEST_COMMENT = 2_000
 """Characters of a comment for the student."""
+
+COMMENT_PATTERN: Final = r"^[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]*$"
+"""What a comment may consist of: no control characters but tabs and ends of lines."""
 
 _JUDGED = Text(zh="已人工评分。", en="A person has graded this.")
 
@@ -27,6 +31,31 @@ class ItemScore:
     points: float
     earned: float
     status: ItemStatus
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JudgedItem:
+    """One rubric item of a grading, with what people gave for it.
+
+    Attributes:
+        machine: what the machine gave; None: it leaves the item to people.
+        judgement: the one that counts; None while the item waits, or while the machine's points count.
+        history: all judgements, oldest first.
+        tag: names this state, for a change that holds only for what was looked at.
+    """
+
+    id: str
+    title: Text
+    points: float
+    machine: float | None
+    judgement: Judgement | None
+    history: tuple[Judgement, ...]
+    tag: str
+
+    @property
+    def waits(self) -> bool:
+        """Whether it is left to people, and nobody has judged it, or not since it has these points."""
+        return self.machine is None and self.judgement is None
 
 
 def standing(item: str, points: float, judgements: Iterable[Judgement]) -> Judgement | None:

@@ -1,39 +1,35 @@
 """Points that people give for what no machine judges or correct: what waits for them, and what they gave."""
 
-import math
+from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Query, Response
+from pydantic import BaseModel, ConfigDict, Field
 
-from grader.contracts.errors import JudgementError, RefusedError
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
-from grader.contracts.notation import written
-from grader.contracts.report import report_from
-from grader.contracts.rubric import ItemStatus
-from grader.contracts.text import Language, Text
+from grader.contracts.judgement import COMMENT_PATTERN, LONGEST_COMMENT, JudgedItem
+from grader.contracts.submission import Judgement
+from grader.contracts.text import Language
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     SIGHT,
+    SUBMISSIONS,
     LanguageDep,
+    Number,
     QueryWhole,
     ServicesDep,
     StaffDep,
     SubmissionId,
+    etag,
     seen,
 )
-from grader.routes.judgement_views import (
-    JudgementBody,
-    ManualItemsView,
-    ManualItemView,
-    WaitingList,
-    manual_items,
-    waiting_list,
-)
 from grader.routes.problems import responses
-from grader.store.audit import Signature
-from grader.store.judgements import Given, WaitingFor
+from grader.store.judgements import WaitingFor
+from grader.use_cases import judging
+from grader.use_cases.assignments import item_title
+from grader.use_cases.judging import WaitingPage
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import graded
 
 router = APIRouter(prefix="/api/v1/judgements", tags=["judgements"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["judgements"], dependencies=[SIGHT])
@@ -57,12 +53,114 @@ _Id = Annotated[str | None, Query(max_length=128)]
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
 _MOST_PER_PAGE = 500
 _MOST = 1_000_000
-_REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
-_REASON = Text(
-    zh="改机器评的分要写原因，学生会看到。",
-    en="Say why the machine's points are changed; the student sees it.",
-)
 _ETAG = {"ETag": {"description": "Of the item's state.", "schema": {"type": "string"}}}
+
+
+class JudgementBody(BaseModel):
+    """What a person gives for one rubric item."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    points: Annotated[
+        Number,
+        Field(
+            ge=0.0,
+            allow_inf_nan=False,
+            description="From 0 to the most the item can earn, with at most two decimals.",
+            examples=[22.5],
+        ),
+    ]
+    comment: Annotated[
+        str,
+        Field(
+            max_length=LONGEST_COMMENT,
+            pattern=COMMENT_PATTERN,
+            description="For the student, in place of the sentence that says that somebody graded this. Required "
+            "where the machine judged.",
+            examples=["What a timer does is right; say also who calls the callback."],
+        ),
+    ] = ""
+
+
+class JudgementView(BaseModel):
+    """What somebody gave."""
+
+    revision: int = Field(description="1 for the first judgement of the item.", examples=[1])
+    points: float = Field(examples=[22.5])
+    out_of: float = Field(
+        description="Most the item could earn then; 0: earlier corrections were taken back.", examples=[45.0]
+    )
+    comment: str
+    by: str = Field(examples=["wang"])
+    at: datetime
+    attempt: int = Field(description="Number of the grading that was looked at.", examples=[1])
+    source_sha256: str = Field(description="Digest of the answer that was judged.")
+
+
+class ManualItemView(BaseModel):
+    """One rubric item, and what people gave for it."""
+
+    item: str = Field(examples=["timer"])
+    title: str = Field(examples=["What create_timer does"])
+    points: float = Field(description="Most it can earn.", examples=[45.0])
+    machine: float | None = Field(
+        description="What the machine gave; null: it leaves the item to people.", examples=[None]
+    )
+    waits: bool = Field(
+        description="It is left to people, and nobody has judged it yet, or not since it has these points."
+    )
+    judgement: JudgementView | None = Field(
+        description="The one that counts; null while it waits, or while the machine's points count."
+    )
+    history: list[JudgementView] = Field(description="All, oldest first.")
+    etag: str = Field(
+        description="Of this state: to be sent as If-Match with the next judgement.",
+        examples=['"0.9f86d081884c7d65"'],
+    )
+
+
+class ManualItemsView(BaseModel):
+    """The rubric items of one submission, and what people gave for them."""
+
+    submission: str = Field(description="Its address.")
+    source: str = Field(description="Address of the answer as it was handed in.")
+    student: str = Field(examples=["20260123"])
+    assignment: str = Field(examples=["theory_publisher_timer"])
+    score: float | None = Field(description="Null while something waits.", examples=[82.5])
+    max_score: float | None = Field(examples=[100.0])
+    items: list[ManualItemView]
+
+
+class QuestionView(BaseModel):
+    """How many answers to one question wait."""
+
+    assignment: str = Field(examples=["theory_publisher_timer"])
+    assignment_title: str = Field(examples=["Question: publisher and timer"])
+    item: str = Field(examples=["timer"])
+    title: str = Field(examples=["What create_timer does"])
+    waiting: int = Field(examples=[17])
+
+
+class WaitingView(BaseModel):
+    """One rubric item of one submission that waits for a person."""
+
+    submission: str = Field(description="Its address.")
+    source: str = Field(description="Address of the answer as it was handed in.")
+    judgement: str = Field(description="Address to put points to.")
+    student: str | None = Field(description="Null when names are left out.", examples=["20260123"])
+    assignment: str = Field(examples=["theory_publisher_timer"])
+    item: str = Field(examples=["timer"])
+    title: str = Field(examples=["What create_timer does"])
+    points: float = Field(description="Most it can earn.", examples=[45.0])
+    received_at: datetime
+
+
+class WaitingList(BaseModel):
+    """A page of what waits for a person: question by question, each in order of arrival."""
+
+    total: int = Field(description="Of all pages.", examples=[34])
+    questions: list[QuestionView] = Field(description="All that have something waiting.")
+    waiting: list[WaitingView]
 
 
 @router.get(
@@ -86,27 +184,8 @@ def read_waiting(  # noqa: PLR0913
 ) -> WaitingList:
     """Return answers to be judged, question by question, so that one question is judged with one measure."""
     which = WaitingFor(assignment=assignment, item=item, newest=not every)
-    return waiting(services, caller, language, which, offset=offset, limit=limit, anonymous=anonymous)
-
-
-def waiting(  # noqa: PLR0913
-    services: Services,
-    caller: Caller,
-    language: Language,
-    which: WaitingFor,
-    *,
-    offset: int,
-    limit: int,
-    anonymous: bool,
-) -> WaitingList:
-    """Return at most `limit` of what waits in the caller's course, and how much of each question waits."""
-    return waiting_list(
-        services.judgements.waiting(caller.course, which, offset, limit),
-        services.judgements.questions(caller.course, which),
-        {one.id: one for one in services.assignments.all()},
-        language,
-        anonymous=anonymous,
-    )
+    page = judging.waiting(services, caller, which, offset=offset, limit=limit)
+    return _waiting(services, page, language, anonymous=anonymous)
 
 
 @of_submission.get(
@@ -118,17 +197,17 @@ def read_judgements(
     services: ServicesDep, caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
 ) -> ManualItemsView:
     """Return every rubric item, whether it is left to people, and what was given by whom and when."""
-    return items_of(services, caller, language, submission_id)
-
-
-def items_of(services: Services, caller: Caller, language: Language, submission_id: str) -> ManualItemsView:
-    """Return the rubric items of a submission with what people gave for them.
-
-    Raises:
-        RefusedError: there is no such submission, or no grading yet.
-    """
-    submission, stored = graded(services, caller, submission_id)
-    return manual_items(submission, stored, report_from(stored.content), language)
+    submission, items = judging.items_of(services, caller, submission_id)
+    own = SUBMISSIONS + submission.id
+    return ManualItemsView(
+        submission=own,
+        source=f"{own}/source",
+        student=submission.student,
+        assignment=submission.assignment,
+        score=submission.score,
+        max_score=submission.max_score,
+        items=[_item(one, language) for one in items],
+    )
 
 
 @of_submission.get(
@@ -147,17 +226,6 @@ def read_judgement(  # noqa: PLR0913
 ) -> ManualItemView:
     """Return one item, with its ETag."""
     return _tagged(services, caller, language, response, submission_id, item)
-
-
-def _tagged(  # noqa: PLR0913, PLR0917
-    services: Services, caller: Caller, language: Language, response: Response, submission_id: str, item: str
-) -> ManualItemView:
-    items = items_of(services, caller, language, submission_id).items
-    for one in items:
-        if one.item == item:
-            response.headers.update({"ETag": one.etag, "Cache-Control": "no-store"})
-            return one
-    raise RefusedError("item_not_found", field="item", allowed=[one.item for one in items])
 
 
 @of_submission.put(
@@ -192,50 +260,81 @@ def judge(  # noqa: PLR0913
     Assistants and instructors may. Once nothing of a submission waits any more, its score is complete. What the
     machine judged only instructors correct, with a comment; the machine's own points take a correction back.
     """
-    give(services, caller, submission_id, item, body, if_match)
+    judging.give(
+        services,
+        caller,
+        submission_id,
+        item,
+        points=body.points,
+        comment=body.comment,
+        seen=seen(if_match),
+    )
     return _tagged(services, caller, language, response, submission_id, item)
 
 
-def give(  # noqa: PLR0913, PLR0917
-    services: Services,
-    caller: Caller,
-    submission_id: str,
-    item: str,
-    body: JudgementBody,
-    if_match: str | None,
-) -> None:
-    """Keep what a person gives for an item in the state that `if_match` names.
+def _tagged(  # noqa: PLR0913, PLR0917
+    services: Services, caller: Caller, language: Language, response: Response, submission_id: str, item: str
+) -> ManualItemView:
+    _, items = judging.items_of(services, caller, submission_id)
+    found = next((one for one in items if one.id == item), None)
+    if found is None:
+        raise RefusedError("item_not_found", field="item", allowed=[one.id for one in items])
+    response.headers.update({"ETag": etag(found.tag), "Cache-Control": "no-store"})
+    return _item(found, language)
 
-    Raises:
-        RefusedError: the points do not fit, there is no such item, only an instructor may correct it, the reason
-            is missing, or somebody judged it meanwhile.
-    """
-    if not math.isclose(body.points, round(body.points, 2), abs_tol=1e-9):
-        raise RefusedError("invalid_points", field="points")
-    given = Given(
-        item=item,
-        points=round(body.points, 2),
-        comment=body.comment.replace("\r\n", "\n"),
-        corrects=caller.is_instructor,
+
+def _waiting(services: Services, page: WaitingPage, language: Language, *, anonymous: bool) -> WaitingList:
+    known = {one.id: one for one in services.assignments.all()}
+    return WaitingList(
+        total=page.total,
+        questions=[
+            QuestionView(
+                assignment=assignment,
+                assignment_title=known[assignment].title.get(language) if assignment in known else assignment,
+                item=item,
+                title=item_title(known.get(assignment), item, language),
+                waiting=count,
+            )
+            for (assignment, item), count in page.questions.items()
+        ],
+        waiting=[
+            WaitingView(
+                submission=SUBMISSIONS + one.submission,
+                source=f"{SUBMISSIONS}{one.submission}/source",
+                judgement=f"{SUBMISSIONS}{one.submission}/judgements/{one.item}",
+                student=None if anonymous else one.student,
+                assignment=one.assignment,
+                item=one.item,
+                title=item_title(known.get(one.assignment), one.item, language),
+                points=one.points,
+                received_at=one.received_at,
+            )
+            for one in page.answers
+        ],
     )
-    signed = Signature(services.clock(), caller.course, caller.signature)
-    try:
-        services.judgements.judge(submission_id, given, seen(if_match), signed)
-    except JudgementError as error:
-        raise _problem(services, caller, submission_id, given, error) from None
 
 
-def _problem(
-    services: Services, caller: Caller, submission_id: str, given: Given, error: JudgementError
-) -> RefusedError:
-    if error.code in _REFUSALS:
-        return RefusedError(_REFUSALS[error.code])
-    if error.code == "reason":
-        return RefusedError("invalid_request", _REASON, field="comment")
-    items = report_from(graded(services, caller, submission_id)[1].content).items
-    if error.code == "range":
-        most = next((written(one.points) for one in items if one.id == given.item), "?")
-        detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
-        return RefusedError("invalid_points", detail, field="points")
-    allowed = [one.id for one in items if given.corrects or one.status is ItemStatus.NEEDS_MANUAL]
-    return RefusedError("item_not_found", field="item", allowed=allowed)
+def _item(item: JudgedItem, language: Language) -> ManualItemView:
+    return ManualItemView(
+        item=item.id,
+        title=item.title.get(language),
+        points=item.points,
+        machine=item.machine,
+        waits=item.waits,
+        judgement=None if item.judgement is None else _judgement(item.judgement),
+        history=[_judgement(one) for one in item.history],
+        etag=etag(item.tag),
+    )
+
+
+def _judgement(one: Judgement) -> JudgementView:
+    return JudgementView(
+        revision=one.revision,
+        points=one.points,
+        out_of=one.out_of,
+        comment=one.comment,
+        by=one.by,
+        at=one.at,
+        attempt=one.attempt,
+        source_sha256=one.source_sha256,
+    )

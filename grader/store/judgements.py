@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import ColumnElement, Select, and_, exists, func, or_, select
+from sqlalchemy import ColumnElement, Select, and_, case, exists, func, or_, select
 from sqlalchemy.orm import aliased
 from sqlmodel import Session, col
 
@@ -60,6 +60,21 @@ class WaitingFor:
     assignment: str | None = None
     item: str | None = None
     newest: bool = True
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Neighbours:
+    """Submissions that wait around one in order of arrival.
+
+    After the last comes the first, so that nothing that was passed over is forgotten.
+
+    Attributes:
+        previous: None before the first. next: None when no other waits. waiting: how many wait in all.
+    """
+
+    previous: str | None
+    next: str | None
+    waiting: int
 
 
 class Judgements:
@@ -129,6 +144,23 @@ class Judgements:
         with self._database.reading() as session:
             return tuple(
                 Waiting(**dict(zip(names, row, strict=True))) for row in session.execute(statement).all()
+            )
+
+    def around(
+        self, course: str | None, which: WaitingFor, submission_id: str, received_at: datetime
+    ) -> Neighbours:
+        """Return what waits before and after a submission, which need not wait itself any more."""
+        received, id_ = col(SubmissionRow.received_at), col(SubmissionRow.id)
+        before = or_(received < received_at, and_(received == received_at, id_ < submission_id))
+        others = _waiting((id_,), course, which).where(id_ != submission_id)
+        backwards = others.where(before).order_by(received.desc(), id_.desc()).limit(1)
+        onwards = others.order_by(case((before, 1), else_=0), received, id_).limit(1)
+        count = _waiting((func.count(),), course, which)
+        with self._database.reading() as session:
+            return Neighbours(
+                previous=session.execute(backwards).scalar(),
+                next=session.execute(onwards).scalar(),
+                waiting=session.execute(count).scalar_one(),
             )
 
     def questions(self, course: str | None, which: WaitingFor) -> dict[tuple[str, str], int]:

@@ -1,23 +1,22 @@
 """Points by a person, as pages: what waits, and one answer after the other to one question."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from datetime import datetime
+import re
+from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Annotated, Literal
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
-from pydantic import BaseModel, Field, ValidationError
+from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.judgement import LONGEST_COMMENT
+from grader.contracts.identity import Seen
+from grader.contracts.judgement import COMMENT_PATTERN, LONGEST_COMMENT, JudgedItem
 from grader.contracts.notation import decimal, written
-from grader.contracts.submission import Submission
-from grader.routes import judgements
-from grader.routes.judgement_views import JudgementBody, ManualItemsView, ManualItemView
 from grader.store.judgements import WaitingFor
-from grader.use_cases.assignments import published
+from grader.use_cases import judging
+from grader.use_cases.assignments import item_title, published
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
@@ -30,7 +29,6 @@ HOME = "/class/judgements"
 router = APIRouter(prefix=HOME, include_in_schema=False, dependencies=[Depends(require_staff)])
 _PAGE = 50
 _CENT = 2  # decimals of points
-_MOST_WAITING = 100_000
 
 
 class WaitingQuery(PageQuery):
@@ -52,34 +50,19 @@ class PointsForm(BaseModel):
     then: Literal["next", "stay", "result"] = "next"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Neighbours:
-    """Answers to the same question that wait: before and after one in order of arrival, None at the ends."""
-
-    previous: str | None
-    next: str | None
-    waiting: int
-
-
 @router.get("")
 def read_waiting(
     request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[WaitingQuery, Query()]
 ) -> Response:
     """Show what waits for a person: questions, and the answers to them."""
     which = WaitingFor(assignment=query.assignment or None, item=query.item or None)
-    listed = judgements.waiting(
-        services,
-        visitor.caller,
-        language_of(request),
-        which,
-        offset=(query.page - 1) * _PAGE,
-        limit=_PAGE,
-        anonymous=query.anonymous,
-    )
+    listed = judging.waiting(services, visitor.caller, which, offset=(query.page - 1) * _PAGE, limit=_PAGE)
     return page(
         request,
         "judgements.html",
         listed=listed,
+        assignments={one.id: one for one in services.assignments.all()},
+        item_title=partial(item_title, language=language_of(request)),
         query=query,
         pages=pages_of(listed.total, _PAGE),
         names=names(services, visitor.caller),
@@ -110,17 +93,21 @@ def judge(
 ) -> Response:
     """Keep the points and lead to the next answer; on a refusal show the form with the reason at its field."""
     submission, _ = access.seen(services, visitor, submission_id)
-    body, errors = _read(form)
-    if body is not None:
+    given, errors = _read(form)
+    if given is not None:
+        points, comment = given
+        seen = Seen.one(form.seen) if form.seen else None
         try:
-            judgements.give(services, visitor.caller, submission.id, form.item, body, form.seen or None)
+            judging.give(
+                services, visitor.caller, submission.id, form.item, points=points, comment=comment, seen=seen
+            )
         except RefusedError as problem:
             if problem.code not in _AT_FIELDS:
                 raise
             errors = dict([_AT_FIELDS[problem.code]])
     if errors:
         return _desk(request, services, visitor, submission.id, form, errors)
-    around = neighbours(services, submission, form.item)
+    around = judging.neighbours(services, visitor.caller, submission, form.item)
     kept: dict[str, object] = {"item": form.item, "anonymous": int(form.anonymous)}
     if form.then == "next" and around.next is not None:
         address = f"{HOME}/{around.next}?{urlencode(kept)}"
@@ -139,54 +126,35 @@ _AT_FIELDS: Mapping[str, tuple[str, str]] = {
     "invalid_request": ("comment", "judge.error.reason"),
     "judged_meanwhile": ("form", "judge.error.meanwhile"),
 }
-"""Problems that the form shows: the field, and the key of the sentence in ``words.toml``."""
+"""Problems that the form shows: the field, and the id of the sentence about it."""
 
 
-def neighbours(services: Services, submission: Submission, item: str) -> Neighbours:
-    """Return what waits before and after `submission`, which may itself be judged already.
-
-    After the last comes the first that still waits, so that nothing that was passed over is forgotten.
-    """
-    which = WaitingFor(assignment=submission.assignment, item=item)
-    waiting = services.judgements.waiting(submission.course, which, 0, _MOST_WAITING)
-    here = _place(submission.received_at, submission.id)
-    others = [one for one in waiting if one.submission != submission.id]
-    before = [one.submission for one in others if _place(one.received_at, one.submission) < here]
-    after = [one.submission for one in others if _place(one.received_at, one.submission) > here]
-    return Neighbours(
-        previous=before[-1] if before else None,
-        next=next(iter([*after, *before]), None),
-        waiting=len(waiting),
-    )
-
-
-def _place(received_at: datetime, submission_id: str) -> tuple[datetime, str]:
-    return received_at, submission_id
-
-
-def _read(form: PointsForm) -> tuple[JudgementBody | None, dict[str, str]]:
-    """Return what was typed, or None and what is wrong with it."""
+def _read(form: PointsForm) -> tuple[tuple[float, str] | None, dict[str, str]]:
+    """Return the points and the comment that were typed, or None and what is wrong with which field."""
+    errors: dict[str, str] = {}
+    comment = form.comment.replace("\r\n", "\n").strip()
+    if len(comment) > LONGEST_COMMENT or not re.search(COMMENT_PATTERN, comment):
+        errors["comment"] = "judge.error.comment"
     try:
         points = _points(form.points.strip())
-        comment = form.comment.replace("\r\n", "\n").strip()
-        return JudgementBody(points=points, comment=comment), {}
-    except ValidationError as error:
-        wrong = {str(one["loc"][0]) for one in error.errors()}
     except ValueError:
-        wrong = {"points"}
-    return None, {name: f"judge.error.{name}" for name in wrong}
+        errors["points"] = "judge.error.points"
+    return (None if errors else (points, comment)), errors
 
 
 def _points(text: str) -> float:
     """Return what was typed as points; a comma before one or two digits is a decimal one.
 
     Raises:
-        ValueError: it is no number, or could be a thousand as well as one.
+        ValueError: it is no number from 0, or could be a thousand as well as one.
     """
     units, comma, cents = text.partition(",")
     if comma and len(cents) > _CENT:
         raise ValueError("a comma for thousands")
-    return decimal(f"{units}.{cents}" if comma else text)
+    points = decimal(f"{units}.{cents}" if comma else text)
+    if points < 0.0:
+        raise ValueError("points below zero")
+    return points
 
 
 def _desk(  # noqa: PLR0913, PLR0917
@@ -197,28 +165,26 @@ def _desk(  # noqa: PLR0913, PLR0917
     form: PointsForm,
     errors: dict[str, str] | None = None,
 ) -> Response:
-    submission, _ = access.seen(services, visitor, submission_id)
-    language = language_of(request)
-    judged = judgements.items_of(services, visitor.caller, language, submission.id)
-    item = _chosen(judged, form.item, corrects=visitor.caller.is_instructor)
+    submission, items = judging.items_of(services, visitor.caller, submission_id)
+    item = _chosen(items, form.item, corrects=visitor.caller.is_instructor)
     return page(
         request,
         "judge.html",
         status=422 if errors else 200,
         submission=submission,
-        judged=judged,
+        items=items,
         item=item,
         assignment=published(services, submission.assignment),
         answer=str(services.submissions.source(submission.id) or b"", "utf-8", "replace"),
         form=form if errors else _filled(form, item),
         errors=errors or {},
-        around=neighbours(services, submission, item.item),
+        around=judging.neighbours(services, visitor.caller, submission, item.id),
         name=named(names(services, visitor.caller), submission.student),
         longest=LONGEST_COMMENT,
     )
 
 
-def _filled(form: PointsForm, item: ManualItemView) -> PointsForm:
+def _filled(form: PointsForm, item: JudgedItem) -> PointsForm:
     """Return the form with what counts now, if anything does."""
     given = item.judgement
     known: dict[str, str] = {}
@@ -229,7 +195,7 @@ def _filled(form: PointsForm, item: ManualItemView) -> PointsForm:
     return form.model_copy(update=known)
 
 
-def _chosen(judged: ManualItemsView, item_id: str, *, corrects: bool) -> ManualItemView:
+def _chosen(items: Sequence[JudgedItem], item_id: str, *, corrects: bool) -> JudgedItem:
     """Return the item that was asked for, else of those left to people the first that waits, else the first.
 
     Raises:
@@ -237,8 +203,8 @@ def _chosen(judged: ManualItemsView, item_id: str, *, corrects: bool) -> ManualI
     """
     wanted = [
         one
-        for one in judged.items
-        if (one.item == item_id if item_id else one.machine is None) and (corrects or one.machine is None)
+        for one in items
+        if (one.id == item_id if item_id else one.machine is None) and (corrects or one.machine is None)
     ]
     if not wanted:
         raise RefusedError("item_not_found")

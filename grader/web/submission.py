@@ -1,6 +1,6 @@
 """The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import asdict
 from typing import Annotated, Any
 
@@ -12,16 +12,16 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.figure import FigureSketch
-from grader.contracts.judgement import judged
-from grader.contracts.report import CaseRun, GradeReport, report_from
-from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.judgement import JudgedItem, judged
+from grader.contracts.report import CaseRun, GradeReport
+from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
 from grader.render.labels import status_word
 from grader.routes.events import LastEventId, events, owner_of, progress_event, watched
-from grader.routes.judgement_views import ManualItemView, manual_items
 from grader.use_cases import recordings, submissions
 from grader.use_cases.assignments import published
 from grader.use_cases.following import Watch
+from grader.use_cases.judging import judged_items
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import ServicesDep, SubmissionId, Visitor, VisitorDep
@@ -57,7 +57,7 @@ def read(
         position=found.position,
         attempts=submissions.attempts(services, visitor.caller, submission.student, submission.assignment),
         late=found.lateness,
-        corrections=_corrections(request, visitor, submission, found.grading),
+        corrections=_corrections(visitor, found.grading),
         **_result(request, services, assignment, found.grading, case),
     )
 
@@ -167,13 +167,11 @@ async def read_plot(
     return Response(drawn.content, media_type="image/png", headers=headers)
 
 
-def _corrections(
-    request: Request, visitor: Visitor, submission: Submission, stored: StoredReport | None
-) -> list[ManualItemView]:
+def _corrections(visitor: Visitor, stored: StoredReport | None) -> Sequence[JudgedItem]:
     """Return the items in the order of the report, for whoever may correct what the machine gave; else none."""
     if stored is None or not visitor.caller.is_instructor:
-        return []
-    return manual_items(submission, stored, report_from(stored.content), language_of(request)).items
+        return ()
+    return judged_items(stored)
 
 
 def _only_talks(figure: FigureSketch | None) -> bool:

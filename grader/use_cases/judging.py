@@ -1,0 +1,146 @@
+"""Points that people give for what no machine judges, or correct: what waits for them, and what they gave."""
+
+import math
+from dataclasses import dataclass
+
+from grader.contracts.errors import JudgementError, RefusedError
+from grader.contracts.identity import Caller, Seen
+from grader.contracts.judgement import JudgedItem, standing
+from grader.contracts.notation import written
+from grader.contracts.report import report_from
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.text import Text
+from grader.store.judgements import Given, Neighbours, Waiting, WaitingFor, tag
+from grader.use_cases.callers import require_staff
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import graded
+
+_REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
+_REASON = Text(
+    zh="改机器评的分要写原因，学生会看到。",
+    en="Say why the machine's points are changed; the student sees it.",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class WaitingPage:
+    """Answers that wait for a person, question by question, each in order of arrival.
+
+    Attributes:
+        questions: how much of each question waits, by assignment and rubric item. total: of all of them.
+        answers: one page of them.
+    """
+
+    questions: dict[tuple[str, str], int]
+    answers: tuple[Waiting, ...]
+
+    @property
+    def total(self) -> int:
+        """How many answers wait on all pages."""
+        return sum(self.questions.values())
+
+
+def waiting(services: Services, caller: Caller, which: WaitingFor, *, offset: int, limit: int) -> WaitingPage:
+    """Return at most `limit` of what waits in the caller's course.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    return WaitingPage(
+        questions=services.judgements.questions(caller.course, which),
+        answers=services.judgements.waiting(caller.course, which, offset, limit),
+    )
+
+
+def neighbours(services: Services, caller: Caller, submission: Submission, item: str) -> Neighbours:
+    """Return which answers to the same question wait around a submission.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    which = WaitingFor(assignment=submission.assignment, item=item)
+    return services.judgements.around(submission.course, which, submission.id, submission.received_at)
+
+
+def items_of(
+    services: Services, caller: Caller, submission_id: str
+) -> tuple[Submission, tuple[JudgedItem, ...]]:
+    """Return a submission and its rubric items with what people gave for them.
+
+    Raises:
+        RefusedError: the caller may not see the class, there is no such submission, or no grading yet.
+    """
+    require_staff(caller)
+    submission, stored = graded(services, caller, submission_id)
+    return submission, judged_items(stored)
+
+
+def judged_items(stored: StoredReport) -> tuple[JudgedItem, ...]:
+    """Return the rubric items of a grading with what people gave for them."""
+    return tuple(_judged(item, stored) for item in report_from(stored.content).items)
+
+
+def give(  # noqa: PLR0913
+    services: Services,
+    caller: Caller,
+    submission_id: str,
+    item: str,
+    *,
+    points: float,
+    comment: str,
+    seen: Seen | None,
+) -> None:
+    """Keep the points and the comment that a person gives for an item in one of the states `seen`.
+
+    None as `seen` means that nobody had judged the item. Assistants and instructors may. What the machine judged
+    only instructors correct, with a comment; the machine's own points take a correction back.
+
+    Raises:
+        RefusedError: the points do not fit, there is no such item, only an instructor may correct it, the reason
+            is missing, or somebody judged it meanwhile.
+    """
+    require_staff(caller)
+    if not math.isclose(points, round(points, 2), abs_tol=1e-9):
+        raise RefusedError("invalid_points", field="points")
+    given = Given(
+        item=item,
+        points=round(points, 2),
+        comment=comment.replace("\r\n", "\n"),
+        corrects=caller.is_instructor,
+    )
+    try:
+        services.judgements.judge(submission_id, given, seen, services.signature(caller))
+    except JudgementError as error:
+        raise _refusal(services, caller, submission_id, given, error) from None
+
+
+def _refusal(
+    services: Services, caller: Caller, submission_id: str, given: Given, error: JudgementError
+) -> RefusedError:
+    if error.code in _REFUSALS:
+        return RefusedError(_REFUSALS[error.code])
+    if error.code == "reason":
+        return RefusedError("invalid_request", _REASON, field="comment")
+    items = report_from(graded(services, caller, submission_id)[1].content).items
+    if error.code == "range":
+        most = next((written(one.points) for one in items if one.id == given.item), "?")
+        detail = Text(zh=f"这一项可以给 0 到 {most} 分。", en=f"This item takes points from 0 to {most}.")
+        return RefusedError("invalid_points", detail, field="points")
+    allowed = [one.id for one in items if given.corrects or one.status is ItemStatus.NEEDS_MANUAL]
+    return RefusedError("item_not_found", field="item", allowed=allowed)
+
+
+def _judged(item: RubricItem, stored: StoredReport) -> JudgedItem:
+    own = tuple(one for one in stored.judgements if one.item == item.id)
+    return JudgedItem(
+        id=item.id,
+        title=item.title,
+        points=item.points,
+        machine=None if item.status is ItemStatus.NEEDS_MANUAL else item.earned,
+        judgement=standing(item.id, item.points, own),
+        history=own,
+        tag=tag(own[-1] if own else None, stored.sha256),
+    )
