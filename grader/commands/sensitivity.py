@@ -1,21 +1,28 @@
-"""How sensitive a rubric is: the solution's own motion, made worse and worse, and what each item says to it."""
+"""How sensitive a rubric is: drive the solution's motion again with growing errors, and see what each costs.
 
+The recorded commands are driven by an ideal turtle in numpy, so hundreds of errors take a few seconds.
+"""
+
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 
+import numpy as np
+
 from grader.checks import evaluate
-from grader.commands.replay import motion_of, replayed
 from grader.contracts.assignment import Assignment
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
-from grader.contracts.trajectory import Command, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajectory
 
 Commands = Sequence[Command]
 Spoil = Callable[[Commands, float], list[Command]]
 STEP = 0.01
 MOST = 1.0
+_PERIOD_NS = 16_666_667  # poses 1/60 s apart, as the car records them
+_MOVING = 1e-6  # slower is rest: velocities are commanded, so anything else is rounding
 
 
 @dataclass(frozen=True, slots=True)
@@ -224,3 +231,57 @@ PERTURBATIONS = (
         Text(zh="停顿", en="rests"), _longer_rests, 100.0, "%", None, lambda kinds: "rest" in kinds[:-1]
     ),
 )
+
+
+# ------------------------------------------------------------------------------------------------- replay
+
+
+def replayed(recorded: Trajectory, commands: Sequence[Command]) -> Trajectory:
+    """Return the motion of an ideal turtle, which obeys at once and never slips, from the recorded start pose.
+
+    The episode lasts at least as long as the recorded one.
+    """
+    if not commands:
+        return recorded
+    end_ns = max(recorded.end_ns, commands[-1].t_ns + COMMAND_LIFE_NS + _PERIOD_NS)
+    starts, v, w = _constant_stretches(commands, end_ns)
+    times = np.unique(np.concatenate((np.arange(0, end_ns, _PERIOD_NS), starts, [end_ns])))
+    index = np.searchsorted(starts, times[:-1], side="right") - 1
+    steps_s = np.diff(times) * 1e-9
+    speed, rate = v[index], w[index]
+    heading = recorded.heading_rad[0] + np.concatenate(([0.0], np.cumsum(rate * steps_s)))
+    half = rate * steps_s / 2.0
+    chord = speed * steps_s * np.sinc(half / math.pi)
+    return replace(
+        recorded,
+        t_ns=times,
+        x_m=recorded.x_m[0] + np.concatenate(([0.0], np.cumsum(chord * np.cos(heading[:-1] + half)))),
+        y_m=recorded.y_m[0] + np.concatenate(([0.0], np.cumsum(chord * np.sin(heading[:-1] + half)))),
+        heading_rad=heading,
+        v_mps=np.concatenate(([0.0], speed)),
+        w_radps=np.concatenate(([0.0], rate)),
+        commands=tuple(commands),
+        contacts=(),
+        jumps=(),
+        end_ns=end_ns,
+    )
+
+
+def _constant_stretches(commands: Sequence[Command], end_ns: int) -> tuple[np.ndarray, Floats, Floats]:
+    """Return start times, v and w of stretches of constant velocity; turtlesim drops a command that is too old."""
+    stretches = [(0, 0.0, 0.0)]
+    following = [command.t_ns for command in commands[1:]] + [end_ns]
+    for command, next_ns in zip(commands, following, strict=True):
+        stretches.append((command.t_ns, command.v_mps, command.w_radps))
+        if next_ns - command.t_ns > COMMAND_LIFE_NS:
+            stretches.append((command.t_ns + COMMAND_LIFE_NS, 0.0, 0.0))
+    columns = list(zip(*stretches, strict=True))
+    return np.array(columns[0], dtype=np.int64), np.array(columns[1]), np.array(columns[2])
+
+
+def motion_of(command: Command) -> str:
+    """Return what a command asks for: ``run``, ``turn``, ``arc`` or ``rest``."""
+    drives, turns = abs(command.v_mps) > _MOVING, abs(command.w_radps) > _MOVING
+    if drives:
+        return "arc" if turns else "run"
+    return "turn" if turns else "rest"

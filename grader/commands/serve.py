@@ -1,19 +1,23 @@
-"""`grader serve`: the HTTP service with its local workers."""
+"""`grader serve`: the HTTP service with its local workers, and what one connection to it may take."""
 
 import argparse
+import asyncio
 import gc
 import logging
+import resource
 import signal
 import socket
 import sys
 from contextlib import nullcontext
 from pathlib import Path
 from types import FrameType
+from typing import Final
 
+import h11
 import uvicorn
 from fastapi import FastAPI
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
-from grader.commands.connections import HEADER_BYTES, BoundedConnection, most_connections
 from grader.commands.options import add_language_option
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import trouble
@@ -22,8 +26,18 @@ _log = logging.getLogger(__name__)
 EXIT_COULD_NOT = 2
 _BACKLOG = 512  # a class that hands in within the same second
 _SWITCH_S = 0.0005
-"""After this a thread that computes lets others go on. A request stops some thirty times, for the database and for
-others, and while the dashboard was counted each stop took Python's usual 5 ms."""
+"""How long a thread that computes keeps Python's interpreter lock. A request gives the lock up some thirty times;
+while a dashboard was computed, getting it back took Python's usual 5 ms each time."""
+
+
+HEADERS_S: Final = 15.0
+BODY_S: Final = 60.0
+"""A file of the usual limit arrives in time at 5 KB a second."""
+
+HEADER_BYTES: Final = 16 * 1024
+_REQUESTS: Final = 1_500  # connections besides streams: browsers keep some open after each page
+_OTHER_FILES: Final = 256  # the database, the log, gradings
+_FEWEST: Final = 16  # with fewer connections it would be no service
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     with _listening(settings.host, settings.port) as listener, running(settings) as services:
         app = create_app(lambda: nullcontext(services))
         server = _Server(app, most_connections(settings.max_streams))
-        # uvicorn raises the signal once more when it has stopped; to be told is no failure
+        # uvicorn raises the signal once more after it has stopped; that must not look like a failure
         signal.signal(signal.SIGTERM, server.stop)
         if settings.log_format == "json":
             _log.info("listening on %s", _url(listener))
@@ -120,3 +134,96 @@ def _listening(host: str, port: int) -> socket.socket:
 def _url(listener: socket.socket) -> str:
     host, port = listener.getsockname()[:2]
     return f"http://[{host}]:{port}" if ":" in host else f"http://{host}:{port}"
+
+
+# -------------------------------------------------------------------------------------------- connections
+
+
+class BoundedConnection(H11Protocol):
+    """uvicorn's connection; it ends when a request takes too long to arrive, or when there are too many.
+
+    uvicorn itself waits for ever for a request that never ends: a client that opens connections and sends a byte
+    now and then would take every file descriptor of the process, and the gradings with them. A proxy in front does
+    this earlier and better; this is for those without one.
+    """
+
+    headers_s = HEADERS_S
+    body_s = BODY_S
+
+    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+        """Begin to wait for a request."""
+        super().connection_made(transport)
+        self._awaited: str | None = None
+        self._deadline: asyncio.TimerHandle | None = None
+        if self.limit_concurrency is not None and len(self.connections) > self.limit_concurrency:
+            transport.abort()
+            return
+        self._await("headers")
+
+    def data_received(self, data: bytes) -> None:
+        """Take what arrived of a request."""
+        super().data_received(data)
+        self._look()
+
+    def on_response_complete(self) -> None:
+        """Go on to the next request; until its first byte uvicorn's own keep-alive limit holds."""
+        super().on_response_complete()
+        self._look()
+
+    def shutdown(self) -> None:
+        """Stop without waiting for requests that have not arrived completely: the time belongs to the gradings."""
+        if self._awaited is None:
+            super().shutdown()
+        else:
+            self.transport.abort()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Wait for nothing more."""
+        self._await(None)
+        super().connection_lost(exc)
+
+    def _look(self) -> None:
+        """See what the client still has to send."""
+        state = self.conn.their_state
+        begun = state is h11.IDLE and bool(self.conn.trailing_data[0])
+        self._await("body" if state is h11.SEND_BODY else "headers" if begun else None)
+
+    def _await(self, what: str | None) -> None:
+        if what == self._awaited:
+            return
+        if self._deadline is not None:
+            self._deadline.cancel()
+        self._awaited = what
+        limit_s = self.body_s if what == "body" else self.headers_s
+        self._deadline = None if what is None else self.loop.call_later(limit_s, self._end)
+
+    def _end(self) -> None:
+        _log.debug("a request's %s did not arrive in time", self._awaited)
+        self.transport.abort()
+
+
+def most_connections(streams: int) -> int:
+    """Return how many connections at once leave room for everything else that needs files.
+
+    Raises the process's limit of open files as far as the system allows: the usual one is too low for a class.
+
+    Args:
+        streams: most streams of events.
+
+    Raises:
+        SettingsError: the system lets this process open too few.
+    """
+    wanted = streams + _REQUESTS
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if soft != resource.RLIM_INFINITY and soft < wanted + _OTHER_FILES:
+        soft = wanted + _OTHER_FILES if hard == resource.RLIM_INFINITY else min(hard, wanted + _OTHER_FILES)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+    if soft == resource.RLIM_INFINITY:
+        return wanted
+    if soft - _OTHER_FILES < _FEWEST:
+        needed = _OTHER_FILES + _FEWEST
+        raise SettingsError(
+            f"this process may open {soft} files only: let it open {needed} or more (ulimit -n)",
+            f"这个进程只能打开 {soft} 个文件：请放宽到 {needed} 个以上（ulimit -n）",
+        )
+    return min(wanted, soft - _OTHER_FILES)

@@ -33,22 +33,23 @@ def main(arguments: list[str]) -> int:
         sandbox = script_sandbox(config.mode)
     except GraderError as error:
         return _refuse(channel, error)
-    with sandbox, suppress(BrokenPipeError):  # the parent is gone, and so is the reason to be here
+    with sandbox, suppress(BrokenPipeError):  # the parent is gone
         _serve(channel, sandbox)
     return 0
 
 
 def _give_way(niceness: int) -> None:
-    """Let everybody else go before this process, and before whatever it will start.
+    """Lower the priority of this process and of whatever it will start.
 
-    Beside the niceness: a process of the batch class does not interrupt others when it wakes up (sched(7)).
+    Besides being nice, it joins the batch class, whose processes do not interrupt others when they wake up
+    (sched(7)).
     """
     try:
         os.setpriority(os.PRIO_PROCESS, 0, niceness)
         if sys.platform == "linux":
             os.sched_setscheduler(0, os.SCHED_BATCH, os.sched_param(0))
     except OSError:
-        return  # niceness can be forbidden, too
+        return  # a container may forbid even that
     yield_session(os.getpid(), niceness)
 
 
@@ -64,14 +65,15 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
         while (request := channel.receive()) is not None:
             job = job_from_message(request)
             channel.send(_answer(pipeline, job, lambda: channel.send({"kind": "running"})))
-            # Here nobody waits: automatic collection stays off, and the next script finds its process ready.
+            # Nobody waits now, so do here what would cost time while somebody does. Automatic collection is off
+            # (`launch`).
             _prepare(sandbox, job.assignment.limits)
             gc.collect()
 
 
 def _prepare(sandbox: Sandbox, limits: Limits) -> None:
     """Get ready to run a script under `limits`."""
-    with suppress(GraderError):  # the next grading finds it again, and has somebody to tell
+    with suppress(GraderError):  # the next grading meets the fault again, and can report it
         sandbox.prepare(limits)
 
 

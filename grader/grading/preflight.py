@@ -1,7 +1,7 @@
 """A look at a file before it is accepted: does Python take it? Compiled in a confined process, never run.
 
 Source text can attack a compiler (deep nesting, codecs, giant lines), so even this happens in the jail. A student
-waits for the answer: the process is forked and confined before the file comes, and put away once it was answered.
+waits for the answer, so the process is forked and confined before the file comes, and ended after the answer.
 """
 
 import queue
@@ -20,7 +20,7 @@ from grader.sim.frames import SYNTAX_ERROR, Exit
 from grader.sim.wire import PROTOCOL, decode, encode_start
 
 _LIMITS: Final = Limits(cpu_s=2.0, wall_s=20.0)
-_PATIENCE_S: Final = 60.0  # more than a check and what is done behind it may take
+_PATIENCE_S: Final = 60.0  # more than a check, and preparing the next process, may take
 _SHOWN_INDENT: Final = 4
 _TOO_MUCH: Final = "this file is too much for the Python compiler (nested too deeply, or too large)"
 
@@ -77,9 +77,9 @@ class SandboxPreflight:
         )
 
     def close(self) -> None:
-        """Return when nothing is done behind checks any more: no process waits any longer for the next.
+        """Prepare no more processes, and return when those being prepared or ended are done.
 
-        Checks that are still under way go on, as long as the owner of the sandboxes keeps them.
+        Checks that are still under way go on, as long as the owner of the sandboxes keeps them open.
         """
         self._closed = True
         self._behind.shutdown()
@@ -99,9 +99,9 @@ class SandboxPreflight:
             self._make_ready(sandbox, used)
 
     def _make_ready(self, sandbox: Sandbox, used: Jail | None = None) -> None:
-        """Put the process of the check before away and, if there may be a next, have one ready for it."""
+        """End the process of the last check and, unless closed, have one ready for the next."""
         try:
-            with suppress(GraderError):  # the next check finds it again, and has somebody to tell
+            with suppress(GraderError):  # the next check meets the fault again, and can report it
                 if used is not None:
                     used.close()
                 if not self._closed:

@@ -48,7 +48,8 @@ def confine(layers: Layers, budget: Budget, channel: int, stdout: int, stderr: i
         OSError: a step was refused.
         ValueError: the shipped filter does not belong to this bounds.
     """
-    # No session: where the kernel groups processes by session, it would not give way as the zygote does.
+    # A group but no new session: where the kernel groups processes by session for scheduling, a new session would
+    # not inherit the zygote's niceness.
     os.setpgid(0, 0)
     os.umask(0o077)
     _place_descriptors(channel, stdout, stderr)
@@ -58,10 +59,10 @@ def confine(layers: Layers, budget: Budget, channel: int, stdout: int, stderr: i
         libc.prctl(libc.PR_SET_DUMPABLE, 0)
         libc.prctl(libc.PR_SET_PDEATHSIG, signal.SIGKILL)
         libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
-    if layers.ruleset is not None:
+    if layers.ruleset is not None:  # after no_new_privs, which it requires without privileges
         landlock.restrict_self(layers.ruleset)
     os.closerange(bounds.CHANNEL_FD + 1, _OPEN_MAX)
-    if layers.program is not None:
+    if layers.program is not None:  # last: it refuses the calls of the steps before
         syscalls.load(syscalls.bind_to_process(layers.program, os.getpid()))
 
 

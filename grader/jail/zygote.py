@@ -38,11 +38,11 @@ from .confine import Budget, Layers, confine
 _LENGTH_BYTES = 4
 _FDS_PER_FORK = 3
 _FIRST_FREE_FD = bounds.CHANNEL_FD + 1
-_NUMBER_OF_FILES = 128
-_BLOCKS_PER_SIZE = 48  # of each size a request needs fewer
-_BYTES_PER_SIZE = range(
-    15, 480, 16
-)  # one of each size from 48 bytes to 512, beyond which Python asks the C library
+_NUMBER_OF_FILES = 128  # more than it ever holds, and fewer than the 256 that `confine` closes
+_BLOCKS_PER_SIZE = 48  # a request needs fewer of each size
+_BYTES_PER_SIZE = range(15, 480, 16)
+"""Lengths of `bytes` that take one block of each size of Python's allocator: 48 to 512 bytes with their header.
+Larger blocks come from the C library."""
 
 Entry = Callable[[int], object]
 Json = dict[str, Any]
@@ -51,11 +51,11 @@ Json = dict[str, Any]
 
 def main() -> None:
     """Serve the supervisor until it goes away."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl+C is for the supervisor, which then ends this process
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (min(_NUMBER_OF_FILES, hard), hard))
     control = _socket.socket(_socket.AF_UNIX, _socket.SOCK_STREAM, 0, int(sys.argv.pop()))
-    with suppress(EOFError, ConnectionError):  # the supervisor is gone, and so is the reason to be here
+    with suppress(EOFError, ConnectionError):  # the supervisor is gone
         _answer_all(control)
 
 
@@ -63,7 +63,7 @@ def _answer_all(control: _socket.socket) -> None:
     request, _ = _receive(control)
     try:
         layers, entry = _prepare(request)
-    except Exception as error:  # whatever it is, the supervisor must hear of it
+    except Exception as error:  # whatever it is, only the supervisor can report it
         _send(control, {"error": f"{type(error).__name__}: {error}"})
         return
     _send(control, {"ready": True, "namespaces": layers.namespaces})
@@ -76,7 +76,11 @@ def _serve(control: _socket.socket, layers: Layers, entry: Entry) -> None:
 
 
 def _serve_one(control: _socket.socket, layers: Layers, entry: Entry) -> None:
-    """Obey one request and keep nothing of it, not even until the next one has come (see `_take_up_gaps`)."""
+    """Obey one request.
+
+    A function of its own, so that its locals are freed before the next request comes: what a child creates must
+    not lie at other addresses because of the request before (see `_take_up_gaps`).
+    """
     request, descriptors = _receive(control)
     if request["do"] == "reap":
         _send(control, _reap(request["pid"]))
@@ -124,11 +128,11 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
     for name in config["preload"]:
         importlib.import_module(name)
     entry: Entry = getattr(importlib.import_module(module), function)
-    sys.dont_write_bytecode = True  # from here on nothing of what is imported is the grader's own
-    # Only now: in the new root, where nothing can be written, the shim's byte code could never be kept.
+    sys.dont_write_bytecode = True  # what is imported from here on is the student's
+    # Only after the imports: the new root cannot be written to, so the shim's byte code would never be kept.
     separate = bool(config["namespaces"]) and namespaces.enter(config["shown"], config["masked"])
     if sys.platform == "linux":
-        libc.prctl(libc.PR_SET_DUMPABLE, 0)
+        libc.prctl(libc.PR_SET_DUMPABLE, 0)  # nobody of the same user may read its memory or attach to it
     _prime_import_caches()
     _thread.stack_size(bounds.THREAD_STACK_BYTES)
     ruleset = None
@@ -136,6 +140,7 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
         readable: list[str] = config["readable"]
         ruleset = landlock.create_ruleset([*readable, *bounds.READABLE_DEVICES], bounds.WRITABLE_DEVICES)
         ruleset = fcntl.fcntl(ruleset, fcntl.F_DUPFD_CLOEXEC, _FIRST_FREE_FD)  # out of the channel's place
+    # A collection in a child would touch, and so copy, every page of what all children share.
     gc.collect()
     gc.freeze()
     box_uid: int | None = config["box_uid"]
@@ -152,7 +157,7 @@ def _offer_to_oom_killer() -> None:
 
 
 def _drop_launcher() -> None:
-    """Take the grader's own directory off the import path."""
+    """Take the grader's own directory off the import path: a script must not find the grader's modules there."""
     launcher = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
     sys.path[:] = [entry for entry in sys.path if os.path.abspath(entry) != launcher]
     sys.argv[:] = [""]
@@ -195,13 +200,14 @@ def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: l
     try:
         try:
             confine(layers, budget, *descriptors)
-        except BaseException as error:  # nothing may run past a failed step
+        except BaseException as error:  # no script may run after a step that failed
             _refuse(descriptors[0], error)
         os.write(bounds.CHANNEL_FD, b"+")
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # the script's own Ctrl+C works as at home
         # Not reconfigure(): these objects were made for the zygote's null device.
         sys.stdout = sys.__stdout__ = _text_output(1, "strict")  # type: ignore[misc]
         sys.stderr = sys.__stderr__ = _text_output(2, "backslashreplace")  # type: ignore[misc]
+        # A script that lists or imports modules sees what it would see at home.
         for name in [name for name in sys.modules if name == "jail" or name.startswith("jail.")]:
             del sys.modules[name]
         _kept = _take_up_gaps()
@@ -209,19 +215,20 @@ def _become_student(layers: Layers, budget: Budget, entry: Entry, descriptors: l
         code = result if isinstance(result, int) else 0
         sys.stdout.flush()
         sys.stderr.flush()
-    except BaseException:  # the shim reports its own; this is the last resort
+    except BaseException:  # the shim reports what a script raises; only a fault of the shim itself gets here
         sys.excepthook(*sys.exc_info())
     finally:
-        os._exit(code)
+        os._exit(code)  # never return: this is a copy of the zygote, which would go on to serve requests
 
 
 def _take_up_gaps() -> list[object]:
     """Return objects that fill the memory which the zygote's requests used and freed.
 
-    Each request leaves the free blocks of a size in another order. For as long as all of them are taken, what a
-    script creates lies at the same addresses in every run, and so sets of its objects have the same order.
+    Each request leaves the free blocks of a size in a different order. While all of them are taken, what a script
+    creates lies at the same addresses in every run, so sets of its objects have the same order, and reports the
+    same bytes.
     """
-    gc.collect()  # which also empties what Python keeps of freed lists, tuples and numbers
+    gc.collect()  # this also empties Python's lists of freed lists, tuples and numbers
     kept: list[object] = []
     for number in range(_BLOCKS_PER_SIZE):
         kept += [object(), number + 0.5, *map(bytes, _BYTES_PER_SIZE)]
@@ -257,7 +264,7 @@ def _receive(control: _socket.socket) -> tuple[Json, list[int]]:
             descriptors.frombytes(payload)
     data += _receive_exactly(control, _LENGTH_BYTES - len(data))
     body = _receive_exactly(control, int.from_bytes(data, "little"))
-    # Not list(descriptors): Python keeps such lists for later, one more after each request, and what a child
+    # Not list(descriptors): Python keeps freed lists for reuse, one more after each request, and what a child
     # creates would lie at other addresses than in the child before.
     return json.loads(body), descriptors.tolist()
 

@@ -3,7 +3,8 @@
 Every label has few values: no student, no submission and no address as it was sent is ever one.
 """
 
-from collections.abc import Callable, Iterator
+import logging
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from importlib.metadata import version
 
@@ -17,12 +18,16 @@ from prometheus_client import (
     generate_latest,
     start_http_server,
 )
+from prometheus_client.core import GaugeMetricFamily, Metric
+from prometheus_client.registry import Collector
 
 from grader import __version__
-from grader.contracts.errors import SettingsError
+from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.report import GradeStatus
+from grader.contracts.submission import WorkerState
 from grader.contracts.telemetry import ServiceState
-from grader.telemetry.rows import RowCollector
+
+_log = logging.getLogger(__name__)
 
 MEDIA_TYPE = "text/plain; version=0.0.4; charset=utf-8"
 _GRADING_S = (0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 60)
@@ -31,7 +36,7 @@ _REQUEST_S = (0.005, 0.02, 0.05, 0.1, 0.25, 1, 5)
 
 
 class Metrics:
-    """The measurements of one process, in a registry of their own. Is a `GradingObserver`.
+    """The measurements of one process, in a registry of its own. Implements `GradingObserver`.
 
     Args:
         state: reads the rows; called once per scrape. None: only what this process counts.
@@ -41,7 +46,7 @@ class Metrics:
         self.registry = registry = CollectorRegistry()
         ProcessCollector(registry=registry)
         if state is not None:
-            registry.register(RowCollector(state))
+            registry.register(_RowCollector(state))
         build = Info("grader_build", "What runs here.", registry=registry)
         build.info({"version": __version__, "simulator": f"pybullet {version('pybullet')}"})
         self._count_gradings(registry)
@@ -128,7 +133,7 @@ def exported(metrics: Metrics, port: int, host: str = "127.0.0.1") -> Iterator[i
         The port; `port` 0 takes a free one.
 
     Raises:
-        SettingsError: the port cannot be had.
+        SettingsError: the port is taken or not allowed.
     """
     try:
         server, thread = start_http_server(port, host, metrics.registry)
@@ -143,3 +148,58 @@ def exported(metrics: Metrics, port: int, host: str = "127.0.0.1") -> Iterator[i
         server.shutdown()
         server.server_close()
         thread.join()
+
+
+# -------------------------------------------------------------------- what is read from the rows at each scrape
+
+
+class _RowCollector(Collector):
+    """Reads the rows once per scrape; says ``grader_database_up 0`` and nothing else when they cannot be read."""
+
+    def __init__(self, state: Callable[[], ServiceState]) -> None:
+        self._state = state
+
+    def describe(self) -> Iterable[Metric]:
+        """Return nothing: the registry then need not read the database to learn the names."""
+        return ()
+
+    def collect(self) -> Iterable[Metric]:
+        """Yield the gauges."""
+        up = GaugeMetricFamily("grader_database_up", "Whether the database answers.")
+        try:
+            state = self._state()
+        except InfrastructureError as error:
+            _log.error("nothing of the database can be measured: %s", error)
+            up.add_metric([], 0)
+            yield up
+            return
+        up.add_metric([], 1)
+        yield up
+        yield from _queue(state)
+        yield from _workers(state.workers)
+
+
+def _queue(state: ServiceState) -> Iterable[Metric]:
+    depth = GaugeMetricFamily(
+        "grader_submissions", "Submissions by state; priority 0 is fresh.", labels=["state", "priority"]
+    )
+    for one in state.depths:
+        depth.add_metric([one.state, str(one.priority)], one.count)
+    yield depth
+    oldest = state.oldest_queued_at
+    age_s = 0.0 if oldest is None else max((state.at - oldest).total_seconds(), 0.0)
+    yield GaugeMetricFamily(
+        "grader_oldest_queued_seconds", "How long the first submission has been waiting.", value=age_s
+    )
+
+
+def _workers(workers: tuple[WorkerState, ...]) -> Iterable[Metric]:
+    ready = [one for one in workers if one.sandbox_ready and one.slots > 0]
+    yield GaugeMetricFamily("grader_workers_alive", "Workers heard of lately.", value=len(workers))
+    yield GaugeMetricFamily(
+        "grader_sandbox_ready", "1 while some worker has a working sandbox.", value=int(bool(ready))
+    )
+    yield GaugeMetricFamily(
+        "grader_slots", "Gradings that can run at once.", value=sum(one.slots for one in ready)
+    )
+    yield GaugeMetricFamily("grader_slots_busy", "Gradings that run.", value=sum(one.busy for one in workers))

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import pytest
 import uvicorn
 
-from grader.commands.connections import BoundedConnection, most_connections
+from grader.commands.serve import BoundedConnection, most_connections
 from grader.contracts.errors import SettingsError
 from tests.fakes.waiting import PATIENCE_S, wait_until
 

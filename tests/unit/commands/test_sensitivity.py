@@ -5,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.commands.replay import replayed
-from grader.commands.sensitivity import lax, replayable, sensitivities
+from grader.commands.sensitivity import lax, replayable, replayed, sensitivities
 from grader.contracts.assignment import Assignment
 from grader.contracts.scoring import Run
 from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
