@@ -11,8 +11,7 @@ from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
 from grader.routes.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
 from grader.routes.problems import responses
-from grader.use_cases.assignments import checklist, require_published
-from grader.use_cases.visibility import shown_assignment
+from grader.use_cases.assignments import checklist, visible_assignment
 
 router = APIRouter(prefix="/api/v1/assignments", tags=["assignments"])
 
@@ -104,7 +103,7 @@ def read(
     assignment_id: Annotated[str, Path(max_length=64, examples=["square"])],
 ) -> AssignmentView:
     """Return what an assignment asks for and how each item earns its points."""
-    assignment = shown_assignment(services, caller, require_published(services, assignment_id))
+    assignment = visible_assignment(services, caller, assignment_id)
     _say(response, language)
     published = published_rubric(assignment)
     return AssignmentView(

@@ -10,7 +10,7 @@ from grader.contracts.identity import Caller, Role
 from grader.contracts.rules import NO_EXTENSION, Counted, Refusal, Rules
 from grader.contracts.text import Language
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import shown_assignments
+from grader.use_cases.visibility import shown_assignment, shown_assignments
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,15 +44,24 @@ def published(services: Services, assignment_id: str) -> Assignment | None:
 def require_published(
     services: Services, assignment_id: str, code: str = "assignment_not_found", field: str | None = None
 ) -> Assignment:
-    """Return an assignment.
+    """Return an assignment with all its items.
 
     Raises:
-        RefusedError: of the kind `code`, about `field` of the request: it is not published. Names those that are.
+        RefusedError: with `code`, about `field` of the request: it is not published. Names those that are.
     """
     assignment = published(services, assignment_id)
     if assignment is None:
         raise RefusedError(code, field=field, allowed=[one.id for one in services.assignments.all()])
     return assignment
+
+
+def visible_assignment(services: Services, caller: Caller, assignment_id: str) -> Assignment:
+    """Return a published assignment, without the items that the caller does not see now.
+
+    Raises:
+        RefusedError: it is not published.
+    """
+    return shown_assignment(services, caller, require_published(services, assignment_id))
 
 
 def checklist(services: Services, caller: Caller) -> tuple[Assignment, ...]:

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.store.rules import CourseRules
@@ -88,7 +89,13 @@ def read_source(services: Services, caller: Caller, submission_id: str) -> tuple
 def attempts(
     services: Services, caller: Caller, student: str, assignment: str | None = None
 ) -> tuple[Submission, ...]:
-    """Return a student's submissions, newest first, as the caller may see them; only those to `assignment`."""
+    """Return a student's submissions, newest first, as the caller may see them; only those to `assignment`.
+
+    Raises:
+        RefusedError: the student's work is not the caller's to see.
+    """
+    if not caller.may_see(caller.course, student):
+        raise RefusedError("forbidden")
     own = services.submissions.of_student(student, assignment, course=caller.course)
     return shown_list(services, caller, own)
 

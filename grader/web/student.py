@@ -14,11 +14,10 @@ from grader.contracts.text import Language
 from grader.messages import quantity
 from grader.routes.middleware import UploadRoute, arrival_of
 from grader.telemetry.context import note
-from grader.use_cases.assignments import Terms, checklist, due_dates, require_published, terms_of
+from grader.use_cases.assignments import Terms, checklist, due_dates, terms_of, visible_assignment
 from grader.use_cases.handing_in import Upload, hand_in
 from grader.use_cases.services import Services
 from grader.use_cases.submissions import attempts, best_of
-from grader.use_cases.visibility import shown_assignment
 from grader.web import access
 from grader.web.access import ServicesDep, Visitor, VisitorDep
 from grader.web.audit_lines import Teller
@@ -47,10 +46,10 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
 
 @router.get("/assignments/{assignment_id}")
 def read_assignment(
-    request: Request, services: ServicesDep, _visitor: VisitorDep, assignment_id: str
+    request: Request, services: ServicesDep, visitor: VisitorDep, assignment_id: str
 ) -> Response:
     """Show what is asked and how it earns points, and take a file."""
-    return _assignment_page(request, require_published(services, assignment_id))
+    return _assignment_page(request, visible_assignment(services, visitor.caller, assignment_id))
 
 
 @uploads.post("/assignments/{assignment_id}", dependencies=[Depends(require_own_form)])
@@ -63,7 +62,7 @@ def take_file(  # noqa: PLR0913, PLR0917
     student: Annotated[str, Form(max_length=200)] = "",
 ) -> Response:
     """Take a file and lead to its result; on a refusal show the same page with the reason."""
-    assignment = require_published(services, assignment_id)
+    assignment = visible_assignment(services, visitor.caller, assignment_id)
     if not visitor.open:
         access.require_known(visitor)
     given = visitor.student or student.strip()
@@ -110,7 +109,7 @@ def _assignment_page(
         "assignment.html",
         status=200 if refused is None else refused.status,
         assignment=assignment,
-        rubric=published_rubric(shown_assignment(services, visitor.caller, assignment)),
+        rubric=published_rubric(assignment),
         terms=terms,
         late="" if terms is None else _late(terms, language),
         attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],

@@ -96,6 +96,8 @@ def test_whatever_reads_a_submission_refuses_strangers_as_if_there_were_none(
         assert refused(read, services, stranger, id_) == "submission_not_found"
         assert refused(read, services, stranger, "no-such") == "submission_not_found"
     assert refused(recordings.trajectory, services, stranger, id_, None) == "submission_not_found"
+    assert refused(submissions.attempts, services, HAN, "li") == "forbidden"
+    assert [one.id for one in submissions.attempts(services, WANG, "li")] == [id_]
     assert submissions.read(services, LI, id_).submission.state is SubmissionState.GRADED
     assert submissions.read_source(services, WANG, id_)[1] == b"good\n"
 
