@@ -44,7 +44,7 @@ class Catalog:
     def __init__(
         self, root: Path | None = None, cache: AssignmentCache | AssignmentMemory | None = None
     ) -> None:
-        """Look under `root` (None: the built-in assignments), sparing what `cache` has seen to be valid."""
+        """Look under `root` (None: the built-in assignments). What `cache` knows is not validated again."""
         self.root = default_root() if root is None else root
         self._cache = cache
 

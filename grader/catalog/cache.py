@@ -1,8 +1,8 @@
 """Validated assignments kept from one start of the command line to the next, as Python keeps ``.pyc`` files.
 
-Validating a file needs pydantic and a YAML parser, whose import takes longer than a whole grading. An entry
-holds for the very bytes of the file and of the code that validated it, so nothing ever has to be cleared; one
-that is damaged, or cannot be written, only costs the time it would have saved.
+Validating a file needs pydantic and a YAML parser, and importing these takes longer than a whole grading. An entry
+is valid for exactly the bytes of the file and of the code that validated it, so nothing ever has to be cleared. A
+damaged entry, or one that cannot be written, only costs the time that it would have saved.
 """
 
 import hashlib
@@ -33,7 +33,7 @@ def default_cache_folder() -> Path | None:
 
 
 class AssignmentMemory:
-    """Validated assignments as long as a process lives, for one that asks every few seconds."""
+    """Validated assignments in memory, for a process that asks for them every few seconds."""
 
     def __init__(self) -> None:
         self._known: dict[Path, tuple[bytes, Assignment]] = {}

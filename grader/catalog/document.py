@@ -20,7 +20,7 @@ _NO_FIELDS = Text(
 
 
 class _StrictLoader(_Loader):  # type: ignore[misc]
-    """Refuses a key given twice, which YAML forbids and PyYAML ignores, one that is no text, and broken values."""
+    """Refuses what PyYAML lets pass: a key that is given twice, one that is no text, and broken values."""
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[str] = set()

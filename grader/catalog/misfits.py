@@ -66,19 +66,19 @@ SCORE = Text(
 
 
 def swapped(low: float, high: float) -> Text:
-    """A band upside down."""
+    """Say that the ends of a band are the wrong way round."""
     return Text(
         zh=f"low（{low}）大于 high（{high}）：对调", en=f"low ({low}) is above high ({high}); swap them"
     )
 
 
 def twice(name: str) -> Text:
-    """An id given before."""
+    """Say that an earlier entry has this id."""
     return Text(zh=f"前面已经有 {name!r}：换一个 id", en=f"an earlier one is {name!r}, too; rename one")
 
 
 def unknown_item(name: str) -> Text:
-    """A name that stands for no rubric item before it."""
+    """Say that no earlier rubric item has this id."""
     return Text(
         zh=f"前面没有 id 是 {name!r} 的评分项：检查拼写",
         en=f"{name!r} is the id of no earlier item; check its spelling",
@@ -86,7 +86,7 @@ def unknown_item(name: str) -> Text:
 
 
 def wrong_ending(input_: str, endings: tuple[str, ...]) -> Text:
-    """A file that such an assignment does not take."""
+    """Say that an assignment with this input does not take such a file."""
     return Text(
         zh=f"input 是 {input_} 时，文件名以 {' 或 '.join(endings)} 结尾",
         en=f"with input {input_} its name ends in {' or '.join(endings)}",
@@ -94,7 +94,7 @@ def wrong_ending(input_: str, endings: tuple[str, ...]) -> Text:
 
 
 class MisfitError(ValueError):
-    """A rule of the schema that values break.
+    """A value breaks a rule of the schema.
 
     Attributes:
         told: what is wrong and what to do.
@@ -122,7 +122,7 @@ def misfit(error: Mapping[str, Any]) -> tuple[tuple[int | str, ...], Text]:
 
 
 class WrongKeyError(yaml.constructor.ConstructorError):
-    """A key that PyYAML would accept, or not survive, and no assignment means."""
+    """A key or value that PyYAML accepts, or fails on, and that is a mistake in an assignment."""
 
     def __init__(self, told: Text, mark: yaml.Mark) -> None:
         super().__init__(None, None, told.en, mark)

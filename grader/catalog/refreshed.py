@@ -14,10 +14,10 @@ _FRESH_S = 2.0
 
 
 class RefreshedAssignments:
-    """Assignments, read again when the last look is two seconds old.
+    """Assignments that are read again when the last reading is two seconds old.
 
-    An instructor who saves a broken file does not stop the class: until it is mended, the last readable state
-    of all assignments stands, and the log says why.
+    A broken file that an instructor saves does not stop the class. Until it is mended, the assignments stay as
+    they were last read, and the log says why.
     """
 
     def __init__(self, source: AssignmentSource, monotonic_s: Callable[[], float] = time.monotonic) -> None:

@@ -1,8 +1,7 @@
 """Checks: pure functions from what happened to scored rubric items.
 
-`evaluate` and `evaluate_text` are the only entry points of grading; `published_rubric` says beforehand what
-will be looked for, `sketch` what a plot should show, and `problems` what is wrong with an assignment's use of
-its check.
+Grading calls `evaluate` or `evaluate_text`. `published_rubric` returns what a student reads beforehand, `sketch`
+what a plot should show, and `problems` what is wrong with an assignment's use of its check.
 """
 
 from collections.abc import Sequence
@@ -26,7 +25,7 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
     """Score a submitted script by its runs, one for each case of the assignment.
 
     Each item's points are divided evenly among the runs; with several runs the items are named
-    ``case/item``. Deterministic and total: nothing a script did makes it raise.
+    ``case/item``. Deterministic; nothing that a script did makes it raise.
 
     Raises:
         AssignmentError: the assignment does not fit its check (see `problems`).
@@ -43,7 +42,7 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
 
 
 def evaluate_text(assignment: Assignment, text: str) -> Scoring:
-    """Score a submitted text. Deterministic and total: no text makes it raise.
+    """Score a submitted text. Deterministic; no text makes it raise.
 
     Raises:
         AssignmentError: the assignment does not fit its check, or asks for a script.

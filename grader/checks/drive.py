@@ -1,4 +1,4 @@
-"""What the checks on motion have in common: the driven path, the part of it that counts, and how it ended."""
+"""What the checks on motion share: the driven path, the part of it that counts, and how it ended."""
 
 from dataclasses import dataclass
 
@@ -9,9 +9,13 @@ from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Command, Ints, Trajectory
 from grader.geometry.path import Path, driven_path
 
+# Slower than this counts as rest, because a car that settles keeps creeping.
 MOVING_MPS = 0.02
 MOVING_RADPS = 0.02
-MAX_PAUSE_NS = 1_500_000_000  # a longer rest before the horizon is the end, not a pause
+
+# A longer rest before the horizon is the end of the motion, not a pause in it. Scripts that pause between motions
+# do so for up to a second.
+MAX_PAUSE_NS = 1_500_000_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -21,8 +25,8 @@ class Drive:
     Attributes:
         path: the driven path. t_ns: (n,) the time of its samples.
         moving_at_end: the car was moving when the recording ended.
-        commanded_at_end: the last command was not a stop, so only the end of the run or turtlesim's
-            timeout of one second can have stopped the car.
+        commanded_at_end: the last command was not a stop. Only the end of the run, or turtlesim's timeout of one
+            second, stopped the car.
         cut_short: moving at the end, or in a pause between motions when the horizon came.
     """
 
@@ -85,9 +89,9 @@ def _pausing(run: Run) -> bool:
 
 
 def _last_driven_ns(trajectory: Trajectory) -> int:
-    """Return when the car last moved, or was last told to: at a wall it stands and is told all the same.
+    """Return when the car last moved or was last told to move: at a wall it stands still but is told to move.
 
-    Who publishes stop after stop until the horizon rests all that while.
+    A script that keeps publishing zero until the horizon counts as at rest.
     """
     moving = (np.abs(trajectory.v_mps) > MOVING_MPS) | (np.abs(trajectory.w_radps) > MOVING_RADPS)
     told = (command.t_ns for command in reversed(trajectory.commands) if is_motion(command))

@@ -87,7 +87,7 @@ class Kind(Record):
 
     Attributes:
         options: those an assignment must give. optional: those it may give.
-        consult: what else about an assignment does not fit, as (field, problem).
+        consult: returns what else in an assignment does not fit, as (field, problem).
     """
 
     kind: str
@@ -101,8 +101,8 @@ class Check(Kind):
     """A check of what a script did: an entry of the table in `grader.checks`.
 
     Attributes:
-        examine: measures one run and recognises mistakes in it; never raises for what a student did. The
-            case's options have taken the place of the assignment's.
+        examine: measures one run and recognises mistakes in it; never raises for what a student did. It is given
+            the assignment with the options of the run's case.
         sketch: what a plot of the run shows beside the bare path.
     """
 

@@ -94,9 +94,9 @@ def command_mistakes(run: Run, topic: str) -> tuple[Mistake, ...]:
 
 
 def _teleports(trajectory: Trajectory) -> bool:
-    """Whether teleports took the place of driving: any without a command, several after the first one.
+    """Whether the script teleported the car instead of driving it: at all without commands, or more than once.
 
-    A single one may choose where to start or turn; one to the start pose is a reset.
+    One teleport may choose where to start; one back to the start pose is a reset.
     """
     begins_ns = trajectory.commands[0].t_ns if trajectory.commands else 0
     poses = np.column_stack((trajectory.x_m, trajectory.y_m, trajectory.heading_rad))

@@ -58,7 +58,7 @@ def _item(check: Kind, spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> Publish
 
 
 def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:
-    """Say from where on an item earns nothing, for items that can earn a part."""
+    """Say at which values an item earns nothing, or that it earns all or nothing."""
     if spec.ramp <= 0.0 or kind.form == "flag":
         return say("rubric.all_or_nothing")
     edges = []
@@ -70,7 +70,10 @@ def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:
 
 
 def _needs(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> Text:
-    """Say what an item needs, and that it counts in part only where it is measured and that earned little."""
+    """Say which items an item needs, and that it counts in part where they earned little.
+
+    An item for a person never counts in part: a person gives its points.
+    """
     if not spec.needs:
         return EMPTY
     by_halves = spec.measure != BY_PERSON and any(_earns_parts(specs[need], specs) for need in spec.needs)

@@ -1,4 +1,4 @@
-"""The one sentence and the one next step above a list of scored items."""
+"""What stands above a list of scored items: one sentence, one next step, the recognised mistakes."""
 
 from collections.abc import Sequence
 
@@ -16,7 +16,7 @@ _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 def summarise(
     items: Sequence[RubricItem], findings: Sequence[Findings], outcomes: Sequence[RunOutcome]
 ) -> Scoring:
-    """Put summary, hint and recognised mistakes to the items; none of the latter when all is right."""
+    """Return the items with summary, hint and recognised mistakes; without mistakes where nothing was lost."""
     wrong = [item for item in items if item.status not in _NOTHING_LOST]
     if not wrong and _waits(items):
         return Scoring(items=tuple(items), summary=say("summary.waiting"))
@@ -33,7 +33,7 @@ def summarise(
 
 
 def summarise_text(items: Sequence[RubricItem], findings: Findings) -> Scoring:
-    """Put summary, hint and mistakes to the items of a text."""
+    """Return the items of a text with summary, hint and recognised mistakes."""
     if not _waits(items):
         return summarise(items, [findings], [])
     short = next((item for item in items if item.status is ItemStatus.FAILED), None)
@@ -47,7 +47,7 @@ def _waits(items: Sequence[RubricItem]) -> bool:
 
 
 def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
-    """Praise, and mention an error that ended the script after everything was right: it costs nothing."""
+    """Return praise, with the error that ended the script after everything was right, which costs nothing."""
     error = next((each.error for each in outcomes if each.status is RunStatus.CRASHED and each.error), None)
     if error is None:
         return say("summary.full")
@@ -58,7 +58,9 @@ def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:
     earned, most = sum(item.earned for item in items), sum(item.points for item in items)
     if earned <= 0.0:
         return say("summary.nothing", points=points(most))
-    own = (item.title for item in wrong if item.hint != EMPTY)  # not what another one holds back
+    own = (
+        item.title for item in wrong if item.hint != EMPTY
+    )  # not items that lost points only because of another one
     titles = enumerated(list(dict.fromkeys(own)))  # an item may fail in several cases
     return say(
         "summary.partial",

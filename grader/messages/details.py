@@ -1,7 +1,7 @@
-"""The machinery's sentences about a run (`RunOutcome.detail`), in both languages.
+"""What the sandbox says about a run (`RunOutcome.detail`), in both languages.
 
-Sandbox and script process say in English what was refused, used up or waited for; here the known sentences are put
-into the catalogs' words. An unknown one is quoted as it came.
+The sandbox and the script's process say in English what was refused or used up, and which thread waits in which
+line for what. Known sentences are replaced by those of the catalogue; an unknown one is quoted as it came.
 """
 
 import re
@@ -33,7 +33,7 @@ _PATTERNS = {re.compile(pattern, re.DOTALL): code for pattern, code in _KNOWN.it
 def explained(status: RunStatus, detail: str) -> Text:
     """Return what `detail`, of a run that ended with `status`, says; nothing when it is empty.
 
-    How a script broke the wire format helps nobody who reads a report: of that, only the fact is told.
+    A script that broke the wire format is told only that: the details help nobody who reads a report.
     """
     if not detail:
         return EMPTY

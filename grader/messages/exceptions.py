@@ -1,6 +1,6 @@
-"""What an exception that ended a script, or kept it from being compiled, says to a beginner.
+"""What an exception means to a beginner, whether it ended the script or kept it from being compiled.
 
-Known by its type and its text; what it means is told in the catalogs' words, ``mistake.<code>``.
+Type and text of an exception tell which code it gets; the sentence ``mistake.<code>`` says what it means.
 """
 
 import re
@@ -11,7 +11,7 @@ from grader.contracts.text import Text
 from grader.messages import say
 
 _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
-"""Before what the line where the exception came up looks like."""
+"""Stands before a pattern of the line that raised the exception: the last ``File`` entry of the traceback."""
 
 _SIGNS: Final = tuple(
     (re.compile(pattern), code)
@@ -100,7 +100,10 @@ _SIGNS: Final = tuple(
         (r"OSError: \[Errno 9\] .*\n(.*\n)*.*(mmap|tofile|fromfile)", "no_real_file"),
     )
 )
-"""What ``Type: message`` begins with (the traceback follows) and the code for it; the first that fits counts."""
+"""Patterns of the beginning of ``Type: message``, behind which the traceback follows, and their codes.
+
+The first pattern that fits counts, so a special one stands before a general one of the same type.
+"""
 
 
 _LONGEST: Final = 200

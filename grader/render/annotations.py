@@ -16,7 +16,7 @@ from grader.render.scene import Scene
 from grader.render.typeface import drawable
 
 _NANO = 1e-9
-_TIME_STEPS_S = (5, 2, 10, 1, 15, 30, 60)
+_TIME_STEPS_S = (5, 2, 10, 1, 15, 30, 60)  # the first that gives a fair number of marks is taken
 _FEWEST_TIME_MARKS, _MOST_TIME_MARKS = 2, 8
 _MARK_DISTANCE_PX = 20.0
 _INK_STEP_PX = 5.0

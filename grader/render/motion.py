@@ -11,7 +11,7 @@ from grader.render.scene import Scene
 _NANO = 1e-9
 _SECOND_NS = 1_000_000_000
 _AT_REST_S = 0.05
-"""Samples further apart than this enclose a rest (see `grader.contracts.trajectory.Trajectory`)."""
+"""The recorder leaves out a car at rest, so samples further apart than this enclose a rest."""
 _LEAST_RANGE = 0.5
 
 

@@ -15,13 +15,20 @@ from grader.render import palette
 Box = tuple[float, float, float, float]
 """Left, bottom, right and top, in pixels. Thousands are tried for one picture, so they are plain numbers."""
 
+# Places that are tried around an anchor: directions, off the preferred one, and distances.
 _ANGLES_DEG = (0, 25, -25, 50, -50, 80, -80, 115, -115, 150, -150, 180)
 _GAPS_PT = (6, 10, 15, 22, 32, 46)
 _PADDING_PX = 2.0
 _INK_CLEARANCE_PX = 4.0
 _FRAME_PX = 5.0
+
+# What a place costs. To cover another label or to leave the panel costs most, because then something cannot be
+# read. To cover a point of the path costs as much as 17 px of distance.
+_PRICE_COVERED = 60.0  # for a whole label
+_PRICE_OUTSIDE = 80.0  # for a whole label
+_PRICE_PER_INK = 1.2  # for each point of the path, which stand 5 px apart
 _PRICE_PER_PX = 0.07
-_PRICE_PER_TURN = 0.35
+_PRICE_PER_TURN = 0.35  # for each direction further down the list
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -97,7 +104,8 @@ class Board:
         )
         area = (right - left) * (top - bottom)
         outside = area - _overlap(box, page)
-        return (60 * covered + 80 * outside) / area + 1.2 * float(inside.sum())
+        unreadable = (_PRICE_COVERED * covered + _PRICE_OUTSIDE * outside) / area
+        return unreadable + _PRICE_PER_INK * float(inside.sum())
 
 
 def _annotation(axes: Axes, label: Label) -> Annotation:

@@ -9,7 +9,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 def followed(names: Sequence[str]) -> Generator[str, None, None]:
     """Yield `names`, showing which is under way and how many are done; nothing of it remains at the end.
 
-    Close it where its reader may fail (`contextlib.closing`), lest it goes on drawing over the message.
+    A reader that may fail closes it (`contextlib.closing`); otherwise it draws over the error message.
     """
     console = Console(stderr=True)
     columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}", markup=False))

@@ -37,8 +37,8 @@ class Prose(Text):
 def breaks(text: str, width: int) -> Iterator[int]:
     """Yield where lines of `text`, which has no line break, begin after the first, each offset once.
 
-    A line is broken before a word or between Chinese characters, never between a number and its unit, before
-    closing punctuation or after opening one, unless nothing else fits into `width` columns.
+    A line breaks before a word or between Chinese characters. It never breaks between a number and its unit,
+    before closing punctuation or after opening punctuation, unless nothing else fits into `width` columns.
     """
     begin, best, columns = 0, 0, 0
     for offset, character in enumerate(text):

@@ -66,7 +66,7 @@ def _motion(drive: Drive, *, backward: bool) -> dict[str, Measure]:
     headings = np.degrees(drive.path.heading_rad - drive.path.heading_rad[0])
     turned = float(headings[int(np.argmax(np.abs(headings)))])
     return {
-        "advance_m": Measure(min(net_m, facing_m)),  # whoever turned round drove the other way
+        "advance_m": Measure(min(net_m, facing_m)),  # what was driven after turning round does not count
         "lateral_pct": Measure(100.0 * float(np.max(np.abs(left_m))) / net_m) if net_m > 0.0 else UNMEASURED,
         "turned_deg": Measure(abs(turned)),
         "way_back_m": Measure(float(np.max(np.maximum.accumulate(advance_m) - advance_m))),
@@ -130,7 +130,7 @@ def _problem_with_direction(value: Option) -> Text | None:
     return None if value in DIRECTIONS else one_of(DIRECTIONS)
 
 
-MIN_MOTION_M = 0.05
+MIN_MOTION_M = 0.05  # less was not meant as driving
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
 
@@ -166,7 +166,7 @@ def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:
 
 
 def _turned_round(drive: Drive, *, backward: bool) -> bool:
-    """Whether the car drove the right way after it had turned: its speed had the right sign."""
+    """Whether the car turned first and then drove with the right sign of speed."""
     driven_m = float(drive.path.signed_m[-1]) * (-1.0 if backward else 1.0)
     return driven_m > MIN_MOTION_M and _on_the_spot(drive)
 

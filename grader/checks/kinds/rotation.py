@@ -17,7 +17,7 @@ from grader.geometry.segmentation import segment
 from grader.messages import say
 from grader.messages.quantity import number
 
-MAX_STARTS = 200  # parts of a path are looked at from so many samples on
+MAX_STARTS = 200  # bounds the work: parts of the path are tried from at most this many samples on
 MEASURES = {
     "commands": MeasureKind(form="count"),
     "turned_deg": MeasureKind("deg"),
@@ -35,7 +35,10 @@ def examine(assignment: Assignment, run: Run) -> Findings:
 
 
 def _spot_m(assignment: Assignment) -> float:
-    """Return on how long a way turning still counts in full: round a circle too wide to stay in place."""
+    """Return how far the car may drive while turning for the turn to count in full.
+
+    That is once round a circle so wide that staying in place earns nothing.
+    """
     place = assignment.item_on("drift_m")
     return math.inf if place is None or place.high is None else math.pi * (place.high + place.ramp)
 
@@ -53,7 +56,7 @@ def _rotation(path: Path, spot_m: float) -> dict[str, Measure]:
 
 
 def _on_the_spot(path: Path, spot_m: float) -> float:
-    """Return the largest turn of any part of the path, less where it needed a way longer than `spot_m`."""
+    """Return the largest turn of any part of the path; a part longer than `spot_m` counts in proportion less."""
     largest = 0.0
     for first in range(0, len(path), 1 + len(path) // MAX_STARTS):
         turned = np.abs(path.heading_rad[first:] - path.heading_rad[first])

@@ -25,7 +25,8 @@ class WantedPolygon(PositionalRecord):
     """A polygon with equal corners.
 
     Attributes:
-        lengths_m: length of each side, in either sense and from any side on; None: equal, of any length.
+        lengths_m: length of each side, in the order in which they are driven; any side may come first, in either
+            sense. None: equal sides of any length.
     """
 
     sides: int
@@ -86,8 +87,12 @@ def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
     return max(100.0 * abs(side - wanted) / wanted for side, wanted in zip(sides_m, wanted_m, strict=True))
 
 
-LIKE_DEG = 1.0  # a last turn this little further off than the corners was meant to be like them
-NO_TURN_DEG = 10.0  # whoever ends within this of the direction of the last side has not turned after it
+LIKE_DEG = (
+    1.0  # a last turn that is further off than the worst corner by no more than this was meant as a corner
+)
+NO_TURN_DEG = (
+    10.0  # a smaller change of direction after the last side is no turn, only how the car came to rest
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,10 +100,10 @@ class DrivenPolygon:
     """A driven path, its straights and turns, and the first figure in it (None without a straight).
 
     Attributes:
-        corners_deg: (n,) the figure's corners, positive in the sense most of them have; the turn after the
-            last side is one if it is no further off than the others.
-        sense: +1 if that is to the left, else -1.
-        turned_on: that turn is neither one of them nor none.
+        corners_deg: (n,) the figure's corners, positive in the sense in which the figure turns. The turn after
+            the last side is one of them if it is no further off than the others.
+        sense: +1 if the figure turns left, else -1.
+        turned_on: there was a turn after the last side that is not one of the corners.
     """
 
     drive: Drive

@@ -20,11 +20,15 @@ from grader.messages import say
 from grader.messages.quantity import listed, number
 
 ONE_RADIAN_DEG = math.degrees(1.0)
-NEAR_DEG = 6.0  # corners this close to the wanted ones say that the figure was meant
-SAME_DEG = 4.0  # corners this close to a telling value are taken to be it
-RADIAN_OFF_DEG = 2.0  # whoever turns by a radian does it exactly; 54° is a tick of a 10 Hz timer too far
-FAST_TURN_RADPS = 12.0  # nobody means to turn this fast: a number of degrees
-MOSTLY_ROUND_SHARE = 0.25  # from here on the angles and lengths of the corners follow from the arcs
+NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
+SAME_DEG = 4.0  # corners this close to a value that tells a mistake are taken to be that value
+RADIAN_OFF_DEG = (
+    2.0  # a turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many
+)
+FAST_TURN_RADPS = 12.0  # nobody wants to turn twice a second: this is a number of degrees
+MOSTLY_ROUND_SHARE = (
+    0.25  # from here on the arcs explain why angles and lengths are wrong, so they are told first
+)
 _LENGTHS = ("side_spread_pct", "side_error_pct")
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
 
@@ -78,7 +82,7 @@ def polygon_mistakes(
 
 
 def _wall(seen: _Seen) -> Iterator[Mistake]:
-    """A wall touched while the figure was driven; later ones did not spoil it."""
+    """Tell of a wall that was touched while the figure was driven. Later contacts did not spoil the figure."""
     end = seen.driven.figure.end if seen.driven.figure is not None else len(seen.driven.drive.path) - 1
     contacts = seen.run.trajectory.contacts
     if contacts and contacts[0].start_ns <= int(seen.driven.drive.t_ns[end]):
@@ -89,7 +93,7 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
 
 
 def _degrees(seen: _Seen) -> Iterator[Mistake]:
-    """A number of degrees where radians belong: a furious turn rate, or a turn that goes on and on."""
+    """Tell of degrees where radians belong: a turn rate that nobody means, or a turn that does not end."""
     fastest = max((abs(command.w_radps) for command in seen.run.trajectory.commands), default=0.0)
     widest = max(
         (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
@@ -124,7 +128,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
 
 
 def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
-    """Say how much was driven in arcs: as commanded, or because the car slips."""
+    """Say how much was driven in arcs, either because that was commanded or because the car slips."""
     code = "arcs" if any(map(_is_arc, seen.run.trajectory.commands)) else "slipped"
     return mistake(code, ("curved_pct", *_LENGTHS, "gap_pct"), share=number(100.0 * figure.curved_share, "%"))
 
@@ -134,7 +138,7 @@ def _is_arc(command: Command) -> bool:
 
 
 def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
-    """Name the one thing that is wrong with the corners, if anything."""
+    """Name the one mistake that explains the corners best, if any is wrong."""
     corners, ideal = seen.driven.corners_deg, seen.ideal_deg
     spoilt = ("corner_deg", "gap_pct", "sides", "opposite_corners")
     values = {"corners": listed(corners, "deg"), "ideal": _degree(ideal), "sides": seen.sides}
@@ -197,7 +201,7 @@ def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
 
 
 def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
-    """One side too few or too many, with corners that are right."""
+    """Tell of missing or extra sides where the corners are right."""
     count, corners = len(figure.sides_m), seen.driven.corners_deg
     right = len(corners) > 0 and bool((np.abs(corners - seen.ideal_deg) <= NEAR_DEG).all())
     if not right or count == seen.sides:
@@ -225,7 +229,7 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
 
 
 def _lengths(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
-    """Sides of other lengths than the assignment fixes."""
+    """Tell of sides whose lengths are not those that the assignment fixes."""
     wanted, error_pct = seen.wanted, seen.wanted.side_error_pct(figure.sides_m)
     if len(figure.sides_m) != wanted.sides or not seen.loses("side_error_pct", error_pct):
         return
@@ -254,7 +258,7 @@ def _cut_at_the_end(seen: _Seen) -> bool:
 
 
 def _ending(seen: _Seen) -> Iterator[Mistake]:
-    """What was driven before and after a figure that may be right."""
+    """Tell of what was driven before and after the figure."""
     drive, figure = seen.driven.drive, seen.driven.figure
     if figure is not None and figure.approach_m > 0.0:
         yield mistake("approach", ("gap_pct",), distance=number(figure.approach_m, "m"))
