@@ -1,7 +1,7 @@
 """Backups, which are SQLite files, and putting them back.
 
-A SQLite database is copied page by page, a PostgreSQL database row by row from one snapshot; both while the
-service runs. Putting back wants the service stopped.
+A SQLite database is copied page by page, a PostgreSQL database row by row from one snapshot; the service may run
+meanwhile. To put a backup back, stop the service first.
 """
 
 import os
@@ -42,8 +42,8 @@ def back_up(database: Database, file: Path) -> None:
 def restore_file(backup: Path, database: Path) -> Path | None:
     """Check a backup, bring a copy up to date, and only then let it take the place of the file `database`.
 
-    Whatever is killed when, `database` is whole: as it was, with what its log held, or as the backup. So either
-    file is complete without a log and on disk before the one takes the place of the other.
+    Whenever this is killed, `database` is whole: either as it was, with what its log held, or as the backup. That
+    is why both files are complete without a log, and on disk, before one takes the place of the other.
 
     Returns:
         Where what was there is kept now, or None when there was nothing.
@@ -53,7 +53,7 @@ def restore_file(backup: Path, database: Path) -> Path | None:
     """
     new = database.with_name(database.name + ".new")
     try:
-        _forget_log(new)  # which a killed restore may have left
+        _forget_log(new)  # of an earlier restore that was killed
         copy_file(backup, new)
         with _opened(new) as opened:
             migrate(opened)
@@ -102,7 +102,9 @@ def copy_file(source: Path, target: Path) -> None:
     """
     if not source.is_file():
         raise SettingsError(f"{source}: there is no such file", f"{source}：没有这个文件")
-    if target.exists() and target.samefile(source):  # whose users would go on with a file that has no name
+    if target.exists() and target.samefile(
+        source
+    ):  # its users would go on with a file that has no name any more
         raise SettingsError(
             f"{target} is the very file that is to be copied", f"{target} 就是要复制的那个文件"
         )
@@ -157,7 +159,7 @@ def _sync(path: Path) -> None:
 
 
 def _settle(database: Path) -> None:
-    """Take what the log of a database holds into its file, and the log away; SQLite survives a crash in that.
+    """Move what the log of a database holds into its file and remove the log; SQLite survives a crash in between.
 
     Raises:
         sqlite3.Error: somebody else has it open.
@@ -176,9 +178,9 @@ def _check(copy: sqlite3.Connection, source: Path) -> None:
 
 
 def _pass_on_access(old: Path, new: Path) -> None:
-    """Let those open `new` who may open `old`: the service, for whom an administrator puts a backup back."""
+    """Give `new` the owner and mode of `old`: an administrator restores what the service must be able to open."""
     was = old.stat()
-    with suppress(PermissionError):  # who may not give files away is not the administrator
+    with suppress(PermissionError):  # only an administrator may give files away
         os.chown(new, was.st_uid, was.st_gid)
     new.chmod(stat.S_IMODE(was.st_mode))
 

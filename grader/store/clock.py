@@ -1,4 +1,4 @@
-"""Which clock instants are taken from: this machine's, or that of the database server that several machines share.
+"""The clock: this machine's, or that of the database server that several machines share.
 
 Leases, turns and due dates compare instants of different processes. On SQLite they are all on one machine. On
 PostgreSQL the server's clock decides, so that a machine whose own clock is wrong takes nobody's grading away,
@@ -16,8 +16,10 @@ from sqlalchemy import text
 
 from grader.store.database import Database
 
-_AGAIN_S = 5.0  # well within a lease: a clock that was set must not end those of who does not know it yet
-_SLOWEST_S = 0.5  # an answer that took longer tells the time too badly to be worth more than what is known
+_AGAIN_S = (
+    5.0  # well within a lease: if the server's clock is set, leases must not end before all have noticed
+)
+_SLOWEST_S = 0.5  # the instant of a slower answer is less exact than the one that is known already
 _NOW = text("SELECT clock_timestamp()")
 _log = logging.getLogger(__name__)
 
@@ -31,12 +33,12 @@ def utc_now() -> datetime:
 
 
 def _elapsed_s() -> float:
-    """Seconds that nobody sets, and that go on while the machine sleeps."""
+    """Seconds of a clock that nobody sets and that goes on while the machine sleeps."""
     return time.clock_gettime(getattr(time, "CLOCK_BOOTTIME", time.CLOCK_MONOTONIC))  # macOS: does so itself
 
 
 class ServerClock:
-    """The database server's clock, asked now and then and counted on in between. Never waits for the server."""
+    """The database server's clock: asked now and then, extrapolated in between. Reading it asks no server."""
 
     def __init__(self, database: Database, elapsed_s: Callable[[], float] = _elapsed_s) -> None:
         """Ask for the first time.
@@ -65,7 +67,7 @@ class ServerClock:
 
     def _asked(self) -> tuple[tuple[datetime, float], float]:
         with self._database.reading() as session:
-            session.connection()  # connecting would count as the way of the question
+            session.connection()  # connect first: that time must not count as the answer's
             before_s = self._elapsed_s()
             instant: datetime = session.execute(_NOW).scalar_one()
             took_s = self._elapsed_s() - before_s
@@ -88,7 +90,7 @@ def clock_of(database: Database) -> Iterator[Clock]:
         while not ended.wait(_AGAIN_S):
             try:
                 clock.set()
-            except Exception as error:  # what is known goes on
+            except Exception as error:  # the last answer is still extrapolated
                 _log.warning("the database's clock could not be asked: %s", error)
 
     thread = threading.Thread(target=set_now_and_then, name="grader-clock", daemon=True)

@@ -1,7 +1,7 @@
-"""Who works with a database: services keep what replaces or moves it away, and that wants to be alone.
+"""Who works with a database. Services share a lock; a command that replaces or moves the database takes it alone.
 
-SQLite: a lock on a file beside it. PostgreSQL: an advisory lock that each connection of a service shares, so that
-it is taken anew with each new connection; what wants to be alone takes it exclusively.
+SQLite: a lock on a file beside the database. PostgreSQL: an advisory lock. Every connection of a service
+shares it, so every new connection takes it again.
 """
 
 import fcntl
@@ -41,14 +41,14 @@ class OccupiedError(SettingsError):
 
 @contextmanager
 def in_use(database: Database, who: str = "a command of the grader") -> Iterator[None]:
-    """Keep others from replacing or moving the database for as long as the context lasts; wait while one does.
+    """Keep others from replacing or moving the database while the context lasts; first wait until nobody does.
 
-    No transaction of `database` may be under way; connections from before are not used again. On PostgreSQL those
-    who want to be alone are told `who`.
+    No transaction of `database` may be under way. Connections from before are not used again. On PostgreSQL a
+    command that wants to be alone is told `who` works with the database.
 
     Raises:
-        InfrastructureError: the database does not answer. Within the context it is also what a new connection
-            meets when, in an outage that cut every other one, somebody began to replace the database.
+        InfrastructureError: the database does not answer. Within the context a new connection also raises it if
+            somebody began to replace the database during an outage that cut all connections.
     """
     if database.is_sqlite:
         with _lock_file(f"{database.name}.open") as descriptor:
@@ -97,7 +97,7 @@ class _ReplacedError(InfrastructureError):
 
 @contextmanager
 def _sharing(database: Database, who: str) -> Iterator[None]:
-    """Let every new connection share the lock; close those that do at the end."""
+    """Let every new connection share the lock; close all connections at the end."""
 
     def share(connection: Any, _record: Any) -> None:
         connection.autocommit = True
@@ -142,7 +142,7 @@ def _connect(database: Database) -> None:
 
 
 def _take(session: Session, name: str) -> None:
-    """Take the lock for as long as the transaction lasts, however long that is."""
+    """Take the lock until the transaction ends. A transaction that takes long is not ended for being idle."""
     session.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))
     session.execute(select(func.set_config("application_name", _name("grader db"), True)))
     space, number = _LOCK

@@ -121,7 +121,7 @@ class Regrades:
             return tuple(self._seen(session, row) for row in session.execute(statement).scalars().all())
 
     def _seen(self, session: Session, row: RegradeRow) -> Regrade:
-        """Return a re-grade, counted anew only when something has happened to it."""
+        """Return a re-grade. Its trials are counted again only when something has changed."""
         mark: _Mark = (row.state,)
         if row.state == RegradeState.OPEN.value:
             mark += _mark_of(session, row.id)
@@ -332,7 +332,7 @@ def _trials_of(session: Session, regrade_id: str) -> list[_Trial]:
 
 
 def _hold(session: Session, regrade_id: str) -> None:
-    """Lock the trials of a re-grade and what they were made of: results that come now wait, and find them gone."""
+    """Lock the trials of a re-grade and their originals: a result that comes now waits until they are gone."""
     trial = select(col(SubmissionRow.original)).where(col(SubmissionRow.regrade) == regrade_id)
     concerned = or_(col(SubmissionRow.regrade) == regrade_id, col(SubmissionRow.id).in_(trial))
     in_order = select(col(SubmissionRow.id)).where(concerned).order_by(col(SubmissionRow.id))
@@ -342,8 +342,8 @@ def _hold(session: Session, regrade_id: str) -> None:
 def _adopt(session: Session, trials: Sequence[_Trial], regrade_id: str) -> list[_Trial]:
     """Copy trials' gradings to their submissions as the latest ones; return the trials it was done with.
 
-    Left out are failed ones and those whose submission is being graded right now. The number of statements does
-    not grow with the number of trials, as other writers of a SQLite database wait meanwhile.
+    Failed trials are left out, and those whose submission is being graded right now. The number of statements does
+    not grow with the number of trials, because other writers of a SQLite database wait meanwhile.
     """
     adopted = [one for one in trials if not one.failed and one.original.state in _ENDS]
     for table in reversed(_OF_GRADING):
@@ -406,7 +406,7 @@ def _take_over(original: SubmissionRow, made: SubmissionRow) -> None:
 
 
 def _delete_trials(session: Session, regrade_id: str) -> None:
-    """Delete trials and their gradings; whoever still grades one finds its claim void."""
+    """Delete trials and their gradings. A worker that still grades one finds its claim void."""
     ids = select(col(SubmissionRow.id)).where(col(SubmissionRow.regrade) == regrade_id)
     statements = [delete(table).where(table.submission_id.in_(ids)) for table in _OF_GRADING]  # type: ignore[attr-defined]
     for statement in (*statements, delete(SubmissionRow).where(col(SubmissionRow.regrade) == regrade_id)):
@@ -414,7 +414,7 @@ def _delete_trials(session: Session, regrade_id: str) -> None:
 
 
 def _mark_of(session: Session, regrade_id: str) -> _Mark:
-    """Return what changes with everything that the trials of an open re-grade say."""
+    """Return a value that changes whenever the trials of an open re-grade, or their originals, change."""
     trial, original = aliased(SubmissionRow), aliased(SubmissionRow)
     numbers = [func.sum(col(trial.attempt)), func.sum(func.coalesce(col(trial.graded_attempt), 0))]
     numbers += [func.sum(case((col(trial.state) == state.value, 1), else_=0)) for state in SubmissionState]

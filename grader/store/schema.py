@@ -23,7 +23,9 @@ from grader.store.occupancy import OccupiedError, alone, in_use
 
 _log = logging.getLogger(__name__)
 _LOOK_S = 0.2
-_LEAVING_S = 2.0  # what a PostgreSQL server may take to notice that a connection, of our own, say, was closed
+_LEAVING_S = (
+    2.0  # a PostgreSQL server may take so long to notice that a connection was closed, even one of ours
+)
 _MIGRATIONS = Path(__file__).parent / "migrations"
 
 
@@ -31,14 +33,14 @@ _MIGRATIONS = Path(__file__).parent / "migrations"
 def up_to_date(
     database: Database, who: str = "a command of the grader", *, wait: bool = False
 ) -> Iterator[tuple[str | None, str]]:
-    """Do what `migrate` does, and then what `occupancy.in_use` does, for as long as the context lasts.
+    """Bring the tables up to date as `migrate` does, then share the database as `occupancy.in_use` does.
 
-    Tables that are there are not changed while somebody works with them, who may be of an older version.
+    Existing tables are not changed while somebody works with them: that process may be of an older version.
 
     Args:
         database: nothing of it is open yet.
         who: as in `occupancy.in_use`.
-        wait: until nobody works any more with tables that are to be changed, instead of giving up.
+        wait: if tables must be changed, wait until nobody works with them, instead of giving up.
 
     Raises:
         SettingsError: as `migrate`; an OccupiedError if it does not `wait`.
@@ -67,7 +69,7 @@ def up_to_date(
 
 
 def _outdated(database: Database) -> bool:
-    """Whether there are tables, and this version makes others of them."""
+    """Whether there are tables, and they are of an older version."""
     with database.reading() as session:
         found = version(session.connection())
     older = {one.revision for one in ScriptDirectory.from_config(_config()).walk_revisions()}
@@ -83,8 +85,8 @@ def migrate(database: Database) -> tuple[str | None, str]:
         The version of the schema before (None: there was none) and after.
 
     Raises:
-        SettingsError: the database was written by a newer grader, is of something else, cannot hold Chinese, or
-            must not be changed by who asks.
+        SettingsError: the database was written by a newer grader, belongs to something else, cannot hold
+            Chinese, or the caller has no right to change it.
         InfrastructureError: the database cannot be reached.
     """
     try:
@@ -155,9 +157,9 @@ def _check_encoding(connection: Connection) -> None:
 
 
 def _sort_by_code_point(connection: Connection) -> None:
-    """Let PostgreSQL compare and sort text as SQLite and Python do, whatever language its server speaks.
+    """Let PostgreSQL compare and sort text as SQLite and Python do, whatever the locale of its server.
 
-    Without it, students would stand in another order in the gradebook after a move.
+    Otherwise the gradebook's order of students would change when the database moves.
     """
     if connection.dialect.name == "sqlite":
         return

@@ -1,6 +1,6 @@
 """Copying everything from one database into another, SQLite or PostgreSQL, with a proof that nothing changed.
 
-Moves, and PostgreSQL's backups: a backup is a SQLite file, whichever database it is of.
+It moves databases, and makes backups of PostgreSQL: every backup is a SQLite file.
 """
 
 import hashlib
@@ -33,8 +33,8 @@ class TableContent:
 def transfer(source: Database, target: Database, *, replace: bool = False) -> tuple[TableContent, ...]:
     """Copy every row, read what arrived, and keep it only if it is the same; return what was copied.
 
-    The source is read on one snapshot and may be in use; nothing is written to it. The target changes in one
-    transaction, in which nobody else gets at its tables.
+    The source is read from one snapshot and may be in use; nothing is written to it. The target is written in one
+    transaction that locks its tables.
 
     Args:
         source: at the schema of this version.
@@ -98,7 +98,7 @@ def _check_schema(database: Database, session: Session) -> None:
 
 def _take_time(session: Session) -> None:
     if session.connection().dialect.name == "postgresql":
-        # one database waits while the other works
+        # each database is idle while the other one works
         session.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))
 
 
@@ -196,7 +196,7 @@ def _difference(sent: Sequence[TableContent], arrived: Sequence[TableContent]) -
 
 
 def _continue_numbers(goal: Session) -> None:
-    """Let PostgreSQL count on from the numbers that came along; SQLite does so by itself."""
+    """Let PostgreSQL number new rows after the copied ones; SQLite does so by itself."""
     if goal.connection().dialect.name == "sqlite":
         return
     for table in _tables():

@@ -27,7 +27,7 @@ class Workers:
         self._clock = clock
 
     def report(self, state: WorkerState) -> None:
-        """Note what a worker says; forget workers that have long been silent."""
+        """Store what a worker says about itself; delete workers that have long been silent."""
         forgotten = col(WorkerRow.seen_at) < self._clock() - timedelta(seconds=_FORGOTTEN_AFTER_S)
         with self._database.writing() as session:
             one_at_a_time(session, "worker reports")
@@ -42,7 +42,7 @@ class Workers:
     def alive(self, silent_s: float) -> tuple[WorkerState, ...]:
         """Return the workers heard of within the last `silent_s` seconds, oldest first.
 
-        Not those heard of in the future: the clock was ahead, and who lives will be heard of again.
+        Not those heard of in the future: the clock was ahead then, and a living worker reports again soon.
         """
         now, silent = self._clock(), timedelta(seconds=silent_s)
         heard = col(WorkerRow.seen_at).between(now - silent, now + silent)
@@ -58,8 +58,8 @@ def presence(database_url: str, when_alone: Callable[[], None]) -> Iterator[None
     """Be one of the processes that grade from this database, for as long as the context lasts.
 
     `when_alone` is called first if no other such process lives: then every claim in a SQLite database is left
-    over from a crash and need not wait for its lease to end. On a database server, whose other users do not
-    show here, it is never called.
+    over from a crash and need not wait for its lease to end. It is never called on a database server, because
+    processes on other machines cannot be seen from here.
     """
     url = make_url(database_url)
     if url.get_backend_name() != "sqlite" or not url.database:

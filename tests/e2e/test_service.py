@@ -91,10 +91,10 @@ def test_a_class_is_graded_and_remembered(database_url: str) -> None:
             assert client.get(url + "/trajectory").json()["end_ns"] == 2_000_000_000
 
 
-def test_what_waits_at_a_restart_is_graded_after_it(database_url: str) -> None:
-    with opened(database_url, slots=0) as (_, client):
+def test_what_waits_at_a_restart_is_graded_after_it(sqlite_url: str) -> None:
+    with opened(sqlite_url, slots=0) as (_, client):
         urls = [upload(client, student, source) for student, source in SCRIPTS.items()]
-    with opened(database_url) as (_, client):
+    with opened(sqlite_url) as (_, client):
         wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls), PATIENCE_S)
 
 
@@ -111,7 +111,7 @@ for url in sys.stdin:
     os.waitpid(child, 0)
     print("gone", flush=True)
 """
-LEASE_S, HEARTBEAT_S = 1.5, 0.3  # of gradings without physics: PostgreSQL waits for a dead server's to end
+LEASE_S, HEARTBEAT_S = 1.5, 0.3  # of gradings without physics
 
 
 def application_in(url: str):
@@ -167,17 +167,17 @@ def servers() -> Iterator[Servers]:
             origin.stdin.close()
 
 
-def test_killing_the_server_at_any_moment_loses_nothing(servers: Servers, database_url: str) -> None:
+def test_killing_the_server_at_any_moment_loses_nothing(servers: Servers, sqlite_url: str) -> None:
     accepted: dict[str, tuple[str, bytes]] = {}
     students = iter(range(1000))
     for round_number in range(2):
-        with servers.client(database_url) as client:
+        with servers.client(sqlite_url) as client:
             for _ in range(4 + 4 * round_number):
                 student = f"s{next(students)}"
                 source = f"good # {student}\n".encode()
                 accepted[student] = (upload(client, student, source), source)
         # some are graded, some under way, some wait
-    with servers.client(database_url) as client:
+    with servers.client(sqlite_url) as client:
         wait_until(
             lambda: all(client.get(url).json()["status"] == "graded" for url, _ in accepted.values()),
             PATIENCE_S,
