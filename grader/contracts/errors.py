@@ -49,7 +49,7 @@ class RefusedError(GraderError):
     """A use case does not do what was asked.
 
     Attributes:
-        code: stable name of the kind of refusal; `grader.routes.problem_types` has its title and what to do.
+        code: stable name of the kind of refusal; `grader.routes.problems` has its title and what to do.
         detail: what happened this time; None: the title of the kind says it all.
         retry_after_s: after how many seconds the same may be asked again; None: waiting does not help.
         members: where it is wrong and what would be accepted: `field`, `line`, `column`, `text`, `allowed`.

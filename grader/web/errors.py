@@ -9,7 +9,7 @@ from fastapi import FastAPI, Request, Response
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Language
-from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.problems import PROBLEM_TYPES
 from grader.web.access import EnterFirstError, ask_to_enter
 from grader.web.pages import language_of, page
 

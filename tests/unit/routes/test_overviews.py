@@ -10,7 +10,7 @@ import pytest
 from grader.contracts.submission import WorkerState
 from grader.render.dashboard import render_dashboard
 from grader.render.terminal import console
-from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.problems import PROBLEM_TYPES
 from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.server import TOKEN

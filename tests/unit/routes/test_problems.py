@@ -13,7 +13,7 @@ from fastapi import Request
 from grader.contracts.errors import InfrastructureError, SandboxError
 from grader.contracts.rules import RefusalCode
 from grader.routes import problems
-from grader.routes.problem_types import PROBLEM_TYPES
+from grader.routes.problems import PROBLEM_TYPES
 from grader.use_cases.services import Services
 from tests.fakes.refusals import nothing_stored, problem
 from tests.fakes.server import TOKEN
