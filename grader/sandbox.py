@@ -187,7 +187,7 @@ class Sandbox:
         return self._begin(self._confine(limits))
 
     def prepare(self, limits: Limits) -> None:
-        """Fork and confine ahead what the next `open` with these limits will return. Harmless at any time.
+        """Fork and confine ahead the process that the next `open` with these limits returns. Harmless at any time.
 
         The process is in no other state than after `open`: it waits for its first frame, and its clocks start
         when it is opened. It is prepared only while no run is open and used up or ended by the next `open`,
@@ -201,7 +201,7 @@ class Sandbox:
             self._spare = self._confine(limits)
 
     def prove(self) -> Proof:
-        """Have a confined process try to get out, and return what it saw. A few milliseconds.
+        """Have a confined process try to get out, and return what it found. Takes a few milliseconds.
 
         Raises:
             SandboxError: it could not be run, or did not report.
@@ -282,5 +282,5 @@ class Sandbox:
 
     @property
     def _counts_threads(self) -> bool:
-        """Whether the kernel can count one run's threads: nobody else has its user id."""
+        """Whether the kernel can count one run's threads: only where no other process has its user id."""
         return Layer.OWN_UID in self._active or (Layer.NAMESPACES in self._active and os.geteuid() != 0)

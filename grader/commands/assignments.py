@@ -1,4 +1,4 @@
-"""`grader assignments`: what there is, what earns points, and whether the assignments keep their word."""
+"""`grader assignments`: list them, show what earns points, start new ones, and validate them."""
 
 import argparse
 import shlex
@@ -19,7 +19,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     show.add_argument("id")
     validate = actions.add_parser(
-        "validate", help="run solutions and wrong scripts, report wrong verdicts / 用自带脚本检验作业"
+        "validate", help="run solutions and wrong scripts, report wrong scores / 用自带脚本检验作业"
     )
     validate.add_argument(
         "ids",
@@ -40,7 +40,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the chosen action; validate: 0 when every script gets the verdict it must, else 1."""
+    """Run the chosen action; validate returns 0 when every file scores as expected, else 1."""
     if arguments.action == "new":
         return _new(arguments)
     catalog = Catalog(arguments.assignments)

@@ -83,7 +83,7 @@ def read_source(path: Path) -> bytes:
 
 
 def _file_error(code: str, name: str, error: OSError) -> RefusedError:
-    """Return what the operating system said about a file, in words."""
+    """Return the operating system's error about a file, in both languages."""
     told = trouble(error)
     return RefusedError(code, Text(zh=f"{name}：{told.zh}", en=f"{name}: {told.en}"))
 
@@ -99,13 +99,13 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
     with faults_explained():
         result = slot.grade(job, _import_output if not arguments.json else lambda: None)
-    slot.abort()  # a process of that size takes its time to die: it may do so while the table is printed
+    slot.abort()  # such a large process takes a while to die: let it do so while the table is printed
     return assignment, result
 
 
 @contextmanager
 def faults_explained() -> Iterator[None]:
-    """Tell whoever grades a script of their own what a fault of the grader or its sandbox means for them."""
+    """Explain faults of the grader or its sandbox to a student who grades a script on their own computer."""
     try:
         yield
     except SandboxUnavailableError as error:
@@ -122,7 +122,7 @@ def faults_explained() -> Iterator[None]:
 
 
 def _import_output() -> None:
-    """Import what the table needs. Before a run has begun this would only take the processor from it."""
+    """Import what prints the table while the script runs; earlier, that would only slow its start down."""
     import grader.render.terminal  # noqa: F401
 
 
@@ -188,7 +188,7 @@ def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: 
             show_logs=arguments.logs,
         )
     )
-    if not result.measurements.isolation.startswith("strict"):  # weaker than a grade would be given under
+    if not result.measurements.isolation.startswith("strict"):  # weaker than what a service grades under
         layers = ", ".join(result.measurements.missing_layers)
         tell(
             arguments,
@@ -219,7 +219,7 @@ def _check_plot_path(path: Path) -> None:
 def _plot(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     import logging
 
-    # on a new machine it would tell of its search for fonts, none of which is used
+    # On a new machine matplotlib logs its search for fonts, none of which is used.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from grader.use_cases.pictures import draw
 

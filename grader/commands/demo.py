@@ -28,7 +28,7 @@ _START_S = 60.0
 _GRADING_S = 300.0
 _LOWEST_PORT, _PORTS = 20_000, 10_000
 _LIMITS = httpx.Limits(max_keepalive_connections=0)
-"""A connection that rests may end at the very moment at which the next request is sent."""
+"""Keep no idle connection: the server may close it at the moment the next request is sent."""
 _OPEN_STATES = ("queued", "running")
 
 
@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _program() -> str:
-    """Return what to type for the grader: where it was installed by `make`, it is on no path."""
+    """Return the command to type for the grader; installed by `make`, it is not on the PATH."""
     beside = Path(sys.executable).with_name("grader")
     return "grader" if shutil.which("grader") else os.path.relpath(beside)
 
@@ -97,7 +97,7 @@ def _save_plots(client: httpx.Client, location: str, stem: Path, language: str) 
 
 
 def _class() -> Iterator[Upload]:
-    """Yield the lesson's scripts, every solution, and some of what beginners get wrong."""
+    """Yield the lesson's scripts, every solution, and some wrong scripts."""
     catalog = Catalog()
     lesson = _lesson_folder(catalog)
     if lesson is not None:
@@ -145,7 +145,7 @@ def serving(output: Path) -> Iterator[httpx.Client]:
 
 
 def _free_port() -> int:
-    """Return a port that nobody has, of those that no system gives to whoever asks for any."""
+    """Return a free port outside the range from which systems pick ports of their own."""
     while True:
         port = _LOWEST_PORT + secrets.randbelow(_PORTS)
         with socket.socket() as probe, suppress(OSError):

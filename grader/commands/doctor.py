@@ -55,7 +55,7 @@ class State(StrEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Finding:
+class LayerFinding:
     """One layer, tried.
 
     Attributes:
@@ -84,7 +84,7 @@ class Diagnosis:
 
     exit_code: int
     host: dict[str, str]
-    findings: tuple[Finding, ...]
+    findings: tuple[LayerFinding, ...]
     start_ms: float | None
     bare_start_ms: float | None
     outer: Bound = field(default_factory=Bound)
@@ -152,7 +152,7 @@ def _outer_line(outer: Bound, language: Language) -> str:
     return f"✓ {_OUTER_BOUND.get(language).format(outer.version, outer.memory_bytes // MIB, tasks)}"
 
 
-def _finding(layer: Layer, missing: tuple[str, ...], proof: Proof) -> Finding:
+def _finding(layer: Layer, missing: tuple[str, ...], proof: Proof) -> LayerFinding:
     breaches = [breach for breach in proof.breaches if breach.startswith(f"{layer}: ")]
     required = layer in REQUIRED
     if layer is Layer.OWN_UID and os.geteuid() != 0:
@@ -162,7 +162,7 @@ def _finding(layer: Layer, missing: tuple[str, ...], proof: Proof) -> Finding:
     else:
         state = State.BROKEN if breaches else State.ACTIVE
     detail = "; ".join(breach.partition(": ")[2] for breach in breaches)
-    return Finding(
+    return LayerFinding(
         layer=layer,
         required=required,
         state=state,

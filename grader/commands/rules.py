@@ -140,7 +140,7 @@ def _value(name: str, text: str) -> Any:
         return json.loads(text)
     except ValueError:
         example = (
-            """'late={"kind":"linear","per_day":0.1}'""" if isinstance(kind, fields.Record) else f"{name}=3"
+            """'late={"kind":"linear","per_day":0.1}'""" if isinstance(kind, fields.Nested) else f"{name}=3"
         )
         raise CourseError(
             f"{name}={text}: not a number or JSON; write for example {example}",

@@ -32,7 +32,7 @@ class Perturbation:
     Attributes:
         name: in the printed table. spoil: returns the commands with an error of the given size.
         full: size of the error 1.0, in `unit`.
-        must_cost_from: error from which on, in one sense at least, an honest rubric takes points; None: never.
+        must_cost_from: error from which on, in one direction at least, a rubric must take points; None: never.
         applies: whether a motion of these kinds of stretches can be spoilt this way.
     """
 
@@ -59,7 +59,7 @@ class Sensitivity:
 
 
 def sensitivities(assignment: Assignment, run: Run) -> list[Sensitivity]:
-    """Return what each perturbation of the solution's `run` costs each item, in both senses."""
+    """Return what each perturbation of the solution's `run` costs each item, in both directions."""
     found: list[Sensitivity] = []
     for perturbation in _applicable(run.trajectory):
         for sign in (1.0, -1.0):

@@ -1,4 +1,4 @@
-"""What commands that work on the service's database have in common: where it is, who they act as."""
+"""What the commands share that work on the service's database: where it is, and in whose name they act."""
 
 import argparse
 import getpass

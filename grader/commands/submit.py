@@ -125,7 +125,7 @@ def _attempts_left(client: httpx.Client, assignment: str) -> int | None:
         response = client.get(f"/api/v1/assignments/{assignment}/rules")
         left = response.json().get("attempts_left") if response.is_success else None
     except (httpx.TransportError, ValueError, AttributeError):
-        return None  # what is shown besides costs nobody the result
+        return None  # this only adds to the result: without it the result is shown all the same
     return left if isinstance(left, int) else None
 
 

@@ -1,4 +1,4 @@
-"""Does every assignment keep its word: solutions get full marks, wrong scripts the score they must get."""
+"""Check assignments by their own files: solutions get full marks, wrong scripts the scores they must get."""
 
 from collections.abc import Iterable, Iterator
 from contextlib import closing
@@ -42,7 +42,7 @@ _WHICH_COSTS = Text(zh="：答案的动作差多少就扣多少", en=": which er
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Finding:
-    """What one of an assignment's own files got. `problem` is `EMPTY` when that is what it must get.
+    """What one of an assignment's own files scored. `problem` is `EMPTY` when the score is as expected.
 
     Attributes:
         score: None while a person has still to grade.
@@ -81,9 +81,9 @@ class Examination:
 def validate(
     catalog: Catalog, assignment_ids: Iterable[str], language: Language, *, details: bool = False
 ) -> int:
-    """Run the files of the assignments and print what each got; 0 when all is as it must be.
+    """Grade the files of the assignments and print their scores; return 0 when all are as expected.
 
-    On a terminal, standard error shows meanwhile how far it has come.
+    On a terminal, standard error shows the progress.
 
     Args:
         catalog: where the assignments are.
@@ -185,7 +185,7 @@ def _plain(item: RubricItem) -> str:
 
 
 def _replayable_runs(assignment: Assignment, solution: GradingResult) -> list[Run]:
-    """Return the solution's runs whose commands say what the car does: not with feedback or services."""
+    """Return the solution's runs whose commands alone determine the motion: without feedback and services."""
     if assignment.calls:
         return []
     runs = [
@@ -200,7 +200,7 @@ def _replayable_runs(assignment: Assignment, solution: GradingResult) -> list[Ru
 
 
 def _lax(assignment: Assignment, runs: list[Run]) -> Iterator[Text]:
-    """Yield what is lax in each case, with its name when there are several."""
+    """Yield the lax items of each case, after the name of the case when there are several."""
     for run in runs:
         several = len(assignment.cases) > 1
         where = Text(zh=f"场景 {run.case}：", en=f"case {run.case}: ") if several else EMPTY
@@ -222,7 +222,7 @@ def _others(catalog: Catalog, assignment: Assignment, grader: Grader) -> Iterato
 
 
 def _all_passed(report: GradeReport) -> bool:
-    """Whether nothing was lost; what waits for a person has not been lost."""
+    """Whether no points were lost; points that a person has still to give are not lost."""
     if report.status is GradeStatus.NEEDS_MANUAL:
         return all(item.status is not ItemStatus.FAILED for item in report.items)
     return report.score == report.max_score

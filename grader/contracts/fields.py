@@ -71,7 +71,7 @@ class Names(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class Record(Kind):
+class Nested(Kind):
     """The fields of another contract."""
 
     _: KW_ONLY

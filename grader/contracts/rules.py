@@ -13,7 +13,7 @@ from typing import Annotated, Final, Literal
 from zoneinfo import ZoneInfo
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.fields import Choice, Count, Instant, Names, Record, Seconds, Share, Table
+from grader.contracts.fields import Choice, Count, Instant, Names, Nested, Seconds, Share, Table
 from grader.contracts.text import Text
 
 LateKind = Literal["none", "linear", "steps"]
@@ -195,7 +195,7 @@ class Rules:
 
     opens: Annotated[datetime | None, Instant("Nothing is accepted before.")] = None
     due: Annotated[datetime | None, Instant("Later is late.", example="2026-03-20T23:59:59")] = None
-    late: Annotated[LateRule, Record(of=LateRule)] = LateRule()
+    late: Annotated[LateRule, Nested(of=LateRule)] = LateRule()
     accept_late_s: Annotated[
         int | None,
         Seconds("How long after `due`; null: for ever.", high=_MOST_S, example=172_800),

@@ -41,7 +41,7 @@ THREAD_NOTE = "thread_exception"
 """Names the exception that ended a thread."""
 
 ANSWER_NOTE = "service_answer"
-"""Tells what the script answered to a call of the assignment."""
+"""Holds the script's answer to a call of the assignment."""
 
 _LONGEST_ANSWER = 1_000
 _KILLED = {
@@ -180,7 +180,7 @@ def _detail(status: RunStatus, episode: EpisodeResult, jail: JailReport) -> str:
     return "" if status is RunStatus.INTERRUPTED else jail.detail
 
 
-# --------------------------------------------------------------------------------------- what it left us
+# ------------------------------------------------------------------------------- exit code, error, output
 
 
 def _exit_code(status: RunStatus, episode: EpisodeResult, jail: JailReport) -> int | None:
@@ -202,7 +202,7 @@ def _error(exit_frame: Exit | None) -> StudentError | None:
 
 
 def _answers(episode: EpisodeResult) -> Iterator[Note]:
-    """Return what the script answered to the assignment's calls, each cut to a length that can be shown."""
+    """Yield the script's answers to the assignment's calls, each cut to a length that can be shown."""
     for result in episode.calls:
         if result.answered_ns is not None:
             values = json.dumps(result.values, ensure_ascii=False, default=str)
@@ -222,7 +222,7 @@ def _streams(episode: EpisodeResult, jail: JailReport) -> tuple[Stream, Stream]:
     return masked_stream(jail.stdout), masked_stream(jail.stderr)
 
 
-# -------------------------------------------------------------------------------------- what hosts differ in
+# ------------------------------------------------------------------------------- what differs between hosts
 
 
 def _masked(text: str) -> str:

@@ -23,8 +23,8 @@ from grader.contracts.record import from_plain, to_plain
 from grader.contracts.report import GradeReport, Measurements
 from grader.grading.launch import Child, launch
 
-_SPARE_S: Final = 30.0  # importing the physics on a loaded machine, checks, encoding
-_LAST_WORDS_S: Final = 1.0
+_SPARE_S: Final = 30.0  # for importing the physics on a loaded machine, the checks and encoding
+_EXIT_S: Final = 1.0  # a child that has closed its pipe is about to end
 _LENGTH_BYTES: Final = 4
 _READ_BYTES: Final = 1 << 20
 _MESSAGE_MAX_BYTES: Final = 256 << 20  # a minute of motion is a third of a MiB
@@ -183,7 +183,7 @@ class Slot:
         try:
             self._channel.send(message, budget_s)
         except BrokenPipeError:
-            return  # it has ended; `_receive` tells how
+            return  # it has ended; `_receive` reports how
         except OSError as error:
             raise self._failed(error) from error
 
@@ -195,7 +195,7 @@ class Slot:
         except (OSError, ValueError) as error:
             raise self._failed(error) from error
         if answer is None:
-            code = self._process.last_words(_LAST_WORDS_S)
+            code = self._process.wait(_EXIT_S)
             self.close()
             raise InfrastructureError(f"the grading process ended unexpectedly (exit code {code})")
         return answer
@@ -216,15 +216,15 @@ class Slot:
 
 
 class _Process:
-    """The child as a process group to be ended once; `kill` may come from any thread."""
+    """The child and its process group; `kill` may be called from any thread."""
 
     def __init__(self, child: Child) -> None:
         self._pid = child.pid
         self._exit_code: int | None = None
-        self._lock = threading.Lock()  # a number that has been reaped may be somebody else's
+        self._lock = threading.Lock()  # the id of a reaped process may belong to another one by now
 
     def exit_code(self) -> int | None:
-        """Return how it ended, as `subprocess` counts; None while it runs."""
+        """Return the exit code, as `subprocess` counts; None while it runs."""
         with self._lock:
             if self._exit_code is None:
                 pid, status = os.waitpid(self._pid, os.WNOHANG)
@@ -232,8 +232,8 @@ class _Process:
                     self._exit_code = os.waitstatus_to_exitcode(status)
             return self._exit_code
 
-    def last_words(self, budget_s: float) -> int | None:
-        """Return how it ended, giving it `budget_s` to do so."""
+    def wait(self, budget_s: float) -> int | None:
+        """Wait up to `budget_s` for its end; return the exit code, None if it still runs."""
         deadline_s = time.monotonic() + budget_s
         while (code := self.exit_code()) is None and time.monotonic() < deadline_s:
             time.sleep(0.005)

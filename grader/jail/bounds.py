@@ -1,4 +1,4 @@
-"""What a confined process may use and read besides system calls, and what its supervisor puts up with.
+"""What a confined process may use and read besides system calls, and what its supervisor tolerates.
 
 Every number and path of the sandbox stands here. What is not named is refused. Both the zygote and the supervisor
 import this module: pure data and arithmetic, standard library only.
@@ -14,8 +14,8 @@ CHANNEL_FD: Final = 3
 # ---------------------------------------------------------------------------------------------- resources
 
 ADDRESS_SPACE_OVERHEAD_BYTES: Final = 384 * MIB
-"""Room for mappings that are no use of memory: shared libraries, guard areas. It also bounds what a script
-can hold in shared mappings, which the limit on private memory does not count."""
+"""Room for mappings that use no memory of their own: shared libraries, guard areas. It also bounds a script's
+shared mappings, which the limit on private memory does not count."""
 
 THREAD_STACK_BYTES: Final = 4 * MIB
 CPU_BACKSTOP_S: Final = 2
@@ -102,3 +102,4 @@ IDLE_LIMIT_NS: Final = 3_000_000_000
 
 The shim never sleeps in real time. A thread that an overloaded host keeps waiting is not asleep but ready."""
 DRAIN_LIMIT_NS: Final = 50_000_000
+"""How long output is read after the end: a pipe that another process still holds must not delay the report."""

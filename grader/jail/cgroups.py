@@ -31,7 +31,7 @@ class Bound:
 
 
 def own_bound(proc: Path = PROC) -> Bound:
-    """Return what bounds this process; a host without control groups has nothing to say."""
+    """Return what bounds this process; on a host without control groups, nothing."""
     try:
         mounts = list(_mounts((proc / "mountinfo").read_text(encoding="utf-8")))
         groups = dict(_groups((proc / "cgroup").read_text(encoding="utf-8")))

@@ -244,7 +244,7 @@ class Jail:
         self._clocks.limit_cpu(extra_s)
 
     def _take(self) -> None:
-        """Receive once; look after everything else when there is nothing to receive."""
+        """Receive once; while there is nothing to receive, capture output and check the limits."""
         try:
             data = self._channel.recv(_RECEIVE_BYTES)
         except (BlockingIOError, InterruptedError):
@@ -262,7 +262,7 @@ class Jail:
         self._check_clocks()
 
     def _glance(self) -> None:
-        """Now and then, take what the script sent and printed while frames still wait.
+        """Now and then, take what the script has sent and printed since, though frames still wait to be read.
 
         The episode may simulate for long; yet when the script was last busy must be known (`Clocks.was_quiet`).
         """
@@ -291,7 +291,8 @@ class Jail:
         try:
             data = self._channel.recv(_RECEIVE_BYTES)
         except (BlockingIOError, InterruptedError):
-            self._channel_ended = self._has_ended()  # somebody else holds its end: wait no longer
+            # Another process may still hold the other end open: do not wait for it.
+            self._channel_ended = self._has_ended()
             return
         except OSError:
             data = b""
@@ -378,7 +379,7 @@ class Jail:
             SandboxError: the zygote could not account for the process.
         """
         if self._report is None:
-            if self._is_closed:  # the descriptors and the number may be somebody else's by now
+            if self._is_closed:  # descriptors and process id may have been reused by now
                 raise SandboxError("the sandbox's process could not account for the run")
             self._is_closed = True
             self._core.part()

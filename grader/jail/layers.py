@@ -87,7 +87,7 @@ def choose(mode: Mode, without: Set[Layer]) -> Choice:
 
 
 def configure(program: Program, active: tuple[Layer, ...]) -> ZygoteConfig:
-    """Return what a zygote must be told to run `program` under `active` layers."""
+    """Return the configuration of a zygote that runs `program` under `active` layers."""
     packages = allowed_packages()
     landlocked = Layer.LANDLOCK in active
     readable = readable_paths(program.shim, packages) if landlocked else []
@@ -121,7 +121,7 @@ def may_change_uid() -> bool:
 
 
 def box_uid() -> int:
-    """Return a user id that no one else on this host has: one per grading process."""
+    """Return a user id that nothing else on this host uses: one per grading process."""
     with open("/proc/self/uid_map", encoding="ascii") as file:
         spans = [tuple(map(int, line.split())) for line in file]
     wanted = bounds.BOX_UID_BASE + os.getpid()

@@ -13,7 +13,7 @@ _CPUCLOCK_SCHED = 2
 
 
 class ProcessHandle:
-    """A process held by its pidfd where the system has them, else by its number.
+    """A process held by its pidfd where the system has them, else by its id.
 
     The zygote reaps it only when told to, so the number cannot pass to another process meanwhile.
 

@@ -40,7 +40,7 @@ _AUTOGROUP_TRIES: Final = 10
 
 
 class ZygoteConfig(Record):
-    """What a zygote is told once; see `zygote._prepare`. Paths are absolute."""
+    """The configuration of a zygote, sent once; see `zygote._prepare`. Paths are absolute."""
 
     shim: str
     entry: str
@@ -232,7 +232,7 @@ class Confined:
         return Jail(self._channel, self._process, self._captures, self.limits, reap)
 
     def discard(self) -> None:
-        """End the process, reap it and close what belongs to it."""
+        """End the process, reap it and close its descriptors."""
         with self._undo, suppress(SandboxError):  # a zygote that is gone has taken it along
             self._process.kill()
             self._zygote.reap(self._pid)

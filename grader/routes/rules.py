@@ -134,7 +134,7 @@ def _field(kind: Kind, hint: Any, default: Any) -> tuple[Any, Any]:
         properties |= {"ge": kind.low, "le": kind.high}
     if isinstance(kind, fields.Names | fields.Table):
         properties |= {"max_length": kind.most}
-    if isinstance(kind, fields.Names | fields.Table | fields.Record):
+    if isinstance(kind, fields.Names | fields.Table | fields.Nested):
         return type_, Field(default_factory=list if isinstance(default, tuple) else type_, **properties)
     if default is dataclasses.MISSING:
         return type_, Field(**properties)
@@ -153,7 +153,7 @@ def _type(kind: Kind, hint: Any) -> Any:
             return list[Annotated[str, Field(max_length=kind.longest)]]
         case fields.Table():
             return GenericAlias(list, (_bodies[kind.of],))
-        case fields.Record():
+        case fields.Nested():
             return _bodies[kind.of]
         case _:
             return hint

@@ -141,7 +141,7 @@ class Teller:
                 return written(round(value * 100, 9))
             case fields.Choice():
                 return say(f"{'people' if name == 'role' else 'rules'}.{name}.{value}", self.language)
-            case fields.Record():
+            case fields.Nested():
                 return self.late(value, in_full=True)
             case fields.Table():
                 return say("comma", self.language).join(self._line(name, kind, line) for line in value)

@@ -156,7 +156,7 @@ def test_a_child_that_dies_before_it_is_asked_is_replaced(children: list[str]) -
     children += ["sys.exit(7)", "serve()"]
     with Slot(SlotConfig()) as one:
         assert one._process is not None
-        assert one._process.last_words(30.0) == 7
+        assert one._process.wait(30.0) == 7
         assert one.grade(JOB).report.score == 1.0
 
 
@@ -206,7 +206,7 @@ def test_a_child_that_hangs_is_ended(
 def test_nonsense_is_an_infrastructure_error_and_the_next_grading_works(
     children: list[str], program: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(slot, "_LAST_WORDS_S", 0.05)
+    monkeypatch.setattr(slot, "_EXIT_S", 0.05)
     goes_on = "half" in program or "close" in program
     children += [f"receive(); {program}; " + ("os._exit(0)" if "half" in program else "serve()"), "serve()"]
     with Slot(SlotConfig()) as one:
@@ -253,7 +253,7 @@ def test_a_child_whose_parent_is_gone_ends_without_a_word(capfd: pytest.CaptureF
         one._channel.send(slot._request(JOB), PATIENCE_S)
         one._channel.close()
         one._channel = None
-        assert one._process.last_words(PATIENCE_S) == 0
+        assert one._process.wait(PATIENCE_S) == 0
     assert capfd.readouterr().err == ""
 
 
