@@ -9,8 +9,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
-from grader.routes.dashboard import class_overview
-from grader.routes.dashboard_views import STUCK_ATTEMPTS, DashboardView
+from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, overview
 from grader.use_cases.health import health_of
 from grader.use_cases.services import Services
 from grader.web import access
@@ -29,12 +28,12 @@ def read_matrix(
     request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[MatrixQuery, Query()]
 ) -> Response:
     """Show students by assignments."""
-    overview = _overview(request, services, visitor)
+    whole = _overview(request, services, visitor)
     return page(
         request,
         "class.html",
-        overview=overview,
-        matrix=matrix(overview, query, names(services, visitor.caller)),
+        overview=whole,
+        matrix=matrix(whole, query, names(services, visitor.caller)),
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
     )
@@ -45,8 +44,8 @@ def read_assignment(
     request: Request, services: ServicesDep, visitor: StaffDep, assignment_id: str
 ) -> Response:
     """Show how the class does at one assignment: scores, failed items, mistakes."""
-    overview = _overview(request, services, visitor)
-    statistics = next((one for one in overview.assignments if one.id == assignment_id), None)
+    whole = _overview(request, services, visitor)
+    statistics = next((one for one in whole.assignments if one.id == assignment_id), None)
     if statistics is None:
         raise RefusedError("assignment_not_found")
     language = language_of(request)
@@ -54,7 +53,7 @@ def read_assignment(
         (one.code, outline(language, f"mistake.{one.code}") or one.code, one.students)
         for one in statistics.most_common_mistakes
     ]
-    return page(request, "class_assignment.html", overview=overview, statistics=statistics, mistakes=mistakes)
+    return page(request, "class_assignment.html", overview=whole, statistics=statistics, mistakes=mistakes)
 
 
 @router.get("/students/{student}")
@@ -108,9 +107,9 @@ def read_service(request: Request, services: ServicesDep) -> Response:
     return page(request, "service.html", health=health_of(services), version=__version__)
 
 
-def _overview(request: Request, services: Services, visitor: Visitor) -> DashboardView:
-    state = services.dashboard.state(visitor.caller.course)
-    return class_overview(services, visitor.caller, state, language_of(request))
+def _overview(request: Request, services: Services, visitor: Visitor) -> Overview:
+    state = class_state(services, visitor.caller)
+    return overview(services, visitor.caller, state, language_of(request))
 
 
 def _graded(services: Services, visitor: Visitor, submission_id: str) -> tuple[Submission, StoredReport]:

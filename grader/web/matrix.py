@@ -8,7 +8,8 @@ from typing import Any, Literal, get_args
 from pydantic import Field
 
 from grader.contracts.submission import SubmissionState
-from grader.routes.dashboard_views import AssignmentStatistics, CellView, DashboardView, StudentView
+from grader.use_cases.dashboard import AssignmentStatistics, Overview, StudentLine
+from grader.use_cases.dashboard import Cell as Reached
 from grader.web.paging import PageQuery, cut
 from grader.web.roster import named
 
@@ -40,14 +41,14 @@ class Cell:
 
     assignment: str
     look: str
-    cell: CellView | None
+    cell: Reached | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Row:
     """One student, cells in the order of the assignments. `name` may be empty."""
 
-    student: StudentView
+    student: StudentLine
     name: str
     cells: tuple[Cell, ...]
 
@@ -64,7 +65,7 @@ class Matrix:
     query: MatrixQuery
 
 
-def matrix(dashboard: DashboardView, query: MatrixQuery, names: Mapping[str, str]) -> Matrix:
+def matrix(dashboard: Overview, query: MatrixQuery, names: Mapping[str, str]) -> Matrix:
     """Return the page of the class that `query` asks for; beyond the last page, the last.
 
     `names` are those of everybody on the roster, by id: who handed in nothing has a row, too.
@@ -91,13 +92,13 @@ def matrix(dashboard: DashboardView, query: MatrixQuery, names: Mapping[str, str
     )
 
 
-def _everybody(dashboard: DashboardView, names: Mapping[str, str]) -> list[StudentView]:
+def _everybody(dashboard: Overview, names: Mapping[str, str]) -> list[StudentLine]:
     active = {one.student for one in dashboard.students}
-    idle = [StudentView(student=one, total_score=0.0, assignments={}) for one in names if one not in active]
+    idle = [StudentLine(student=one, total_score=0.0, assignments={}) for one in names if one not in active]
     return [*dashboard.students, *idle]
 
 
-def _row(student: StudentView, ids: Sequence[str], name: str) -> Row:
+def _row(student: StudentLine, ids: Sequence[str], name: str) -> Row:
     cells = (student.assignments.get(one) for one in ids)
     return Row(
         student=student,
@@ -108,7 +109,7 @@ def _row(student: StudentView, ids: Sequence[str], name: str) -> Row:
     )
 
 
-def _look(cell: CellView | None) -> str:
+def _look(cell: Reached | None) -> str:
     if cell is None:
         return "none"
     if cell.best_score is not None and cell.max_score is not None:
@@ -116,7 +117,7 @@ def _look(cell: CellView | None) -> str:
     return "fault" if cell.status is SubmissionState.INFRASTRUCTURE_ERROR else "waiting"
 
 
-def _fits(student: StudentView, judged: Sequence[str], show: Show) -> bool:
+def _fits(student: StudentLine, judged: Sequence[str], show: Show) -> bool:
     if show == "all":
         return True
     if show == "at_risk":
@@ -124,7 +125,7 @@ def _fits(student: StudentView, judged: Sequence[str], show: Show) -> bool:
     return any(_CONDITIONS[show](student.assignments.get(one)) for one in judged)
 
 
-_CONDITIONS: Mapping[Show, Callable[[CellView | None], bool]] = {
+_CONDITIONS: Mapping[Show, Callable[[Reached | None], bool]] = {
     "unfinished": lambda cell: cell is None or not cell.passed,
     "not_begun": lambda cell: cell is None,
     "stuck": lambda cell: cell is not None and cell.stuck,
@@ -134,7 +135,7 @@ _CONDITIONS: Mapping[Show, Callable[[CellView | None], bool]] = {
 }
 
 
-def _sort_key(sort: str) -> Callable[[StudentView], Any]:
+def _sort_key(sort: str) -> Callable[[StudentLine], Any]:
     if sort == "total":
         return lambda one: (one.total_score, one.student)
     if sort == "activity":
@@ -147,5 +148,5 @@ def _sort_key(sort: str) -> Callable[[StudentView], Any]:
     return lambda one: (_score(one.assignments.get(sort)), one.student)
 
 
-def _score(cell: CellView | None) -> float:
+def _score(cell: Reached | None) -> float:
     return -1.0 if cell is None or cell.best_score is None else cell.best_score

@@ -1,0 +1,310 @@
+"""The class at a glance, from what the store counted and the assignments' own texts."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from statistics import fmean
+from typing import Literal
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, Progress
+from grader.contracts.identity import Caller, Role
+from grader.contracts.report import GradeStatus
+from grader.contracts.rubric import summed
+from grader.contracts.submission import SubmissionState
+from grader.contracts.text import Language
+from grader.use_cases.assignments import item_title
+from grader.use_cases.callers import require_staff
+from grader.use_cases.health import Health, health_of
+from grader.use_cases.services import Services
+
+_BINS = 10
+STUCK_ATTEMPTS = 3
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Cell:
+    """One student at one assignment. Submissions are named by their ids.
+
+    Attributes:
+        best_score: None while nothing was scored; `best_submission` is the first that reached it.
+        waits_for_person: an answer of theirs is still to be judged.
+        status, verdict: of the latest submission.
+        attempts: without those that the service failed to grade.
+        counted_score: what is kept of the attempt that counts.
+    """
+
+    best_score: float | None
+    max_score: float | None
+    passed: bool
+    waits_for_person: bool
+    status: SubmissionState
+    verdict: GradeStatus | None
+    attempts: int
+    last_activity_at: datetime
+    best_submission: str | None
+    counted_score: float | None
+    counted_submission: str | None
+    latest_submission: str
+
+    @property
+    def stuck(self) -> bool:
+        """Whether the student tried often and has not passed."""
+        return not self.passed and not self.waits_for_person and self.attempts >= STUCK_ATTEMPTS
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class StudentLine:
+    """One row of the class matrix. `assignments` by id, without those not begun."""
+
+    student: str
+    total_score: float
+    assignments: Mapping[str, Cell]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Bin:
+    """Students whose best score lies in [from, to) per cent of the points; the last bin includes 100."""
+
+    from_percent: int
+    to_percent: int
+    students: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailedItem:
+    """How many students failed one rubric item at least once, and `still` in their best submission."""
+
+    id: str
+    title: str
+    count: int
+    still: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AssignmentStatistics:
+    """What one assignment shows about the class.
+
+    Attributes:
+        students: who submitted. pass_rate: of those with a score; None: nobody has.
+        mean_score: of the best scores. mean_attempts_to_pass: up to the first attempt that did, before lateness.
+        most_failed_items, most_common_mistakes: the most frequent first.
+    """
+
+    id: str
+    title: str
+    max_score: float | None
+    students: int
+    waiting_for_person: int
+    submissions: int
+    passed: int
+    pass_rate: float | None
+    mean_score: float | None
+    score_distribution: Sequence[Bin]
+    mean_attempts_to_pass: float | None
+    most_failed_items: Sequence[FailedItem]
+    most_common_mistakes: Sequence[MistakeCount]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Risk:
+    """A student who may need help: handed in nothing at all, or is stuck at an assignment."""
+
+    student: str
+    reason: Literal["not_started", "stuck"]
+    assignment: str | None
+    attempts: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Overview:
+    """The class at a glance. `total_students`: that fit the selection, on all pages."""
+
+    generated_at: datetime
+    pass_fraction: float
+    students: Sequence[StudentLine]
+    total_students: int
+    at_risk: Sequence[Risk]
+    waiting_for_person: int
+    assignments: Sequence[AssignmentStatistics]
+    health: Health
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Selection:
+    """Which students an overview shows. `limit` None: all."""
+
+    search: str = ""
+    at_risk: bool = False
+    offset: int = 0
+    limit: int | None = None
+
+
+@dataclass(frozen=True)
+class _Told:
+    """What the statistics of an assignment are made of."""
+
+    progress: list[Progress]
+    failures: list[ItemFailures]
+    mistakes: list[MistakeCount]
+
+
+def overview(services: Services, caller: Caller, state: ClassState, language: Language) -> Overview:
+    """Return the whole class in `state`.
+
+    Assignments that are no longer published still show while they have submissions.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    pass_fraction = services.settings.pass_fraction
+    students: dict[str, dict[str, Cell]] = defaultdict(dict)
+    told: dict[str, _Told] = defaultdict(lambda: _Told([], [], []))
+    for one in state.progress:
+        students[one.student][one.assignment] = _cell(one, pass_fraction)
+        told[one.assignment].progress.append(one)
+    for failure in state.failures:
+        told[failure.assignment].failures.append(failure)
+    for mistake in state.mistakes:
+        told[mistake.assignment].mistakes.append(mistake)
+    known = {assignment.id: assignment for assignment in services.assignments.all()}
+    ids = [*known, *sorted(set(told) - set(known))]
+    roster = [member.id for member in services.courses.members(caller.course, Role.STUDENT)]
+    return Overview(
+        generated_at=services.clock(),
+        pass_fraction=pass_fraction,
+        students=[_student(student, cells) for student, cells in students.items()],
+        total_students=len(students),
+        at_risk=_at_risk(students, roster),
+        waiting_for_person=sum(one.waiting_submission is not None for one in state.progress),
+        assignments=[_statistics(id_, known.get(id_), told[id_], pass_fraction, language) for id_ in ids],
+        health=health_of(services),
+    )
+
+
+def class_state(services: Services, caller: Caller) -> ClassState:
+    """Return what is counted about the caller's class.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    return services.dashboard.state(caller.course)
+
+
+def selected(whole: Overview, selection: Selection) -> Overview:
+    """Return the overview with the chosen students only."""
+    risky = {one.student for one in whole.at_risk}
+    fitting = [
+        one
+        for one in whole.students
+        if selection.search in one.student and (not selection.at_risk or one.student in risky)
+    ]
+    end = None if selection.limit is None else selection.offset + selection.limit
+    page = fitting[selection.offset : end]
+    return replace(whole, students=page, total_students=len(fitting))
+
+
+def _at_risk(students: Mapping[str, Mapping[str, Cell]], roster: Sequence[str]) -> list[Risk]:
+    idle = [
+        Risk(student=one, reason="not_started", assignment=None, attempts=0)
+        for one in roster
+        if one not in students
+    ]
+    stuck = [
+        Risk(student=student, reason="stuck", assignment=assignment, attempts=cell.attempts)
+        for student, cells in students.items()
+        for assignment, cell in cells.items()
+        if cell.stuck
+    ]
+    return idle + stuck
+
+
+def _mean_attempts_to_pass(progress: Iterable[Progress], pass_fraction: float) -> float | None:
+    needed = [
+        next(
+            (
+                i
+                for i, share in enumerate(one.shares, start=1)
+                if share is not None and share >= pass_fraction
+            ),
+            None,
+        )
+        for one in progress
+    ]
+    passed = [one for one in needed if one is not None]
+    return round(fmean(passed), 2) if passed else None
+
+
+def _student(student: str, cells: dict[str, Cell]) -> StudentLine:
+    total = summed(cell.counted_score for cell in cells.values() if cell.counted_score is not None)
+    return StudentLine(student=student, total_score=total, assignments=cells)
+
+
+def _cell(progress: Progress, pass_fraction: float) -> Cell:
+    return Cell(
+        best_score=progress.best_score,
+        max_score=progress.max_score,
+        passed=_passed(progress, pass_fraction),
+        waits_for_person=progress.waiting_submission is not None,
+        status=progress.state,
+        verdict=progress.verdict,
+        attempts=progress.attempts,
+        last_activity_at=progress.last_activity_at,
+        best_submission=progress.best_submission,
+        counted_score=progress.counted_score,
+        counted_submission=progress.counted_submission,
+        latest_submission=progress.latest_submission,
+    )
+
+
+def _passed(progress: Progress, pass_fraction: float) -> bool:
+    score, most = progress.counted_score, progress.max_score
+    return score is not None and most is not None and score >= pass_fraction * most
+
+
+def _statistics(
+    assignment_id: str,
+    assignment: Assignment | None,
+    told: _Told,
+    pass_fraction: float,
+    language: Language,
+) -> AssignmentStatistics:
+    students = len(told.progress)
+    passed = sum(_passed(one, pass_fraction) for one in told.progress)
+    scored = sum(one.counted_score is not None for one in told.progress)
+    scores = [one.best_score for one in told.progress if one.best_score is not None]
+    return AssignmentStatistics(
+        id=assignment_id,
+        title=assignment_id if assignment is None else assignment.title.get(language),
+        max_score=None if assignment is None else assignment.max_score,
+        students=students,
+        waiting_for_person=sum(one.waiting_submission is not None for one in told.progress),
+        submissions=sum(one.attempts for one in told.progress),
+        passed=passed,
+        pass_rate=passed / scored if scored else None,
+        mean_score=round(fmean(scores), 2) if scores else None,
+        score_distribution=_distribution(told.progress),
+        mean_attempts_to_pass=_mean_attempts_to_pass(told.progress, pass_fraction),
+        most_failed_items=[_failed(failure, assignment, language) for failure in told.failures],
+        most_common_mistakes=told.mistakes,
+    )
+
+
+def _failed(one: ItemFailures, assignment: Assignment | None, language: Language) -> FailedItem:
+    title = item_title(assignment, one.item, language)
+    return FailedItem(id=one.item, title=title, count=one.ever, still=one.still)
+
+
+def _distribution(progress: Iterable[Progress]) -> list[Bin]:
+    counts = [0] * _BINS
+    for one in progress:
+        if one.best_score is not None and one.max_score:
+            counts[min(int(one.best_score / one.max_score * _BINS), _BINS - 1)] += 1
+    width = 100 // _BINS
+    return [
+        Bin(from_percent=number * width, to_percent=(number + 1) * width, students=count)
+        for number, count in enumerate(counts)
+    ]
