@@ -218,7 +218,7 @@ def _others(catalog: Catalog, assignment: Assignment, grader: Grader) -> Iterato
         path = catalog.folder(assignment.id) / "wrong" / attempt.file
         job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)
         report = grader.grade(job).report
-        yield _finding(assignment, f"wrong/{attempt.file}", report, _misjudged(attempt, report))
+        yield _finding(assignment, f"wrong/{attempt.file}", report, _unexpected(attempt, report))
 
 
 def _all_passed(report: GradeReport) -> bool:
@@ -243,7 +243,7 @@ def _lost(report: GradeReport) -> Text:
     return Text(zh=f"误扣：答案在 {items} 上丢分", en=f"false fail: loses credit for {items}")
 
 
-def _misjudged(attempt: WrongAttempt, report: GradeReport) -> Text:
+def _unexpected(attempt: WrongAttempt, report: GradeReport) -> Text:
     score = report.score or 0.0
     problems = []
     if report.score == report.max_score:

@@ -5,8 +5,8 @@ A message id names the place where a sentence is used (``polygon.sides.seen``). 
 and of HTTP's problem documents, which a grading never reads. ``python -m grader.messages.check`` finds what is
 missing, unused or different between the languages.
 
-The ``.po`` files are read as they stand. Reading one takes half a millisecond; gettext's own reader of a compiled
-``.mo`` takes four, at every start of the command line, and compiled copies have to be kept in step.
+The ``.po`` files are read as they stand. That takes 0.2 ms for one of 370 entries, half of what gettext takes for
+a compiled ``.mo``, and there are no compiled copies to be kept in step.
 """
 
 import re

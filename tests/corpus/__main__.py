@@ -4,22 +4,22 @@ import sys
 
 from grader.grading.slot import Slot, SlotConfig
 from tests.corpus.attempts import corpus
-from tests.corpus.judging import confusion, for_real
+from tests.corpus.scoring import confusion, for_real
 
 
 def main() -> int:
-    """Return 0 when nothing was misjudged."""
+    """Return 0 when nothing was scored wrongly."""
     with Slot(SlotConfig()) as slot:
-        judge = for_real(slot)
-        judged = []
+        score_for_real = for_real(slot)
+        scored = []
         for attempt in corpus():
-            judged.append(judge(attempt))
-            if judged[-1].misjudged:
-                print(judged[-1], flush=True)
-            if len(judged) % 50 == 0:
-                print(f"{len(judged)} graded", file=sys.stderr, flush=True)
-    print(confusion(judged))
-    return int(any(each.misjudged for each in judged))
+            scored.append(score_for_real(attempt))
+            if scored[-1].scored_wrongly:
+                print(scored[-1], flush=True)
+            if len(scored) % 50 == 0:
+                print(f"{len(scored)} graded", file=sys.stderr, flush=True)
+    print(confusion(scored))
+    return int(any(each.scored_wrongly for each in scored))
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import pytest
 from grader.contracts.grading import Grader
 from grader.grading.slot import Slot, SlotConfig
 from tests.corpus.attempts import FIGURES, STYLES, Attempt, corpus
-from tests.corpus.judging import confusion, for_real, on_the_ideal_turtle
+from tests.corpus.scoring import confusion, for_real, on_the_ideal_turtle
 
 CORPUS = corpus()
 
@@ -48,13 +48,13 @@ def test_the_corpus_is_large_and_varied() -> None:
 
 
 @pytest.mark.parametrize("name", [*FIGURES, "straight", "backward", "spin"])
-def test_nothing_is_misjudged_on_the_ideal_turtle(name: str) -> None:
-    judged = [on_the_ideal_turtle(attempt) for attempt in CORPUS if attempt.assignment == name]
-    assert len(judged) > 20
-    assert not [str(each) for each in judged if each.misjudged], confusion(judged)
+def test_nothing_is_scored_wrongly_on_the_ideal_turtle(name: str) -> None:
+    scored = [on_the_ideal_turtle(attempt) for attempt in CORPUS if attempt.assignment == name]
+    assert len(scored) > 20
+    assert not [str(each) for each in scored if each.scored_wrongly], confusion(scored)
 
 
 @pytest.mark.parametrize("attempt", sample(), ids=str)
-def test_nothing_is_misjudged_for_real(grader: Grader, attempt: Attempt) -> None:
-    judged = for_real(grader)(attempt)
-    assert not judged.misjudged, str(judged)
+def test_nothing_is_scored_wrongly_for_real(grader: Grader, attempt: Attempt) -> None:
+    scored = for_real(grader)(attempt)
+    assert not scored.scored_wrongly, str(scored)

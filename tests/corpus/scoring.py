@@ -1,4 +1,4 @@
-"""The corpus judged: on the ideal turtle with the car's lag, or as scripts with everything real."""
+"""The corpus scored: on the ideal turtle with the car's lag, or as scripts with everything real."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -19,7 +19,7 @@ _READY_S = 0.3
 
 
 @dataclass(frozen=True, slots=True)
-class Judged:
+class Scored:
     """An attempt, its score out of 100 and what lost credit."""
 
     attempt: Attempt
@@ -27,7 +27,7 @@ class Judged:
     lost: str
 
     @property
-    def misjudged(self) -> bool:
+    def scored_wrongly(self) -> bool:
         """A right script below 90 %, a harmless one below or a wrong one at full marks."""
         match self.attempt.truth:
             case "right":
@@ -53,7 +53,7 @@ def task_of(attempt: Attempt) -> Assignment:
     return replace(task, world=replace(task.world, start=start))
 
 
-def on_the_ideal_turtle(attempt: Attempt) -> Judged:
+def on_the_ideal_turtle(attempt: Attempt) -> Scored:
     """Judge the commanded motion on a turtle that only lags."""
     task = task_of(attempt)
     legs = [(_READY_S, 0.0, 0.0), *ideal_legs(attempt)]
@@ -64,30 +64,30 @@ def on_the_ideal_turtle(attempt: Attempt) -> Judged:
     trajectory = drive(legs, heading_deg=attempt.heading_deg, lag_s=LAG_S, horizon_s=horizon_s)
     if not attempt.stops:  # the last command is not the stop that the ideal turtle appends
         trajectory = replace(trajectory, commands=trajectory.commands[:-1])
-    verdict = evaluate(task, [run_of(trajectory, status)])
-    lost = ", ".join(f"{each.id} {each.measured}" for each in verdict.items if each.earned < each.points)
-    return Judged(attempt, round(sum(each.earned for each in verdict.items), 2), lost)
+    column = evaluate(task, [run_of(trajectory, status)])
+    lost = ", ".join(f"{each.id} {each.measured}" for each in column.items if each.earned < each.points)
+    return Scored(attempt, round(sum(each.earned for each in column.items), 2), lost)
 
 
-def for_real(grader: Grader) -> Callable[[Attempt], Judged]:
-    """Return what judges an attempt's script through sandbox, shim, simulator and checks."""
+def for_real(grader: Grader) -> Callable[[Attempt], Scored]:
+    """Return what scores an attempt's script through sandbox, shim, simulator and checks."""
 
-    def judge(attempt: Attempt) -> Judged:
+    def score_for_real(attempt: Attempt) -> Scored:
         source = script(attempt).encode()
         job = GradingJob(file_name="script.py", source=source, assignment=task_of(attempt))
         report = grader.grade(job).report
         lost = ", ".join(f"{each.id} {each.measured}" for each in report.items if each.earned < each.points)
-        return Judged(attempt, report.score or 0.0, f"{lost} ({report.status})" if lost else "")
+        return Scored(attempt, report.score or 0.0, f"{lost} ({report.status})" if lost else "")
 
-    return judge
+    return score_for_real
 
 
-def confusion(judged: Iterable[Judged]) -> str:
+def confusion(scored: Iterable[Scored]) -> str:
     """Return the confusion matrix as a table."""
     counts: Counter[tuple[str, str]] = Counter()
-    for each in judged:
-        verdict = "full" if each.score >= 100.0 else "90 or more" if each.score >= RIGHT_SCORE else "below 90"
-        counts[each.attempt.truth, verdict] += 1
+    for each in scored:
+        column = "full" if each.score >= 100.0 else "90 or more" if each.score >= RIGHT_SCORE else "below 90"
+        counts[each.attempt.truth, column] += 1
     columns = ("full", "90 or more", "below 90")
     lines = [f"{'':>10}" + "".join(f"{column:>12}" for column in columns)]
     for truth in ("right", "harmless", "wrong"):
