@@ -9,13 +9,13 @@ from grader.sim.car import PlanarPose
 class _Nobody:
     """Watches the car without keeping anything."""
 
-    def sample(self, step: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
+    def sample(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
         pass
 
-    def jump(self, step: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
+    def jump(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
         pass
 
-    def contact(self, step: int, wall: str) -> None:
+    def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
         pass
 
 

@@ -25,7 +25,7 @@ class Contact(Record):
 
 
 class Command(NamedTuple):
-    """A velocity command as the car received it, at most one per physics step (the last wins)."""
+    """A velocity command as the car received it, at most one per update of 16 ms (the last wins)."""
 
     t_ns: int
     v_mps: float
@@ -36,19 +36,19 @@ class Command(NamedTuple):
 class Trajectory:
     """Poses of the car over virtual time, in turtlesim's frame (origin bottom left, x right, y up).
 
-    All arrays have the same length n >= 1 (the start pose). Samples are 1/60 s apart while the car moves
+    All arrays have the same length n >= 1 (the start pose). Samples are 16 ms apart while the car moves
     and sparser while it rests: between two samples further apart the car stood still.
 
     Attributes:
         t_ns: (n,) strictly increasing virtual time.
         x_m, y_m: (n,) position.
         heading_rad: (n,) heading, counter-clockwise positive, unwrapped (continuous, not folded to ±π).
-        v_mps: (n,) signed speed along the heading, measured, not commanded.
+        v_mps: (n,) signed speed along the heading on the way to the sample, measured, not commanded.
         w_radps: (n,) yaw rate, measured.
         jumps: indices i (1 <= i < n) whose pose was reached by teleport or reset, not by driving; the
             heading is not continuous there.
         contacts: wall contacts in order of time.
-        commands: commands in order of time, bounded by one per physics step.
+        commands: commands in order of time, bounded by one per update.
         end_ns: virtual time at which the episode ended (>= t_ns[-1]; the car rested since).
     """
 

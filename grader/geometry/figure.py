@@ -36,6 +36,7 @@ ALIKE_RAD = math.radians(15.0)
 
 REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a slipping car laps drift apart
 SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
+WILD_RAD = 2.0 * FULL_TURN_RAD  # nobody means a corner this wide: what it leaves of a turn is chance
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
 
 
@@ -178,15 +179,20 @@ def _comes_round(corners: list[float]) -> int | None:
     """
     total = 0.0
     for sides, corner in enumerate(corners, start=2):
-        total += math.remainder(corner, FULL_TURN_RAD)
+        total += _bare(corner)
         mean = abs(total) / (sides - 1)
         if abs(abs(total) + mean - FULL_TURN_RAD) <= 0.5 * mean:
             return sides
     return None
 
 
+def _bare(corner_rad: float) -> float:
+    """Return a corner less the whole turn in it; a wild one is no corner and stays as it is."""
+    return math.remainder(corner_rad, FULL_TURN_RAD) if abs(corner_rad) < WILD_RAD else corner_rad
+
+
 def _alike(corners: list[float]) -> bool:
-    bare = [math.remainder(corner, FULL_TURN_RAD) for corner in corners]
+    bare = [_bare(corner) for corner in corners]
     return max(bare) - min(bare) <= ALIKE_RAD
 
 
@@ -216,7 +222,7 @@ def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
     """Whether the path begins in the middle of a side, which its last straight completes in the same direction."""
     if len(lengths) != lap + 1 or lap < 3:
         return False
-    turned = abs(sum(math.remainder(corner, FULL_TURN_RAD) for corner in corners))
+    turned = abs(sum(map(_bare, corners)))
     if abs(turned - FULL_TURN_RAD) > 0.5 * turned / lap:
         return False
     like = [float(np.median(lengths[1:-1]))]
@@ -311,7 +317,7 @@ def _turns_alike(corners: list[float], count: int) -> bool:
 
 def _from_its_sense(corners: list[float]) -> list[float]:
     """Return the corners of a lap without whole turns, mirrored if the first one turns right."""
-    bare = [math.remainder(corner, FULL_TURN_RAD) for corner in corners]
+    bare = [_bare(corner) for corner in corners]
     return [-corner for corner in bare] if bare and bare[0] < 0.0 else bare
 
 

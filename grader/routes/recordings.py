@@ -50,7 +50,7 @@ class ContactView(BaseModel):
 class TrajectoryView(BaseModel):
     """Poses over virtual time in turtlesim's frame, one column per quantity, all of one length.
 
-    Between two samples further apart than 1/60 s the car stood still.
+    Between two samples further apart than 16 ms the car stood still.
     """
 
     t_ns: list[int] = Field(description="Virtual nanoseconds.", examples=[[0, 16_666_667]])

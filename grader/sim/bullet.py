@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager
-from math import atan2, cos, isfinite, sin
+from math import atan2, cos, hypot, isfinite, sin
 from typing import Final, Protocol
 
 from grader.contracts.assignment import WINDOW_M, Profile
@@ -12,23 +12,25 @@ from grader.sim.car import (
     URDF,
     WHEEL_RADIUS_M,
     PlanarPose,
-    Servo,
-    make_servo,
+    RoughDrive,
+    fold,
+    turtlesim_update,
     twist_to_wheels,
 )
 from grader.sim.silence import silenced
-from grader.sim.timeline import NS_PER_S, SAMPLE_STEPS, STEP_S, step_time_ns
+from grader.sim.timeline import STEP_S, UPDATE_NS, UPDATE_S, last_step_at, step_time_ns
 
 with silenced():  # it says when it was built
     import pybullet as _bullet
 
-# What is called at every step or sample, with the client as last positional argument: keywords cost a tenth.
+# What is called at every update or step, with the client as last positional argument: keywords cost a tenth.
 _get_pose: Final = _bullet.getBasePositionAndOrientation
 _set_velocity: Final = _bullet.resetBaseVelocity
+_set_time_step: Final = _bullet.setTimeStep
 _step_once: Final = _bullet.stepSimulation
 _get_velocity: Final = _bullet.getBaseVelocity
 
-CAR_MODEL: Final = 1  # raised whenever the same commands may give another trajectory
+CAR_MODEL: Final = 2  # raised whenever the same commands may give another trajectory
 SIMULATOR: Final = f"turtle-car {CAR_MODEL}, Bullet {_bullet.getAPIVersion()}"
 
 _GRAVITY_MPS2: Final = -9.81
@@ -37,50 +39,61 @@ _WHEEL_JOINTS: Final = (0, 1)
 _MOTORS_NM: Final = (0.1, 0.1)
 _MAX_JOINT_RADPS: Final = 4_000.0  # PyBullet's own bound of 100 would hold the wheels back at 5 m/s
 _HALF_S: Final = STEP_S / 2.0
-_CLEARANCE_M: Final = 1e-3  # more than rounding and contacts ever move the car besides its velocity
-_TOUCH_M: Final = 1e-6  # a wall pushed by less per step is not being pushed: the car slides along it
+_TOUCH_M: Final = 1e-6  # a wall pushed by less is not being pushed: the car slides along it
+_WIDE_TURN_RAD: Final = 0.5  # Bullet loses a body that turns by more than a quarter turn in one engine step
+_ASTRAY: Final = (
+    0.05  # m and rad: the body stays within 1e-8; at 100 rad/s its wheels, as gyroscopes, tilt it by 5e-3
+)
 
 
 class Watcher(Protocol):
     """Receives what the car does, while it does it."""
 
-    def sample(self, step: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
-        """Take the measured state at `step`."""
+    def sample(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
+        """Take the state at the update of `t_ns`, and the velocity with which the update reached it."""
 
-    def jump(self, step: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
-        """Take the state into which the car was put at `step`."""
+    def jump(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
+        """Take the state into which the car was put after the update of `t_ns`."""
 
-    def contact(self, step: int, wall: str) -> None:
-        """Learn that `wall` held the car back during the step that ends at `step`."""
+    def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
+        """Learn that `wall` held the car back from `start_ns` to `end_ns`."""
 
 
 class BulletCar:
-    """A car in a PyBullet world of its own.
+    """A car in a PyBullet world of its own, driven in turtlesim's updates of 16 ms.
 
     One object serves any number of episodes, one after the other: `reset` builds the world anew, so nothing
     of an earlier episode is left and the same commands give the same bits. The physics client stays.
 
-    The base obeys the servo of `grader.sim.car`; tyres and casters are frictionless, so that they carry the
-    car and never steer it, and the wheels' motors turn along. Walls are turtlesim's: the position is held
-    within the window, component by component, and the heading is not affected.
+    The nominal car moves by turtlesim's law to the last bit. Its body is given, at each update, the velocity that
+    takes it along, and must be found where the law says. The rough car is where physics takes its body. Tyres and
+    casters are frictionless, so that they carry the car and never steer it, and the wheels' motors turn along.
+    Walls are turtlesim's: the position is held within the window, component by component, and the heading is not
+    affected.
 
     Attributes:
-        step: index of the step the state stands at.
-        steps_run: physics steps actually computed since `reset`; a resting car is not stepped.
-        servo: the drive; its velocity is what wheel encoders would read. commanded: the present command.
+        now_ns: instant of the update the state stands at.
+        pose: the car's at that instant.
+        velocity: (v, w) at which the wheels turned in that update, whether or not a wall was in the way.
+        resting: stopped, told to stay so, and seen at rest: updates would change nothing.
+        body_pose: where PyBullet has the body, at the last whole step before that instant.
+        steps_run: steps of 1/240 s simulated since `reset`; those of a resting car are not.
+        commanded: the twist that acts from the next update on.
     """
-
-    servo: Servo
 
     def __init__(self) -> None:
         self._client: int = _bullet.connect(_bullet.DIRECT)
         if self._client < 0:
             raise InfrastructureError("PyBullet refused a physics client")
         self._body = -1
-        self.step = self.steps_run = 0
-        self._x = self._y = self._vx = self._vy = 0.0
-        self._qz, self._qw, self._walls = 0.0, 1.0, False
-        self.commanded = (0.0, 0.0)
+        self._walls = False
+        self._rough: RoughDrive | None = None
+        self.body_pose: PlanarPose = (0.0, 0.0, 0.0)
+        self._measured = (0.0, 0.0)
+        self.pose = self.body_pose
+        self.velocity = self.commanded = (0.0, 0.0)
+        self.now_ns = self.steps_run = 0
+        self.resting = True
 
     def close(self) -> None:
         """Give the physics client back. The car is not usable afterwards."""
@@ -89,31 +102,34 @@ class BulletCar:
             self._client = -1
 
     def reset(self, watcher: Watcher, start: PlanarPose, *, profile: Profile, walls: bool, seed: int) -> None:
-        """Start an episode at step 0 with the car at rest in pose `start`.
+        """Start an episode at time 0 with the car at rest in pose `start`.
 
         Raises:
             InfrastructureError: PyBullet failed.
         """
+        self._watcher = watcher
+        self._walls = walls
+        self._rough = RoughDrive(seed) if profile == "rough" else None
+        self.velocity = self.commanded = self._measured = (0.0, 0.0)
+        self.now_ns = self.steps_run = 0
+        self.resting = True
         with _faults():
             if self._body >= 0:  # a new client's world is empty: spare a cold start the 5 ms
                 _bullet.resetSimulation(physicsClientId=self._client)
             self._body = _build(self._client)
-        self._watcher = watcher
-        self._walls = walls
-        self.servo = make_servo(profile, seed)
-        self.commanded = (0.0, 0.0)
-        self.step = self.steps_run = 0
-        self._place(start)
-        watcher.sample(0, (self._x, self._y, start[2]), 0.0, 0.0)
+            self._place(start)
+        self.observe()
 
     def command(self, v_mps: float, w_radps: float) -> None:
-        """Let (v, w) act from the present step on; it must be within the bounds of `clamp_command`."""
+        """Let (v, w) act from the next update on; it must be within the bounds of `clamp_command`."""
         if (v_mps, w_radps) == self.commanded:
             return
-        if self.servo.resting:
+        if self.resting:
             self.observe()  # the end of the rest: before it, the car stood still
+            self.resting = False
         self.commanded = (v_mps, w_radps)
-        self.servo.aim(v_mps, w_radps)
+        if self._rough is not None:
+            self._rough.aim(v_mps, w_radps)
         with _faults():
             _bullet.setJointMotorControlArray(
                 self._body,
@@ -124,46 +140,37 @@ class BulletCar:
                 physicsClientId=self._client,
             )
 
-    def advance(self, end: int) -> None:
-        """Run up to step `end` under the present command. A resting car gets there without being stepped.
+    def advance(self, t_ns: int) -> None:
+        """Run every update up to `t_ns` under the present command. A resting car gets there without them.
 
         Raises:
-            InfrastructureError: PyBullet failed, or the state is no longer finite.
+            InfrastructureError: PyBullet failed, or the car is not where it should be.
         """
-        if not self.servo.resting and self.step < end:
-            try:
-                self._run(end)
-            except _bullet.error as error:
-                raise InfrastructureError(f"PyBullet: {error}") from error
-        self.step = max(self.step, end)
-
-    def pose_at(self, t_ns: int) -> PlanarPose:
-        """Return the pose at `t_ns`, at most a step before the state's, on the line between them."""
-        back_s = min(max((step_time_ns(self.step) - t_ns) / NS_PER_S, 0.0), STEP_S)
-        if self.servo.resting:
-            back_s = 0.0
-        x, y = self._x - self._vx * back_s, self._y - self._vy * back_s
-        if self._walls:
-            x, y = _within(x), _within(y)
-        return x, y, 2.0 * atan2(self._qz, self._qw) - self.servo.w_radps * back_s
+        with _faults():
+            while not self.resting and self.now_ns + UPDATE_NS <= t_ns:
+                self._update()
+        self.now_ns = max(self.now_ns, t_ns - t_ns % UPDATE_NS)
 
     def put(self, pose: PlanarPose) -> None:
-        """Take the car up and put it down in `pose`, at the present step; its velocity is kept."""
+        """Take the car up and put it down in `pose`, after the present update; its velocity is kept."""
         self.observe()
         with _faults():
             self._place(pose)
-        state = (self._x, self._y, pose[2])
-        self._watcher.jump(self.step, state, self.servo.v_mps, self.servo.w_radps)
+        self._watcher.jump(self.now_ns, self.pose, *self._measured)
 
     def stop_dead(self) -> None:
         """Take all velocity away at once, as for a robot that is removed or made anew."""
-        self.observe()
-        self.servo.halt()
-        self.commanded = (0.0, 0.0)
-        self._vx = self._vy = 0.0
+        self.command(0.0, 0.0)
+        if self._rough is not None:
+            self._rough.halt()
+        self._measured = (0.0, 0.0)
+
+    def observe(self) -> None:
+        """Hand the watcher the state at the present update."""
+        self._watcher.sample(self.now_ns, self.pose, *self._measured)
 
     def run_bare(self, steps: int, v_mps: float, w_radps: float) -> None:
-        """Drive `steps` steps with only the three calls a step needs: the floor of benchmarks."""
+        """Drive `steps` steps of 1/240 s with only the three calls a step needs: the floor of benchmarks."""
         body, client = self._body, self._client
         linear, angular = (v_mps, 0.0, 0.0), (0.0, 0.0, w_radps)
         for _ in range(steps):
@@ -171,79 +178,102 @@ class BulletCar:
             _set_velocity(body, linear, angular, client)
             _step_once(client)
 
-    def _run(self, end: int) -> None:
-        """Step until `end` or until the drive rests."""
-        body, client, servo, walls = self._body, self._client, self.servo, self._walls
-        x, y, qz, qw = self._x, self._y, self._qz, self._qw
-        first = step = self.step
-        turning, ch, sh, angular = 0.0, 1.0, 0.0, (0.0, 0.0, 0.0)
-        next_sample = step - step % SAMPLE_STEPS + SAMPLE_STEPS
-        v, w, moving, alike = servo.v_mps, servo.w_radps, True, False
-        while step < end and moving:
-            if not servo.steady:
-                v, w = servo.step()
-                moving = not servo.resting
-            if w != turning:
-                # Half of the step's turn ahead, along the chord of the arc: circles close to second order.
-                turning, ch, sh, angular = w, cos(_HALF_S * w), sin(_HALF_S * w), (0.0, 0.0, w)
-            c, s = qw * qw - qz * qz, 2.0 * qw * qz
-            vx, vy = v * (c * ch - s * sh), v * (s * ch + c * sh)
-            if walls and not (0.0 <= x + vx * STEP_S <= WINDOW_M and 0.0 <= y + vy * STEP_S <= WINDOW_M):
-                vx = self._held(step + 1, x, vx, "left", "right")
-                vy = self._held(step + 1, y, vy, "bottom", "top")
-            linear, heading = (vx, vy, 0.0), (qz, qw)
-            for _ in range(min(next_sample, end) - step if alike else 1):
-                _set_velocity(body, linear, angular, client)
-                _step_once(client)
-                step += 1
-            (x, y, _), (_, _, qz, qw) = _get_pose(body, client)
-            # On the spot no heading is needed; one that a straight step left as it was, the next leaves, too.
-            alike = servo.steady and (not v or (not w and heading == (qz, qw))) and self._is_free(x, y, v)
-            if step in (next_sample, end) or not moving:
-                self.step, self._x, self._y, self._qz, self._qw = step, x, y, qz, qw
-                self._vx, self._vy = vx, vy
-                if step == next_sample or not moving:
-                    next_sample += SAMPLE_STEPS
-                    self.observe()
-        self.steps_run += step - first
-
-    def _is_free(self, x: float, y: float, v: float) -> bool:
-        """Return whether no wall can be reached between two samples."""
-        reach = _CLEARANCE_M + abs(v) * SAMPLE_STEPS * STEP_S
-        return not self._walls or (reach <= x <= WINDOW_M - reach and reach <= y <= WINDOW_M - reach)
-
-    def _held(self, step: int, position: float, velocity: float, low: str, high: str) -> float:
-        """Return one velocity component that ends within the window; note the wall it leans on."""
-        aim = position + velocity * STEP_S
-        bound = _within(aim)
-        if aim == bound:
-            return velocity
-        if abs(aim - bound) > _TOUCH_M:
-            self._watcher.contact(step, low if aim < bound else high)
-        return (bound - position) / STEP_S
-
-    def observe(self) -> None:
-        """Hand the watcher the measured state at the present step."""
-        x, y, qz, qw = self._x, self._y, self._qz, self._qw
-        if self._walls and not (0.0 <= x <= WINDOW_M and 0.0 <= y <= WINDOW_M):
-            x, y = _within(x), _within(y)
-        yaw = 2.0 * atan2(qz, qw)
-        v = w = 0.0
-        if not self.servo.resting:
-            (vx, vy, _), (_, _, w) = _get_velocity(self._body, self._client)
-            v = vx * (qw * qw - qz * qz) + vy * 2.0 * qw * qz
-        if not isfinite(x + y + yaw + v + w):
+    def _update(self) -> None:
+        """Run one update and have it watched."""
+        first = last_step_at(self.now_ns)
+        self.now_ns += UPDATE_NS
+        last = last_step_at(self.now_ns)
+        self.steps_run += last - first
+        if self._rough is None:
+            self._follow_the_law(first, last)
+        else:
+            self._drive(self._rough, first, last)
+        if not isfinite(sum(self.pose) + sum(self._measured)):
             raise InfrastructureError("the simulated car left the realm of numbers")
-        self._watcher.sample(self.step, (x, y, yaw), v, w)
+        self.observe()
+
+    def _follow_the_law(self, first: int, last: int) -> None:
+        """Move by turtlesim's law and let the body follow from step `first` to step `last`."""
+        before, (v, w) = self.pose, self.commanded
+        x, y, heading = turtlesim_update(before, v, w)
+        if self._walls and not (0.0 <= x <= WINDOW_M and 0.0 <= y <= WINDOW_M):
+            start_ns = self.now_ns - UPDATE_NS
+            x = self._held(start_ns, self.now_ns, x, "left", "right")
+            y = self._held(start_ns, self.now_ns, y, "bottom", "top")
+            along = (x - before[0]) * cos(heading) + (y - before[1]) * sin(heading)
+            self._measured = (along / UPDATE_S, w)
+        else:
+            self._measured = (v, w)
+        self.pose = (x, y, heading)
+        self.velocity = (v, w)
+        self.resting = (v, w) == (0.0, 0.0)
+        self._take_along(before, (last - first), step_time_ns(last))
+
+    def _take_along(self, before: PlanarPose, steps: int, until_ns: int) -> None:
+        """Bring the body to where the law has the car at `until_ns`, on the line from the update `before`.
+
+        The velocity is constant meanwhile and no force acts along the floor, so that one engine step over all of
+        the time does what its single steps would do.
+        """
+        body, client = self._body, self._client
+        share = 1.0 - (self.now_ns - until_ns) / UPDATE_NS
+        x = before[0] + (self.pose[0] - before[0]) * share
+        y = before[1] + (self.pose[1] - before[1]) * share
+        heading = before[2] + fold(self.pose[2] - before[2]) * share
+        at_x, at_y, at_heading = self.body_pose
+        turn, seconds = fold(heading - at_heading), steps * STEP_S
+        linear = ((x - at_x) / seconds, (y - at_y) / seconds, 0.0)
+        engine_steps = 1 if abs(turn) < _WIDE_TURN_RAD else steps
+        _set_time_step(seconds / engine_steps, client)
+        for _ in range(engine_steps):
+            _set_velocity(body, linear, (0.0, 0.0, turn / seconds), client)
+            _step_once(client)
+        (at_x, at_y, _), (_, _, qz, qw) = _get_pose(body, client)
+        self.body_pose = (at_x, at_y, 2.0 * atan2(qz, qw))
+        if hypot(at_x - x, at_y - y) > _ASTRAY or abs(fold(self.body_pose[2] - heading)) > _ASTRAY:
+            raise InfrastructureError("the simulated car's body is not where its law says")
+
+    def _drive(self, rough: RoughDrive, first: int, last: int) -> None:
+        """Step the body under the rough drive from step `first` to step `last`."""
+        body, client = self._body, self._client
+        x, y, heading = self.pose
+        for step in range(first, last):
+            v, w = rough.step()
+            # Half of the step's turn ahead, along the chord of the arc: circles close to second order.
+            vx, vy = v * cos(heading + _HALF_S * w), v * sin(heading + _HALF_S * w)
+            if self._walls and not (
+                0.0 <= x + vx * STEP_S <= WINDOW_M and 0.0 <= y + vy * STEP_S <= WINDOW_M
+            ):
+                start_ns, end_ns = step_time_ns(step), step_time_ns(step + 1)
+                vx = (self._held(start_ns, end_ns, x + vx * STEP_S, "left", "right") - x) / STEP_S
+                vy = (self._held(start_ns, end_ns, y + vy * STEP_S, "bottom", "top") - y) / STEP_S
+            _set_velocity(body, (vx, vy, 0.0), (0.0, 0.0, w), client)
+            _step_once(client)
+            (x, y, _), (_, _, qz, qw) = _get_pose(body, client)
+            heading = 2.0 * atan2(qz, qw)
+        if self._walls:
+            x, y = _within(x), _within(y)
+        self.pose = (x, y, heading)
+        self.velocity = (rough.v_mps, rough.w_radps)
+        self.resting = rough.resting
+        (vx, vy, _), (_, _, w) = _get_velocity(body, client)
+        self._measured = (0.0, 0.0) if rough.resting else (vx * cos(heading) + vy * sin(heading), w)
+
+    def _held(self, start_ns: int, end_ns: int, aim_m: float, low: str, high: str) -> float:
+        """Return one component of the position as the window bounds it; note the wall that is pushed."""
+        bound = _within(aim_m)
+        if abs(aim_m - bound) > _TOUCH_M:
+            self._watcher.contact(start_ns, end_ns, low if aim_m < bound else high)
+        return bound
 
     def _place(self, pose: PlanarPose) -> None:
         x, y, heading = pose
         if self._walls:
             x, y = _within(x), _within(y)
-        self._x, self._y = x, y
-        self._qz, self._qw = sin(heading / 2.0), cos(heading / 2.0)
+        self.pose = self.body_pose = (x, y, heading)
+        orientation = (0.0, 0.0, sin(heading / 2.0), cos(heading / 2.0))
         _bullet.resetBasePositionAndOrientation(
-            self._body, (x, y, RIDE_HEIGHT_M), (0.0, 0.0, self._qz, self._qw), physicsClientId=self._client
+            self._body, (x, y, RIDE_HEIGHT_M), orientation, physicsClientId=self._client
         )
 
 

@@ -1,12 +1,7 @@
-"""The car as numbers: its measures, its two profiles, and how a velocity command becomes motion. Pure.
+"""The car as numbers: its measures, and how a velocity command becomes motion in its two profiles. Pure.
 
-The drive is a velocity servo on the base: the commanded twist is approached with a first-order lag and a
-bounded acceleration. The lag is linear over the whole range that student scripts use, which keeps three
-properties of turtlesim's instant response:
-
-- what is lost while speeding up is gained while stopping, so a command v held for T drives v*T;
-- v and w lag alike, so an arc keeps its curvature v/w from the first instant on;
-- at the acceleration bound both are slowed by one factor, which keeps the curvature there too.
+The nominal car moves by turtlesim's own law, one update every 16 ms. The rough one is a cheap classroom robot: its
+drive lags, and its wheels are unequal and slip.
 """
 
 import math
@@ -14,9 +9,7 @@ import random
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from grader.contracts.assignment import Profile
-from grader.contracts.record import Record
-from grader.sim.timeline import STEP_S
+from grader.sim.timeline import STEP_S, UPDATE_S
 
 PlanarPose: TypeAlias = tuple[float, float, float]
 """x in metres, y in metres, heading in radians, in turtlesim's frame."""
@@ -29,48 +22,35 @@ RIDE_HEIGHT_M: Final = 0.03  # of the centre of mass; the axle stands at WHEEL_R
 
 MAX_SPEED_MPS: Final = 100.0
 MAX_YAW_RATE_RADPS: Final = 100.0
-"""Bounds of a command. turtlesim has none, but 100 m/s crosses its window in 0.11 s and ends at the wall
-just as 1000 m/s does, and at 100 rad/s a turn still spans 15 steps, so that the heading can be followed."""
+"""Bounds of a command. turtlesim has none, but 100 m/s crosses its window in 0.11 s and ends at the wall just as
+1000 m/s does, and at 100 rad/s an update turns by less than half a turn, so that the heading can be followed."""
 
-_SETTLED: Final = 1e-6  # m/s and rad/s: an exponential never arrives; from here on it would move 17 nm more
+# The rough drive approaches a command with a first-order lag and bounded acceleration.
+ROUGH_LAG_S: Final = 0.12
+ROUGH_ACCELERATION_MPS2: Final = 3.0
+ROUGH_YAW_ACCELERATION_RADPS2: Final = 12.0
+_WHEEL_GAIN_SPREAD: Final = 0.015  # standard deviation of each wheel's constant relative speed error
+_SLIP_SPREAD: Final = 0.03  # standard deviation of each wheel's wandering relative slip
+_SLIP_TIME_S: Final = 0.25  # correlation time of the slip
+_SETTLED: Final = 1e-6  # m/s and rad/s: an exponential never arrives; from here on it would move 0.1 um more
 
 
-class CarParameters(Record):
-    """How a car answers commands.
+def fold(angle_rad: float) -> float:
+    """Fold an angle to [-pi, pi), as turtlesim does; an infinite one is no angle.
 
-    Attributes:
-        time_constant_s: lag of v and w.
-        max_acceleration_mps2, max_yaw_acceleration_radps2: bounds of their change.
-        wheel_gain_spread: standard deviation of each wheel's constant relative speed error.
-        slip_spread: standard deviation of each wheel's wandering relative slip.
-        slip_time_s: correlation time of the slip.
+    An angle that lies there already keeps its bits.
     """
-
-    time_constant_s: float
-    max_acceleration_mps2: float
-    max_yaw_acceleration_radps2: float
-    wheel_gain_spread: float = 0.0
-    slip_spread: float = 0.0
-    slip_time_s: float = 0.25
+    if math.isinf(angle_rad):
+        return math.nan
+    folded = math.remainder(angle_rad, math.tau)
+    return -math.pi if folded >= math.pi else folded
 
 
-PROFILES: Final[dict[Profile, CarParameters]] = {
-    # Within 2 % of any ordinary command after 4 time constants (0.07 s). The bounds act beyond a jump of
-    # 6.7 m/s or 13 rad/s only: everything a script ordinarily commands stays in the linear range.
-    "nominal": CarParameters(
-        time_constant_s=1.0 / 60.0,
-        max_acceleration_mps2=400.0,
-        max_yaw_acceleration_radps2=800.0,
-    ),
-    # A cheap classroom robot: sluggish, unequal wheels that slip. Needs feedback control.
-    "rough": CarParameters(
-        time_constant_s=0.12,
-        max_acceleration_mps2=3.0,
-        max_yaw_acceleration_radps2=12.0,
-        wheel_gain_spread=0.015,
-        slip_spread=0.03,
-    ),
-}
+def turtlesim_update(pose: PlanarPose, v_mps: float, w_radps: float) -> PlanarPose:
+    """Return the pose one update later: turtlesim turns first, then moves along the new heading."""
+    heading = fold(pose[2] + w_radps * UPDATE_S)
+    reach = v_mps * UPDATE_S
+    return pose[0] + math.cos(heading) * reach, pose[1] + math.sin(heading) * reach, heading
 
 
 def twist_to_wheels(v_mps: float, w_radps: float) -> tuple[float, float]:
@@ -101,27 +81,29 @@ def clamp_command(v_mps: float, w_radps: float) -> tuple[float, float, bool]:
     return v_mps, w_radps, True
 
 
-class Servo:
-    """The drive's velocity, step by step.
+class RoughDrive:
+    """The rough car's drive, physics step by physics step: it lags, and its wheels slip, from a seed.
 
     Attributes:
-        v_mps, w_radps: velocity the wheels turn at; exactly zero once a stop has settled.
-        steady: `step` would return the present velocity until another one is aimed at.
+        v_mps, w_radps: velocity the motors run at; exactly zero once a stop has settled.
         resting: stopped and told to stay so: steps would change nothing.
     """
 
-    def __init__(self, parameters: CarParameters) -> None:
-        self._blend = 1.0 - math.exp(-STEP_S / parameters.time_constant_s)
-        self._max_dv = parameters.max_acceleration_mps2 * STEP_S
-        self._max_dw = parameters.max_yaw_acceleration_radps2 * STEP_S
+    def __init__(self, seed: int) -> None:
+        self._random = random.Random(seed)  # noqa: S311 - seeded noise, not a secret
+        self._gains = [1.0 + self._random.gauss(0.0, _WHEEL_GAIN_SPREAD) for _ in range(2)]
+        self._slips = [0.0, 0.0]
+        self._memory = math.exp(-STEP_S / _SLIP_TIME_S)
+        self._kick = _SLIP_SPREAD * math.sqrt(1.0 - self._memory**2)
+        self._blend = 1.0 - math.exp(-STEP_S / ROUGH_LAG_S)
         self._target = (0.0, 0.0)
         self.v_mps = self.w_radps = 0.0
-        self.steady = self.resting = True
+        self.resting = True
 
     def aim(self, v_mps: float, w_radps: float) -> None:
         """Set the commanded twist, already within bounds."""
         self._target = (v_mps, w_radps)
-        self.steady = self.resting = (v_mps, w_radps) == (self.v_mps, self.w_radps) == (0.0, 0.0)
+        self.resting = (v_mps, w_radps) == (self.v_mps, self.w_radps) == (0.0, 0.0)
 
     def halt(self) -> None:
         """Stand still at once."""
@@ -129,11 +111,25 @@ class Servo:
         self.aim(0.0, 0.0)
 
     def step(self) -> tuple[float, float]:
-        """Advance by one physics step and return the twist (v, w) the base takes during it."""
+        """Advance by one physics step and return the twist (v, w) the base takes during it.
+
+        The slip is an Ornstein-Uhlenbeck process, relative to the speed.
+        """
+        self._approach()
+        turned = []
+        for side, speed in enumerate(twist_to_wheels(self.v_mps, self.w_radps)):
+            self._slips[side] = self._slips[side] * self._memory + self._random.gauss(0.0, self._kick)
+            turned.append(speed * (self._gains[side] - self._slips[side]))
+        return wheels_to_twist(turned[0], turned[1])
+
+    def _approach(self) -> None:
+        """Bring the motors nearer to the target; at the bound v and w are slowed alike, which keeps the arc."""
         target_v, target_w = self._target
         dv = (target_v - self.v_mps) * self._blend
         dw = (target_w - self.w_radps) * self._blend
-        excess = max(abs(dv) / self._max_dv, abs(dw) / self._max_dw)
+        excess = max(
+            abs(dv) / (ROUGH_ACCELERATION_MPS2 * STEP_S), abs(dw) / (ROUGH_YAW_ACCELERATION_RADPS2 * STEP_S)
+        )
         if excess > 1.0:
             dv /= excess
             dw /= excess
@@ -141,36 +137,4 @@ class Servo:
         self.w_radps += dw
         if abs(target_v - self.v_mps) < _SETTLED and abs(target_w - self.w_radps) < _SETTLED:
             self.v_mps, self.w_radps = self._target
-            self.steady = True
             self.resting = self._target == (0.0, 0.0)
-        return self.v_mps, self.w_radps
-
-
-class RoughServo(Servo):
-    """A servo whose wheels have unequal gains and a wandering slip, from a seed."""
-
-    def __init__(self, parameters: CarParameters, seed: int) -> None:
-        super().__init__(parameters)
-        self._random = random.Random(seed)  # noqa: S311 - seeded noise, not a secret
-        self._gains = [1.0 + self._random.gauss(0.0, parameters.wheel_gain_spread) for _ in range(2)]
-        self._slips = [0.0, 0.0]
-        self._memory = math.exp(-STEP_S / parameters.slip_time_s)
-        self._kick = parameters.slip_spread * math.sqrt(1.0 - self._memory**2)
-
-    def step(self) -> tuple[float, float]:
-        """Advance by one physics step; the slip is an Ornstein-Uhlenbeck process, relative to the speed."""
-        wheels = twist_to_wheels(*super().step())
-        self.steady = self.resting
-        turned = []
-        for side, speed in enumerate(wheels):
-            self._slips[side] = self._slips[side] * self._memory + self._random.gauss(0.0, self._kick)
-            turned.append(speed * (self._gains[side] - self._slips[side]))
-        return wheels_to_twist(turned[0], turned[1])
-
-
-def make_servo(profile: Profile, seed: int) -> Servo:
-    """Return the drive of `profile`; `seed` matters only where the profile is noisy."""
-    parameters = PROFILES[profile]
-    if parameters.wheel_gain_spread or parameters.slip_spread:
-        return RoughServo(parameters, seed)
-    return Servo(parameters)

@@ -6,16 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
-from grader.sim.car import PlanarPose
+from grader.sim.car import PlanarPose, fold
 from grader.sim.cdr import HEADER, encode
 from grader.sim.outbox import Outbox
 from grader.sim.timeline import NS_PER_S
 from grader.sim.turtle import Turtle
 
-TICK_NS: Final = 16_000_000  # turtlesim's timer
-ODOMETRY_NS: Final = 20_000_000
-
-BACKGROUND: Final = (69, 86, 255)
+BLANK: Final = (255, 255, 255)  # what turtlesim's sensor reads where nothing is drawn: see-through white
 
 _POSE: Final = struct.Struct("<5f")
 _COLOR: Final = struct.Struct("<3B")
@@ -30,16 +27,8 @@ class Pen:
     cleared_at: PlanarPose | None = None
 
 
-def fold(angle_rad: float) -> float:
-    """Fold an angle to [-pi, pi), as turtlesim does; an infinite one is no angle."""
-    if math.isinf(angle_rad):
-        return math.nan
-    folded = math.remainder(angle_rad, math.tau)
-    return -math.pi if folded >= math.pi else folded
-
-
 class Feeds:
-    """The periodic topics. A message is built only when somebody listens and its instant is reached.
+    """What comes with each update. A message is built only when somebody listens.
 
     Odometry starts at zero where the car starts, as a robot's does, and follows the wheels: a teleport is
     not motion, so it does not show in it.
@@ -51,39 +40,29 @@ class Feeds:
         self._outbox = outbox
         self._epoch_ns = epoch_ns
         self._origin = turtle.start
-        self._feeds: dict[str, tuple[str, int, Callable[[int], bytes]]] = {
-            "/turtle1/pose": ("turtlesim/msg/Pose", TICK_NS, self._pose),
-            "/turtle1/color_sensor": ("turtlesim/msg/Color", TICK_NS, self._color),
-            "/odom": ("nav_msgs/msg/Odometry", ODOMETRY_NS, self._odometry),
-            "/tf": ("tf2_msgs/msg/TFMessage", ODOMETRY_NS, self._transform),
+        self._feeds: dict[str, tuple[str, Callable[[int], bytes]]] = {
+            "/turtle1/pose": ("turtlesim/msg/Pose", self._pose),
+            "/turtle1/color_sensor": ("turtlesim/msg/Color", self._color),
+            "/odom": ("nav_msgs/msg/Odometry", self._odometry),
+            "/tf": ("tf2_msgs/msg/TFMessage", self._transform),
         }
-        self._next_ns: dict[str, int] = {}
 
     @property
     def topics(self) -> dict[str, str]:
         """Types by topic."""
         return {topic: feed[0] for topic, feed in self._feeds.items()}
 
-    def listen(self, topic: str, t_ns: int) -> None:
-        """Somebody listens to `topic` from `t_ns` on: its next message is due at its next instant."""
-        if topic in self._feeds and topic not in self._next_ns:
-            period_ns = self._feeds[topic][1]
-            self._next_ns[topic] = (t_ns // period_ns + 1) * period_ns
-
-    def next_ns(self) -> int | None:
-        """Return when the next message is due, or None when nobody listens."""
-        for topic in [topic for topic in self._next_ns if not self._outbox.has_listeners(topic)]:
-            del self._next_ns[topic]
-        return min(self._next_ns.values(), default=None)
+    @property
+    def heard(self) -> bool:
+        """Whether anybody listens."""
+        return any(map(self._outbox.has_listeners, self._feeds))
 
     def emit(self, t_ns: int) -> None:
-        """Queue every message due at `t_ns`, to which the turtle has been advanced."""
-        for topic, due_ns in self._next_ns.items():
-            if due_ns <= t_ns:
-                _, period_ns, build = self._feeds[topic]
-                self._next_ns[topic] = due_ns + period_ns
-                if self._turtle.alive:
-                    self._outbox.publish(topic, due_ns, build(due_ns))
+        """Queue what the update of `t_ns` publishes."""
+        if self._turtle.alive:
+            for topic, (_, build) in self._feeds.items():
+                if self._outbox.has_listeners(topic):
+                    self._outbox.publish(topic, t_ns, build(t_ns))
 
     def moved(self, before: PlanarPose, after: PlanarPose) -> None:
         """Learn of a teleport: shift the origin of the odometry so that it stays where it was."""
@@ -92,23 +71,23 @@ class Feeds:
         c, s = math.cos(heading), math.sin(heading)
         self._origin = (after[0] - (x * c - y * s), after[1] - (x * s + y * c), heading)
 
-    def _pose(self, t_ns: int) -> bytes:
-        x, y, heading = self._turtle.pose_at(t_ns)
+    def _pose(self, _t_ns: int) -> bytes:
+        x, y, heading = self._turtle.pose
         v, w = self._turtle.velocity
         return HEADER + _POSE.pack(x, y, fold(heading), abs(v), w)
 
-    def _color(self, t_ns: int) -> bytes:
+    def _color(self, _t_ns: int) -> bytes:
         # The sensor reads the pixel under the turtle: its own line once it has left the place of the last
         # /clear. Crossing older lines of other colours is not imitated.
-        x, y, _ = self._turtle.pose_at(t_ns)
+        x, y, _ = self._turtle.pose
         cleared = self.pen.cleared_at
         drawn = not self.pen.off and cleared is not None and math.dist((x, y), cleared[:2]) > 0.02
         if drawn:
             self.pen.cleared_at = (math.inf, math.inf, 0.0)
-        return HEADER + _COLOR.pack(*(self.pen.color if drawn else BACKGROUND))
+        return HEADER + _COLOR.pack(*(self.pen.color if drawn else BLANK))
 
     def _odometry(self, t_ns: int) -> bytes:
-        x, y, heading = _relative(self._turtle.pose_at(t_ns), self._origin)
+        x, y, heading = _relative(self._turtle.pose, self._origin)
         v, w = self._turtle.velocity
         return encode(
             "nav_msgs/msg/Odometry",
@@ -121,7 +100,7 @@ class Feeds:
         )
 
     def _transform(self, t_ns: int) -> bytes:
-        x, y, heading = _relative(self._turtle.pose_at(t_ns), self._origin)
+        x, y, heading = _relative(self._turtle.pose, self._origin)
         transform = {
             "header": self._header(t_ns, "odom"),
             "child_frame_id": "base_link",

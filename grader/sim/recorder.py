@@ -6,7 +6,6 @@ import numpy as np
 
 from grader.contracts.trajectory import Command, Contact, Trajectory
 from grader.sim.car import PlanarPose
-from grader.sim.timeline import step_time_ns
 
 MAX_CONTACTS: Final = 1_000
 
@@ -14,7 +13,7 @@ MAX_CONTACTS: Final = 1_000
 class Recorder:
     """The growing trajectory of one episode.
 
-    Times come from step indices. A jump is two samples: where the car was taken up, and one nanosecond later
+    A jump is two samples: where the car was taken up, and one nanosecond later
     where it was put down, so that times stay strictly increasing and no motion hides in between.
     """
 
@@ -23,41 +22,39 @@ class Recorder:
         self._t_ns = -1
         self._jumps: list[int] = []
         self._commands: list[Command] = []
-        self._command_step = -1
+        self._command_update = -1
         self._contacts: list[Contact] = []
         self._touching: dict[str, tuple[int, int]] = {}
 
-    def sample(self, step: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
-        """Add the state at `step`, its heading folded or not. A step seen before is skipped."""
-        t_ns = step_time_ns(step)
+    def sample(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
+        """Add the state at `t_ns`, its heading folded or not. An instant seen before is skipped."""
         if t_ns > self._t_ns:
             self._t_ns = t_ns
             self._samples.append((t_ns, *pose, v_mps, w_radps))
 
-    def jump(self, step: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
-        """Add the pose into which the car was put at `step`; the pose it left has been sampled before."""
-        t_ns = step_time_ns(step) + 1
-        if self._t_ns >= t_ns:  # put down twice within one step: only the last place counts
+    def jump(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
+        """Add the pose into which the car was put after `t_ns`; the pose it left has been sampled before."""
+        if self._t_ns > t_ns:  # put down twice between two updates: only the last place counts
             self._samples.pop()
         else:
             self._jumps.append(len(self._samples))
-        self._t_ns = t_ns
-        self._samples.append((t_ns, *pose, v_mps, w_radps))
+        self._t_ns = t_ns + 1
+        self._samples.append((self._t_ns, *pose, v_mps, w_radps))
 
-    def command(self, step: int, command: Command) -> None:
-        """Add a command that acts at `step`; it replaces an earlier one for the same step."""
-        if step == self._command_step:
+    def command(self, update: int, command: Command) -> None:
+        """Add a command that `update` takes; it replaces an earlier one for the same update."""
+        if update == self._command_update:
             self._commands.pop()
-        self._command_step = step
+        self._command_update = update
         self._commands.append(command)
 
-    def contact(self, step: int, wall: str) -> None:
-        """Note that the car was held by `wall` during the step that ends at `step`."""
-        start, last = self._touching.get(wall, (step, step))
-        if step > last + 1:
+    def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
+        """Note that the car was held by `wall` from `start_ns` to `end_ns`, not before what was noted last."""
+        start, last = self._touching.get(wall, (start_ns, end_ns))
+        if start_ns > last:
             self._close(wall)
-            start = step
-        self._touching[wall] = (start, step)
+            start = start_ns
+        self._touching[wall] = (start, end_ns)
 
     def finish(self, end_ns: int) -> Trajectory:
         """Return everything recorded. At least one sample must have been taken."""
@@ -69,7 +66,7 @@ class Recorder:
             t_ns=np.array(t_ns, dtype=np.int64),
             x_m=x_m,
             y_m=y_m,
-            # At most 100 rad/s for 1/60 s between samples: less than half a turn, so the nearest is right.
+            # At most 100 rad/s for 16 ms between samples: less than half a turn, so the nearest is right.
             heading_rad=np.unwrap(heading_rad),
             v_mps=v_mps,
             w_radps=w_radps,
@@ -80,6 +77,6 @@ class Recorder:
         )
 
     def _close(self, wall: str) -> None:
-        start, last = self._touching.pop(wall)
+        start_ns, end_ns = self._touching.pop(wall)
         if len(self._contacts) < MAX_CONTACTS:
-            self._contacts.append(Contact(start_ns=step_time_ns(start), end_ns=step_time_ns(last), wall=wall))
+            self._contacts.append(Contact(start_ns=start_ns, end_ns=end_ns, wall=wall))

@@ -3,8 +3,9 @@
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+from grader.sim.car import fold
 from grader.sim.cdr import Values, decode, encode
-from grader.sim.feeds import fold, stamp
+from grader.sim.feeds import stamp
 from grader.sim.frames import Request
 from grader.sim.outbox import Outbox
 from grader.sim.turtle import Turtle
@@ -82,10 +83,10 @@ class RotateAction:
             self._end(self._active, _ABORTED)
 
     def tick(self, t_ns: int) -> None:
-        """Steer towards the goal; the turtle has been advanced to `t_ns`."""
+        """Steer towards the goal at the update of `t_ns`, which the turtle has yet to run."""
         goal = self._active
         if goal is not None:
-            heading = self._turtle.pose_at(t_ns)[2]
+            heading = self._turtle.pose[2]
             remaining = fold(goal.theta_rad - heading)
             if goal.status == _CANCELING:
                 self._end(goal, _CANCELED)
@@ -96,7 +97,7 @@ class RotateAction:
                 if abs(remaining) < NEAR_RAD:
                     self._end(goal, _SUCCEEDED)
             turn = 0.0 if self._active is None else -TURN_RADPS if remaining < 0.0 else TURN_RADPS
-            self._turtle.drive(t_ns, 0.0, turn)
+            self._turtle.drive(0.0, turn)
         if self._changed:
             self._announce(t_ns)
 
@@ -107,7 +108,7 @@ class RotateAction:
         self.interrupt()
         if len(self._goals) >= MAX_GOALS:
             self._goals.pop(next(iter(self._goals)))
-        start = self._turtle.pose_at(t_ns)[2]
+        start = self._turtle.pose[2]
         self._active = self._goals[uuid] = Goal(uuid, t_ns, values["goal"]["theta"], start)
         self._changed = True
         return {"accepted": True, "stamp": stamp(self._epoch_ns + t_ns)}

@@ -8,10 +8,11 @@ from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
 from grader.sim.bullet import BulletCar
 from grader.sim.car import PlanarPose, clamp_command
 from grader.sim.recorder import Recorder
-from grader.sim.timeline import first_step_at, last_step_at
+from grader.sim.timeline import UPDATE_NS, next_update
 
 _NEVER: Final = 1 << 62
-_LAG_STEPS: Final = 24
+_LIFE_UPDATES: Final = COMMAND_LIFE_NS // UPDATE_NS
+_LAG_NS: Final = 100_000_000
 """How far the car may stay behind commands that only repeat its present one: less often is done in one go, and
 0.1 s is little enough for driving and the script's own computing to go on side by side."""
 
@@ -19,8 +20,9 @@ _LAG_STEPS: Final = 24
 class Turtle:
     """The graded turtle.
 
-    A command of time t acts from the first physics step at or after t on; the last one before a step wins.
-    It is dropped at the first step later than t + 1.0 s, as turtlesim does (`Turtle::update`).
+    A command of time t is taken by the first update later than t; the last one before an update wins. It is
+    dropped by the first update that comes more than 1.0 s after the one that took it, as turtlesim does
+    (`Turtle::update`): a single command moves the turtle in 63 updates.
 
     Attributes:
         alive: false between /kill and the next turtle of the same name; a dead turtle obeys nothing.
@@ -37,8 +39,8 @@ class Turtle:
         self.last_command_ns: int | None = None
         self._car = car
         self._recorder = recorder
-        self._last_step = last_step_at(horizon_ns)
-        self._drop_step = _NEVER
+        self._horizon_ns = horizon_ns
+        self._drop_ns = _NEVER
         self._world = world
 
     def appear(self) -> None:
@@ -53,38 +55,35 @@ class Turtle:
     @property
     def resting(self) -> bool:
         """Whether the car stands still and would stay so without a new command."""
-        return self._car.servo.resting
+        return self._car.resting
 
     @property
     def velocity(self) -> tuple[float, float]:
         """(v, w) as the wheels turn: m/s along the heading and rad/s, whether or not a wall is in the way."""
-        return self._car.servo.v_mps, self._car.servo.w_radps
+        return self._car.velocity
 
-    def pose_at(self, t_ns: int) -> PlanarPose:
-        """Return the pose at `t_ns`, up to which the turtle has been advanced."""
-        return self._car.pose_at(t_ns)
+    @property
+    def pose(self) -> PlanarPose:
+        """The pose at the last update advanced to."""
+        return self._car.pose
 
     def advance(self, t_ns: int) -> None:
-        """Drive until the first step at or after `t_ns`, but never past the horizon."""
-        self._advance(first_step_at(t_ns))
-
-    def _advance(self, step: int) -> None:
-        end = min(step, self._last_step)
-        if self._drop_step <= end:
-            self._car.advance(self._drop_step)
-            self._drop_step = _NEVER
+        """Run every update up to `t_ns`, but never past the horizon."""
+        end_ns = min(t_ns, self._horizon_ns)
+        if self._drop_ns <= end_ns:
+            self._car.advance(self._drop_ns)
+            self._drop_ns = _NEVER
             self._car.command(0.0, 0.0)
-        self._car.advance(end)
+        self._car.advance(end_ns)
 
     def receive(self, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
         """Take a velocity command of time `t_ns`, not earlier than any instant advanced to.
 
         A sideways component is only counted: turtlesim 1.4 slides sideways, a car on two wheels cannot.
         """
-        step = first_step_at(t_ns)
         v, w, finite = clamp_command(linear_x, angular_z)
-        if (v, w) != self._car.commanded or step >= self._drop_step or step - self._car.step >= _LAG_STEPS:
-            self._advance(step)
+        if (v, w) != self._car.commanded or t_ns >= self._drop_ns or t_ns - self._car.now_ns >= _LAG_NS:
+            self.advance(t_ns)
         if not finite:
             self.nonfinite_commands += 1
         elif v != linear_x or w != angular_z:
@@ -95,14 +94,20 @@ class Turtle:
         if self.first_command_ns is None:
             self.first_command_ns = t_ns
         self.last_command_ns = t_ns
-        self._recorder.command(step, Command(t_ns, v, w))
+        update = next_update(t_ns)
+        self._recorder.command(update, Command(t_ns, v, w))
         if self.alive:
-            self.drive(t_ns, v, w)
+            self._obey(update, v, w)
 
-    def drive(self, t_ns: int, v_mps: float, w_radps: float) -> None:
-        """Set the velocity as from `t_ns`: a command's, or that of a rotation goal."""
+    def drive(self, v_mps: float, w_radps: float) -> None:
+        """Set the velocity from the next update on, as a rotation goal does."""
+        self._obey(next_update(self._car.now_ns), v_mps, w_radps)
+
+    def _obey(self, update: int, v_mps: float, w_radps: float) -> None:
         self._car.command(v_mps, w_radps)
-        self._drop_step = first_step_at(t_ns + COMMAND_LIFE_NS + 1) if v_mps or w_radps else _NEVER
+        # The update that drops it is the first without a newer command: the last nanosecond before it decides.
+        dropping = update + _LIFE_UPDATES + 1
+        self._drop_ns = dropping * UPDATE_NS - 1 if v_mps or w_radps else _NEVER
 
     def teleport(self, pose: PlanarPose) -> None:
         """Be put into `pose` without driving there; the velocity is kept."""
@@ -111,7 +116,7 @@ class Turtle:
     def kill(self) -> None:
         """Stand still at once and obey nothing."""
         self._car.stop_dead()
-        self._drop_step = _NEVER
+        self._drop_ns = _NEVER
         self.alive = False
 
     def revive(self, pose: PlanarPose) -> None:
@@ -127,5 +132,5 @@ class Turtle:
 
     @property
     def steps_run(self) -> int:
-        """Physics steps computed."""
+        """Steps of 1/240 s simulated."""
         return self._car.steps_run

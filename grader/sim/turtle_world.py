@@ -1,4 +1,4 @@
-"""turtlesim as the script meets it: its graph, its services, its 16 ms ticks."""
+"""turtlesim as the script meets it: its graph, its services, its updates every 16 ms."""
 
 import math
 from collections import deque
@@ -7,11 +7,13 @@ from typing import Any, Final
 
 from grader.contracts.assignment import World
 from grader.sim import rotate_action
+from grader.sim.car import PlanarPose, fold
 from grader.sim.cdr import Values, decode, encode
-from grader.sim.feeds import TICK_NS, Feeds, Pen, fold
+from grader.sim.feeds import Feeds, Pen
 from grader.sim.frames import Request
 from grader.sim.outbox import Outbox
 from grader.sim.rotate_action import RotateAction
+from grader.sim.timeline import UPDATE_NS, next_update
 from grader.sim.turtle import Turtle
 
 NODE_NAME: Final = "/turtlesim"
@@ -34,9 +36,9 @@ _LOCAL_SERVICES: Final = {
 class TurtleWorld:
     """Everything that is not the script: one turtle that is a car, and turtlesim's interface to it.
 
-    Requests are served at the next tick, as turtlesim's timer does; commands act at the physics step. Turtles
-    that a script spawns have a name and a place in the window but no topics of their own: the graph is fixed
-    when the episode starts.
+    All happens in turtlesim's updates, every 16 ms: each serves the requests that came since the one before,
+    moves the turtle and publishes. Turtles that a script spawns have a name and a place in the window but no
+    topics of their own: the graph is fixed when the episode starts.
 
     Attributes:
         services: types by name.
@@ -52,8 +54,8 @@ class TurtleWorld:
         self._command_topic = world.cmd_vel_topic
         self._others: set[str] = set()
         self._pending: deque[tuple[str, Request]] = deque()
-        self._tick = 0
-        self._handlers: dict[str, Callable[[Values, int], Values]] = {
+        self._now_ns = 0
+        self._handlers: dict[str, Callable[[Values], Values]] = {
             "/clear": self._clear,
             "/reset": self._reset,
             "/spawn": self._spawn,
@@ -81,19 +83,20 @@ class TurtleWorld:
         return topic == f"{rotate_action.PREFIX}/status"
 
     def listen(self, topic: str, identity: int, t_ns: int) -> None:
-        """Connect subscription `identity` to `topic`, which the world publishes."""
+        """Connect subscription `identity` to `topic`, which the world publishes, from `t_ns` on."""
+        self.advance(t_ns)
         self.outbox.subscribe(topic, identity)
-        self._feeds.listen(topic, t_ns)
 
     def command(self, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
         """Take a message on the command topic."""
-        if self._pending or self._action.busy:
+        if self.next_due() is not None:
             self.advance(t_ns)
             self._action.interrupt()
         self.turtle.receive(t_ns, linear_x, linear_y, angular_z)
 
     def request(self, service: str, request: Request) -> bool:
-        """Queue a request to one of `services` for the next tick; false when too many wait."""
+        """Queue a request to one of `services` for the next update; false when too many wait."""
+        self.advance(request.t_ns)
         if len(self._pending) >= MAX_PENDING:
             return False
         self._pending.append((service, request))
@@ -105,70 +108,60 @@ class TurtleWorld:
 
     def next_due(self) -> int | None:
         """Return the next instant at which something may become due for the script, None when never."""
-        instants = [instant for instant in (self._feeds.next_ns(), self._next_tick()) if instant is not None]
-        return min(instants, default=None)
+        return next_update(self._now_ns) * UPDATE_NS if self._busy or self._feeds.heard else None
 
     def advance(self, t_ns: int) -> None:
-        """Run until `t_ns`, through every tick that has something to do."""
-        while self._busy:
-            tick_ns = self._next_tick()
-            if tick_ns is None or tick_ns > t_ns:
-                break
-            self.turtle.advance(tick_ns)
-            self._run_tick(tick_ns)
+        """Run until `t_ns`, through every update that serves or tells somebody."""
+        while (due_ns := self.next_due()) is not None and due_ns <= t_ns:
+            self.turtle.advance(due_ns - 1)
+            self._serve(due_ns)
+            self.turtle.advance(due_ns)
+            self._now_ns = due_ns
+            self._feeds.emit(due_ns)
         self.turtle.advance(t_ns)
-
-    def emit(self, t_ns: int) -> None:
-        """Queue what turtle1 publishes at `t_ns`."""
-        self._feeds.emit(t_ns)
+        self._now_ns = max(self._now_ns, t_ns)
 
     def settle(self, from_ns: int, until_ns: int) -> int:
         """Let the world go on without the script until the turtle rests; return when that is."""
         now_ns = min(from_ns, until_ns)
         self.advance(now_ns)
         while now_ns < until_ns and (self._busy or not self.turtle.resting):
-            now_ns = min(now_ns + TICK_NS, until_ns)
+            now_ns = min(next_update(now_ns) * UPDATE_NS, until_ns)
             self.advance(now_ns)
         return now_ns
 
     @property
     def _busy(self) -> bool:
-        """Whether the next tick has something to do."""
+        """Whether the next update has something to serve."""
         return bool(self._pending) or self._action.busy
 
-    def _next_tick(self) -> int | None:
-        if not self._busy:
-            return None
-        first_ns = self._tick + 1 if self._action.busy else self._pending[0][1].t_ns
-        return max(-(-first_ns // TICK_NS) * TICK_NS, self._tick + TICK_NS)
-
-    def _run_tick(self, tick_ns: int) -> None:
-        self._tick = tick_ns
-        while self._pending and self._pending[0][1].t_ns <= tick_ns:
+    def _serve(self, t_ns: int) -> None:
+        """Do what the update of `t_ns` does before it moves the turtle."""
+        while self._pending:
             service, request = self._pending.popleft()
             handler = self._handlers.get(service)
             if handler is None:
-                self._action.handle(service, request, tick_ns)
+                self._action.handle(service, request, t_ns)
                 continue
             kind = self.services[service]
-            answer = handler(decode(f"{kind}_Request", request.payload), tick_ns)
-            self.outbox.reply(request, tick_ns, encode(f"{kind}_Response", answer))
-        self._action.tick(tick_ns)
+            answer = handler(decode(f"{kind}_Request", request.payload))
+            self.outbox.reply(request, t_ns, encode(f"{kind}_Response", answer))
+        self._action.tick(t_ns)
 
-    # Services, as TurtleFrame and Turtle of turtlesim 1.4 serve them; each takes the request and the tick.
+    # Services, as TurtleFrame and Turtle of turtlesim 1.4 serve them.
 
-    def _clear(self, _: Values, t_ns: int) -> Values:
-        self._feeds.pen.cleared_at = self.turtle.pose_at(t_ns)
+    def _clear(self, _: Values) -> Values:
+        self._feeds.pen.cleared_at = self.turtle.pose
         return {}
 
-    def _reset(self, _: Values, t_ns: int) -> Values:
+    def _reset(self, _: Values) -> Values:
         self._others.clear()
         self._action.interrupt()
-        self._jump(self.turtle.start, t_ns, revive=True)
+        self._jump(self.turtle.start, revive=True)
         self._feeds.pen = Pen(cleared_at=self.turtle.start)
         return {}
 
-    def _spawn(self, values: Values, t_ns: int) -> Values:
+    def _spawn(self, values: Values) -> Values:
         names = self._others | ({"turtle1"} if self.turtle.alive else set())
         name = values["name"] or next(
             n for n in map("turtle{}".format, range(1, MAX_TURTLES + 2)) if n not in names
@@ -177,41 +170,41 @@ class TurtleWorld:
         if name in names or len(names) >= MAX_TURTLES or not all(map(math.isfinite, pose)):
             return {"name": ""}
         if name == "turtle1":
-            self._jump(pose, t_ns, revive=True)
+            self._jump(pose, revive=True)
         else:
             self._others.add(name)
         return {"name": name}
 
-    def _kill(self, values: Values, _: int) -> Values:
+    def _kill(self, values: Values) -> Values:
         if values["name"] == "turtle1" and self.turtle.alive:
             self._action.interrupt()
             self.turtle.kill()
         self._others.discard(values["name"])
         return {}
 
-    def _set_pen(self, values: Values, _: int) -> Values:
+    def _set_pen(self, values: Values) -> Values:
         self._feeds.pen.color = (values["r"], values["g"], values["b"])
         self._feeds.pen.off = bool(values["off"])
         return {}
 
-    def _teleport_absolute(self, values: Values, t_ns: int) -> Values:
-        self._jump((values["x"], values["y"], values["theta"]), t_ns)
+    def _teleport_absolute(self, values: Values) -> Values:
+        self._jump((values["x"], values["y"], values["theta"]))
         return {}
 
-    def _teleport_relative(self, values: Values, t_ns: int) -> Values:
-        x, y, heading = self.turtle.pose_at(t_ns)
+    def _teleport_relative(self, values: Values) -> Values:
+        x, y, heading = self.turtle.pose
         reach, turn = values["linear"], values["angular"]
         if not (math.isfinite(reach) and math.isfinite(turn)):
             return {}
         heading += turn
-        self._jump((x + reach * math.cos(heading), y + reach * math.sin(heading), heading), t_ns)
+        self._jump((x + reach * math.cos(heading), y + reach * math.sin(heading), heading))
         return {}
 
-    def _jump(self, pose: tuple[float, float, float], t_ns: int, *, revive: bool = False) -> None:
+    def _jump(self, pose: PlanarPose, *, revive: bool = False) -> None:
         """Put the turtle into `pose`; a place that is no number, or a dead turtle, is left alone."""
         if not all(map(math.isfinite, pose)) or not (self.turtle.alive or revive):
             return
-        before = self.turtle.pose_at(t_ns)
+        before = self.turtle.pose
         x, y = (min(max(position, -FAR_M), FAR_M) for position in pose[:2])
         after = (x, y, fold(pose[2]))
         if revive:

@@ -13,7 +13,7 @@ Truth = Literal["right", "harmless", "wrong"]
 HORIZON_S = 60.0
 FINE_TICK_S = 0.002  # of scripts with a measured defect: adds nothing to it
 REACH_M = 5.3  # from the middle of the field to the nearest wall, with a margin
-LAG_S = 1.0 / 60.0  # of the nominal car
+UPDATE_S = 0.016  # of turtlesim: every motion takes whole updates
 MAX_TICK_TURN_RAD = math.radians(2.0)  # a loop that turns further in one tick is no right script
 MAX_TICK_SHARE = 0.02  # nor one whose sides may differ by more than that for want of a tick
 TICKS_S = (0.1, 0.05, 0.02, 0.01, 0.005)
@@ -232,9 +232,14 @@ def _spoilt(
             index = dice.randrange(FIGURES[assignment] - 1)
             legs = figure_legs(manner, *spoil(shape, index, size))  # type: ignore[operator]
             attempt = _attempt(assignment, manner, legs, truth=truth, defect=defect, size=size, unit=unit)
-            if _fits(attempt):
+            if _fits(attempt) and (truth == "wrong" or _finely(manner, min(shape[0]))):
                 yield attempt
                 break
+
+
+def _finely(manner: Manner, side_m: float) -> bool:
+    """Whether turtlesim's updates add so little to a harmless defect that it stays one."""
+    return abs(manner.w_radps) * UPDATE_S <= math.radians(1.0) and manner.v_mps * UPDATE_S <= 0.01 * side_m
 
 
 def _careless(dice: random.Random, assignment: str) -> Iterator[Attempt]:

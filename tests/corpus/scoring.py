@@ -1,4 +1,4 @@
-"""The corpus scored: on the ideal turtle with the car's lag, or as scripts with everything real."""
+"""The corpus scored: on the ideal turtle, or as scripts with everything real."""
 
 from collections import Counter
 from collections.abc import Callable, Iterable
@@ -10,7 +10,7 @@ from grader.checks import evaluate
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.outcome import RunStatus
-from tests.corpus.attempts import LAG_S, Attempt
+from tests.corpus.attempts import Attempt
 from tests.corpus.scripts import ideal_legs, script
 from tests.unit.checks.ideal_turtle import drive, run_of
 
@@ -54,14 +54,14 @@ def task_of(attempt: Attempt) -> Assignment:
 
 
 def on_the_ideal_turtle(attempt: Attempt) -> Scored:
-    """Judge the commanded motion on a turtle that only lags."""
+    """Score the commanded motion on a turtle that obeys at once."""
     task = task_of(attempt)
     legs = [(_READY_S, 0.0, 0.0), *ideal_legs(attempt)]
     horizon_s, status = None, RunStatus.FINISHED
     if attempt.for_ever:
         laps = int(task.horizon_s / attempt.duration_s) + 1
         legs, horizon_s, status = legs[:1] + legs[1:] * laps, task.horizon_s, RunStatus.INTERRUPTED
-    trajectory = drive(legs, heading_deg=attempt.heading_deg, lag_s=LAG_S, horizon_s=horizon_s)
+    trajectory = drive(legs, heading_deg=attempt.heading_deg, horizon_s=horizon_s)
     if not attempt.stops:  # the last command is not the stop that the ideal turtle appends
         trajectory = replace(trajectory, commands=trajectory.commands[:-1])
     column = evaluate(task, [run_of(trajectory, status)])

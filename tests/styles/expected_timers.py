@@ -83,6 +83,6 @@ EXPECTED = {
         plan=(Leg(0.1, 1.5, 1.0),),
         status=INTERRUPTED,
         stdout="结束啦\n",
-        says=("[INFO] [1700000001.6", "[wugui]: 🐢 走了1.5米,“完成” ✓"),
+        says=("[INFO] [1700000002.2", "[wugui]: 🐢 走了1.5米,“完成” ✓"),
     ),
 }

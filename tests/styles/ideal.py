@@ -1,4 +1,4 @@
-"""An ideal turtle: obeys a list of velocities at once and exactly. Knows nothing of the simulator."""
+"""An ideal turtle: obeys a list of velocities in updates of 16 ms, as turtlesim does. Knows no simulator."""
 
 import math
 from bisect import bisect_right
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Pose = tuple[float, float, float]  # m, m, rad
 
+UPDATE_S = 0.016
 START: Pose = (5.544445, 5.544445, 0.0)
 
 
@@ -46,12 +47,13 @@ class IdealTurtle:
     def __init__(self, plan: tuple[Leg | Jump, ...]) -> None:
         self._pieces = [_Piece(-1.0, START, 0.0, 0.0)]
         for part in plan:
-            pose = self._at(part.start_s)
+            start_s = _update_before(part.start_s)
+            pose = self._at(start_s)
             if isinstance(part, Jump):
-                self._pieces.append(_Piece(part.start_s, part.pose, 0.0, 0.0))
+                self._pieces.append(_Piece(start_s, part.pose, 0.0, 0.0))
                 continue
-            self._pieces.append(_Piece(part.start_s, pose, part.v_mps, part.w_radps))
-            end_s = part.start_s + part.duration_s
+            self._pieces.append(_Piece(start_s, pose, part.v_mps, part.w_radps))
+            end_s = _update_before(part.start_s + part.duration_s)
             self._pieces.append(_Piece(end_s, self._at(end_s), 0.0, 0.0))
         self._starts = [piece.start_s for piece in self._pieces]
         assert all(a <= b + 1e-9 for a, b in pairwise(self._starts)), "the legs overlap"
@@ -65,6 +67,13 @@ class IdealTurtle:
         piece = self._pieces[index]
         dt = max(t_s - piece.start_s, 0.0)
         x, y, heading = piece.pose
-        half = 0.5 * piece.w_radps * dt
-        chord = piece.v_mps * dt * (math.sin(half) / half if half else 1.0)
-        return x + chord * math.cos(heading + half), y + chord * math.sin(heading + half), heading + 2 * half
+        half, step = 0.5 * piece.w_radps * dt, 0.5 * piece.w_radps * UPDATE_S
+        # The sum of the updates' moves; each turns first, so that the whole points half an update further.
+        chord = piece.v_mps * UPDATE_S * (math.sin(half) / math.sin(step) if step else dt / UPDATE_S)
+        middle = heading + half + step
+        return x + chord * math.cos(middle), y + chord * math.sin(middle), heading + 2 * half
+
+
+def _update_before(t_s: float) -> float:
+    """Return the update from whose pose on a command of time `t_s` acts: the next one takes it."""
+    return math.floor(t_s / UPDATE_S + 1e-6) * UPDATE_S

@@ -19,7 +19,7 @@ from grader.contracts.trajectory import Trajectory, decode_trajectory
 from grader.grading.slot import Slot, SlotConfig
 from tests.styles import expected_endings, expected_feedback, expected_threads, expected_timers
 from tests.styles.expectation import Expectation
-from tests.styles.ideal import IdealTurtle, Jump
+from tests.styles.ideal import UPDATE_S, IdealTurtle, Jump
 
 SCRIPTS = Path(__file__).with_name("scripts")
 EXPECTED: dict[str, Expectation] = {
@@ -29,7 +29,6 @@ EXPECTED: dict[str, Expectation] = {
     **expected_endings.EXPECTED,
 }
 
-LAG_S = 1.0 / 60.0  # the car is a turtle behind a first-order lag: at a steady speed it is this late
 MAX_PATH_ERROR = 0.03  # of the length of the path
 MIN_TOLERANCE_M = 0.01  # for turns on the spot
 MAX_TOLERANCE_M = 0.05  # for long paths, whose sides would otherwise hide behind their sum
@@ -119,13 +118,13 @@ def _deviations(
     The samples next to a jump are left out: it happens between two of them.
     """
     times_s = trajectory.t_ns / 1e9
-    wanted = ideal.poses(times_s - LAG_S)
+    wanted = ideal.poses(times_s)
     distances_m = np.hypot(trajectory.x_m - wanted[:, 0], trajectory.y_m - wanted[:, 1])
     away = trajectory.heading_rad - wanted[:, 2]
     turns_rad = np.arctan2(np.sin(away), np.cos(away))
     steady = np.ones(len(times_s), dtype=bool)
     for jump in (part for part in expected.plan if isinstance(part, Jump)):
-        steady &= abs(times_s - jump.start_s) > 2.0 * LAG_S
+        steady &= abs(times_s - jump.start_s) > 2.0 * UPDATE_S
     return distances_m[steady], turns_rad[steady]
 
 

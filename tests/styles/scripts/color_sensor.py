@@ -16,7 +16,7 @@ class UntilPaint(Node):
         self.create_timer(0.05, self.tick)
 
     def on_color(self, c):
-        if self.painted is None and (c.r, c.g, c.b) != (69, 86, 255):
+        if self.painted is None and (c.r, c.g, c.b) != (255, 255, 255):
             self.painted = self.get_clock().now()
             self.get_logger().info(f'paint {c.r} {c.g} {c.b}')
 

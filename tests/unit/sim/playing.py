@@ -8,7 +8,6 @@ from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.fakes.jail import SECOND, FakeLink
 
 OPEN = World(walls=False)
-LAG_S = 0.0147  # what a first-order lag of 1/60 s, stepped at 240 Hz, is behind by
 
 
 def play(

@@ -1,4 +1,4 @@
-"""What the nominal car promises, measured in an open world, and turtlesim's walls."""
+"""What the car does in PyBullet's world, and turtlesim's walls. How it moves exactly: `test_turtlesim`."""
 
 import math
 import subprocess
@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grader.contracts.assignment import WINDOW_M
+from grader.contracts.errors import InfrastructureError
 from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
 from grader.sim.recorder import Recorder
-from grader.sim.timeline import STEPS_PER_S, first_step_at, step_time_ns
-from tests.fakes.ideal_turtle import drive as ideal_drive
+from grader.sim.timeline import UPDATE_NS, UPDATE_S
 
 Segment = tuple[float, float, float]
 CENTRE = 5.544445
@@ -36,14 +36,14 @@ def drive(
     car.reset(recorder, start, profile=profile, walls=walls, seed=seed)  # type: ignore[arg-type]
     t = 0.0
     for seconds, v, w in segments:
-        car.advance(first_step_at(math.floor(t * 1e9 + 1e-3)))
+        car.advance(round(t * 1e9))
         car.command(v, w)
         t += seconds
-    car.advance(first_step_at(math.floor(t * 1e9 + 1e-3)))
+    car.advance(round(t * 1e9))
     car.command(0.0, 0.0)
-    car.advance(car.step + 3 * STEPS_PER_S)
+    car.advance(car.now_ns + 3_000_000_000)
     car.observe()
-    return recorder.finish(step_time_ns(car.step))
+    return recorder.finish(car.now_ns)
 
 
 def moved(path: Trajectory) -> tuple[float, float]:
@@ -57,32 +57,55 @@ def turned_deg(path: Trajectory) -> float:
     return math.degrees(float(path.heading_rad[-1] - path.heading_rad[0]))
 
 
-@pytest.mark.parametrize("v", [0.05, 0.5, 1.0, 2.0, 3.0, -1.0, -3.0])
-@pytest.mark.parametrize("w", [0.0, 0.3, -1.0, 3.0, 2.0 * math.pi])
-def test_speeds_are_held_within_two_per_cent_and_reached_in_a_tenth_of_a_second(
-    car: BulletCar, v: float, w: float
-) -> None:
+def whole_updates(seconds: float) -> float:
+    """The lesson's times, as turtlesim rounds them: a command lasts whole updates."""
+    return round(seconds / UPDATE_S) * UPDATE_S
+
+
+@pytest.mark.parametrize("v", [0.05, 1.0, 3.0, -1.0])
+@pytest.mark.parametrize("w", [0.0, -1.0, 2.0 * math.pi])
+def test_speeds_are_held_from_the_first_update_on(car: BulletCar, v: float, w: float) -> None:
     path = drive(car, [(2.0, v, w)])
-    held = (path.t_ns >= 100_000_000) & (path.t_ns <= 2_000_000_000)
-    assert np.abs(path.v_mps[held] - v).max() <= 0.02 * abs(v)
-    assert np.abs(path.w_radps[held] - w).max() <= 0.02 * abs(w) + 1e-6
+    held = (path.t_ns > 0) & (path.t_ns <= 2_000_000_000)
+    assert set(path.v_mps[held]) == {v}
+    assert set(path.w_radps[held]) == {w}
     assert path.v_mps[-1] == path.w_radps[-1] == 0.0
 
 
-def test_twenty_seconds_straight_drift_less_than_a_tenth_of_a_degree(car: BulletCar) -> None:
+def test_twenty_seconds_straight_do_not_drift(car: BulletCar) -> None:
     path = drive(car, [(20.0, 1.0, 0.0)], heading_deg=84.0)
     along, across = moved(path)
-    assert along == pytest.approx(20.0, abs=1e-4)
-    assert abs(across) < 1e-4
-    assert abs(turned_deg(path)) < 1e-3
-    assert np.degrees(np.ptp(path.heading_rad)) < 1e-3
+    assert along == pytest.approx(20.0, abs=1e-9)
+    assert abs(across) < 1e-9
+    assert not np.ptp(path.heading_rad)
 
 
 @pytest.mark.parametrize("w", [1.0, -2.0 * math.pi])
-def test_ten_turns_in_place_stay_in_place(car: BulletCar, w: float) -> None:
-    path = drive(car, [(20.0 * math.pi / abs(w), 0.0, w)])
-    assert abs(turned_deg(path)) == pytest.approx(3600.0, abs=0.3)
-    assert np.hypot(path.x_m - CENTRE, path.y_m - CENTRE).max() < 1e-4
+def test_turns_in_place_stay_in_place(car: BulletCar, w: float) -> None:
+    path = drive(car, [(20.0, 0.0, w)])
+    assert turned_deg(path) == pytest.approx(math.degrees(20.0 * w), abs=1e-3)
+    assert np.ptp(path.x_m) == np.ptp(path.y_m) == 0.0
+
+
+@settings(max_examples=25)
+@given(
+    st.lists(
+        st.tuples(st.floats(0.02, 1.5), st.floats(-10.0, 10.0), st.floats(-10.0, 10.0)),
+        min_size=1,
+        max_size=6,
+    )
+)
+def test_the_body_is_where_the_law_says(car: BulletCar, segments: list[Segment]) -> None:
+    drive(car, segments, walls=True)
+    x, y, heading = car.body_pose
+    assert (x, y) == pytest.approx(car.pose[:2], abs=1e-6)
+    assert math.remainder(heading - car.pose[2], math.tau) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_body_that_leaves_its_course_is_a_fault(car: BulletCar, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.sim.bullet._step_once", lambda client: None)
+    with pytest.raises(InfrastructureError, match="body is not where its law says"):
+        drive(car, [(1.0, 1.0, 0.0)])
 
 
 @pytest.mark.parametrize("heading_deg", [0.0, 30.0, 45.0, 84.0, 90.0, 200.0])
@@ -90,46 +113,16 @@ def test_ten_turns_in_place_stay_in_place(car: BulletCar, w: float) -> None:
 def test_the_lessons_square_closes(car: BulletCar, heading_deg: float, v: float, w: float) -> None:
     side, corner, pause = (2.0 / v, v, 0.0), (1.5708 / w, 0.0, w), (0.1, 0.0, 0.0)
     path = drive(car, [(1.0, 0.0, 0.0), *[side, pause, corner, pause] * 4], heading_deg=heading_deg)
-    assert math.hypot(*moved(path)) < 0.02
-    assert turned_deg(path) == pytest.approx(360.0, abs=1.0)
+    # An update is 16 ms: 0.9 degrees at 1 rad/s and 2.8 at 3, in each corner by as much as it is begun too late.
+    assert math.hypot(*moved(path)) < 0.05 * w
+    assert turned_deg(path) == pytest.approx(360.0, abs=4.0 * w)
     assert np.ptp(path.x_m) > 1.9
 
 
 def test_a_circle_closes_on_itself(car: BulletCar) -> None:
-    path = drive(car, [(2.0 * math.pi, 1.0, 1.0)])
-    assert math.hypot(*moved(path)) < 2e-3
+    path = drive(car, [(whole_updates(2.0 * math.pi), 1.0, 1.0)])
+    assert math.hypot(*moved(path)) < 0.016
     assert np.ptp(path.x_m) == pytest.approx(2.0, rel=1e-3)
-
-
-def test_a_fast_half_circle_ends_abeam(car: BulletCar) -> None:
-    # Moving along the step's first heading instead of its chord would end 12 mm off.
-    along, across = moved(drive(car, [(0.5, 3.0, 2.0 * math.pi)]))
-    assert abs(along) < 1e-3
-    assert across == pytest.approx(3.0 / math.pi, abs=1e-3)
-
-
-ORDINARY = st.tuples(st.floats(0.2, 1.5), st.floats(-2.0, 2.0), st.floats(-3.0, 3.0))
-
-
-@settings(max_examples=25)
-@given(st.lists(ORDINARY, min_size=1, max_size=5))
-def test_the_path_is_an_ideal_turtles_within_three_per_cent(car: BulletCar, raw: list[Segment]) -> None:
-    # Changes fall on steps: what is compared is the answer to a command, not when it is heard.
-    segments = [(round(seconds * STEPS_PER_S) / STEPS_PER_S, v, w) for seconds, v, w in raw]
-    path = drive(car, segments)
-    commands, t = [], 0.0
-    for seconds, v, w in [*segments, (0.5, 0.0, 0.0)]:
-        # The oracle forgets a command after 1.0 s, the bare car does not: say it again.
-        commands += [(t + again, v, w) for again in np.arange(0.0, seconds, 0.5)]
-        t += seconds
-    ideal = np.array(ideal_drive(commands, t, dt=1.0 / 1200.0))
-    length = float(np.hypot(np.diff(ideal[:, 0]), np.diff(ideal[:, 1])).sum())
-    allowed = 0.03 * length + 0.01
-    car_xy = np.column_stack((path.x_m - CENTRE, path.y_m - CENTRE))
-    away = [float(np.hypot(*(ideal[:, :2] - point).T).min()) for point in car_xy]
-    assert max(away) <= allowed
-    assert np.hypot(*(car_xy[-1] - ideal[-1, :2])) <= allowed
-    assert path.heading_rad[-1] == pytest.approx(ideal[-1, 2], abs=0.01)
 
 
 def test_huge_commands_stay_within_numbers(car: BulletCar) -> None:
@@ -138,7 +131,7 @@ def test_huge_commands_stay_within_numbers(car: BulletCar) -> None:
         assert np.isfinite(column).all()
     assert np.abs(path.v_mps).max() <= 100.0 * (1 + 1e-6)
     assert path.v_mps[-1] == 0.0
-    # 1/60 s between samples at 100 rad/s: the heading is followed through all its turns.
+    # 16 ms between samples at 100 rad/s: the heading is followed through all its turns.
     assert np.ptp(path.heading_rad) > 90.0
 
 
@@ -159,7 +152,7 @@ def test_a_car_slides_along_a_wall_without_turning(car: BulletCar) -> None:
     path = drive(car, [(7.0, 1.0, 0.0)], walls=True, heading_deg=60.0)
     # turtlesim clamps y and leaves x alone: it goes on at cos(60 degrees).
     assert path.y_m[-1] == pytest.approx(WINDOW_M, abs=1e-12)
-    assert path.x_m[-1] - CENTRE == pytest.approx(7.0 * 0.5, abs=1e-3)
+    assert path.x_m[-1] - CENTRE == pytest.approx(437 * 0.016 * 0.5)  # whole updates within 7 s
     assert abs(turned_deg(path)) < 1e-6
     assert [contact.wall for contact in path.contacts] == ["top"]
     sliding = (path.t_ns > 6_600_000_000) & (path.t_ns < 7_000_000_000)
@@ -217,9 +210,9 @@ def test_two_cars_at_once_do_not_meet(car: BulletCar) -> None:
     recorder = Recorder()
     other.reset(recorder, (CENTRE, CENTRE, 0.0), profile="nominal", walls=True, seed=0)
     other.command(2.0, -1.0)
-    other.advance(100)
+    other.advance(400_000_000)
     together = drive(car, [(1.0, 1.0, 1.0)])
-    other.advance(200)
+    other.advance(800_000_000)
     other.close()
     assert together.x_m.tobytes() == alone.x_m.tobytes()
 
@@ -231,28 +224,15 @@ def test_the_rough_car_needs_feedback(car: BulletCar) -> None:
     assert path.v_mps[-1] == 0.0
 
 
-def test_samples_are_a_sixtieth_apart_and_increase(car: BulletCar) -> None:
+def test_samples_are_an_update_apart_and_increase(car: BulletCar) -> None:
     path = drive(car, [(1.0, 1.0, 0.5), (0.5, 0.0, 0.0), (1.0, 0.0, 2.0)])
     gaps = np.diff(path.t_ns)
     assert (gaps > 0).all()
     moving = np.abs(path.v_mps[1:]) + np.abs(path.w_radps[1:]) > 0
-    assert gaps[moving].max() <= 16_666_667
-    for index in np.flatnonzero(gaps > 16_666_667):
+    assert gaps[moving].max() <= UPDATE_NS
+    for index in np.flatnonzero(gaps > UPDATE_NS):
         assert path.x_m[index] == path.x_m[index + 1]
         assert path.heading_rad[index] == path.heading_rad[index + 1]
-
-
-@pytest.mark.parametrize("heading_deg", [0.0, 37.0, 210.0])
-def test_a_pose_that_is_read_less_often_is_the_same_to_the_last_bit(
-    car: BulletCar, monkeypatch: pytest.MonkeyPatch, heading_deg: float
-) -> None:
-    segments = [(2.0, 1.0, 0.0), (1.0, 0.0, 1.5), (1.5, -2.0, 0.0), (1.0, 0.7, 2.0), (4.0, 3.0, 0.0)]
-    seldom = drive(car, segments, heading_deg=heading_deg, walls=True)
-    monkeypatch.setattr(BulletCar, "_is_free", lambda *_: False)  # a wall may be near: read it at each step
-    always = drive(car, segments, heading_deg=heading_deg, walls=True)
-    assert seldom.contacts == always.contacts
-    for name in ("t_ns", "x_m", "y_m", "heading_rad", "v_mps", "w_radps"):
-        assert np.array_equal(getattr(seldom, name), getattr(always, name))
 
 
 def test_importing_the_engine_prints_nothing() -> None:

@@ -10,7 +10,7 @@ from grader.sim.bullet import BulletCar
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink
-from tests.unit.sim.playing import LAG_S, end_pose, play
+from tests.unit.sim.playing import end_pose, play
 
 MS = 1_000_000
 
@@ -60,7 +60,7 @@ def test_one_command_before_the_end_still_drives_for_a_second(car: BulletCar) ->
     result = play(
         car, [jail.node(), jail.driver(), jail.publish(2, 5 * MS, jail.twist(1.0)), jail.ended(6 * MS)]
     )
-    assert end_pose(result)[0] == pytest.approx(1.0, abs=5e-3)
+    assert end_pose(result)[0] == pytest.approx(63 * 0.016)
     assert result.duration_ns == 6 * MS
     assert result.trajectory.end_ns > SECOND
     assert result.trajectory.v_mps[-1] == 0.0
@@ -70,7 +70,7 @@ def test_a_killed_process_leaves_the_trajectory_up_to_then(car: BulletCar) -> No
     result = play(car, [jail.node(), jail.driver(), jail.publish(2, SECOND, jail.twist(2.0))])
     assert result.exit is None
     assert result.violation is None
-    assert end_pose(result)[0] == pytest.approx(2.0, abs=1e-2)
+    assert end_pose(result)[0] == pytest.approx(2.0 * 63 * 0.016)
 
 
 def test_a_command_a_second_keeps_the_car_moving(car: BulletCar) -> None:
@@ -78,14 +78,14 @@ def test_a_command_a_second_keeps_the_car_moving(car: BulletCar) -> None:
     frames += [jail.publish(2, k * SECOND + k * 2_000, jail.twist(1.0)) for k in range(5)]
     frames += [jail.publish(2, 5 * SECOND, jail.twist()), jail.ended(6 * SECOND)]
     result = play(car, frames)
-    assert end_pose(result)[0] == pytest.approx(5.0, abs=1e-3)
+    assert end_pose(result)[0] == pytest.approx(312 * 0.016)  # the stop comes just before the 313th update
 
 
 def test_nothing_moves_beyond_the_horizon(car: BulletCar) -> None:
     frames = [jail.node(), jail.driver(), jail.publish(2, 0, jail.twist(1.0))]
     frames += [jail.publish(2, t, jail.twist(1.0)) for t in (SECOND // 2, SECOND + 1, 2 * SECOND)]
     result = play(car, [*frames, jail.ended(3 * SECOND, after_interrupt=1)], horizon_s=1.0)
-    assert end_pose(result)[0] == pytest.approx(1.0 - LAG_S, abs=1e-3)
+    assert end_pose(result)[0] == pytest.approx(62 * 0.016)
     assert result.trajectory.t_ns[-1] <= SECOND
     assert result.trajectory.end_ns == SECOND
     assert result.command_count == 2
@@ -145,17 +145,18 @@ def test_a_violation_keeps_what_was_driven(car: BulletCar) -> None:
     frames = jail.holding([(1.0, 1.0, 0.0)])[:-1]
     result = play(car, [*frames, b"\x00"])
     assert result.violation == "unknown frame kind 0x00"
-    assert end_pose(result)[0] == pytest.approx(1.0, abs=1e-3)
+    assert end_pose(result)[0] == pytest.approx(62 * 0.016)
 
 
-def test_the_last_command_before_a_step_wins(car: BulletCar) -> None:
+def test_the_last_command_before_an_update_wins(car: BulletCar) -> None:
     frames = [jail.node(), jail.driver()]
     frames += [jail.publish(2, t, jail.twist(5.0, 3.0)) for t in range(0, 4000, 1000)]
-    frames += [jail.publish(2, 4_000, jail.twist(1.0))]
+    frames += [jail.publish(2, t, jail.twist(1.0)) for t in (15_999_999, 16_000_000)]
     result = play(car, [*frames, jail.publish(2, SECOND, jail.twist()), jail.ended(SECOND)])
-    # All of them but the first come before step 1; the one at 0 acts for that one step.
-    assert [(c.t_ns, c.v_mps) for c in result.trajectory.commands] == [(0, 5.0), (4_000, 1.0), (SECOND, 0.0)]
-    assert result.command_count == 6
+    taken = [(15_999_999, 1.0), (16_000_000, 1.0), (SECOND, 0.0)]
+    assert [(c.t_ns, c.v_mps) for c in result.trajectory.commands] == taken
+    assert set(result.trajectory.w_radps) == {0.0}
+    assert result.command_count == 7
 
 
 def test_nonsense_commands_are_stops_and_counted(car: BulletCar) -> None:
@@ -166,8 +167,8 @@ def test_nonsense_commands_are_stops_and_counted(car: BulletCar) -> None:
     ]
     result = play(car, [*frames, jail.ended(2 * SECOND)])
     assert result.nonfinite_commands == 2
-    assert end_pose(result)[0] == pytest.approx(0.5, abs=1e-3)
-    assert abs(end_pose(result)[2]) < 1e-6
+    assert end_pose(result)[0] == pytest.approx(31 * 0.016)
+    assert end_pose(result)[2] == 0.0
 
 
 def test_what_a_car_cannot_do_is_noted(car: BulletCar) -> None:

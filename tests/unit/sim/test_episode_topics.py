@@ -12,7 +12,7 @@ from grader.sim.cdr import encode
 from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink, Script
-from tests.unit.sim.playing import LAG_S, OPEN, end_pose, play
+from tests.unit.sim.playing import OPEN, end_pose, play
 
 MS = 1_000_000
 
@@ -35,7 +35,7 @@ def test_the_assignment_names_the_command_topic(car: BulletCar) -> None:
     frames = [jail.node(), jail.driver(), jail.driver(3, name="/cmd_vel")]
     frames += [jail.publish(2, 0, jail.twist(9.0)), jail.publish(3, 0, jail.twist(1.0)), jail.ended(0)]
     result = play(car, frames, world=World(walls=False, cmd_vel_topic="/cmd_vel"))
-    assert end_pose(result)[0] == pytest.approx(1.0, abs=5e-3)
+    assert end_pose(result)[0] == pytest.approx(63 * 0.016)
 
 
 def test_other_topics_are_counted_by_the_hundred(car: BulletCar) -> None:
@@ -93,9 +93,8 @@ def test_pose_comes_every_16_ms(car: BulletCar) -> None:
     assert all(-math.pi <= pose["theta"] < math.pi for _, pose in seen)
     assert seen[-1][1]["linear_velocity"] == pytest.approx(1.0, rel=1e-3)
     assert seen[-1][1]["angular_velocity"] == pytest.approx(2.0, rel=1e-3)
-    # 2 rad/s from 170 degrees, less the lag of 1/60 s: between two steps, on the line between them.
-    expected = math.remainder(math.radians(170) + 2.0 * (0.992 - LAG_S), math.tau)
-    assert seen[-1][1]["theta"] == pytest.approx(expected, abs=0.01)
+    expected = math.remainder(math.radians(170) + 2.0 * 0.992, math.tau)
+    assert seen[-1][1]["theta"] == pytest.approx(expected, abs=1e-6)
 
 
 def test_advance_without_anything_due_reaches_its_time(car: BulletCar) -> None:
@@ -175,11 +174,11 @@ def test_odometry_starts_at_zero_and_stamps_wall_clock(car: BulletCar) -> None:
 
     world = World(walls=False, start=StartPose(x_m=3.0, y_m=2.0, heading_deg=90.0))
     play(car, script(), world=world, epoch_ns=100 * SECOND)
-    assert seen[-1]["header"] == {"stamp": {"sec": 100, "nanosec": 500 * MS}, "frame_id": "odom"}
+    assert seen[-1]["header"] == {"stamp": {"sec": 100, "nanosec": 400 * MS}, "frame_id": "odom"}
     assert seen[-1]["child_frame_id"] == "base_link"
     position = seen[-1]["pose"]["pose"]["position"]
-    assert position["x"] == pytest.approx(0.5 - LAG_S, abs=1e-3)
-    assert abs(position["y"]) < 1e-6
+    assert position["x"] == pytest.approx(0.4)
+    assert abs(position["y"]) < 1e-15
     assert seen[-1]["twist"]["twist"]["linear"]["x"] == pytest.approx(1.0, rel=1e-3)
 
 
