@@ -85,6 +85,14 @@ def unknown_item(name: str) -> Text:
     )
 
 
+def no_other_measure(name: str) -> Text:
+    """A name that stands for no other rubric item with a measure of its own."""
+    return Text(
+        zh=f"没有另一个由程序评分、id 是 {name!r} 的评分项：检查拼写",
+        en=f"{name!r} is the id of no other item that the grader measures; check its spelling",
+    )
+
+
 def wrong_ending(input_: str, endings: tuple[str, ...]) -> Text:
     """Say that an assignment with this input does not take such a file."""
     return Text(

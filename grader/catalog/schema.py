@@ -23,6 +23,7 @@ from grader.catalog.misfits import (
     SCORE,
     WRONG_FILE_PATTERN,
     MisfitError,
+    no_other_measure,
     swapped,
     twice,
     unknown_item,
@@ -86,6 +87,7 @@ class ItemModel(_Model):
     high: float | None = None
     ramp: Annotated[float, Field(ge=0.0)] = 0.0
     needs: tuple[str, ...] = ()
+    scaled_by: tuple[str, ...] = ()
 
     @model_validator(mode="after")
     def _has_band(self) -> Self:
@@ -233,7 +235,7 @@ class AssignmentModel(_Model):
     wrong: tuple[WrongModel, ...] = ()
 
     @model_validator(mode="after")
-    def _names_fit(self) -> Self:
+    def _items_fit(self) -> Self:
         seen: set[str] = set()
         for i, item in enumerate(self.items):
             if item.id in seen:
@@ -241,11 +243,20 @@ class AssignmentModel(_Model):
             if missing := sorted(set(item.needs) - seen):
                 raise MisfitError(unknown_item(missing[0]), "items", i, "needs")
             seen.add(item.id)
+        measured = {item.id for item in self.items if item.measure != BY_PERSON}
+        for i, item in enumerate(self.items):
+            if missing := sorted(set(item.scaled_by) - (measured - {item.id})):
+                raise MisfitError(no_other_measure(missing[0]), "items", i, "scaled_by")
+        return self
+
+    @model_validator(mode="after")
+    def _names_fit(self) -> Self:
+        names = {item.id for item in self.items}
         for i, case in enumerate(self.cases):
             if case.id in {earlier.id for earlier in self.cases[:i]}:
                 raise MisfitError(twice(case.id), "cases", i, "id")
         for i, wrong in enumerate(self.wrong):
-            if wrong.fails not in seen:
+            if wrong.fails not in names:
                 raise MisfitError(unknown_item(wrong.fails), "wrong", i, "fails")
             if not wrong.file.endswith(endings := SUFFIXES[self.input]):
                 raise MisfitError(wrong_ending(self.input, endings), "wrong", i, "file")

@@ -16,7 +16,7 @@ from grader.checks.summary import summarise, summarise_text
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.figure import FigureSketch
-from grader.contracts.rubric import PublishedRubric
+from grader.contracts.rubric import ItemStatus, PublishedRubric, RubricItem
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.text import Text
 
@@ -36,9 +36,21 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
     for part, run in enumerate(runs):
         findings = check.examine(_in_case(assignment, run.case), run)
         portion = Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE
-        items += score_items(check, assignment.items, findings, portion)
-        seen.append(findings)
+        scored = score_items(check, assignment.items, findings, portion)
+        seen.append(_without_harmless(findings, assignment, scored))
+        items += scored
     return summarise(items, seen, [run.outcome for run in runs])
+
+
+def _without_harmless(findings: Findings, assignment: Assignment, scored: Sequence[RubricItem]) -> Findings:
+    """Leave out the mistakes that spoil certain measures, where no item on one of these has lost anything."""
+    lost = {
+        spec.measure
+        for spec, item in zip(assignment.items, scored, strict=True)
+        if item.status is not ItemStatus.PASSED
+    }
+    mistakes = (each for each in findings.mistakes if not each.measures or lost & set(each.measures))
+    return replace(findings, mistakes=tuple(mistakes))
 
 
 def evaluate_text(assignment: Assignment, text: str) -> Scoring:

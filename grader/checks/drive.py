@@ -25,15 +25,12 @@ class Drive:
     Attributes:
         path: the driven path. t_ns: (n,) the time of its samples.
         moving_at_end: the car was moving when the recording ended.
-        commanded_at_end: the last command was not a stop. Only the end of the run, or turtlesim's timeout of one
-            second, stopped the car.
         cut_short: moving at the end, or in a pause between motions when the horizon came.
     """
 
     path: Path
     t_ns: Ints
     moving_at_end: bool
-    commanded_at_end: bool
     cut_short: bool
 
 
@@ -55,7 +52,6 @@ def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
         path=path,
         t_ns=trajectory.t_ns[:count],
         moving_at_end=moving,
-        commanded_at_end=bool(trajectory.commands) and is_motion(trajectory.commands[-1]),
         cut_short=moving or _pausing(run),
     )
 

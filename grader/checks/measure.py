@@ -29,7 +29,10 @@ class MeasureKind(PositionalRecord):
 
 
 class Measure(PositionalRecord):
-    """A measured value. NaN: could not be measured. `details` fill the ``seen`` sentence."""
+    """A measured value. NaN: could not be measured; ``why`` among the details may say what kept it from that.
+
+    `details` fill the ``seen`` sentence.
+    """
 
     value: float
     details: Mapping[str, object] = field(default_factory=dict)

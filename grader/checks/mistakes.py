@@ -10,7 +10,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from grader.checks.drive import is_motion
+from grader.checks.drive import MOVING_MPS, is_motion
 from grader.checks.measure import Mistake, mistake
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.scoring import Run
@@ -44,9 +44,19 @@ def script_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
     if outcome.status in _ENDINGS:
         code = _ENDINGS[outcome.status]
         return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
-    if (thread := noted(outcome, "thread_exception")) is not None:
+    if (thread := _crashed_thread(outcome)) is not None:
         return (Mistake("thread_crashed", _in_thread(thread)),)
     return ()
+
+
+def _crashed_thread(outcome: RunOutcome) -> str | None:
+    """Return the note on the first thread that an exception ended; what comes after Ctrl+C is no mistake."""
+    for note in outcome.notes:
+        if note.code == "interrupted":
+            break
+        if note.code == "thread_exception":
+            return note.text
+    return None
 
 
 def noted(outcome: RunOutcome, code: str) -> str | None:
@@ -76,8 +86,17 @@ _SAME_M, _SAME_RAD = 0.01, 0.01
 _TIMEOUT_SLACK_NS = 50_000_000
 
 
-def command_mistakes(run: Run, topic: str) -> tuple[Mistake, ...]:
-    """Return why the car got no commands on `topic`, or stopped obeying them."""
+def command_mistakes(
+    run: Run, topic: str, *, turns: tuple[str, ...], drives: tuple[str, ...]
+) -> tuple[Mistake, ...]:
+    """Return why the car got no commands on `topic`, or stopped obeying them.
+
+    Args:
+        run: the run to look at.
+        topic: where commands belong.
+        turns: measures that a turn spoils when it ends too early.
+        drives: those that a drive spoils.
+    """
     outcome = run.outcome
     if _teleports(run.trajectory):
         return (mistake("teleported", topic=topic),)
@@ -90,7 +109,7 @@ def command_mistakes(run: Run, topic: str) -> tuple[Mistake, ...]:
     commands = run.trajectory.commands
     if commands and not any(is_motion(command) for command in commands):
         return (mistake("zero_commands"),)
-    return _timeouts(run.trajectory, outcome)
+    return _timeouts(run.trajectory, outcome, turns, drives)
 
 
 def _teleports(trajectory: Trajectory) -> bool:
@@ -154,15 +173,28 @@ def _names(publishers: Iterable[Endpoint]) -> str:
     return ", ".join(sorted({f"{publisher.name} ({publisher.type})" for publisher in publishers})[:4])
 
 
-def _timeouts(trajectory: Trajectory, outcome: RunOutcome) -> tuple[Mistake, ...]:
-    """Recognise motions that ended because nothing was published for a second while the script went on."""
+def _timeouts(
+    trajectory: Trajectory, outcome: RunOutcome, turns: tuple[str, ...], drives: tuple[str, ...]
+) -> tuple[Mistake, ...]:
+    """Recognise motions that were cut short because nothing was published for a second while the script went on.
+
+    The last motion of several was not: nothing came after it that shows how long it was meant to take, and a car
+    that turtlesim has stopped has stopped.
+    """
     commands = trajectory.commands
-    ends = [command.t_ns for command in commands[1:]] + [outcome.duration_ns]
-    gaps = [
-        end - command.t_ns
-        for command, end in zip(commands, ends, strict=True)
-        if is_motion(command) and end - command.t_ns > COMMAND_LIFE_NS + _TIMEOUT_SLACK_NS
+    moves = [i for i, command in enumerate(commands) if is_motion(command)]
+    only = all(commands[i][1:] == commands[moves[0]][1:] for i in moves)
+    ends = [command.t_ns for command in commands[1:]] + [outcome.duration_ns if only else 0]
+    cut = [
+        (ends[i] - commands[i].t_ns, commands[i])
+        for i in moves
+        if ends[i] - commands[i].t_ns > COMMAND_LIFE_NS + _TIMEOUT_SLACK_NS
     ]
-    if not gaps:
+    if not cut:
         return ()
-    return (mistake("published_once", times=len(gaps), silence=number(max(gaps) / 1e9, "s")),)
+    spoilt = {name for _, command in cut for name in (drives if abs(command.v_mps) > MOVING_MPS else turns)}
+    if not spoilt:
+        return ()
+    silence_ns = max(gap for gap, _ in cut)
+    measures = tuple(name for name in (*drives, *turns) if name in spoilt)
+    return (mistake("published_once", measures, times=len(cut), silence=number(silence_ns / 1e9, "s")),)

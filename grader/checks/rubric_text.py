@@ -9,6 +9,8 @@ from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, join, say
 from grader.messages.quantity import number
 
+_SPACE = Text(zh="", en=" ")
+
 _MOST_DECIMALS = 4
 
 
@@ -70,15 +72,18 @@ def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:
 
 
 def _needs(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> Text:
-    """Say which items an item needs, and that it counts in part where they earned little.
+    """Say which items an item needs, that it counts in part where they earned little, and which ones lower it.
 
     An item for a person never counts in part: a person gives its points.
     """
+    others = enumerated([specs[other].title for other in spec.scaled_by])
+    scaled = say("rubric.scaled", items=others) if spec.scaled_by else EMPTY
     if not spec.needs:
-        return EMPTY
+        return scaled
     by_halves = spec.measure != BY_PERSON and any(_earns_parts(specs[need], specs) for need in spec.needs)
     items = enumerated([specs[need].title for need in spec.needs])
-    return say("rubric.needs_half", items=items) if by_halves else say("rubric.needs", items=items)
+    needs = say("rubric.needs_half", items=items) if by_halves else say("rubric.needs", items=items)
+    return join([needs, scaled], _SPACE) if spec.scaled_by else needs
 
 
 def _earns_parts(spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> bool:

@@ -16,7 +16,6 @@ from grader.messages.quantity import number, number_beside
 # From half of its points on, an item counts as there for those that need it. A threshold at zero would make the
 # last hundredth of a point decide about all the points of the items above.
 ENOUGH = 0.5
-_BLOCKING = (ItemStatus.FAILED, ItemStatus.NOT_CHECKED)
 
 
 class Portion(PositionalRecord):
@@ -89,23 +88,41 @@ def score_items(
         findings: what was seen in the run.
         portion: which of several runs it was.
     """
-    scored: dict[str, RubricItem] = {}
-    shares: dict[str, float] = {}
+    credits = _credits(specs, findings)
+    titles = {spec.id: spec.title for spec in specs}
+    scored: list[RubricItem] = []
+    shares: dict[str, float] = {}  # before an item is scaled: what the others need of it
     for spec in specs:
         blank = _blank(check, spec, portion.of(spec.points), portion.prefix)
-        blockers = [scored[need].title for need in spec.needs if scored[need].status in _BLOCKING]
+        blockers = [titles[need] for need in spec.needs if shares.get(need, 1.0) <= 0.0]
         if blockers:
-            message = say("item.not_checked", items=enumerated(blockers))
-            scored[spec.id] = replace(blank, message=message)
+            shares[spec.id] = 0.0
+            scored.append(replace(blank, message=say("item.not_checked", items=enumerated(blockers))))
         elif spec.measure == BY_PERSON:
-            scored[spec.id] = replace(blank, status=ItemStatus.NEEDS_MANUAL, message=say("item.by_person"))
+            scored.append(replace(blank, status=ItemStatus.NEEDS_MANUAL, message=say("item.by_person")))
         else:
-            weak = {need: shares[need] for need in spec.needs if shares.get(need, 1.0) < ENOUGH}
-            counts = weight(weak.values())
-            scored[spec.id], shares[spec.id] = _scored(check, spec, blank, findings, counts)
+            weak = [need for need in spec.needs if shares.get(need, 1.0) < ENOUGH]
+            held = weight(shares[need] for need in weak)
+            share = credits[spec.id] * held
+            shares[spec.id] = share if earned_points(blank.points, share) > 0.0 else 0.0
+            scale = min((credits[other] for other in spec.scaled_by), default=1.0)
+            item = _scored(check, spec, blank, findings, min(credits[spec.id], scale) * held)
             if weak:
-                scored[spec.id] = _held_back(scored[spec.id], counts, [scored[need].title for need in weak])
-    return list(scored.values())
+                item = _lowered(item, "item.in_part", held, [titles[need] for need in weak])
+            if scale < credits[spec.id]:
+                guilty = [titles[other] for other in spec.scaled_by if credits[other] < credits[spec.id]]
+                item = _lowered(item, "item.scaled", scale, guilty)
+            scored.append(item)
+    return scored
+
+
+def _credits(specs: Sequence[ItemSpec], findings: Findings) -> dict[str, float]:
+    """Return the credit of each item that is measured, as if it stood alone."""
+    return {
+        spec.id: credit(spec, findings.measures.get(spec.measure, UNMEASURED).value)
+        for spec in specs
+        if spec.measure != BY_PERSON
+    }
 
 
 def _blank(check: Kind, spec: ItemSpec, points: float, prefix: str) -> RubricItem:
@@ -124,24 +141,19 @@ def _blank(check: Kind, spec: ItemSpec, points: float, prefix: str) -> RubricIte
     )
 
 
-def _scored(
-    check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, counts: float
-) -> tuple[RubricItem, float]:
-    """Return the item and its share of the points, when only the share `counts` of its credit does."""
+def _scored(check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, share: float) -> RubricItem:
+    """Return the item with `share` of its points."""
     measure = findings.measures.get(spec.measure, UNMEASURED)
-    own = credit(spec, measure.value)
-    share = own * counts
     earned = earned_points(blank.points, share)
     known = math.isfinite(measure.value)
-    item = replace(
+    return replace(
         blank,
         earned=earned,
         status=item_status(earned, share),
         measured=round(measure.value, 4) + 0.0 if known else None,  # + 0.0: no minus zero
         message=_seen(check, spec, measure),
-        hint=EMPTY if own >= 1.0 else _hint(check, spec, findings.mistakes),
+        hint=EMPTY if credit(spec, measure.value) >= 1.0 else _hint(check, spec, findings.mistakes),
     )
-    return item, share
 
 
 def item_status(earned: float, share: float) -> ItemStatus:
@@ -151,11 +163,10 @@ def item_status(earned: float, share: float) -> ItemStatus:
     return ItemStatus.PARTIAL if earned > 0.0 else ItemStatus.FAILED
 
 
-def _held_back(item: RubricItem, counts: float, weak: Sequence[Text]) -> RubricItem:
-    """Say beside what was seen why the item earns less than that."""
-    share = number(100.0 * counts, "%")
-    message = say("item.in_part", seen=item.message, share=share, items=enumerated(list(weak)))
-    return replace(item, message=message)
+def _lowered(item: RubricItem, message: str, share: float, items: Sequence[Text]) -> RubricItem:
+    """Say beside what was seen why the item earns only `share` of that: because of `items`."""
+    told = say(message, seen=item.message, share=number(100.0 * share, "%"), items=enumerated(list(items)))
+    return replace(item, message=told)
 
 
 def _target(spec: ItemSpec) -> tuple[float | None, float | None]:
@@ -170,7 +181,8 @@ def _target(spec: ItemSpec) -> tuple[float | None, float | None]:
 def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
     kind = check.measures[spec.measure]
     if not math.isfinite(measure.value):
-        return say("item.unmeasured")
+        why = measure.details.get("why")
+        return why if isinstance(why, Text) else say("item.unmeasured")
     if kind.form == "flag":
         answer = "yes" if measure.value >= 1.0 else "no"
         return say(f"{check.kind}.{spec.measure}.{answer}", **measure.details)

@@ -116,6 +116,9 @@ class ItemSpec(Record):
         ramp: width outside the band over which credit falls to zero (0: all or nothing).
         needs: ids of items that must not have failed; otherwise this one is ``not_checked``. Where one of them
             earned less than half of its points, this one counts in proportion, unless a person judges it.
+        scaled_by: ids of items on whose measures this one's points depend as well: it earns the least share of
+            the credit that they and it have. They may come later and need this one: what it lost to them does not
+            count against them a second time.
     """
 
     id: str
@@ -126,6 +129,7 @@ class ItemSpec(Record):
     high: float | None = None
     ramp: float = 0.0
     needs: tuple[str, ...] = ()
+    scaled_by: tuple[str, ...] = ()
 
 
 class Answer(Record):

@@ -50,6 +50,7 @@ class PolygonFigure(PositionalRecord):
             figure needs it: it is repeated, or does not come round without it.
         last_turn_rad: the turn after the last side where it is no corner, without whole turns on the spot;
             0 if there was none.
+        last_turned_rad: that turn with them.
         approach_m: distance driven before the first side.
         start: sample index where the first straight begins, which may be an approach.
         end: sample index where the figure ends, its last turn included.
@@ -64,6 +65,7 @@ class PolygonFigure(PositionalRecord):
     sides_m: tuple[float, ...]
     corners_rad: tuple[float, ...]
     last_turn_rad: float
+    last_turned_rad: float
     approach_m: float
     start: int
     end: int
@@ -179,21 +181,21 @@ def _comes_round(corners: list[float]) -> int | None:
     """
     total = 0.0
     for sides, corner in enumerate(corners, start=2):
-        total += _bare(corner)
+        total += bare(corner)
         mean = abs(total) / (sides - 1)
         if abs(abs(total) + mean - FULL_TURN_RAD) <= 0.5 * mean:
             return sides
     return None
 
 
-def _bare(corner_rad: float) -> float:
+def bare(corner_rad: float) -> float:
     """Return a corner less the whole turn in it; a wild one is no corner and stays as it is."""
     return math.remainder(corner_rad, FULL_TURN_RAD) if abs(corner_rad) < WILD_RAD else corner_rad
 
 
 def _alike(corners: list[float]) -> bool:
-    bare = [_bare(corner) for corner in corners]
-    return max(bare) - min(bare) <= ALIKE_RAD
+    less = [bare(corner) for corner in corners]
+    return max(less) - min(less) <= ALIKE_RAD
 
 
 def _closed(
@@ -222,7 +224,7 @@ def _halves(lengths: list[float], corners: list[float], lap: int) -> bool:
     """Whether the path begins in the middle of a side, which its last straight completes in the same direction."""
     if len(lengths) != lap + 1 or lap < 3:
         return False
-    turned = abs(sum(map(_bare, corners)))
+    turned = abs(sum(map(bare, corners)))
     if abs(turned - FULL_TURN_RAD) > 0.5 * turned / lap:
         return False
     like = [float(np.median(lengths[1:-1]))]
@@ -253,17 +255,19 @@ def _figure(
     curved_m = max(curved_m, 0.0)  # distance falls within a correction, so a turn in it counts negative
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
-    inner, last_turn_rad = corners[first : stop - 1], 0.0
+    inner, last_turn_rad, last_turned_rad = corners[first : stop - 1], 0.0, 0.0
     if closing is not None and not extent.joined:
         if extent.repeated or _comes_round(inner) != extent.count:
             inner.append(corners[stop - 1])
         else:
-            last_turn_rad = _last_turn(path, closing, corners[stop - 1])
+            last_turned_rad = corners[stop - 1]
+            last_turn_rad = _last_turn(path, closing, last_turned_rad)
     return PolygonFigure(
         vertices=(spans[0][0], *(stop for _, stop in spans)),
         sides_m=tuple(sides),
         corners_rad=tuple(inner),
         last_turn_rad=last_turn_rad,
+        last_turned_rad=last_turned_rad,
         approach_m=float(path.along_m[spans[0][0]] - path.along_m[start]),
         start=start,
         end=end,
@@ -317,8 +321,8 @@ def _turns_alike(corners: list[float], count: int) -> bool:
 
 def _from_its_sense(corners: list[float]) -> list[float]:
     """Return the corners of a lap without whole turns, mirrored if the first one turns right."""
-    bare = [_bare(corner) for corner in corners]
-    return [-corner for corner in bare] if bare and bare[0] < 0.0 else bare
+    less = [bare(corner) for corner in corners]
+    return [-corner for corner in less] if less and less[0] < 0.0 else less
 
 
 def span(path: Path, segments: Segments, index: int) -> tuple[int, int]:

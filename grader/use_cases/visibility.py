@@ -125,7 +125,11 @@ def _without_items(assignment: Assignment, hidden: frozenset[str]) -> Assignment
     if not hidden:
         return assignment
     items = tuple(
-        replace(item, needs=tuple(one for one in item.needs if one not in hidden))
+        replace(
+            item,
+            needs=tuple(one for one in item.needs if one not in hidden),
+            scaled_by=tuple(one for one in item.scaled_by if one not in hidden),
+        )
         for item in assignment.items
         if item.id not in hidden
     )

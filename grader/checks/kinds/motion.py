@@ -145,9 +145,9 @@ def motion_mistakes(
         name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")
     }
     lost = {name for name, value in values.items() if fits(assignment, name, value) is False}
-    if "turned_deg" not in lost or not _turned_round(drive, backward=backward):
+    if "turned_deg" not in lost or not _right_speed(drive, backward=backward):
         found += _wrong_way(values["advance_m"], backward=backward)
-    found += command_mistakes(run, assignment.world.cmd_vel_topic)
+    found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=(), drives=("advance_m",))
     if "turned_deg" in lost:
         found.append(_turning(drive, values))
     if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:
@@ -165,10 +165,9 @@ def _wrong_way(advance_m: float, *, backward: bool) -> Iterator[Mistake]:
         yield mistake(code, ("advance_m",), distance=number(-advance_m, "m"))
 
 
-def _turned_round(drive: Drive, *, backward: bool) -> bool:
-    """Whether the car turned first and then drove with the right sign of speed."""
-    driven_m = float(drive.path.signed_m[-1]) * (-1.0 if backward else 1.0)
-    return driven_m > MIN_MOTION_M and _on_the_spot(drive)
+def _right_speed(drive: Drive, *, backward: bool) -> bool:
+    """Whether the car's speed had the right sign: then it was turning that led it the wrong way."""
+    return float(drive.path.signed_m[-1]) * (-1.0 if backward else 1.0) > MIN_MOTION_M
 
 
 def _turning(drive: Drive, values: Mapping[str, float]) -> Mistake:

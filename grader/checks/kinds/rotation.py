@@ -18,6 +18,8 @@ from grader.messages import say
 from grader.messages.quantity import number
 
 MAX_STARTS = 200  # bounds the work: parts of the path are tried from at most this many samples on
+PLACE_M = 0.2  # as far as turning may stray in the meantime to count in full
+ROTATE = "/turtle1/rotate_absolute/_action/send_goal"
 MEASURES = {
     "commands": MeasureKind(form="count"),
     "turned_deg": MeasureKind("deg"),
@@ -28,24 +30,20 @@ MEASURES = {
 def examine(assignment: Assignment, run: Run) -> Findings:
     """Measure the rotation and how far the car strayed from its place."""
     drive = drive_of(run)
-    measures = {"commands": Measure(float(run.outcome.command_count))}
+    measures = {"commands": Measure(float(run.outcome.command_count + _goals(run)))}
     if drive is not None:
-        measures |= _rotation(drive.path, _spot_m(assignment))
+        measures |= _rotation(drive.path)
     return Findings(measures, rotation_mistakes(assignment, run, drive, measures))
 
 
-def _spot_m(assignment: Assignment) -> float:
-    """Return how far the car may drive while turning for the turn to count in full.
-
-    That is once round a circle so wide that staying in place earns nothing.
-    """
-    place = assignment.item_on("drift_m")
-    return math.inf if place is None or place.high is None else math.pi * (place.high + place.ramp)
+def _goals(run: Run) -> int:
+    """Return how many goals turtlesim's own action for turning was given."""
+    return sum(each.count for each in run.outcome.endpoints if (each.kind, each.name) == ("client", ROTATE))
 
 
-def _rotation(path: Path, spot_m: float) -> dict[str, Measure]:
+def _rotation(path: Path) -> dict[str, Measure]:
     total_deg = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))
-    turned_deg = math.degrees(_on_the_spot(path, spot_m))
+    turned_deg = math.degrees(_in_one_place(path))
     strayed = np.hypot(path.x_m - path.x_m[0], path.y_m - path.y_m[0])
     return {
         "turned_deg": Measure(
@@ -55,13 +53,19 @@ def _rotation(path: Path, spot_m: float) -> dict[str, Measure]:
     }
 
 
-def _on_the_spot(path: Path, spot_m: float) -> float:
-    """Return the largest turn of any part of the path; a part longer than `spot_m` counts in proportion less."""
+def _in_one_place(path: Path) -> float:
+    """Return the largest turn of any part of the path that stayed in one place.
+
+    Of a part that strayed further than `PLACE_M` one full turn at most counts, less by the square of how much
+    further: else laps of a wide circle, or corners far from each other, would sum up to a turn on the spot.
+    """
     largest = 0.0
     for first in range(0, len(path), 1 + len(path) // MAX_STARTS):
         turned = np.abs(path.heading_rad[first:] - path.heading_rad[first])
-        way_m = np.abs(path.along_m[first:] - path.along_m[first])
-        largest = max(largest, float(np.max(turned / np.maximum(way_m / spot_m, 1.0))))
+        strayed = np.hypot(path.x_m[first:] - path.x_m[first], path.y_m[first:] - path.y_m[first])
+        wide = np.maximum.accumulate(strayed) / PLACE_M
+        counted = np.where(wide <= 1.0, turned, np.minimum(turned, math.tau) / np.maximum(wide, 1.0) ** 2)
+        largest = max(largest, float(np.max(counted)))
     return largest
 
 
@@ -71,7 +75,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     wanted_deg = None if item is None else item.low
     if drive is None:
         return FigureSketch(view="heading", wanted_turn_deg=wanted_deg)
-    path, measures = drive.path, _rotation(drive.path, _spot_m(assignment))
+    path, measures = drive.path, _rotation(drive.path)
     ahead = path.heading_rad - path.heading_rad[0]
     turned_deg, drift_m = measures["turned_deg"].value, measures["drift_m"].value
     here = (float(run.trajectory.x_m[0]), float(run.trajectory.y_m[0]))
@@ -106,7 +110,8 @@ def rotation_mistakes(
     drift = measures.get("drift_m", UNMEASURED).value
     if fits(assignment, "drift_m", drift) is False:
         found.append(_strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg")))
-    found += command_mistakes(run, assignment.world.cmd_vel_topic)
+    if not _goals(run):
+        found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=("turned_deg",), drives=())
     if short and turned > MIN_TURN_DEG:
         found += _short_turn(turned, drive)
     return tuple(found)

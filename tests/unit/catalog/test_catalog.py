@@ -112,6 +112,8 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
         ("    low: 1\n    needs", "    needs", 13, ("items.1", "band")),
         ("low: 1\n    needs", "low: 3\n    high: 2\n    needs", 13, ("swap",)),
         ("needs: [node]", "needs: [mode]", 18, ("items.1.needs", "'mode'", "no earlier item")),
+        ("needs: [node]", "scaled_by: [mode]", 18, ("items.1.scaled_by", "'mode'", "no other item")),
+        ("needs: [node]", "scaled_by: [log]", 18, ("items.1.scaled_by", "'log'", "no other item")),
         ("id: log", "id: node", 13, ("items.1.id", "rename")),
         ("id: demo", "id: other", 1, ("other", "folder")),
         ("id: log", "id: Log!", 13, ("items.1.id", "small letters")),

@@ -64,9 +64,53 @@ def test_a_curve_costs_heading_and_line() -> None:
 
 def test_coming_back() -> None:
     scoring = graded("straight", drive([(3.0, 1.0, 0.0), (1.0, -1.0, 0.0)]))
-    assert item(scoring, "distance").status is ItemStatus.PASSED
     assert item(scoring, "no_return").status is ItemStatus.FAILED
+    distance = item(scoring, "distance")
+    assert (distance.status, distance.measured) == (ItemStatus.FAILED, 2.0)
+    assert "0 % at most, because of: No way back" in distance.message.en
     assert scoring.mistakes == ("came_back",)
+    assert score(scoring) == 40
+
+
+@pytest.mark.parametrize("name", ["straight", "backward"])
+@pytest.mark.parametrize("horizon_s", [5.0, 12.0, 20.0, 60.0])
+@pytest.mark.parametrize("v", [0.5, 1.0, 3.0])
+def test_the_score_falls_as_the_path_bends_whatever_the_horizon(
+    name: str, horizon_s: float, v: float
+) -> None:
+    sense = -1.0 if name == "backward" else 1.0
+    radii = [
+        0.5,
+        0.7,
+        1.0,
+        1.11,
+        1.25,
+        1.43,
+        1.67,
+        2.0,
+        2.5,
+        3.3,
+        4.0,
+        4.9,
+        6.0,
+        8.0,
+        10.0,
+        14.0,
+        20.0,
+        100.0,
+    ]
+    scores = []
+    for radius_m in radii:
+        circle = drive([(horizon_s, sense * v, v / radius_m)], horizon_s=horizon_s)
+        scores.append(score(graded(name, circle, RunStatus.INTERRUPTED)))
+    assert scores == sorted(scores)
+    assert all(
+        points <= 30
+        for radius_m, points in zip(radii, scores, strict=True)
+        if radius_m * 0.7 < v * horizon_s and radius_m < 5.0
+    )
+    straight = drive([(horizon_s, sense * v, 0.0)], horizon_s=horizon_s)
+    assert score(graded(name, straight, RunStatus.INTERRUPTED)) == 100
 
 
 def test_turning_on_the_spot_is_not_driving() -> None:
@@ -97,7 +141,7 @@ def test_whoever_drives_the_wrong_way_is_told_so_before_a_turn() -> None:
 
 def test_a_turn_on_the_spot_is_not_called_a_curve() -> None:
     scoring = graded("straight", drive([(2.0, 1.0, 0.0), (1.5, 0.0, 1.0)]))
-    assert score(scoring) == 85
+    assert score(scoring) == 35
     assert scoring.mistakes == ("turned_too",)
     assert "85.9°" in scoring.hint.zh
 

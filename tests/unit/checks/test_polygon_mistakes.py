@@ -115,12 +115,13 @@ def test_who_is_cut_in_the_last_turn_or_side_is_not_told_to_stop(name: str, left
     assert graded(name, cut).mistakes[-1] == "never_stops"  # a script that ended by itself had its time
 
 
-def test_a_script_that_ends_without_a_stop() -> None:
+def test_who_leaves_the_stop_to_turtlesim_has_stopped() -> None:
     trajectory = drive(polygon_legs(4))
     values = {name: getattr(trajectory, name) for name in Trajectory.__slots__}
     moving = Command(t_ns=trajectory.commands[-1].t_ns + 1, v_mps=0.0, w_radps=1.0)
     coasting = Trajectory(**{**values, "commands": (*trajectory.commands, moving)})
-    assert graded("square", coasting).mistakes == ("never_stops",)
+    scoring = graded("square", coasting)
+    assert (scoring.mistakes, score(scoring)) == ((), 100)
 
 
 def test_a_car_that_slips_is_not_told_to_stop_turning() -> None:

@@ -12,9 +12,10 @@ from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchSide
 from grader.contracts.scoring import Run
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.geometry.figure import PolygonFigure
+from grader.messages import say
 from grader.messages.quantity import listed, number
 
 MEASURES = {
@@ -28,6 +29,16 @@ MEASURES = {
     "gap_pct": MeasureKind("%"),
     "settled": MeasureKind(form="flag"),
 }
+
+
+_OF_THE_FIGURE = (
+    "side_spread_pct",
+    "side_error_pct",
+    "curved_pct",
+    "opposite_corners",
+    "gap_pct",
+    "settled",
+)
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -59,6 +70,10 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon) -> dict[str, Measure
         {"gap": number(figure.gap_m, "m"), "perimeter": number(figure.perimeter_m, "m")},
     )
     taken |= _corner_measures(wanted, driven)
+    if driven.is_other(wanted):  # how well that one was driven earns nothing
+        taken |= dict.fromkeys(_OF_THE_FIGURE, Measure(math.nan, {"why": say("polygon.other")}))
+    elif figure.overrun and not driven.drive.cut_short:
+        taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.goes_on")})
     return taken
 
 
@@ -66,7 +81,7 @@ def _settled(driven: DrivenPolygon) -> Measure:
     figure = driven.figure
     if figure is not None and figure.repeated:
         return Measure(1.0)
-    under_way = driven.drive.moving_at_end or driven.drive.commanded_at_end
+    under_way = driven.drive.moving_at_end  # whom turtlesim's hold has stopped has stopped
     went_on = driven.turned_on or (figure is not None and figure.overrun)
     return Measure(0.0 if under_way or went_on else 1.0)
 
@@ -92,13 +107,17 @@ def _corner_measures(wanted: WantedPolygon, driven: DrivenPolygon) -> dict[str, 
     corners = driven.corners_deg
     if len(corners) == 0:
         return {"corner_deg": UNMEASURED, "opposite_corners": UNMEASURED}
-    along, against = int(np.count_nonzero(corners > 0.0)), int(np.count_nonzero(corners < 0.0))
-    left, right = (along, against) if driven.sense > 0.0 else (against, along)
+    turned = driven.sense * driven.turned_deg
+    left, right = int(np.count_nonzero(turned > 0.0)), int(np.count_nonzero(turned < 0.0))
+    against, far = int(np.count_nonzero(corners < 0.0)), int(np.count_nonzero(driven.long_way))
     worst = corners[int(np.argmax(np.abs(corners - wanted.corner_deg)))]
     details = {"corners": listed(corners, "deg"), "ideal": number(wanted.corner_deg, "deg")}
     return {
         "corner_deg": Measure(float(worst), details),
-        "opposite_corners": Measure(float(against), {"left": left, "right": right}),
+        "opposite_corners": Measure(
+            float(max(against, far)),
+            {"left": left, "right": right, "far": say("polygon.far", count=far) if far else EMPTY},
+        ),
     }
 
 

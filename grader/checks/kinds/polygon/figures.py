@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from grader.checks.drive import Drive, drive_of
 from grader.checks.measure import Option
@@ -15,10 +16,11 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
-from grader.geometry.figure import PolygonFigure, measure_polygon
+from grader.geometry.figure import PolygonFigure, bare, measure_polygon
 from grader.geometry.segmentation import Segments, segment
 
 FULL_TURN_DEG = 360.0
+Bools = NDArray[np.bool_]
 
 
 class WantedPolygon(PositionalRecord):
@@ -87,6 +89,9 @@ def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
     return max(100.0 * abs(side - wanted) / wanted for side, wanted in zip(sides_m, wanted_m, strict=True))
 
 
+SAME_DEG = 4.0  # corners this close to a value that tells a mistake are taken to be that value
+OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
+EQUAL_RATIO = 1.1  # of the longest to the shortest side: up to here they were meant to be equal
 LIKE_DEG = (
     1.0  # a last turn that is further off than the worst corner by no more than this was meant as a corner
 )
@@ -100,8 +105,10 @@ class DrivenPolygon:
     """A driven path, its straights and turns, and the first figure in it (None without a straight).
 
     Attributes:
-        corners_deg: (n,) the figure's corners, positive in the sense in which the figure turns. The turn after
-            the last side is one of them if it is no further off than the others.
+        corners_deg: (n,) the figure's corners as they shape it, without whole turns, positive in the sense in
+            which the figure turns. The turn after the last side is one of them if it is no further off than the
+            others.
+        turned_deg: (n,) what the car turned there: -270° shape a corner of 90°.
         sense: +1 if the figure turns left, else -1.
         turned_on: there was a turn after the last side that is not one of the corners.
     """
@@ -110,8 +117,34 @@ class DrivenPolygon:
     segments: Segments
     figure: PolygonFigure | None
     corners_deg: Floats
+    turned_deg: Floats
     sense: float = 1.0
     turned_on: bool = False
+
+    def is_other(self, wanted: WantedPolygon) -> bool:
+        """Whether a complete figure with equal corners was driven that is not the wanted one.
+
+        It has another number of sides, or equal sides where they should differ.
+        """
+        figure, corners = self.figure, self.corners_deg
+        if figure is None or len(corners) == 0 or figure.gap_m > OTHER_GAP_SHARE * figure.perimeter_m:
+            return False
+        count = len(figure.sides_m)
+        mean, spread = float(np.mean(corners)), float(np.ptp(corners))
+        if abs(mean - FULL_TURN_DEG / count) > SAME_DEG or spread > 2.0 * SAME_DEG:
+            return False
+        differ = wanted.lengths_m is not None and len(set(wanted.lengths_m)) > 1
+        return count != wanted.sides or (differ and max(figure.sides_m) <= EQUAL_RATIO * min(figure.sides_m))
+
+    @property
+    def long_way(self) -> Bools:
+        """Which corners were turned the long way round, or by a whole turn too much.
+
+        The turn after the last side is none of them: it shapes nothing.
+        """
+        inner = 0 if self.figure is None else len(self.figure.corners_rad)
+        far: Bools = np.abs(self.turned_deg[:inner] - self.corners_deg[:inner]) > FULL_TURN_DEG / 2.0
+        return far
 
 
 def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> DrivenPolygon | None:
@@ -122,16 +155,24 @@ def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> D
     segments = segment(drive.path)
     figure = measure_polygon(drive.path, segments, sides=wanted.sides, cut_short=drive.cut_short)
     if figure is None:
-        return DrivenPolygon(drive, segments, None, np.empty(0))
-    sense = -1.0 if sum(figure.corners_rad) < 0.0 else 1.0
-    corners = sense * np.degrees(figure.corners_rad)
+        return DrivenPolygon(drive, segments, None, np.empty(0), np.empty(0))
+    sense = -1.0 if sum(map(bare, figure.corners_rad)) < 0.0 else 1.0
+    turned = sense * np.degrees(figure.corners_rad)
+    corners = sense * np.degrees([bare(corner) for corner in figure.corners_rad])
     last_deg = sense * math.degrees(figure.last_turn_rad)
     if abs(last_deg) <= NO_TURN_DEG:
-        return DrivenPolygon(drive, segments, figure, corners, sense)
+        return DrivenPolygon(drive, segments, figure, corners, turned, sense)
     worse_deg = _worse_deg(assignment, last_deg, corners)
     if worse_deg <= 0.0:
-        corners = np.append(corners, last_deg)
-    return DrivenPolygon(drive, segments, figure, corners, sense, worse_deg > LIKE_DEG and not figure.overrun)
+        corners, turned = np.append(corners, last_deg), np.append(turned, _last_turned_deg(figure, sense))
+    turned_on = worse_deg > LIKE_DEG and not figure.overrun
+    return DrivenPolygon(drive, segments, figure, corners, turned, sense, turned_on)
+
+
+def _last_turned_deg(figure: PolygonFigure, sense: float) -> float:
+    """Return the last turn as the car turned it; whole turns on top of it are a flourish, not a corner."""
+    turned_deg = sense * math.degrees(figure.last_turned_rad)
+    return turned_deg if abs(turned_deg) < FULL_TURN_DEG else sense * math.degrees(figure.last_turn_rad)
 
 
 def _worse_deg(assignment: Assignment, last_deg: float, corners_deg: Floats) -> float:

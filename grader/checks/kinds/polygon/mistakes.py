@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from grader.checks.drive import MOVING_MPS, MOVING_RADPS
-from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, DrivenPolygon, WantedPolygon
+from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import command_mistakes, script_mistakes
 from grader.checks.scoring import fits
@@ -21,7 +21,6 @@ from grader.messages.quantity import listed, number
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
-SAME_DEG = 4.0  # corners this close to a value that tells a mistake are taken to be that value
 RADIAN_OFF_DEG = (
     2.0  # a turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many
 )
@@ -30,6 +29,8 @@ MOSTLY_ROUND_SHARE = (
     0.25  # from here on the arcs explain why angles and lengths are wrong, so they are told first
 )
 _LENGTHS = ("side_spread_pct", "side_error_pct")
+_TURNS = ("corner_deg", "sides", "gap_pct", "opposite_corners")
+_DRIVES = ("distance_m", *_LENGTHS, "gap_pct")
 _SHAPE = ("sides", "corner_deg", *_LENGTHS, "gap_pct", "curved_pct", "opposite_corners", "settled")
 
 
@@ -65,7 +66,7 @@ def polygon_mistakes(
     seen = _Seen(assignment, run, wanted, driven)
     found += _wall(seen)
     found += _degrees(seen)
-    found += command_mistakes(run, assignment.world.cmd_vel_topic)
+    found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=_TURNS, drives=_DRIVES)
     cut = _cut_at_the_end(seen)
     if cut:
         found.append(
@@ -151,12 +152,16 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     off = np.array([seen.loses("corner_deg", corner) for corner in corners.tolist()])
     if bool((corners < 0.0).any()):
         yield mistake("zigzag", spoilt, **values)
+    elif not off.any() and bool(seen.driven.long_way.any()):
+        yield mistake(
+            "long_way", ("opposite_corners",), turned=listed(seen.driven.turned_deg, "deg"), **values
+        )
     elif not off.any():
         return
     elif figure.repeated and _telling_angle(seen, mean) == "interior_angle":
         # a hexagon's interior angle drives a triangle, as often as the loop was meant for the hexagon
         yield mistake("interior_angle", spoilt, mean=_degree(mean), **values)
-    elif _is_other_figure(seen, figure, mean) and uniform:
+    elif seen.driven.is_other(seen.wanted):
         yield _other_figure(seen, figure)
     elif uniform and (telling := _telling_angle(seen, mean)) is not None:
         yield mistake(telling, spoilt, mean=_degree(mean), **values)
@@ -179,13 +184,6 @@ def _telling_angle(seen: _Seen, mean: float) -> str | None:
         code: abs(mean - angle) for code, (angle, within) in telling.items() if abs(mean - angle) <= within
     }
     return min(near, key=lambda code: near[code], default=None)
-
-
-def _is_other_figure(seen: _Seen, figure: PolygonFigure, mean: float) -> bool:
-    """Whether a complete regular figure with another number of sides was driven."""
-    count = len(figure.sides_m)
-    closed = figure.gap_m <= 0.1 * figure.perimeter_m
-    return count not in (seen.sides, 0) and closed and abs(mean - FULL_TURN_DEG / count) <= SAME_DEG
 
 
 def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
@@ -263,7 +261,7 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
     if figure is not None and figure.approach_m > 0.0:
         yield mistake("approach", ("gap_pct",), distance=number(figure.approach_m, "m"))
     repeated, overrun = (figure.repeated, figure.overrun) if figure is not None else (False, False)
-    if (overrun and drive.cut_short) or (not repeated and (drive.moving_at_end or drive.commanded_at_end)):
+    if (overrun and drive.cut_short) or (not repeated and drive.moving_at_end):
         yield mistake("never_stops", ("settled", "sides", "gap_pct"))
     elif figure is not None and overrun:
         after_m = float(drive.path.along_m[-1] - drive.path.along_m[figure.end])
