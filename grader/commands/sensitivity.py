@@ -73,7 +73,7 @@ def lax(assignment: Assignment, run: Run) -> list[Text]:
     for perturbation in _applicable(run.trajectory):
         error = perturbation.must_cost_from
         if error is not None and all(
-            _full(_judged(assignment, run, perturbation, sign * error)) for sign in (1.0, -1.0)
+            _full(_scored(assignment, run, perturbation, sign * error)) for sign in (1.0, -1.0)
         ):
             size = f"{error * perturbation.full:g} {perturbation.unit}"
             problems.append(
@@ -104,7 +104,7 @@ def _along(
     zero: dict[str, float] = {}
     for step in range(1, round(MOST / STEP)):
         error = sign * step * STEP
-        for item in _judged(assignment, run, perturbation, error):
+        for item in _scored(assignment, run, perturbation, error):
             if item.status is ItemStatus.NOT_CHECKED:
                 continue  # lost with the item it needs
             if item.earned < item.points:
@@ -115,7 +115,7 @@ def _along(
         yield Sensitivity(perturbation=perturbation, item=item_id, starts=start, zero=zero.get(item_id))
 
 
-def _judged(
+def _scored(
     assignment: Assignment, run: Run, perturbation: Perturbation, error: float
 ) -> tuple[RubricItem, ...]:
     commands = perturbation.spoil(run.trajectory.commands, error)

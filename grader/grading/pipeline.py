@@ -1,4 +1,4 @@
-"""From a submission to a graded report: run every case, judge the motion, put the report together."""
+"""From a submission to a graded report: run every case, score the motion, put the report together."""
 
 import hashlib
 from collections.abc import Callable
@@ -43,10 +43,10 @@ class Pipeline:
         self._car.close()
 
     def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
-        """Run and judge one submission; a text is only read. `on_run` is called when a run has begun.
+        """Run and score one submission; a text is only read. `on_run` is called when a run has begun.
 
         Raises:
-            InfrastructureError, SandboxError: a fault of the grader or its host; nothing was judged.
+            InfrastructureError, SandboxError: a fault of the grader or its host; nothing was scored.
             AssignmentError: the assignment does not fit its check.
         """
         if job.assignment.input == "text":
