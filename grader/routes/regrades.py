@@ -6,20 +6,23 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, ConfigDict, Field
 
-from grader.contracts.regrade import Regrade, RegradeState, ScoreChange, Wanted, Which
+from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, Wanted, Which
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
+    SIGHT,
     SUBMISSIONS,
     InstructorDep,
     QueryWhole,
     RegradeId,
     ServicesDep,
     StaffDep,
+    SubmissionId,
 )
 from grader.routes.problems import responses
 from grader.use_cases import regrading
 
 router = APIRouter(prefix="/api/v1/regrades", tags=["regrades"])
+of_submission = APIRouter(prefix="/api/v1/submissions", tags=["regrades"], dependencies=[SIGHT])
 _MOST = 100_000
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "invalid_request")
 
@@ -107,6 +110,29 @@ class RegradeList(BaseModel):
     regrades: list[RegradeSummary]
 
 
+class PastGradingView(BaseModel):
+    """One grading of a submission."""
+
+    attempt: int
+    finished_at: datetime
+    grader_version: str = Field(examples=["0.1.0"])
+    assignment_version: int = Field(examples=[1])
+    verdict: str = Field(examples=["graded"])
+    score: float | None = Field(
+        description="What the machine gave, without points by people; null: it left items to them."
+    )
+    max_score: float
+    report_sha256: str
+    by: str = Field(description="Who applied the re-grade it came from; empty: the upload itself.")
+    reason: str
+
+
+class History(BaseModel):
+    """All gradings of a submission, oldest first; the last one stands."""
+
+    gradings: list[PastGradingView]
+
+
 @router.post(
     "",
     status_code=202,
@@ -172,6 +198,16 @@ def discard(
     return _view(regrading.decide(services, caller, regrade_id, "discard", decision.reason))
 
 
+@of_submission.get(
+    "/{submission_id}/gradings",
+    summary="Every grading of a submission",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "invalid_request", "submission_not_found"),
+)
+def read_history(services: ServicesDep, caller: StaffDep, submission_id: SubmissionId) -> History:
+    """Return when, with which versions and why a submission was graded, and by whom again."""
+    return History(gradings=[_past(one) for one in regrading.history(services, caller, submission_id)])
+
+
 def _view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
     """Return a re-grade with the changes in the slice `shown`."""
     return RegradeView(
@@ -212,4 +248,19 @@ def _change(change: ScoreChange) -> ScoreChangeView:
         items=items,
         kept=list(change.kept),
         void=list(change.void),
+    )
+
+
+def _past(grading: PastGrading) -> PastGradingView:
+    return PastGradingView(
+        attempt=grading.attempt,
+        finished_at=grading.finished_at,
+        grader_version=grading.grader_version,
+        assignment_version=grading.assignment_version,
+        verdict=grading.status,
+        score=grading.score,
+        max_score=grading.max_score,
+        report_sha256=grading.report_sha256,
+        by=grading.by,
+        reason=grading.reason,
     )

@@ -12,15 +12,10 @@ from sqlalchemy import and_, bindparam, literal, outerjoin, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import ChangedMeanwhileError
-from grader.contracts.fields import Instant, kinds_of
+from grader.contracts.fields import kinds_of
 from grader.contracts.identity import Seen, no_course, unknown_course, unknown_members
 from grader.contracts.record import from_plain
-from grader.contracts.rules import (
-    NO_EXTENSION,
-    NO_RULES,
-    Extension,
-    Rules,
-)
+from grader.contracts.rules import NO_EXTENSION, NO_RULES, Extension, Rules
 from grader.store.audit import Signature, record
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, table_of
@@ -215,17 +210,9 @@ def from_document(document: dict[str, Any]) -> Rules:
     Raises:
         ValueError: it is not one.
     """
-    kinds = kinds_of(Rules)
-    if unknown := document.keys() - kinds.keys():  # msgspec ignores them in a dataclass
+    if unknown := document.keys() - kinds_of(Rules).keys():  # msgspec ignores them in a dataclass
         raise ValueError(f"the rules have no field {min(unknown)}")
-    instants = {name for name, kind in kinds.items() if isinstance(kind, Instant)}
-    return from_plain(
-        Rules,
-        {
-            name: datetime.fromisoformat(value) if name in instants and value is not None else value
-            for name, value in document.items()
-        },
-    )
+    return from_plain(Rules, document)
 
 
 @lru_cache(maxsize=1_024)

@@ -13,5 +13,6 @@ like this (`grader.use_cases.handing_in` is a short example):
 So nothing here imports fastapi, starlette or jinja2, and a third door needs no HTTP (import-linter holds both).
 
 `services` is the bundle that every use case gets. `callers` says who asks and how often they may, `visibility`
-what of a grading they may see, `following` where a submission stands.
+what of a grading they may see, `following` where a submission stands. The course's are `rules`, `judging`,
+`regrading`, `gradebook`, `dashboard` and `people`.
 """

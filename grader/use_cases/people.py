@@ -1,6 +1,6 @@
 """Who is in the course, and what was changed by whom."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from grader.contracts.identity import AuditEntry, Caller, Course, Member, Role
 from grader.use_cases.callers import require_instructor, require_staff
@@ -36,3 +36,23 @@ def changes(
     entries = services.audit.entries(caller.course, limit + 1, before)
     page = entries[:limit]
     return page, page[-1].id if len(entries) > limit else None
+
+
+def names(services: Services, caller: Caller) -> dict[str, str]:
+    """Return id and name of every student of the course, in order of id; nobody while there is no course.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    return {member.id: member.name for member in members(services, caller, Role.STUDENT)}
+
+
+def named(known: Mapping[str, str], student: str) -> str:
+    """Return a student's name if there is one that says more than the id, else nothing."""
+    name = known.get(student, "")
+    return "" if name == student else name
+
+
+def person(known: Mapping[str, str], student: str) -> str:
+    """Return a student's id with the name behind it, if there is one that says more."""
+    return f"{student} {named(known, student)}".rstrip()

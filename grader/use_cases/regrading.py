@@ -4,12 +4,12 @@ from typing import Literal
 
 from grader.contracts.errors import RefusedError, RegradeError
 from grader.contracts.identity import Caller
-from grader.contracts.regrade import Regrade, Wanted
+from grader.contracts.regrade import PastGrading, Regrade, Wanted
 from grader.contracts.submission import StoredReport, Submission
 from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import found
+from grader.use_cases.visibility import found, visible_submission
 
 Ending = Literal["apply", "discard"]
 _CODES = {
@@ -75,6 +75,31 @@ def both_gradings(
     if before is None or after is None:
         raise RefusedError("not_graded_yet")
     return regrade, submission, before, after
+
+
+def history(services: Services, caller: Caller, submission_id: str) -> tuple[PastGrading, ...]:
+    """Return every grading of a submission, oldest first; the last one stands.
+
+    Raises:
+        RefusedError: the caller may not see the class, or there is no such submission.
+    """
+    require_staff(caller)
+    visible_submission(services, caller, submission_id)
+    return tuple(services.regrades.history(submission_id))
+
+
+def past_grading(services: Services, caller: Caller, submission_id: str, attempt: int) -> StoredReport:
+    """Return one grading of a submission by its number.
+
+    Raises:
+        RefusedError: as `history`, or there is no grading of that number.
+    """
+    require_staff(caller)
+    visible_submission(services, caller, submission_id)
+    stored = services.past_gradings.get(submission_id, attempt)
+    if stored is None:
+        raise RefusedError("submission_not_found")
+    return stored
 
 
 def decide(services: Services, caller: Caller, regrade_id: str, ending: Ending, reason: str) -> Regrade:

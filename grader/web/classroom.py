@@ -11,13 +11,13 @@ from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, overview
 from grader.use_cases.health import health_of
+from grader.use_cases.people import names, person
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import ServicesDep, StaffDep, Visitor, require_staff
 from grader.web.comparison import compare
 from grader.web.matrix import SHOWS, MatrixQuery, matrix
 from grader.web.pages import language_of, page
-from grader.web.roster import names, person
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 _Id = Annotated[str, Query(max_length=64)]

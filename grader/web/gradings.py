@@ -5,16 +5,15 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Request, Response
 from fastapi.responses import JSONResponse
 
-from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
-from grader.contracts.submission import StoredReport
 from grader.use_cases.gradebook import Platform, exported
+from grader.use_cases.people import names, person
+from grader.use_cases.regrading import history, past_grading
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import QueryWhole, ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
 from grader.web.comparison import compare
 from grader.web.pages import language_of, page
-from grader.web.roster import names, person
 
 router = APIRouter(
     prefix="/class/submissions/{submission_id}",
@@ -35,7 +34,7 @@ def read_all(
         "gradings.html",
         submission=submission,
         person=person(names(services, visitor.caller), submission.student),
-        gradings=services.regrades.history(submission.id),
+        gradings=history(services, visitor.caller, submission.id),
         titles={one.id: one.title for one in services.assignments.all()},
     )
 
@@ -52,7 +51,7 @@ def read_comparison(  # noqa: PLR0913, PLR0917
     """Show two gradings of one submission side by side, the earlier first."""
     submission, _ = access.seen(services, visitor, submission_id)
     earlier, later = (
-        _grading(services, submission.id, attempt) for attempt in (min(first, second), max(first, second))
+        past_grading(services, visitor.caller, submission.id, attempt) for attempt in sorted((first, second))
     )
     return page(
         request,
@@ -91,10 +90,3 @@ def _export(
         "Cache-Control": "no-store",
     }
     return JSONResponse(document, headers=headers)
-
-
-def _grading(services: Services, submission_id: str, attempt: int) -> StoredReport:
-    stored = services.past_gradings.get(submission_id, attempt)
-    if stored is None:
-        raise RefusedError("submission_not_found")
-    return stored

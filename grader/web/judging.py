@@ -17,13 +17,13 @@ from grader.contracts.notation import decimal, written
 from grader.store.judgements import WaitingFor
 from grader.use_cases import judging
 from grader.use_cases.assignments import item_title, published
+from grader.use_cases.people import named, names
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import ServicesDep, StaffDep, SubmissionId, Visitor, require_staff
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.paging import PageQuery, pages_of
-from grader.web.roster import named, names
 
 HOME = "/class/judgements"
 router = APIRouter(prefix=HOME, include_in_schema=False, dependencies=[Depends(require_staff)])

@@ -10,8 +10,8 @@ from pydantic import Field
 from grader.contracts.submission import SubmissionState
 from grader.use_cases.dashboard import AssignmentStatistics, Overview, StudentLine
 from grader.use_cases.dashboard import Cell as Reached
+from grader.use_cases.people import named
 from grader.web.paging import PageQuery, cut
-from grader.web.roster import named
 
 Show = Literal["all", "at_risk", "unfinished", "not_begun", "stuck", "waiting", "judge", "fault"]
 SHOWS: tuple[Show, ...] = get_args(Show)

@@ -10,8 +10,8 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.regrade import ItemChange, ScoreChange
 from grader.contracts.text import Language
 from grader.use_cases.assignments import item_title
+from grader.use_cases.people import named
 from grader.web.paging import PageQuery, cut
-from grader.web.roster import named
 
 Part = Literal["all", "gain", "lose", "moved"]
 PARTS: tuple[Part, ...] = get_args(Part)

@@ -13,6 +13,7 @@ from grader.contracts.judgement import judged
 from grader.contracts.regrade import Wanted, Which
 from grader.use_cases import regrading
 from grader.use_cases.assignments import published
+from grader.use_cases.people import names, person
 from grader.use_cases.regrading import Ending, all_regrades, both_gradings, open_regrade, regrade_of
 from grader.use_cases.services import Services
 from grader.web import access
@@ -22,7 +23,6 @@ from grader.web.errors import form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.regrade_table import PARTS, ChangesQuery, changes
-from grader.web.roster import names, person
 from grader.web.words import say
 
 router = APIRouter(prefix="/class/regrades", include_in_schema=False, dependencies=[Depends(require_staff)])

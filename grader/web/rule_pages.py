@@ -12,6 +12,7 @@ from grader.contracts.identity import Seen
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts
 from grader.store.rules import CourseRules, tag
 from grader.use_cases.assignments import require_published
+from grader.use_cases.people import names
 from grader.use_cases.rules import change_rules, course_rules
 from grader.use_cases.rules import extend as extend_for
 from grader.use_cases.services import Services
@@ -19,7 +20,6 @@ from grader.web.access import AssignmentId, InstructorDep, ServicesDep, StaffDep
 from grader.web.audit_lines import Teller
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
-from grader.web.roster import names
 from grader.web.rule_form import (
     CHANGED_MEANWHILE,
     EXTENDED_MEANWHILE,
