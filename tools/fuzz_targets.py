@@ -20,8 +20,8 @@ if str(SHIM) not in sys.path:
     sys.path.insert(0, str(SHIM))
 
 import rclpy._interfaces.own  # noqa: E402, F401 - makes the interface packages importable
-from rclpy import _cdr as shim_cdr  # noqa: E402
 from rclpy import _wire as shim_wire  # noqa: E402
+from rclpy._interfaces import cdr as shim_cdr  # noqa: E402
 from rclpy._interfaces.definitions import INTERFACES  # noqa: E402
 from rclpy._interfaces.messages import CLASSES, interface_class  # noqa: E402
 

@@ -2,18 +2,19 @@
 
 import os
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 import httpx
 import pytest
 
 from grader.contracts.regrade import Regrade
-from grader.routes import regrades
+from grader.use_cases.regrading import regrade_of
 from tests.e2e.chromium import PHONE, Browser
 from tests.e2e.school import ESSAY, School, school
 from tests.fakes.postgres import PostgresServer
 
 pytestmark = pytest.mark.browser
-_VIEW = regrades.view
 
 WORK = (
     ("20260101", "square", "wrong/one_radian.py"),
@@ -48,8 +49,8 @@ def wang(browser: Browser, course: School) -> Browser:
     return browser
 
 
-def _still_running(regrade: Regrade) -> regrades.RegradeView:
-    return _VIEW(regrade).model_copy(update={"waiting": 1})
+def _still_running(*asked: Any) -> Regrade:
+    return replace(regrade_of(*asked), waiting=1)
 
 
 def test_grading_again_shows_who_loses_and_is_applied(
@@ -78,7 +79,7 @@ def test_grading_again_shows_who_loses_and_is_applied(
     assert "on trial" in wang.says()
     wang.driver.back()
     with monkeypatch.context() as patch:  # as if it were not complete yet
-        patch.setattr("grader.web.regrading.regrades.view", _still_running)
+        patch.setattr("grader.web.regrading.regrade_of", _still_running)
         wang.driver.refresh()
         assert not wang.all("button[value=apply]")
         wang.type("#reason", "sides must be equal")
