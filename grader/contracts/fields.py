@@ -66,7 +66,7 @@ class Names(Kind):
     """Names of things, `most` of them at most, none longer than `longest`."""
 
     _: KW_ONLY
-    most: int = 100
+    most: int = 1
     longest: int = 128
 
 
@@ -84,7 +84,7 @@ class Table(Kind):
 
     _: KW_ONLY
     of: type = object
-    most: int = 50
+    most: int = 1
 
 
 @cache

@@ -27,6 +27,8 @@ LATE_PARAMETERS: Final[dict[LateKind, tuple[str, ...]]] = {
 YEARS = range(2000, 2201)  # near the ends of the calendar, adding a duration to an instant overflows
 _MOST_S = 10 * 366 * 86_400
 _MOST_ATTEMPTS = 10_000
+MOST_STEPS = 50
+MOST_HIDDEN_ITEMS = 100
 _DAY_S = 86_400
 _SCORE_DIGITS = 2  # as rubric items are rounded
 
@@ -74,7 +76,7 @@ class LateRule:
 
     kind: Annotated[LateKind, Choice(options=tuple(LATE_PARAMETERS), example="linear")] = "none"
     per_day: Annotated[float, Share("`linear`: share lost for each begun day.", example=0.1)] = 0.0
-    steps: Annotated[tuple[LateStep, ...], Table("`steps`.", of=LateStep, example=())] = ()
+    steps: Annotated[tuple[LateStep, ...], Table("`steps`.", of=LateStep, most=MOST_STEPS, example=())] = ()
 
     def __post_init__(self) -> None:
         if self.kind == "linear" and not 0.0 < self.per_day <= 1.0:
@@ -205,7 +207,9 @@ class Rules:
         int | None, Count("In a calendar day of the course.", low=1, high=_MOST_ATTEMPTS)
     ] = None
     counts: Annotated[Counts, Choice("Which attempt counts.", options=tuple(Counts))] = Counts.BEST
-    hidden_items: Annotated[tuple[str, ...], Names("Rubric items that students do not see.")] = ()
+    hidden_items: Annotated[
+        tuple[str, ...], Names("Rubric items that students do not see.", most=MOST_HIDDEN_ITEMS)
+    ] = ()
     hidden_until: Annotated[datetime | None, Instant("Null: students never see them.")] = None
 
     def __post_init__(self) -> None:

@@ -20,6 +20,8 @@ from grader.contracts.fields import Kind, kinds_of
 from grader.contracts.notation import decimal, instant, whole, written
 from grader.contracts.rules import (
     LATE_PARAMETERS,
+    MOST_HIDDEN_ITEMS,
+    MOST_STEPS,
     YEARS,
     Counts,
     Extension,
@@ -67,10 +69,10 @@ class RuleForm(BaseModel):
     model_config = ConfigDict(use_enum_values=True)
 
     late: LateKind = "none"
-    step_after: list[str] = Field(default_factory=list, max_length=50)
-    step_keep: list[str] = Field(default_factory=list, max_length=50)
+    step_after: list[str] = Field(default_factory=list, max_length=MOST_STEPS)
+    step_keep: list[str] = Field(default_factory=list, max_length=MOST_STEPS)
     counts: Counts = Counts.BEST
-    hidden_items: list[str] = Field(default_factory=list, max_length=100)
+    hidden_items: list[str] = Field(default_factory=list, max_length=MOST_HIDDEN_ITEMS)
     reason: str = Field(default="", max_length=1_000)
     seen: str = _SHORT
 

@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from grader.contracts.fields import kinds_of
 from grader.contracts.rules import (
     NO_EXTENSION,
     NO_RULES,
@@ -21,7 +22,7 @@ from grader.contracts.rules import (
 )
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
-from grader.web.rule_form import Reader, RuleForm, form_of
+from grader.web.rule_form import Reader, RuleForm, form_of, late_parameters, typed_name
 from tests.unit.web.conftest import Browser
 
 SHANGHAI = ZoneInfo("Asia/Shanghai")
@@ -109,6 +110,15 @@ def test_each_mistake_is_told_at_its_field(typed: dict, field: str, sentence: st
     reader = Reader(SHANGHAI)
     assert reader.rules(RuleForm(**typed), NO_RULES, frozenset("ab")) == NO_RULES
     assert reader.errors == {field: sentence}
+
+
+def test_the_form_asks_for_every_field_of_the_rules(wang: Browser) -> None:
+    text = wang.get(PAGE).text
+    asked = set(re.findall(r'name="(\w+)"', text))
+    late = {"step_after" if name == "steps" else name for name in late_parameters()}
+    assert {typed_name(name) for name in [*kinds_of(Rules), *late]} <= asked
+    assert set(kinds_of(LateRule)) == {"kind", *late_parameters()}
+    assert {typed_name(name) for name in kinds_of(Extension)} <= asked
 
 
 @pytest.fixture
