@@ -253,7 +253,7 @@ def _authorization(arguments: argparse.Namespace) -> dict[str, str]:
             ),
         )
     if not (token.isascii() and token.isprintable()) or " " in token:
-        raise RefusedError("token", Text(zh=_NO_TOKEN.zh, en=_NO_TOKEN.en))
+        raise RefusedError("token", _NO_TOKEN)
     return {"Authorization": f"Bearer {token}"}
 
 
