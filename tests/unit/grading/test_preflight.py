@@ -11,6 +11,7 @@ from grader.contracts.errors import InfrastructureError, SandboxError
 from grader.contracts.grading import SyntaxProblem
 from grader.grading.preflight import SandboxPreflight
 from grader.sandbox import syntax_sandbox
+from tests.fakes.processes import zygote_of
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +70,7 @@ def test_many_at_once_get_their_own_answers(preflight: SandboxPreflight) -> None
 
 def test_after_a_fault_the_next_check_works() -> None:
     with syntax_sandbox("strict") as sandbox, SandboxPreflight(sandbox) as preflight:
-        sandbox._zygote._process.kill()
+        zygote_of(sandbox).kill()
         with suppress(SandboxError):
             preflight.check(b"x = 1\n", "a.py")
         assert preflight.check(b"x = = 1\n", "a.py") is not None

@@ -11,6 +11,7 @@ from grader.contracts.assignment import Limits
 from grader.jail import landlock
 from grader.jail.ending import JailReport
 from grader.sandbox import Sandbox
+from tests.fakes.processes import process_of, spare_of, zygote_of
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
@@ -33,8 +34,8 @@ def run(sandbox: Sandbox, source: str, limits: Limits = LIMITS) -> JailReport:
 
 
 def waiting(sandbox: Sandbox) -> int:
-    assert sandbox._spare is not None
-    return sandbox._spare._process.pid
+    assert spare_of(sandbox) is not None
+    return spare_of(sandbox)._process.pid
 
 
 def exists(pid: int) -> bool:
@@ -47,8 +48,8 @@ def test_the_next_run_gets_the_process_that_waits(sandbox: Sandbox) -> None:
     sandbox.prepare(LIMITS)
     assert waiting(sandbox) == pid
     with sandbox.open(LIMITS) as jail:
-        assert jail._process.pid == pid
-    assert sandbox._spare is None
+        assert process_of(jail).pid == pid
+    assert spare_of(sandbox) is None
     assert not exists(pid)
 
 
@@ -93,7 +94,7 @@ def test_a_run_with_other_limits_gets_a_process_of_its_own(sandbox: Sandbox) -> 
 def test_none_waits_while_a_script_runs(sandbox: Sandbox) -> None:
     with sandbox.open(LIMITS):
         sandbox.prepare(LIMITS)
-        assert sandbox._spare is None
+        assert spare_of(sandbox) is None
     sandbox.prepare(LIMITS)
     assert waiting(sandbox)
 
@@ -101,7 +102,7 @@ def test_none_waits_while_a_script_runs(sandbox: Sandbox) -> None:
 def test_one_that_has_ended_meanwhile_is_replaced(sandbox: Sandbox) -> None:
     sandbox.prepare(LIMITS)
     os.kill(waiting(sandbox), signal.SIGKILL)
-    while sandbox._spare is not None and sandbox._spare.waits():
+    while spare_of(sandbox) is not None and spare_of(sandbox).waits():
         pass
     assert run(sandbox, "print('again')").stdout.text == "again\n"
 
@@ -117,8 +118,8 @@ def test_closing_the_sandbox_ends_it(sandbox: Sandbox) -> None:
 
 def test_a_zygote_that_dies_takes_it_along(sandbox: Sandbox) -> None:
     sandbox.prepare(LIMITS)
-    sandbox._zygote._process.kill()
-    sandbox._zygote._process.wait()
-    while sandbox._spare is not None and sandbox._spare.waits():
+    zygote_of(sandbox).kill()
+    zygote_of(sandbox).wait()
+    while spare_of(sandbox) is not None and spare_of(sandbox).waits():
         pass
     assert run(sandbox, "print('again')").stdout.text == "again\n"

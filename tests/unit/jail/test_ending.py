@@ -7,6 +7,7 @@ import pytest
 from grader.contracts.assignment import MIB, Limits
 from grader.jail import bounds, landlock
 from grader.sandbox import RunEnd, Sandbox
+from tests.fakes.processes import process_of
 from tests.fakes.waiting import wait_until
 from tests.unit.jail.running import run
 
@@ -47,12 +48,12 @@ def test_a_slow_episode_makes_nobody_look_busy(sandbox: Sandbox) -> None:
     with sandbox.open(Limits(cpu_s=0.6)) as jail:
         jail.send(source.encode())
         assert jail.receive() == b"a"
-        wait_until(jail._process.sleeps)
+        wait_until(process_of(jail).sleeps)
         jail._next_glance_ns = 0
         assert jail.receive() == b"b"
-        start_ns = jail._process.cpu_ns()
+        start_ns = process_of(jail).cpu_ns()
         jail.send(b"g")
-        wait_until(lambda: jail._process.cpu_ns() > start_ns + 350_000_000)
+        wait_until(lambda: process_of(jail).cpu_ns() > start_ns + 350_000_000)
         assert jail.receive() is None
         report = jail.close()
     assert (report.end, report.stdout.text, report.settled) == (RunEnd.CPU_LIMIT, "a\n", True)
@@ -70,7 +71,7 @@ def test_a_real_time_signal_is_told_by_its_number(sandbox: Sandbox) -> None:
     with sandbox.open(Limits()) as jail:
         jail.send(b"frame(b'ready')\nwhile True: pass")
         assert jail.receive() == b"ready"
-        os.kill(jail._process.pid, 40)
+        os.kill(process_of(jail).pid, 40)
         assert jail.receive() is None
         report = jail.close()
     assert (report.end, report.signal) == (RunEnd.CRASHED, "signal 40")
@@ -111,7 +112,7 @@ def test_the_wall_limit_blames_the_host(sandbox: Sandbox) -> None:
 def test_a_kill_from_outside_blames_the_host(sandbox: Sandbox) -> None:
     with sandbox.open(Limits()) as jail:
         jail.send(b"while True: pass")
-        jail._process.kill()
+        process_of(jail).kill()
         assert jail.receive() is None
         assert jail.close().end is RunEnd.INFRASTRUCTURE
 
@@ -127,7 +128,7 @@ def test_a_script_that_the_host_ended_with_more_than_its_memory_met_the_memory_l
     with sandbox.open(Limits(memory_bytes=120 * MIB)) as jail:
         jail.send(hungry.encode())
         assert jail.receive() == b"full"
-        jail._process.kill()
+        process_of(jail).kill()
         assert jail.receive() is None
         assert jail.close().end is RunEnd.MEMORY_LIMIT
 

@@ -12,6 +12,7 @@ from grader.contracts.assignment import Limits
 from grader.contracts.errors import SandboxError, SandboxUnavailableError
 from grader.jail import bounds, landlock, syscalls
 from grader.sandbox import Layer, Mode, RunEnd, Sandbox
+from tests.fakes.processes import process_of, zygote_of
 from tests.unit.jail.running import RUNNER, make, run
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
@@ -28,11 +29,11 @@ def test_the_layers_hold(sandbox: Sandbox) -> None:
 def test_a_confined_process_has_no_rights_of_its_own(without: tuple[Layer, ...]) -> None:
     """As the kernel tells it, from outside: user, groups, capabilities, session, signals and filters."""
     with make(Mode.STRICT, *without) as sandbox, sandbox.open(Limits()) as jail:
-        pid = jail._process.pid
+        pid = process_of(jail).pid
         status = dict(line.split(":\t", 1) for line in Path(f"/proc/{pid}/status").read_text().splitlines())
         session, group = os.getsid(pid), os.getpgid(pid)
         owner = os.stat(f"/proc/{pid}/environ").st_uid
-        zygote = sandbox._zygote._process.pid
+        zygote = zygote_of(sandbox).pid
         expected = sandbox._config.box_uid if os.geteuid() == 0 else os.geteuid()
         keep_read = sandbox._config.keep_read and "namespaces" in sandbox.missing_layers
         unprivileged = "own_uid" not in sandbox.missing_layers

@@ -13,6 +13,7 @@ from grader.contracts.assignment import MIB, Limits
 from grader.contracts.errors import SandboxError
 from grader.jail import bounds, landlock
 from grader.sandbox import RunEnd, Sandbox
+from tests.fakes.processes import process_of, spare_of, zygote_of
 from tests.fakes.waiting import wait_until
 from tests.unit.jail.running import RUNNER, make, run
 
@@ -118,7 +119,7 @@ def test_a_script_that_waits_for_the_answer_to_its_question_is_not_stalled(
     with sandbox.open(Limits()) as jail:
         # It falls asleep as soon as it has asked, which is seldom quick enough to be seen.
         monkeypatch.setattr(
-            jail._process, "sleeps", lambda: bool(select.select([jail._channel], [], [], 0)[0])
+            process_of(jail), "sleeps", lambda: bool(select.select([jail._channel], [], [], 0)[0])
         )
         jail.send(ask.encode())
         for _ in range(30):
@@ -149,8 +150,8 @@ def test_many_runs_leave_nothing_behind(sandbox: Sandbox) -> None:
 def test_the_zygote_is_replaced_when_it_dies() -> None:
     with make() as sandbox:
         run(sandbox, "pass")
-        sandbox._zygote._process.kill()
-        sandbox._zygote._process.wait()
+        zygote_of(sandbox).kill()
+        zygote_of(sandbox).wait()
         assert run(sandbox, "frame(b'again')")[0] == [b"again", b"end"]
 
 
@@ -158,7 +159,7 @@ def test_a_dying_zygote_takes_its_runs_along_and_blames_nobody() -> None:
     with make() as sandbox:
         jail = sandbox.open(Limits(cpu_s=30.0))
         jail.send(b"while True: pass")
-        sandbox._zygote._process.kill()
+        zygote_of(sandbox).kill()
         assert jail.receive() is None
         with pytest.raises(SandboxError):
             jail.close()
@@ -168,7 +169,7 @@ def test_a_dying_zygote_takes_its_runs_along_and_blames_nobody() -> None:
         for other in others:
             os.close(other)
         sandbox.prepare(Limits())
-        assert sandbox._spare is not None, "a run counts as open, or as ended twice"
+        assert spare_of(sandbox) is not None, "a run counts as open, or as ended twice"
 
 
 ABANDONED = """
@@ -211,7 +212,7 @@ def test_the_zygote_is_recycled(monkeypatch: pytest.MonkeyPatch) -> None:
         processes = set()
         for _ in range(7):
             assert run(sandbox, "pass")[1].end is RunEnd.FINISHED
-            processes.add(sandbox._zygote._process.pid)
+            processes.add(zygote_of(sandbox).pid)
     assert 2 <= len(processes) <= 4
 
 
