@@ -1,4 +1,4 @@
-"""What the checks are given and what they answer."""
+"""What the checks are given and what they answer. Apart from `rubric`, which is read without numpy."""
 
 from dataclasses import dataclass
 
