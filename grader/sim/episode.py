@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final
 
 from grader.contracts.assignment import ServiceCall, World
@@ -105,6 +106,7 @@ class Episode:
         self._recorder = Recorder()
         self._turtle = Turtle(car, self._recorder, spec.world, spec.horizon_ns)
         self._world = TurtleWorld(self._turtle, spec.world, spec.epoch_ns)
+        self._world.on_change = self._reconnect
         self._graph = ScriptGraph()
         self._journal = Journal()
         self._calls = ServiceCalls(spec.calls, self._graph)
@@ -222,11 +224,18 @@ class Episode:
         if entity.type != kind:
             self._journal.note("type_mismatch", entity.name)
         elif entity.what == PUBLISHER and entity.reliable:
-            self._sinks[entity.id] = self._command
+            self._sinks[entity.id] = partial(self._command, entity.name)
         elif entity.what == PUBLISHER or (entity.transient_local and not self._world.keeps_last(entity.name)):
             self._journal.note("incompatible_qos", entity.name)
         else:
             self._world.listen(entity.name, entity.id, entity.t_ns)
+
+    def _reconnect(self, topics: frozenset[str]) -> None:
+        """Connect what the script has on `topics` anew: a turtle has come or gone."""
+        for entity in self._graph.on(topics):
+            self._sinks.pop(entity.id, None)
+            self._world.outbox.unsubscribe(entity.id)
+            self._connect(entity)
 
     def _log(self, t_ns: int, payload: bytes) -> None:
         """Take a log record; see `_command` for one that is none."""
@@ -235,13 +244,13 @@ class Episode:
         except ProtocolError:
             self._journal.note("unreadable_message", ROSOUT)
 
-    def _command(self, t_ns: int, payload: bytes) -> None:
+    def _command(self, topic: str, t_ns: int, payload: bytes) -> None:
         """Take a Twist. A script may publish raw bytes: those that are none are dropped, as DDS does."""
         if len(payload) != _TWIST.size or payload[:4] != HEADER:
-            self._journal.note("unreadable_message", self._spec.world.cmd_vel_topic)
+            self._journal.note("unreadable_message", topic)
             return
         _, x, y, _, _, _, turn = _TWIST.unpack(payload)
-        self._world.command(t_ns, x, y, turn)
+        self._world.command(topic, t_ns, x, y, turn)
 
     def _advance(self, frame: Advance, link: Link) -> None:
         """Answer ADVANCE: run to the first instant at which something is due, or as far as is asked."""
@@ -294,7 +303,7 @@ class Episode:
             violation=violation,
             duration_ns=min(self._now_ns, self._spec.horizon_ns),
             nodes=self._graph.nodes(),
-            endpoints=self._graph.endpoints(frozenset({self._spec.world.cmd_vel_topic})),
+            endpoints=self._graph.endpoints(frozenset(self._world.carried)),
             logs=journal.logs,
             logs_dropped=journal.logs_dropped,
             notes=journal.notes,

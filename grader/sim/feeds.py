@@ -1,4 +1,4 @@
-"""What turtle1 publishes by itself: pose, colour, odometry and its transform."""
+"""What a turtle publishes by itself: pose and colour; the graded one odometry and its transform as well."""
 
 import math
 import struct
@@ -10,7 +10,7 @@ from grader.sim.car import PlanarPose, fold
 from grader.sim.cdr import HEADER, encode
 from grader.sim.outbox import Outbox
 from grader.sim.timeline import NS_PER_S
-from grader.sim.turtle import Turtle
+from grader.sim.turtle import AnyTurtle
 
 BLANK: Final = (255, 255, 255)  # what turtlesim's sensor reads where nothing is drawn: see-through white
 
@@ -20,7 +20,7 @@ _COLOR: Final = struct.Struct("<3B")
 
 @dataclass(slots=True)
 class Pen:
-    """turtle1's pen, as far as the colour sensor can tell."""
+    """A turtle's pen, as far as the colour sensor can tell."""
 
     color: tuple[int, int, int] = (179, 184, 255)
     off: bool = False
@@ -34,18 +34,21 @@ class Feeds:
     not motion, so it does not show in it.
     """
 
-    def __init__(self, turtle: Turtle, outbox: Outbox, epoch_ns: int) -> None:
+    def __init__(
+        self, name: str, turtle: AnyTurtle, outbox: Outbox, epoch_ns: int, *, odometry: bool
+    ) -> None:
         self.pen = Pen(cleared_at=turtle.start)
         self._turtle = turtle
         self._outbox = outbox
         self._epoch_ns = epoch_ns
         self._origin = turtle.start
         self._feeds: dict[str, tuple[str, Callable[[int], bytes]]] = {
-            "/turtle1/pose": ("turtlesim/msg/Pose", self._pose),
-            "/turtle1/color_sensor": ("turtlesim/msg/Color", self._color),
-            "/odom": ("nav_msgs/msg/Odometry", self._odometry),
-            "/tf": ("tf2_msgs/msg/TFMessage", self._transform),
+            f"/{name}/pose": ("turtlesim/msg/Pose", self._pose),
+            f"/{name}/color_sensor": ("turtlesim/msg/Color", self._color),
         }
+        if odometry:
+            self._feeds["/odom"] = ("nav_msgs/msg/Odometry", self._odometry)
+            self._feeds["/tf"] = ("tf2_msgs/msg/TFMessage", self._transform)
 
     @property
     def topics(self) -> dict[str, str]:

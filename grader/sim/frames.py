@@ -4,7 +4,7 @@ from typing import NamedTuple, Protocol, TypeAlias
 
 NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
 FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR, PRINTED_TOO_MUCH = 0, 1, 2, 3, 4
-MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT = 1, 2, 3
+MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT, GRAPH_EVENT = 1, 2, 3, 4
 
 INTERRUPTED_NOTE = "interrupted"
 """Sent by the shim when the horizon's Ctrl+C is raised."""
@@ -101,7 +101,7 @@ Frame: TypeAlias = Entity | Gone | Publish | Request | Response | Advance | Note
 
 
 class Event(NamedTuple):
-    """Something due for the jail. `what` is MESSAGE_EVENT, RESPONSE_EVENT or REQUEST_EVENT."""
+    """Something due for the jail. `what` is one of MESSAGE_EVENT ... GRAPH_EVENT."""
 
     what: int
     id: int

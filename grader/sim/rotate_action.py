@@ -1,4 +1,4 @@
-"""turtlesim's action /turtle1/rotate_absolute, as the services and topics an action is made of."""
+"""turtlesim's action rotate_absolute, as the services and topics an action is made of."""
 
 from dataclasses import dataclass, field
 from typing import Any, Final
@@ -8,19 +8,15 @@ from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import stamp
 from grader.sim.frames import Request
 from grader.sim.outbox import Outbox
-from grader.sim.turtle import Turtle
+from grader.sim.turtle import AnyTurtle
 
 TYPE: Final = "turtlesim/action/RotateAbsolute"
-PREFIX: Final = "/turtle1/rotate_absolute/_action"
-SERVICES: Final = {
-    f"{PREFIX}/send_goal": f"{TYPE}_SendGoal",
-    f"{PREFIX}/cancel_goal": "action_msgs/srv/CancelGoal",
-    f"{PREFIX}/get_result": f"{TYPE}_GetResult",
+_SERVICES: Final = {
+    "send_goal": f"{TYPE}_SendGoal",
+    "cancel_goal": "action_msgs/srv/CancelGoal",
+    "get_result": f"{TYPE}_GetResult",
 }
-TOPICS: Final = {
-    f"{PREFIX}/feedback": f"{TYPE}_FeedbackMessage",
-    f"{PREFIX}/status": "action_msgs/msg/GoalStatusArray",
-}
+_TOPICS: Final = {"feedback": f"{TYPE}_FeedbackMessage", "status": "action_msgs/msg/GoalStatusArray"}
 
 TURN_RADPS: Final = 1.0
 NEAR_RAD: Final = 0.02
@@ -49,7 +45,8 @@ class RotateAction:
     It succeeds within 0.02 rad of the goal; a new goal or any velocity command aborts the present one.
     """
 
-    def __init__(self, turtle: Turtle, outbox: Outbox, epoch_ns: int) -> None:
+    def __init__(self, name: str, turtle: AnyTurtle, outbox: Outbox, epoch_ns: int) -> None:
+        self._prefix = f"/{name}/rotate_absolute/_action"
         self._turtle = turtle
         self._outbox = outbox
         self._epoch_ns = epoch_ns
@@ -58,17 +55,27 @@ class RotateAction:
         self._changed = False
 
     @property
+    def services(self) -> dict[str, str]:
+        """Types by name."""
+        return {f"{self._prefix}/{name}": kind for name, kind in _SERVICES.items()}
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Types by topic."""
+        return {f"{self._prefix}/{name}": kind for name, kind in _TOPICS.items()}
+
+    @property
     def busy(self) -> bool:
         """Whether the next tick has something to do."""
         return self._active is not None or self._changed
 
     def handle(self, service: str, request: Request, t_ns: int) -> None:
-        """Serve one request to one of `SERVICES`, at the tick `t_ns`.
+        """Serve one request to one of `services`, at the update of `t_ns`.
 
         Raises:
             ProtocolError: the request cannot be read.
         """
-        kind = SERVICES[service]
+        kind = self.services[service]
         values = decode(f"{kind}_Request", request.payload)
         if service.endswith("send_goal"):
             self._outbox.reply(request, t_ns, encode(f"{kind}_Response", self._accept(values, t_ns)))
@@ -151,9 +158,9 @@ class RotateAction:
             goal.waiting.clear()
 
     def _publish(self, topic: str, t_ns: int, values: dict[str, Any]) -> None:
-        name = f"{PREFIX}/{topic}"
+        name = f"{self._prefix}/{topic}"
         if self._outbox.has_listeners(name):
-            self._outbox.publish(name, t_ns, encode(TOPICS[name], values))
+            self._outbox.publish(name, t_ns, encode(_TOPICS[topic], values))
 
     def _info(self, goal: Goal) -> dict[str, Any]:
         return {"goal_id": {"uuid": goal.uuid}, "stamp": stamp(self._epoch_ns + goal.t_ns)}

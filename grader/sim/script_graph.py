@@ -72,6 +72,11 @@ class ScriptGraph:
         entry.count += 1
         return entry.entity
 
+    def on(self, topics: frozenset[str]) -> list[Entity]:
+        """Return the living publishers and subscriptions on these topics."""
+        living = (entry.entity for entry in self._entries.values() if entry.alive)
+        return [one for one in living if one.what in (PUBLISHER, SUBSCRIPTION) and one.name in topics]
+
     def service(self, name: str, kind: str) -> int | None:
         """Return the id of the script's living service of that name and type."""
         for identity, entry in self._entries.items():

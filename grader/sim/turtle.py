@@ -1,12 +1,12 @@
-"""turtle1: turtlesim's rules for a velocity command, obeyed by the car."""
+"""turtlesim's rules for a velocity command: the graded turtle, which is the car, and those a script spawns."""
 
 import math
-from typing import Final
+from typing import Final, Protocol
 
-from grader.contracts.assignment import World
+from grader.contracts.assignment import WINDOW_M, World
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
 from grader.sim.bullet import BulletCar
-from grader.sim.car import PlanarPose, clamp_command
+from grader.sim.car import PlanarPose, clamp_command, turtlesim_update
 from grader.sim.recorder import Recorder
 from grader.sim.timeline import UPDATE_NS, next_update
 
@@ -15,6 +15,27 @@ _LIFE_UPDATES: Final = COMMAND_LIFE_NS // UPDATE_NS
 _LAG_NS: Final = 100_000_000
 """How far the car may stay behind commands that only repeat its present one: less often is done in one go, and
 0.1 s is little enough for driving and the script's own computing to go on side by side."""
+
+
+class AnyTurtle(Protocol):
+    """What turtlesim's topics, services and action need of a turtle."""
+
+    start: PlanarPose
+    alive: bool
+
+    @property
+    def pose(self) -> PlanarPose:
+        """Where it stands."""
+
+    @property
+    def velocity(self) -> tuple[float, float]:
+        """(v, w) as commanded."""
+
+    def drive(self, v_mps: float, w_radps: float) -> None:
+        """Set the velocity from the next update on."""
+
+    def teleport(self, pose: PlanarPose) -> None:
+        """Be put into `pose`; the velocity is kept."""
 
 
 class Turtle:
@@ -134,3 +155,53 @@ class Turtle:
     def steps_run(self) -> int:
         """Steps of 1/240 s simulated."""
         return self._car.steps_run
+
+
+class SpawnedTurtle:
+    """A turtle that the script spawned: it moves by turtlesim's law alone, and nothing of it is scored.
+
+    Attributes:
+        start: where it was spawned. pose: at the last update advanced to. velocity: (v, w) in that update.
+        alive: until it is killed.
+    """
+
+    def __init__(self, pose: PlanarPose, t_ns: int, *, walls: bool) -> None:
+        self.start = self.pose = pose
+        self.velocity = (0.0, 0.0)
+        self.alive = True
+        self._walls = walls
+        self._updates = t_ns // UPDATE_NS
+        self._commanded = (0.0, 0.0)
+        self._drop = _NEVER
+
+    def advance(self, t_ns: int) -> None:
+        """Run every update up to `t_ns`."""
+        last = t_ns // UPDATE_NS
+        while self._updates < last and (self._commanded != (0.0, 0.0) or self.velocity != (0.0, 0.0)):
+            self._updates += 1
+            if self._updates >= self._drop:
+                self._commanded = (0.0, 0.0)
+            self.velocity = self._commanded
+            self._put(turtlesim_update(self.pose, *self.velocity))
+        self._updates = max(self._updates, last)
+
+    def receive(self, t_ns: int, linear_x: float, angular_z: float) -> None:
+        """Take a velocity command of time `t_ns`, not earlier than any instant advanced to."""
+        self.advance(t_ns)
+        v, w, _ = clamp_command(linear_x, angular_z)
+        self.drive(v, w)
+
+    def drive(self, v_mps: float, w_radps: float) -> None:
+        """Set the velocity from the next update on."""
+        self._commanded = (v_mps, w_radps)
+        self._drop = self._updates + 1 + _LIFE_UPDATES + 1
+
+    def teleport(self, pose: PlanarPose) -> None:
+        """Be put into `pose`; the velocity is kept."""
+        self._put(pose)
+
+    def _put(self, pose: PlanarPose) -> None:
+        x, y, heading = pose
+        if self._walls:
+            x, y = min(max(x, 0.0), WINDOW_M), min(max(y, 0.0), WINDOW_M)
+        self.pose = (x, y, heading)

@@ -1,20 +1,22 @@
 """turtlesim as the script meets it: its graph, its services, its updates every 16 ms."""
 
+import json
 import math
+import re
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Final
+from dataclasses import dataclass
+from typing import Any, Final, TypeAlias
 
 from grader.contracts.assignment import World
-from grader.sim import rotate_action
 from grader.sim.car import PlanarPose, fold
 from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import Feeds, Pen
-from grader.sim.frames import Request
+from grader.sim.frames import GRAPH_EVENT, Event, Request
 from grader.sim.outbox import Outbox
 from grader.sim.rotate_action import RotateAction
 from grader.sim.timeline import UPDATE_NS, next_update
-from grader.sim.turtle import Turtle
+from grader.sim.turtle import AnyTurtle, SpawnedTurtle, Turtle
 
 NODE_NAME: Final = "/turtlesim"
 TWIST: Final = "geometry_msgs/msg/Twist"
@@ -22,77 +24,129 @@ MAX_PENDING: Final = 1_000
 MAX_TURTLES: Final = 100
 FAR_M: Final = 1e6  # as far as a teleport goes in a world without walls
 
-_LOCAL_SERVICES: Final = {
+GRADED: Final = "turtle1"
+
+_WINDOW_SERVICES: Final = {
     "/clear": "std_srvs/srv/Empty",
     "/reset": "std_srvs/srv/Empty",
     "/spawn": "turtlesim/srv/Spawn",
     "/kill": "turtlesim/srv/Kill",
-    "/turtle1/set_pen": "turtlesim/srv/SetPen",
-    "/turtle1/teleport_absolute": "turtlesim/srv/TeleportAbsolute",
-    "/turtle1/teleport_relative": "turtlesim/srv/TeleportRelative",
 }
+_TURTLE_SERVICES: Final = {
+    "set_pen": "turtlesim/srv/SetPen",
+    "teleport_absolute": "turtlesim/srv/TeleportAbsolute",
+    "teleport_relative": "turtlesim/srv/TeleportRelative",
+}
+_TOPIC_NAME: Final = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+
+Graph: TypeAlias = dict[str, list[list[str]]]
+"""Names and types of what the world publishes, subscribes to and offers, from the world's point of view."""
+
+
+@dataclass(slots=True)
+class Presence:
+    """A turtle in the window and what it has on the ROS graph."""
+
+    name: str
+    turtle: AnyTurtle
+    feeds: Feeds
+    action: RotateAction
+    command_topic: str
+
+    @property
+    def services(self) -> dict[str, str]:
+        """Types by name."""
+        own = {f"/{self.name}/{service}": kind for service, kind in _TURTLE_SERVICES.items()}
+        return own | self.action.services
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Types of what it publishes, by topic."""
+        return self.feeds.topics | self.action.topics
+
+    def graph(self) -> Graph:
+        """Return what it adds to the graph."""
+        return {
+            "publishes": [list(item) for item in self.topics.items()],
+            "subscribes": [[self.command_topic, TWIST]],
+            "services": [list(item) for item in self.services.items()],
+        }
 
 
 class TurtleWorld:
-    """Everything that is not the script: one turtle that is a car, and turtlesim's interface to it.
+    """Everything that is not the script: turtles, of which one is graded and a car, and turtlesim's interface.
 
     All happens in turtlesim's updates, every 16 ms: each serves the requests that came since the one before,
-    moves the turtle and publishes. Turtles that a script spawns have a name and a place in the window but no
-    topics of their own: the graph is fixed when the episode starts.
+    moves the turtles and publishes. A turtle that the script spawns has topics, services and the action of its
+    own, of which the script is told when they come and go.
 
     Attributes:
+        turtle: the graded one.
         services: types by name.
+        carried: every topic on which commands were taken at any time.
+        on_change: called with the topics of a turtle that came or went.
     """
 
     def __init__(self, turtle: Turtle, world: World, epoch_ns: int) -> None:
         self.turtle = turtle
         self.outbox = Outbox()
-        self.services = _LOCAL_SERVICES | rotate_action.SERVICES
-        self._feeds = Feeds(turtle, self.outbox, epoch_ns)
-        self._action = RotateAction(turtle, self.outbox, epoch_ns)
-        self._publishes = self._feeds.topics | rotate_action.TOPICS
-        self._command_topic = world.cmd_vel_topic
-        self._others: set[str] = set()
+        self.on_change: Callable[[frozenset[str]], None] = lambda topics: None
+        self._walls = world.walls
+        self._epoch_ns = epoch_ns
+        self._feeds = Feeds(GRADED, turtle, self.outbox, epoch_ns, odometry=True)
+        self._action = RotateAction(GRADED, turtle, self.outbox, epoch_ns)
+        graded = Presence(GRADED, turtle, self._feeds, self._action, world.cmd_vel_topic)
+        self._present = {GRADED: graded}
+        self._others: dict[str, SpawnedTurtle] = {}
+        self._nameless: set[str] = set()
         self._pending: deque[tuple[str, Request]] = deque()
         self._now_ns = 0
-        self._handlers: dict[str, Callable[[Values], Values]] = {
+        self._handlers: dict[str, Callable[[Values, int], Values]] = {
             "/clear": self._clear,
             "/reset": self._reset,
             "/spawn": self._spawn,
             "/kill": self._kill,
-            "/turtle1/set_pen": self._set_pen,
-            "/turtle1/teleport_absolute": self._teleport_absolute,
-            "/turtle1/teleport_relative": self._teleport_relative,
         }
+        self._turtle_handlers: dict[str, Callable[[Presence, Values], None]] = {
+            "set_pen": self._set_pen,
+            "teleport_absolute": self._teleport_absolute,
+            "teleport_relative": self._teleport_relative,
+        }
+        self.services: dict[str, str] = {}
+        self.carried = {world.cmd_vel_topic}
+        self._topics: dict[str, str] = {}
+        self._commands: dict[str, Presence] = {}
+        self._index()
 
     def graph(self) -> dict[str, list[Any]]:
         """Return START's ``world``: what exists besides the script, from the world's point of view."""
-        return {
-            "publishes": [list(item) for item in self._publishes.items()],
-            "subscribes": [[self._command_topic, TWIST]],
-            "services": [list(item) for item in self.services.items()],
-            "nodes": [NODE_NAME],
-        }
+        graph = self._present[GRADED].graph()
+        window = [list(item) for item in _WINDOW_SERVICES.items()]
+        return {**graph, "services": window + graph["services"], "nodes": [NODE_NAME]}
 
     def type_of(self, topic: str) -> str | None:
         """Return the type the world publishes or subscribes to on `topic`, None when it does neither."""
-        return TWIST if topic == self._command_topic else self._publishes.get(topic)
+        return TWIST if topic in self._commands else self._topics.get(topic)
 
     def keeps_last(self, topic: str) -> bool:
         """Return whether the world's publisher on `topic` is TRANSIENT_LOCAL."""
-        return topic == f"{rotate_action.PREFIX}/status"
+        return topic.endswith("/_action/status")
 
     def listen(self, topic: str, identity: int, t_ns: int) -> None:
         """Connect subscription `identity` to `topic`, which the world publishes, from `t_ns` on."""
         self.advance(t_ns)
         self.outbox.subscribe(topic, identity)
 
-    def command(self, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
-        """Take a message on the command topic."""
+    def command(self, topic: str, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
+        """Take a message on a command topic."""
+        commanded = self._commands[topic]
         if self.next_due() is not None:
             self.advance(t_ns)
-            self._action.interrupt()
-        self.turtle.receive(t_ns, linear_x, linear_y, angular_z)
+            commanded.action.interrupt()
+        if commanded.name == GRADED:
+            self.turtle.receive(t_ns, linear_x, linear_y, angular_z)
+        else:
+            self._others[commanded.name].receive(t_ns, linear_x, angular_z)
 
     def request(self, service: str, request: Request) -> bool:
         """Queue a request to one of `services` for the next update; false when too many wait."""
@@ -108,18 +162,25 @@ class TurtleWorld:
 
     def next_due(self) -> int | None:
         """Return the next instant at which something may become due for the script, None when never."""
-        return next_update(self._now_ns) * UPDATE_NS if self._busy or self._feeds.heard else None
+        heard = self._busy or any(each.feeds.heard for each in self._present.values())
+        return next_update(self._now_ns) * UPDATE_NS if heard else None
 
     def advance(self, t_ns: int) -> None:
         """Run until `t_ns`, through every update that serves or tells somebody."""
         while (due_ns := self.next_due()) is not None and due_ns <= t_ns:
-            self.turtle.advance(due_ns - 1)
+            self._move(due_ns - 1)
             self._serve(due_ns)
-            self.turtle.advance(due_ns)
+            self._move(due_ns)
             self._now_ns = due_ns
-            self._feeds.emit(due_ns)
-        self.turtle.advance(t_ns)
+            for each in self._present.values():
+                each.feeds.emit(due_ns)
+        self._move(t_ns)
         self._now_ns = max(self._now_ns, t_ns)
+
+    def _move(self, t_ns: int) -> None:
+        self.turtle.advance(t_ns)
+        for other in self._others.values():
+            other.advance(t_ns)
 
     def settle(self, from_ns: int, until_ns: int) -> int:
         """Let the world go on without the script until the turtle rests; return when that is."""
@@ -133,82 +194,130 @@ class TurtleWorld:
     @property
     def _busy(self) -> bool:
         """Whether the next update has something to serve."""
-        return bool(self._pending) or self._action.busy
+        return bool(self._pending) or any(each.action.busy for each in self._present.values())
 
     def _serve(self, t_ns: int) -> None:
-        """Do what the update of `t_ns` does before it moves the turtle."""
+        """Do what the update of `t_ns` does before it moves the turtles."""
         while self._pending:
-            service, request = self._pending.popleft()
-            handler = self._handlers.get(service)
-            if handler is None:
-                self._action.handle(service, request, t_ns)
-                continue
-            kind = self.services[service]
-            answer = handler(decode(f"{kind}_Request", request.payload))
-            self.outbox.reply(request, t_ns, encode(f"{kind}_Response", answer))
-        self._action.tick(t_ns)
+            self._answer(*self._pending.popleft(), t_ns)
+        for each in self._present.values():
+            each.action.tick(t_ns)
+
+    def _answer(self, service: str, request: Request, t_ns: int) -> None:
+        """Serve one request; nobody answers for a turtle that has gone meanwhile."""
+        kind = self.services.get(service)
+        if kind is None:
+            return
+        if handler := self._handlers.get(service):
+            answer = handler(decode(f"{kind}_Request", request.payload), t_ns)
+        else:
+            _, name, rest = service.split("/", 2)
+            addressed = self._present[name]
+            if rest not in self._turtle_handlers:
+                addressed.action.handle(service, request, t_ns)
+                return
+            self._turtle_handlers[rest](addressed, decode(f"{kind}_Request", request.payload))
+            answer = {}
+        self.outbox.reply(request, t_ns, encode(f"{kind}_Response", answer))
+
+    def _index(self) -> None:
+        """Note what is where on the graph."""
+        self.services = dict(_WINDOW_SERVICES)
+        self._topics, self._commands = {}, {}
+        for each in self._present.values():
+            self.services |= each.services
+            self._topics |= each.topics
+            self._commands[each.command_topic] = each
+
+    def _appear(self, name: str, pose: PlanarPose, t_ns: int) -> None:
+        """Put a new turtle into the window, and on the graph if its name can stand there."""
+        if not _TOPIC_NAME.fullmatch(name):
+            self._nameless.add(name)
+            return
+        turtle = SpawnedTurtle(pose, t_ns - 1, walls=self._walls)
+        feeds = Feeds(name, turtle, self.outbox, self._epoch_ns, odometry=False)
+        action = RotateAction(name, turtle, self.outbox, self._epoch_ns)
+        self._others[name] = turtle
+        self._present[name] = Presence(name, turtle, feeds, action, f"/{name}/cmd_vel")
+        self.carried.add(f"/{name}/cmd_vel")
+        self._index()
+        self._tell(self._present[name], t_ns, gone=False)
+
+    def _vanish(self, name: str, t_ns: int) -> None:
+        """Take a spawned turtle away; one that is not there is no matter."""
+        self._nameless.discard(name)
+        if name in self._others:
+            gone = self._present.pop(name)
+            del self._others[name]
+            self._index()
+            self._tell(gone, t_ns, gone=True)
+
+    def _tell(self, changed: Presence, t_ns: int, *, gone: bool) -> None:
+        """Tell the script what came or went, before the answer to the request that did it."""
+        told = json.dumps({**changed.graph(), "gone": gone}, separators=(",", ":")).encode()
+        self.outbox.add(Event(GRAPH_EVENT, 0, 0, t_ns, told))
+        self.on_change(frozenset((changed.command_topic, *changed.topics)))
 
     # Services, as TurtleFrame and Turtle of turtlesim 1.4 serve them.
 
-    def _clear(self, _: Values) -> Values:
-        self._feeds.pen.cleared_at = self.turtle.pose
+    def _clear(self, _values: Values, _t_ns: int) -> Values:
+        for each in self._present.values():
+            each.feeds.pen.cleared_at = each.turtle.pose
         return {}
 
-    def _reset(self, _: Values) -> Values:
-        self._others.clear()
+    def _reset(self, _values: Values, t_ns: int) -> Values:
+        for name in (*self._others, *self._nameless):
+            self._vanish(name, t_ns)
         self._action.interrupt()
-        self._jump(self.turtle.start, revive=True)
+        self._jump(self._present[GRADED], self.turtle.start, revive=True)
         self._feeds.pen = Pen(cleared_at=self.turtle.start)
         return {}
 
-    def _spawn(self, values: Values) -> Values:
-        names = self._others | ({"turtle1"} if self.turtle.alive else set())
+    def _spawn(self, values: Values, t_ns: int) -> Values:
+        names = {*self._others, *self._nameless} | ({GRADED} if self.turtle.alive else set())
         name = values["name"] or next(
             n for n in map("turtle{}".format, range(1, MAX_TURTLES + 2)) if n not in names
         )
         pose = (values["x"], values["y"], values["theta"])
         if name in names or len(names) >= MAX_TURTLES or not all(map(math.isfinite, pose)):
             return {"name": ""}
-        if name == "turtle1":
-            self._jump(pose, revive=True)
+        if name == GRADED:
+            self._jump(self._present[GRADED], pose, revive=True)
         else:
-            self._others.add(name)
+            self._appear(name, pose, t_ns)
         return {"name": name}
 
-    def _kill(self, values: Values) -> Values:
-        if values["name"] == "turtle1" and self.turtle.alive:
+    def _kill(self, values: Values, t_ns: int) -> Values:
+        if values["name"] == GRADED and self.turtle.alive:
             self._action.interrupt()
             self.turtle.kill()
-        self._others.discard(values["name"])
+        self._vanish(values["name"], t_ns)
         return {}
 
-    def _set_pen(self, values: Values) -> Values:
-        self._feeds.pen.color = (values["r"], values["g"], values["b"])
-        self._feeds.pen.off = bool(values["off"])
-        return {}
+    def _set_pen(self, of: Presence, values: Values) -> None:
+        of.feeds.pen.color = (values["r"], values["g"], values["b"])
+        of.feeds.pen.off = bool(values["off"])
 
-    def _teleport_absolute(self, values: Values) -> Values:
-        self._jump((values["x"], values["y"], values["theta"]))
-        return {}
+    def _teleport_absolute(self, of: Presence, values: Values) -> None:
+        self._jump(of, (values["x"], values["y"], values["theta"]))
 
-    def _teleport_relative(self, values: Values) -> Values:
-        x, y, heading = self.turtle.pose
+    def _teleport_relative(self, of: Presence, values: Values) -> None:
+        x, y, heading = of.turtle.pose
         reach, turn = values["linear"], values["angular"]
         if not (math.isfinite(reach) and math.isfinite(turn)):
-            return {}
-        heading += turn
-        self._jump((x + reach * math.cos(heading), y + reach * math.sin(heading), heading))
-        return {}
-
-    def _jump(self, pose: PlanarPose, *, revive: bool = False) -> None:
-        """Put the turtle into `pose`; a place that is no number, or a dead turtle, is left alone."""
-        if not all(map(math.isfinite, pose)) or not (self.turtle.alive or revive):
             return
-        before = self.turtle.pose
+        heading += turn
+        self._jump(of, (x + reach * math.cos(heading), y + reach * math.sin(heading), heading))
+
+    def _jump(self, of: Presence, pose: PlanarPose, *, revive: bool = False) -> None:
+        """Put a turtle into `pose`; a place that is no number, or a dead turtle, is left alone."""
+        if not all(map(math.isfinite, pose)) or not (of.turtle.alive or revive):
+            return
+        before = of.turtle.pose
         x, y = (min(max(position, -FAR_M), FAR_M) for position in pose[:2])
         after = (x, y, fold(pose[2]))
         if revive:
             self.turtle.revive(after)
         else:
-            self.turtle.teleport(after)
-        self._feeds.moved(before, after)
+            of.turtle.teleport(after)
+        of.feeds.moved(before, after)

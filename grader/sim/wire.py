@@ -29,7 +29,7 @@ from grader.sim.frames import (
     Response,
 )
 
-PROTOCOL: Final = 2
+PROTOCOL: Final = 3
 MAX_NAME_BYTES: Final = 1_024
 MAX_MESSAGE_BYTES: Final = 4_096
 MAX_DETAIL_BYTES: Final = 16_384

@@ -234,7 +234,7 @@ def run_script_text(
     """
     data = source.encode() if isinstance(source, str) else source
     start = {
-        "protocol": 2,
+        "protocol": 3,
         "file_name": file_name,
         "args": list(args),
         "stdin": stdin,

@@ -99,6 +99,16 @@ EXPECTED = {
     "color_sensor": Expectation(
         plan=(Leg(0.05, 2.05, 1.0),), status=INTERRUPTED, horizon_s=5.0, says=("paint 179 184 255",)
     ),
+    "second_turtle": Expectation(
+        plan=(Leg(0.116, 2.0, 1.0),),
+        says=(
+            "subscribers before: 0",
+            "turtle2: 1 subscriber",
+            "caught",
+            "gone: True 0",
+        ),
+        exit_code=0,
+    ),
     # The wall is 2.5 m away at 0.1 s and 0.1 m nearer each tick: 0.5 m at 2.1 s.
     "point_cloud_obstacle": Expectation(plan=(Leg(0.1, 2.0, 1.0),), status=INTERRUPTED, horizon_s=4.0),
     "subscription_count_wait": Expectation(plan=(Leg(0.0, 2.0, 1.0),), stdout="1\n"),

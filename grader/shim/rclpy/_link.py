@@ -78,6 +78,7 @@ class Link:
         quiet_ns: nothing can become due before this instant, unless the script subscribes, offers or requests
             something.
         connected: whether there is a world at all.
+        on_change: called with what the world has got, or lost: the names as in `world`, and ``gone``.
     """
 
     def __init__(self, clock: Kernel) -> None:
@@ -85,6 +86,7 @@ class Link:
         self.coupled = False
         self.quiet_ns = 0
         self.connected = False
+        self.on_change: Callable[[dict[str, Any]], None] = lambda change: None
         self._kernel = clock
         self._channel: Descriptor | None = None
         self._buffer = bytearray()
@@ -100,6 +102,7 @@ class Link:
         self._clients: set[int] = set()
         self._requests: set[tuple[int, int]] = set()
         self._names: dict[str, set[tuple[str, str]]] = {}
+        self._living: dict[int, tuple[str, tuple[str, str]]] = {}
 
     def connect_world(self, world: dict[str, Any]) -> None:
         """Take `world`, what START says of the simulator, as the other end of the channel."""
@@ -144,6 +147,7 @@ class Link:
         self._next_id += 1
         quality = (1 if reliable else 2, 1 if transient else 2, depth)
         self._tell(_wire.entity(ident, _WHAT[what], self._kernel.now_ns, (node, name, type), quality))
+        self._living[ident] = (what, (name, type))
         self._sort_in(ident, what, (name, type))
         self._expect()
         return ident
@@ -159,11 +163,34 @@ class Link:
         elif what == "client" and topic in self._names.get("services", ()):
             self._clients.add(ident)
 
+    def _sort_out(self, ident: int) -> None:
+        for members in (self._wanted, self._listening, self._services, self._clients):
+            members.discard(ident)
+
+    def _change_world(self, text: bytes) -> None:
+        """Take what the world has got or lost: a turtle was spawned or killed."""
+        import json
+
+        change: dict[str, Any] = json.loads(text)
+        touched = set()
+        for key in ("publishes", "subscribes", "services"):
+            names = {(name, kind) for name, kind in change[key]}
+            kept = [[name, kind] for name, kind in self.world[key] if (name, kind) not in names]
+            self.world[key] = kept if change["gone"] else kept + change[key]
+            self._names[key] = self._names[key] - names if change["gone"] else self._names[key] | names
+            touched |= names
+        for ident, (what, topic) in self._living.items():
+            if topic in touched:
+                self._sort_out(ident)
+                self._sort_in(ident, what, topic)
+        self.on_change(change)
+        self._expect()
+
     def unregister(self, ident: int) -> None:
         """Tell that the entity is gone."""
         self._tell(_wire.gone(ident, self._kernel.now_ns))
-        for members in (self._wanted, self._listening, self._services, self._clients):
-            members.discard(ident)
+        self._living.pop(ident, None)
+        self._sort_out(ident)
         self._requests = {request for request in self._requests if request[0] != ident}
         self._deliver.pop(ident, None)
         self._couple()
@@ -215,6 +242,9 @@ class Link:
         self.flush()
         now_ns, self.quiet_ns, events = _wire.read_events(self._receive())
         for event in events:
+            if event.what == _wire.TO_GRAPH:
+                self._change_world(event.cdr)
+                continue
             if event.what == _wire.TO_CLIENT:
                 self._requests.discard((event.id, event.sequence))
                 self._couple()

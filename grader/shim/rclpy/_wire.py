@@ -14,8 +14,8 @@ START, EVENTS = 0x80, 0x81
 NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
 """What an entity is."""
 
-TO_SUBSCRIPTION, TO_CLIENT, TO_SERVICE = 1, 2, 3
-"""What an event is for."""
+TO_SUBSCRIPTION, TO_CLIENT, TO_SERVICE, TO_GRAPH = 1, 2, 3, 4
+"""What an event is for. One to the graph tells what the world has got or lost, as START's ``world`` does."""
 
 FINISHED, RAISED, STALLED, BAD_SYNTAX, PRINTED_TOO_MUCH = 0, 1, 2, 3, 4
 """Reasons of EXIT."""

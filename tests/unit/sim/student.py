@@ -34,6 +34,7 @@ class Student:
         self.now = 0
         self.ids: dict[str, int] = {}
         self.heard: list[tuple[int, int, bytes]] = []
+        self.graph: list[tuple[int, bytes]] = []
         self.sequence = 0
 
     def _new(self, key: str) -> int:
@@ -81,6 +82,7 @@ class Student:
         assert answer is not None
         assert answer.now_ns >= self.now
         self.now = answer.now_ns
+        self.graph += [(t, payload) for what, _, _, t, payload in answer.events if what == 4]
         self.heard += [(t, identity, payload) for what, identity, _, t, payload in answer.events if what == 1]
 
 

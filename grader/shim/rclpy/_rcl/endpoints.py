@@ -106,11 +106,16 @@ class PublisherHandle(EndpointHandle):
         self._world: list[WorldEndpoint] = []
         self._kept: deque[bytes] | None = deque(maxlen=qos.kept) if qos.transient else None
         self._context = node.context
-        self._carried = link.wants(self.link_id)
+        self._carried = self._counted = False
         self._created_ns = kernel.now_ns
         self._fresh = True
         node.graph.add_writer(self)
-        wanted, self._carried = self._carried, self._carried and (bool(self._world) or name == "/rosout")
+        self._meet_world()
+
+    def _meet_world(self) -> None:
+        """Note whether the world takes what is published, or only wants to know how much."""
+        wanted = link.wants(self.link_id)
+        self._carried = wanted and (bool(self._world) or self.name == "/rosout")
         self._counted = bool(self.link_id) and not wanted
 
     def match(self, reader: Reader) -> None:
@@ -122,11 +127,15 @@ class PublisherHandle(EndpointHandle):
                     reader.receive(data)
         elif isinstance(reader, WorldEndpoint):
             self._world.append(reader)
+            self._meet_world()
 
     def unmatch(self, reader: Reader) -> None:
         """Stop sending to `reader`."""
         if reader in self.readers:
             self.readers.remove(reader)
+        elif reader in self._world:
+            self._world.remove(reader)
+            self._meet_world()
 
     def publish(self, message: Any) -> None:
         """Publish a message of the publisher's class; later changes of it have no effect."""

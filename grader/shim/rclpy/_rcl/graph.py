@@ -19,7 +19,7 @@ from rclpy._rcl.qos import (
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable
-    from typing import Protocol
+    from typing import Any, Protocol
 
     class Endpoint(Protocol):
         """One end of a topic or service.
@@ -127,19 +127,37 @@ class Graph:
             self._settle_world()
 
     def _settle_world(self) -> None:
-        world = link.world
-        for path in world["nodes"]:
+        for path in link.world["nodes"]:
             space, _, name = path.rpartition("/")
             self.nodes.append((name, space or "/", "/"))
-        owner = self.nodes[0][:2] if self.nodes else ("turtlesim", "/")
-        for members, key in (
-            (self.writers, "publishes"),
-            (self.readers, "subscribes"),
-            (self.servers, "services"),
-            (self.clients, "calls"),
-        ):
+        self._owner = self.nodes[0][:2] if self.nodes else ("turtlesim", "/")
+        self._add_world(link.world)
+        link.on_change = self._change_world
+
+    def _change_world(self, change: dict[str, Any]) -> None:
+        if change["gone"]:
+            self._remove_world(change)
+        else:
+            self._add_world(change)
+
+    def _add_world(self, world: dict[str, Any]) -> None:
+        for name, kind in world["publishes"]:
+            self.add_writer(WorldEndpoint(name, kind, self._owner))
+        for name, kind in world["subscribes"]:
+            self.add_reader(WorldEndpoint(name, kind, self._owner))
+        for members, key in ((self.servers, "services"), (self.clients, "calls")):
             for name, kind in world.get(key, ()):
-                members.add(WorldEndpoint(name, kind, owner))
+                members.add(WorldEndpoint(name, kind, self._owner))
+
+    def _remove_world(self, world: dict[str, Any]) -> None:
+        for remove, members, key in (
+            (self.remove_writer, self.writers, "publishes"),
+            (self.remove_reader, self.readers, "subscribes"),
+            (self.servers.remove, self.servers, "services"),
+        ):
+            for name, _ in world[key]:
+                for endpoint in [one for one in members.at(name) if isinstance(one, WorldEndpoint)]:
+                    remove(endpoint)
 
     def add_writer(self, writer: Writer) -> None:
         """Add a publisher and match it with the subscriptions there are."""
