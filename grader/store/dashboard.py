@@ -43,7 +43,7 @@ _FEW = 200  # students are asked for by name; with more of them, reading the who
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class CountedCell:
     """One student at one assignment.
 
     Attributes:
@@ -60,11 +60,11 @@ class Cell:
 
 
 @dataclass(frozen=True, slots=True)
-class _Counted:
+class _CountedClass:
     """What was last counted about a course."""
 
     state: ClassState
-    cells: dict[Place, Cell]
+    cells: dict[Place, CountedCell]
 
 
 class Dashboard:
@@ -72,7 +72,7 @@ class Dashboard:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._latest: dict[str | None, _Counted] = {}
+        self._latest: dict[str | None, _CountedClass] = {}
         self._counting = threading.Lock()
 
     def state(self, course: str | None = None) -> ClassState:
@@ -101,7 +101,7 @@ class Dashboard:
             mistakes=_mistakes(cells.values()),
             mark=mark,
         )
-        self._latest[course] = _Counted(state, cells)
+        self._latest[course] = _CountedClass(state, cells)
         return state
 
 
@@ -126,7 +126,7 @@ def _mark(session: Session, course: str | None) -> str:
     return repr(([tuple(one) for one in states], changes))
 
 
-def _failures(cells: Iterable[Cell]) -> tuple[ItemFailures, ...]:
+def _failures(cells: Iterable[CountedCell]) -> tuple[ItemFailures, ...]:
     ever: Counter[tuple[str, str]] = Counter()
     still: Counter[tuple[str, str]] = Counter()
     for cell in cells:
@@ -140,7 +140,7 @@ def _failures(cells: Iterable[Cell]) -> tuple[ItemFailures, ...]:
     return tuple(sorted(failures, key=lambda one: (one.assignment, -one.ever, one.item)))
 
 
-def _mistakes(cells: Iterable[Cell]) -> tuple[MistakeCount, ...]:
+def _mistakes(cells: Iterable[CountedCell]) -> tuple[MistakeCount, ...]:
     made = Counter((cell.progress.assignment, code) for cell in cells for code in cell.mistakes)
     counts = (
         MistakeCount(assignment=assignment, code=code, students=count)
@@ -150,8 +150,8 @@ def _mistakes(cells: Iterable[Cell]) -> tuple[MistakeCount, ...]:
 
 
 def counted(
-    session: Session, course: str | None, known: CourseRules, before: Mapping[Place, Cell]
-) -> dict[Place, Cell]:
+    session: Session, course: str | None, known: CourseRules, before: Mapping[Place, CountedCell]
+) -> dict[Place, CountedCell]:
     """Return every cell of a class in order of student and assignment, taking from `before` what still holds."""
     marks = _marks(session, course, known)
     new = {place for place, mark in marks.items() if place not in before or before[place].mark != mark}
@@ -197,7 +197,7 @@ def _read(
     known: CourseRules,
     marks: Mapping[Place, Mark],
     places: Collection[Place],
-) -> dict[Place, Cell]:
+) -> dict[Place, CountedCell]:
     among = and_(in_class(course), _among(places))
     failed = _failed(session, among)
     mistakes = _by_submission(session, _recognised(among))
@@ -207,7 +207,7 @@ def _read(
             continue
         own = list(rows)
         progress = _progress(own, known)
-        cells[place] = Cell(
+        cells[place] = CountedCell(
             mark=marks[place],
             progress=progress,
             failed=_union(failed.get(row.id, ()) for row in own),
