@@ -273,3 +273,59 @@ def test_spinning_once_after_ctrl_c_fails_as_its_timer_or_wait_set_does(run_scri
         f"RCLError failed to create timer: {invalid}, at ./src/rcl/guard_condition.c:67",
         *[f"RCLError failed to initialize wait set: {invalid}, at ./src/rcl/wait.c:130"] * 2,
     ]
+
+
+def test_a_timer_that_was_reset_or_joins_later_is_served_in_time(run_script):
+    run = run_script(
+        "import rclpy\n"
+        "rclpy.init(); node = rclpy.create_node('a'); calls = []\n"
+        "def now(): return round(node.get_clock().now().nanoseconds / 1e9 - 1.7e9, 2)\n"
+        "def slow(): calls.append(('slow', now()))\n"
+        "def fast():\n"
+        "    calls.append(('fast', now()))\n"
+        "    if len(calls) == 1: late.reset()\n"
+        "    if len(calls) == 2: node.create_timer(0.15, slow)\n"
+        "    if len(calls) == 4: timer.cancel()\n"
+        "late = node.create_timer(5.0, lambda: calls.append(('late', now()))); late.cancel()\n"
+        "timer = node.create_timer(0.3, fast)\n"
+        "while not calls or calls[-1][0] != 'late': rclpy.spin_once(node)\n"
+        "print([call for call in calls if call[1] < 1.0], calls[-1], len(calls))\n"
+    )
+    times = [("fast", 0.3), ("fast", 0.6), ("slow", 0.75), ("fast", 0.9), ("slow", 0.9)]
+    assert run.stdout == f"{times} ('late', 5.3) {len(times) + 30}\n"
+
+
+def test_what_is_destroyed_in_a_callback_is_not_served_any_more(run_script):
+    run = run_script(
+        "import rclpy\nfrom std_msgs.msg import Int32\n"
+        "rclpy.init(); node = rclpy.create_node('a'); calls = []\n"
+        "def first():\n    calls.append('first'); node.destroy_timer(second); node.destroy_subscription(heard)\n"
+        "publisher = node.create_publisher(Int32, 'x', 10)\n"
+        "heard = node.create_subscription(Int32, 'x', lambda m: calls.append('heard'), 10)\n"
+        "node.create_timer(0.1, first)\n"
+        "second = node.create_timer(0.1, lambda: calls.append('second'))\n"
+        "node.create_timer(0.1, lambda: calls.append('third'))\n"
+        "import time; time.sleep(0.1); publisher.publish(Int32())\n"
+        "for _ in range(2): rclpy.spin_once(node, timeout_sec=0)\n"
+        "print(calls)\n"
+    )
+    assert run.stdout == "['first', 'third']\n"
+
+
+def test_a_future_awaited_in_asyncio_costs_no_question_per_microsecond(run_script):
+    run = run_script(
+        "import asyncio, rclpy\n"
+        "rclpy.init(); node = rclpy.create_node('a'); done = rclpy.Future(); turns = 0\n"
+        "node.create_timer(5.0, lambda: done.set_result(1))\n"
+        "async def spinning():\n"
+        "    while rclpy.ok():\n        rclpy.spin_once(node, timeout_sec=0.01); await asyncio.sleep(0.001)\n"
+        "async def main():\n    asyncio.create_task(spinning()); print(await done)\n"
+        "class Counted(rclpy.Future):\n"
+        "    def __await__(self):\n"
+        "        global turns\n        for _ in super().__await__(): turns += 1; yield\n"
+        "        return self.result()\n"
+        "done.__class__ = Counted\n"
+        "asyncio.run(main())\n"
+        "print(100 < turns < 10_000, round(node.get_clock().now().nanoseconds / 1e9 - 1.7e9, 1))\n"
+    )
+    assert run.stdout == "1\nTrue 5.0\n"

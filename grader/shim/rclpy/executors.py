@@ -6,10 +6,11 @@ from collections import deque
 
 from rclpy._kernel import kernel
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
+from rclpy._rcl.handles import changes
 from rclpy._rcl.watch import CLIENT, GUARD, SERVICE, SUBSCRIPTION, TIMER, Watch
 from rclpy.exceptions import InvalidHandle as InvalidHandle
 from rclpy.guard_condition import GuardCondition
-from rclpy.task import Future, Task
+from rclpy.task import Future, Task, is_coroutine_function
 from rclpy.task import await_or_execute as await_or_execute
 from rclpy.utilities import get_default_context, timeout_sec_to_nsec
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from rclpy.context import Context
     from rclpy.node import Node
 
-    Ready = tuple[Task, Any, Node]
+    Ready = tuple[Task | "_Call", Any, Node]
 
 MAX_LATENESS_NS = 5_000_000
 """Latest that a timer is called after it is due while nothing else keeps the executor busy."""
@@ -136,6 +137,7 @@ class Executor:
         self._last_args: Any = None
         self._last_kwargs: Any = None
         self._spinning = 0
+        self._watch: Watch | None = None
         self._context.on_shutdown(self.wake)
 
     @property
@@ -257,13 +259,16 @@ class Executor:
                     yield task, entity, node
             self._tasks = [item for item in self._tasks if not (item[0]._done or item[0]._abandoned)]
             self._require_context(f"failed to initialize wait set: {WAIT_CONTEXT}")
-            watch = Watch(self.can_execute, using)
+            watch, self._watch = self._watch, None  # nobody else may use it meanwhile
+            if watch is None or not watch.holds(self.can_execute, using):
+                watch = Watch(self.can_execute, using)
             self._block(watch, guard, deadline_ns)
             timed_out = deadline_ns is not None and kernel.now_ns >= deadline_ns
             watch.settle()
             for kind, entity, node in watch.served():
                 yielded = True
-                yield self._make_handler(entity, node, *self._means(kind)), entity, node
+                yield self._handler_of(kind, entity, node), entity, node
+            self._watch = watch
             if timed_out:
                 raise TimeoutException()
         if self._is_shutdown:
@@ -386,6 +391,9 @@ class Executor:
             return self._take_service, self._execute_service
         return (lambda waitable: waitable.take_data()), self._execute_waitable
 
+    def _handler_of(self, kind: int, entity: Any, node: Node) -> Task | _Call:
+        return self._make_handler(entity, node, *self._means(kind))
+
     def _make_handler(
         self,
         entity: Any,
@@ -395,10 +403,12 @@ class Executor:
     ) -> Task:
         """Return the task that takes what an entity has and runs its callback, by its group's rules."""
         entity._executor_event = True
+        changes.executing += 1
 
         async def handler(entity: Any, is_shutdown: bool) -> None:
             if is_shutdown or not entity.callback_group.beginning_execution(entity):
                 entity._executor_event = False
+                changes.executing -= 1
                 self.wake()
                 return
             with self._work_tracker:
@@ -409,6 +419,7 @@ class Executor:
                     await call_coroutine(entity, taken)
                 finally:
                     entity.callback_group.ending_execution(entity)
+                    changes.executing -= 1
                     self.wake()
 
         task = Task(handler, (entity, self._is_shutdown), executor=self)
@@ -416,11 +427,57 @@ class Executor:
         return task
 
 
+class _Call:
+    """A callback that neither waits nor is waited for: what a task would do, without a coroutine for each."""
+
+    __slots__ = ("_entity", "_executor", "_is_shutdown", "_kind")
+
+    def __init__(self, executor: Executor, kind: int, entity: Any) -> None:
+        entity._executor_event = True
+        changes.executing += 1
+        self._executor = executor
+        self._kind = kind
+        self._entity = entity
+        self._is_shutdown = executor._is_shutdown
+
+    def __call__(self) -> None:
+        executor, entity = self._executor, self._entity
+        if self._is_shutdown or not entity.callback_group.beginning_execution(entity):
+            entity._executor_event = False
+            changes.executing -= 1
+            executor.wake()
+            return
+        with executor._work_tracker:
+            message = executor._means(self._kind)[0](entity)
+            entity._executor_event = False
+            executor.wake()
+            try:
+                if self._kind == TIMER:
+                    entity.callback()
+                elif message:
+                    entity.callback(message)
+            except StopIteration as error:
+                raise RuntimeError("coroutine raised StopIteration") from error  # as in a task
+            finally:
+                entity.callback_group.ending_execution(entity)
+                changes.executing -= 1
+                executor.wake()
+
+    def exception(self) -> None:
+        """Return None: what the callback raised has come out of the call."""
+
+
 class SingleThreadedExecutor(Executor):
     """Runs callbacks in the thread that spins."""
 
     def __init__(self, *, context: Context | None = None) -> None:
         super().__init__(context=context)
+
+    def _handler_of(self, kind: int, entity: Any, node: Node) -> Task | _Call:
+        plain = kind in (TIMER, SUBSCRIPTION) and not is_coroutine_function(entity.callback)
+        if plain and type(self) is SingleThreadedExecutor:  # it is called as soon as it is given out
+            return _Call(self, kind, entity)
+        return super()._handler_of(kind, entity, node)
 
     def _spin_once_impl(self, timeout_sec: float | TimeoutObject | None = None) -> None:
         try:
@@ -518,6 +575,7 @@ class MultiThreadedExecutor(Executor):
             ConditionReachedException,
         ):
             return
+        assert isinstance(handler, Task)  # only a SingleThreadedExecutor makes other handlers
         self._executor.submit(handler)
         self._futures.append(handler)
         for future in self._futures:

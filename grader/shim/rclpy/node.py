@@ -9,7 +9,7 @@ from rclpy._interfaces.messages import class_of
 from rclpy._interfaces.own import LazyType
 from rclpy._rcl.endpoints import PublisherHandle, SubscriptionHandle
 from rclpy._rcl.errors import NodeNameNonExistentError as NodeNameNonExistentError
-from rclpy._rcl.handles import required
+from rclpy._rcl.handles import changes, required
 from rclpy._rcl.names import expand
 from rclpy._rcl.node_handle import NodeHandle
 from rclpy._rcl.parameter_rules import check_descriptor, check_descriptors, named_declaration
@@ -276,6 +276,7 @@ class Node:
             self.__executor_weakref = ref(new_executor)
 
     def _wake_executor(self) -> None:
+        changes.count += 1
         executor = self.executor
         if executor is not None:
             executor.wake()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from _weakref import ref
 
 from rclpy._kernel import kernel
@@ -46,6 +47,12 @@ def _no_executor() -> None:
     return None
 
 
+def _in_event_loop() -> bool:
+    """Whether asyncio runs this: its loop asks again and again, where an executor waits for a change."""
+    native: Any = sys.modules.get("_asyncio")
+    return native is not None and native._get_running_loop() is not None
+
+
 class Future:
     """Outcome of something that is under way."""
 
@@ -61,13 +68,15 @@ class Future:
 
     def __del__(self) -> None:
         if self._exception is not None and not self._exception_fetched:
-            import sys
-
             print("The following exception was never retrieved: " + str(self._exception), file=sys.stderr)  # noqa: T201
 
     def __await__(self) -> Generator[None, None, Any]:
+        polls = 0
         while not self._done:
             yield
+            polls += 1
+            if not self._done and _in_event_loop():
+                kernel.poll(polls)
         return self.result()
 
     def cancel(self) -> None:

@@ -6,7 +6,7 @@ from rclpy._kernel import kernel
 from rclpy._patches.time import UPTIME_NS
 from rclpy._rcl.enums import ClockChange, ClockType
 from rclpy._rcl.errors import GUARD_CONTEXT, NEGATIVE_PERIOD, TIMER_CANCELED, RCLError
-from rclpy._rcl.handles import ContextHandle, Handle, required
+from rclpy._rcl.handles import ContextHandle, Handle, changes, required
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -126,6 +126,7 @@ class ClockHandle(Handle):
         if enabled == self.overridden:
             return
         change = ClockChange.ROS_TIME_ACTIVATED if enabled else ClockChange.ROS_TIME_DEACTIVATED
+        changes.count += 1
         called = self._announce(change, 0)
         self.overridden = enabled
         self._conclude(called, change, 0)
@@ -190,6 +191,7 @@ class TimerHandle(Handle):
             self._credit_ns = self.due_ns - now_ns
 
     def _after_jump(self, jump: dict[str, Any]) -> None:
+        changes.count += 1
         now_ns = self.clock.read_ns()
         if jump["clock_change"] is not ClockChange.ROS_TIME_NO_CHANGE:
             self.backlog = [True]
@@ -221,6 +223,7 @@ class TimerHandle(Handle):
 
     def reset_timer(self) -> None:
         """Start a new period now; a cancelled timer runs again."""
+        changes.count += 1
         self.due_ns = self.clock.read_ns() + self._period_ns
         self.canceled = False
         self.backlog = [True]

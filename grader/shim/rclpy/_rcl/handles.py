@@ -12,6 +12,22 @@ if TYPE_CHECKING:
     from rclpy._rcl.ros_args import RosArgs
 
 
+class Changes:
+    """What tells an executor that it has to look at its nodes' entities anew.
+
+    Attributes:
+        count: grows whenever an entity is created or destroyed, or a timer may be due sooner than it said.
+        executing: callbacks given out by any executor and not ended; their groups may keep others waiting.
+    """
+
+    def __init__(self) -> None:
+        self.count = 0
+        self.executing = 0
+
+
+changes = Changes()
+
+
 class Handle:
     """Something destroyed on request, but not before its last user has left its ``with`` block.
 
@@ -20,6 +36,7 @@ class Handle:
     """
 
     def __init__(self) -> None:
+        changes.count += 1
         self.doomed = False
         self._users = 0
 
@@ -44,6 +61,7 @@ class Handle:
         """Forbid further use and dispose as soon as nobody is inside; a second request does nothing."""
         if self.doomed:
             return
+        changes.count += 1
         self.doomed = True
         if not self._users:
             self._dispose()

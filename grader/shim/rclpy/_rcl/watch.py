@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from heapq import heapify, heappop, heappush, heapreplace
+
 from rclpy._kernel import kernel
+from rclpy._rcl.handles import changes
 from rclpy._rcl.wait_set import WaitSet
+from rclpy.callback_groups import MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -12,11 +16,21 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
 
+    Place = tuple[int, int, int, Any, Node]
+    """Number of the node, kind, place among the node's entities of that kind, entity and node."""
+
 TIMER, SUBSCRIPTION, GUARD, CLIENT, SERVICE, WAITABLE = range(6)
+
+_PLAIN_GROUPS = (MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup)
+"""A group of another class may say at any time whether its callbacks may run."""
 
 
 class Watch:
     """The entities of some nodes that may execute now.
+
+    To look through all entities costs more than most callbacks do. So a watch serves wait after wait until one of
+    them comes or goes (`holds`): timers stand in a heap by the instant at which they are due, and of the others
+    it is asked only whether anything has come.
 
     Attributes:
         deadline_ns: earliest virtual instant at which a timer is due, None when none is running.
@@ -32,36 +46,57 @@ class Watch:
             or any(s.handle.link_id for s in node._services)
             for node in nodes
         )
+        self._nodes = list(nodes)
+        self._seen = changes.count
+        self._lasting = not changes.executing
+        self._can_execute = can_execute
         self._backlogs: list[Any] = []
+        self._reset: list[Any] = []  # backlogs of timers, which a reset before the wait has filled
         self._checked: list[Any] = []
-        self._timers: dict[int, bool] = {}
-        self._others: set[int] = set()
+        self._clockwork: list[
+            tuple[Any, int, Place | None]
+        ] = []  # handle, how far its clock leads, whose it is
+        self._heap: list[tuple[int, int]] = []  # when it is due, number in the clockwork
+        self._others: list[tuple[Any, Place]] = []
+        self._guards: list[tuple[Any, Place]] = []
         self._waitables: list[tuple[Any, WaitSet | None, Node]] = []
-        self._nodes = nodes
-        for node in nodes:
-            for timer in node._timers:
-                if can_execute(timer) and not timer.handle.doomed:
-                    self._timers[id(timer)] = False
-                    self._add_timer(timer.handle)
-            for entities in (node._subscriptions, node._clients, node._services, node._guards):
-                for entity in entities:
-                    if can_execute(entity) and not entity.handle.doomed:
-                        self._others.add(id(entity))
-                        self._backlogs.append(entity.handle.backlog)
-            for waitable in node._waitables:
-                if can_execute(waitable):
-                    self._add_waitable(waitable, node)
+        self._ready: list[Place] = []
+        self._ready_waitables: list[tuple[Any, Node]] = []
+        for number, node in enumerate(nodes):
+            self._add_node(number, node)
+        heapify(self._heap)
+        self._find_deadline()
 
-    def _add_timer(self, handle: Any) -> None:
-        self._backlogs.append(handle.backlog)
-        if handle.canceled:
-            return
+    def _add_node(self, number: int, node: Node) -> None:
+        for place, timer in enumerate(node._timers):
+            if self._counts(timer):
+                self._add_timer(timer.handle, (number, TIMER, place, timer, node))
+        for kind in (SUBSCRIPTION, CLIENT, SERVICE):
+            for place, entity in enumerate(_members(node, kind)):
+                if self._counts(entity):
+                    self._backlogs.append(entity.handle.backlog)
+                    self._others.append((entity.handle.backlog, (number, kind, place, entity, node)))
+        if node._guards:
+            counted = [guard for guard in node._guards if self._counts(guard)]
+            self._backlogs.extend(guard.handle.backlog for guard in counted)
+            self._guards.append((counted, (number, GUARD, 0, None, node)))
+        for waitable in node._waitables:
+            if self._can_execute(waitable):
+                self._add_waitable(waitable, node)
+
+    def _counts(self, entity: Any) -> bool:
+        self._lasting = self._lasting and type(entity.callback_group) in _PLAIN_GROUPS
+        return self._can_execute(entity) and not entity.handle.doomed
+
+    def _add_timer(self, handle: Any, place: Place | None) -> None:
+        self._reset.append(handle.backlog)
         due_ns = handle.clock.kernel_deadline_ns(handle.due_ns)
         if due_ns is None:
-            self._checked.append(handle)
-        elif self.deadline_ns is None or due_ns < self.deadline_ns:
-            self.deadline_ns = due_ns
-            self.period_ns = handle.get_timer_period()
+            self._lasting = False
+            self._checked.append((handle, place))
+        else:
+            self._heap.append((due_ns, len(self._clockwork)))
+            self._clockwork.append((handle, handle.due_ns - due_ns, place))
 
     def _add_waitable(self, waitable: Any, node: Node) -> None:
         backlogs = getattr(waitable, "_backlogs", None)
@@ -71,10 +106,11 @@ class Watch:
                 self._waitables.append((waitable, None, node))
                 self.open = self.open or hasattr(waitable, "_timer")
                 if hasattr(waitable, "_timer"):
-                    self._add_timer(waitable._timer())
+                    self._add_timer(waitable._timer(), None)
             return
         from rclpy.exceptions import InvalidHandle
 
+        self._lasting = False
         waits = WaitSet()
         try:
             waitable.__enter__()
@@ -85,68 +121,108 @@ class Watch:
         waitable.add_to_wait_set(waits)
         self._backlogs.extend(waits.backlogs())
         for handle in waits.timers():
-            self._add_timer(handle)
+            self._add_timer(handle, None)
         self._waitables.append((waitable, waits, node))
+
+    def holds(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> bool:
+        """Whether the next wait would count the same entities; if so, it is ready for that wait."""
+        if not self._lasting or changes.executing or changes.count != self._seen:
+            return False
+        if can_execute != self._can_execute or nodes != self._nodes:
+            return False
+        self._find_deadline()
+        return True
+
+    def _find_deadline(self) -> None:
+        """Look up when the next timer is due. One that was called meanwhile is due later than the heap says."""
+        heap = self._heap
+        while heap:
+            due_ns, number = heap[0]
+            handle, lead_ns, _ = self._clockwork[number]
+            if handle.canceled:
+                heappop(heap)  # a reset is a change
+            elif handle.due_ns - lead_ns != due_ns:
+                heapreplace(heap, (handle.due_ns - lead_ns, number))
+            else:
+                self.deadline_ns, self.period_ns = due_ns, handle.get_timer_period()
+                return
+        self.deadline_ns = None
 
     def ready(self) -> bool:
         """Whether something can be served; cheap, asked by the kernel whenever it looks for a thread to run."""
-        if any(self._backlogs):
+        if any(self._backlogs) or any(self._reset):
             return True
-        return bool(self._checked) and any(handle.is_timer_ready() for handle in self._checked)
-
-    def due(self) -> bool:
-        """Whether a timer is due."""
-        return self.deadline_ns is not None and self.deadline_ns <= kernel.now_ns
+        return bool(self._checked) and any(handle.is_timer_ready() for handle, _ in self._checked)
 
     def settle(self) -> None:
         """Note what is ready now, consuming triggers."""
-        for node in self._nodes:
-            for timer in node._timers:
-                if id(timer) in self._timers:
-                    self._timers[id(timer)] = timer.handle.is_timer_ready()
-                    timer.handle.backlog.clear()
-            for guard in node._guards:
-                if id(guard) in self._others and guard.handle.backlog:
+        ready = self._due_timers()
+        if self._reset or changes.count != self._seen:
+            self._reset = []
+            for handle in [handle for handle, *_ in self._clockwork + self._checked]:
+                handle.backlog.clear()
+        for guards, place in self._guards:
+            for guard in guards:
+                if guard.handle.backlog:
                     guard.handle.backlog.clear()
                     guard._executor_triggered = True
-            for entities in (node._subscriptions, node._clients, node._services):
-                for entity in entities:
-                    if not entity.handle.backlog:
-                        self._others.discard(id(entity))
-        self._waitables = [
-            (waitable, waits, node)
+            ready.append(place)
+        if any(self._backlogs):
+            ready += [place for backlog, place in self._others if backlog]
+        ready.sort(key=_order)
+        self._ready = ready
+        self._settled = changes.count
+        self._ready_waitables = [
+            (waitable, node)
             for waitable, waits, node in self._waitables
             if (waitable._poll() if waits is None else _is_ready(waitable, waits))
         ]
+
+    def _due_timers(self) -> list[Place]:
+        now_ns = kernel.now_ns
+        due = [place for handle, place in self._checked if place is not None and handle.is_timer_ready()]
+        heap = self._heap
+        if not heap or heap[0][0] > now_ns:
+            return due
+        popped = []
+        while heap and heap[0][0] <= now_ns:
+            popped.append(heappop(heap))
+        for item in popped:
+            handle, _, place = self._clockwork[item[1]]
+            if place is not None and handle.is_timer_ready():
+                due.append(place)
+            heappush(heap, item)
+        return due
 
     def served(self) -> Iterator[tuple[int, Any, Node]]:
         """Yield what is ready: waitables first, then per node timers, subscriptions, guards, clients, services.
 
         Each is looked at again when its turn comes: a callback may have cancelled or destroyed it.
         """
-        for waitable, _, node in self._waitables:
+        for waitable, node in self._ready_waitables:
             if _free(waitable):
                 yield WAITABLE, waitable, node
-        for node in self._nodes:
-            for timer in _entities(node._timers):
-                if self._timers.get(id(timer)) and timer.handle.is_timer_ready() and _free(timer):
-                    yield TIMER, timer, node
-            yield from self._of(SUBSCRIPTION, node._subscriptions, node)
-            for guard in _entities(node._guards):
-                if guard._executor_triggered and _free(guard):
-                    yield GUARD, guard, node
-            yield from self._of(CLIENT, node._clients, node)
-            yield from self._of(SERVICE, node._services, node)
-
-    def _of(self, kind: int, entities: Sequence[Any], node: Node) -> Iterator[tuple[int, Any, Node]]:
-        for entity in _entities(entities):
-            if id(entity) in self._others and _free(entity):
+        for _, kind, _, entity, node in self._ready:
+            if kind == GUARD:
+                for guard in tuple(node._guards):  # callbacks create and destroy some
+                    if guard._executor_triggered and _free(guard):
+                        yield GUARD, guard, node
+            elif changes.count != self._settled and entity not in _members(node, kind):
+                continue
+            elif (kind != TIMER or entity.handle.is_timer_ready()) and _free(entity):
                 yield kind, entity, node
 
 
-def _entities(members: Sequence[Any]) -> tuple[Any, ...]:
-    """Return the members as they are now: callbacks create and destroy some."""
-    return tuple(members)
+def _order(place: Place) -> tuple[int, int, int]:
+    return place[:3]
+
+
+def _members(node: Node, kind: int) -> Sequence[Any]:
+    if kind == TIMER:
+        return node._timers
+    if kind == SUBSCRIPTION:
+        return node._subscriptions
+    return node._clients if kind == CLIENT else node._services
 
 
 def _free(entity: Any) -> bool:
