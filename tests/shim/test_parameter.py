@@ -1,6 +1,9 @@
 """Parameters: declaring, reading, setting, ranges, services."""
 
+import math
 from textwrap import dedent
+
+import pytest
 
 PREFIX = """
 import rclpy
@@ -134,16 +137,133 @@ def test_services_and_events(run_script):
     assert sorted(out[3:]) == sorted(["/n ['a.b']", "[True, False]", "7"])
 
 
+MIXED = "Sequence should be of same type. Value type '{}' do not belong at line_num {}, at ./src/parse.c:{}"
+VALUES = """
+import rclpy
+from rclpy.node import Node
+def show(*args):
+    context = rclpy.Context()
+    try:
+        rclpy.init(args=["--ros-args", *args], context=context)
+        print(Node("n", namespace="ns", context=context).handle.get_parameters(lambda n, value: (n, value)))
+    except RuntimeError as error:
+        print(str(error).partition("Error: ")[2])
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [
+        *[("hello", "hello"), ("'1'", "1"), ("a b", "a b"), ("a:b", "a:b"), ("~", "~"), ("1_000", "1_000")],
+        *[("1", 1), ("+5", 5), ("010", 8), ("08", 8.0), ("0x10", 16), ("-0x10", -16), ("0", 0)],
+        *[("12345678901234567890", 1.2345678901234567e19), ("1e3", 1000.0), (".5", 0.5), ("5.", 5.0)],
+        *[("-.INF", -math.inf), (".nan", math.nan)],
+        *[
+            ("1e400", "1e400"),
+            ("1e-400", "1e-400"),
+            ("inf", math.inf),
+            ("-infinity", -math.inf),
+            ("0x1p3", 8.0),
+        ],
+        *[("yes", True), ("OFF", False), ("tRue", "tRue"), ("'yes'", "yes")],
+        *[
+            ("[1, 2]", [1, 2]),
+            ("[a, 'b']", ["a", "b"]),
+            ("[true]", [True]),
+            ("- 1", [1]),
+            ("[[1, 2], [3, 4]]", [3, 4]),
+        ],
+        *[("[]", None), ("#c", None)],
+    ],
+)
+def test_values_are_read_as_rcl_yaml_param_parser_reads_them(run_script, text, value):
+    """parse.c:83 (get_value): a bool by its name, else strtoll with base 0, strtod unless ERANGE, or the text."""
+    run = run_script(f"{VALUES}show('-p', {'x:=' + text!r})\n")
+    assert run.stdout == f"{ {'x': ('x', value)} }\n", run.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("", "error not set"),
+        ("''", ""),
+        ("[1, 2.0]", MIXED.format("double", 1, 378)),
+        ("[1.0, 2]", MIXED.format("integer", 1, 337)),
+        ("[true, a]", MIXED.format("string", 1, 422)),
+        ("{x: 1}", "Unknown YAML event, at ./src/parse.c:952"),
+        ("a: 1", "Unknown YAML event, at ./src/parse.c:952"),
+        ("[1, 2", "Error parsing an event, at ./src/parse.c:922"),
+        ("&a", "No value at line 1, at ./src/parse.c:245"),
+    ],
+)
+def test_values_are_refused_where_rcls_parser_refuses_them(run_script, text, fault):
+    run = run_script(f"{VALUES}show('-p', {'x:=' + text!r})\n")
+    expected = f"{fault}, at ./src/rcl/arguments.c:343" if fault else "{'x': ('x', '')}"
+    assert run.stdout == f"{expected}\n", run.stderr
+
+
+def test_a_scalar_of_an_earlier_rule_stays_beside_one_of_another_type(run_script):
+    """rcl keeps one of each type; rclpy takes the first of bool, integer, double, string (node.cpp:205)."""
+    source = "show('-p', 'x:=1', '-p', 'x:=one', '-p', 'x:=2', '-p', 'x:=[3]')\n"
+    assert run_script(VALUES + source).stdout == "{'x': ('x', 2)}\n"
+
+
+FILE = """
+/**:
+  ros__parameters:
+    speed: 2.5   # m/s
+    nested: {k: 1, l: [1.0, 2.0]}
+    deep:
+      f: no
+      items:
+      - a
+      - b
+ns:
+  "n":
+    ros__parameters:
+      mine: 'it''s'
+/ns/other:
+  ros__parameters:
+    not_mine: 4
+"""
+
+
 def test_parameter_files(run_script):
-    script = """
-        from rclpy._rcl.yaml import parse_document, parse_value
-        print(parse_document("/**:\\n  ros__parameters:\\n    s: 0.5 # c\\n    l:\\n      - 1\\n      - 2\\n"
-            "    n:\\n      f: no\\nwalker:\\n  ros__parameters: {}\\n".replace(" {}", "")))
-        for text in ("1", "0x10", "1.0", "1e3", ".inf", "yes", "'yes'", "abc", "[1, 2.5]", "['a', b]", "[]"):
-            print(repr(parse_value(text)), end=" ")
-    """
-    assert run_lines(run_script, script) == [
-        "{'/**': {'ros__parameters': {'s': 0.5, 'l': [1, 2], 'n': {'f': False}}}, "
-        "'walker': {'ros__parameters': ''}}",
-        "1 16 1.0 1000.0 inf True 'yes' 'abc' [1.0, 2.5] ['a', 'b'] [] ",
-    ]
+    source = f"open('/tmp/p.yaml', 'w').write({FILE!r})\nshow('--params-file', '/tmp/p.yaml')\n"
+    expected = {
+        "speed": 2.5,
+        "nested.k": 1,
+        "nested.l": [1.0, 2.0],
+        "deep.f": False,
+        "deep.items": ["a", "b"],
+    }
+    expected["mine"] = "it's"
+    assert (
+        run_script(VALUES + source).stdout
+        == f"{ {name: (name, value) for name, value in expected.items()} }\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "fault"),
+    [
+        ("a:\n  speed: 1\n", "Cannot have a value before ros__parameters at line 2, at ./src/parse.c:793"),
+        ("a:\n  ros__parameters:\n", "Cannot have a value before ros__parameters at line 2, at ./src/parse.c:805"),
+        ("ros__parameters:\n  a: 1\n", "There are no node names before ros__parameters at line 1, "
+            "at ./src/parse.c:629"),
+        ("a:\n  ros__parameters:\n    b:\n", "No value at line 3, at ./src/parse.c:245"),
+        ("a:\n  ros__parameters:\n    b: [1, x]\n", MIXED.format("string", 3, 422)),
+        ("a:\n  - b\n", "Sequences can only be values and not keys in params. Error at line 2\n, "
+            "at ./src/parse.c:828"),
+        ("- a\n", "Sequences cannot be key at line 1, at ./src/parse.c:822"),
+        ("a:\n  ros__parameters:\n    b: *c\n", "Will not support aliasing at line 3\n, at ./src/parse.c:880"),
+        ("a:\n\tros__parameters: 1\n", "Error parsing a event near line 1, at ./src/parse.c:769"),
+        ("my-node:\n  ros__parameters:\n    b: 1\n", "node name must not contain characters other than "
+            "alphanumerics or '_', at ./src/parse.c:477"),
+        (None, "Error opening YAML file, at ./src/parser.c:270"),
+    ],
+)  # fmt: skip
+def test_parameter_files_are_refused_where_rcls_parser_refuses_them(run_script, text, fault):
+    write = "" if text is None else f"open('/tmp/p.yaml', 'w').write({text!r})\n"
+    run = run_script(f"{VALUES}{write}show('--params-file', '/tmp/p.yaml')\n")
+    assert run.stdout == f"{fault}, at ./src/rcl/arguments.c:406\n", run.stderr

@@ -145,7 +145,7 @@ class NodeHandle(Handle):
         for args in reversed(self._args):
             for pattern, values in args.parameters.items():
                 if _matches(pattern, self.path):
-                    found.update({n: parameter_class(n, value=value) for n, value in values.items()})
+                    found.update({n: parameter_class(n, value=value.get()) for n, value in values.items()})
         return found
 
     # Graph ----------------------------------------------------------------------------------------

@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from typing import Any
 
+    from rclpy._rcl.parameter_values import Value
+
 _LEVELS = {"DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
 _SWITCHES = frozenset(
     f"--{verb}-{what}"
@@ -41,15 +43,20 @@ class RosArgs:
 
     def __init__(self) -> None:
         self.remaps: list[Remap] = []
-        self.parameters: dict[str, dict[str, Any]] = {}
+        self.parameters: dict[str, dict[str, Value]] = {}
         self.levels: dict[str, int] = {}
         self.rosout = True
         self.unknown: list[str] = []
         self.other: list[str] = []
 
-    def set_parameter(self, pattern: str, name: str, value: Any) -> None:
-        """Note a parameter's value for the nodes that match `pattern`."""
-        self.parameters.setdefault(pattern, {})[name] = value
+    def value_of(self, pattern: str, name: str) -> Value:
+        """Return what is given for a parameter of the nodes that match `pattern`, to be added to."""
+        from rclpy._rcl.parameter_values import Value
+
+        values = self.parameters.setdefault(pattern, {})
+        if name not in values:
+            values[name] = Value()
+        return values[name]
 
 
 def parse_ros_args(args: Sequence[str], *, reject_unknown: bool, of_node: bool = False) -> RosArgs:
@@ -75,10 +82,9 @@ def parse_ros_args(args: Sequence[str], *, reject_unknown: bool, of_node: bool =
     try:
         _parse_all(list(args), parsed)
     except ValueError as fault:
-        text = f"{fault}, at ./src/rcl/arguments.c:343"
         if of_node:
-            raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {text}") from None
-        raise RCLError(f"failed to initialize rcl: {text}") from None
+            raise RCLInvalidROSArgsError(f"Failed to parse ROS arguments: {fault}") from None
+        raise RCLError(f"failed to initialize rcl: {fault}") from None
     if parsed.unknown and reject_unknown:
         raise UnknownROSArgsError(f"Found unknown ROS args: {parsed.unknown!r}")
     return parsed
@@ -104,27 +110,36 @@ def _parse_all(args: list[str], parsed: RosArgs) -> None:
 
 
 def _parse_one(arg: str, rest: Any, parsed: RosArgs) -> None:
-    handler = _FLAGS.get(arg)
-    if handler is not None:
-        value = next(rest, None)
-        if value is None:
-            raise ValueError(f"Couldn't parse trailing {arg} flag. No value provided.")
-        handler(arg, value, parsed)
+    if arg in _FLAGS:
+        _parse_flag(arg, next(rest, None), parsed)
     elif arg in _SWITCHES:
         if arg.endswith("rosout-logs"):
             parsed.rosout = arg.startswith("--enable")
     elif ":=" in arg and not arg.startswith("-"):
-        _add_remap("-r", arg, parsed)
+        _parse_flag("-r", arg, parsed)
     else:
         parsed.unknown.append(arg)
 
 
-def _add_remap(flag: str, rule: str, parsed: RosArgs) -> None:
+def _parse_flag(flag: str, value: str | None, parsed: RosArgs) -> None:
+    """Give a flag's value to its handler; ValueError with rcl's text, which ends in the line of its source."""
+    handler, line, what, missing = _FLAGS[flag]
+    if value is None:
+        at = f"at ./src/rcl/arguments.c:{line + 4}"
+        raise ValueError(f"Couldn't parse trailing {missing.format(flag)}, {at}")
+    try:
+        handler(value, parsed)
+    except ValueError as fault:
+        text = f"Couldn't parse {what}: '{flag} {value}'. Error: {fault}, at ./src/rcl/arguments.c:{line}"
+        raise ValueError(text) from None
+
+
+def _add_remap(rule: str, parsed: RosArgs) -> None:
     left, separator, replacement = rule.partition(":=")
     if not separator or not left or not replacement:
         raise ValueError(
-            f"Couldn't parse remap rule: '{flag} {rule}'. Error: Expected lexeme type (19) not found, "
-            f"search ended at index {len(rule)}, at ./src/rcl/lexer_lookahead.c:238"
+            f"Expected lexeme type (19) not found, search ended at index {len(rule)}, "
+            "at ./src/rcl/lexer_lookahead.c:238"
         )
     node: str | None = None
     kind = "any"
@@ -141,74 +156,50 @@ def _add_remap(flag: str, rule: str, parsed: RosArgs) -> None:
     parsed.remaps.append(Remap(node, kind, left, replacement))
 
 
-def _add_parameter(flag: str, rule: str, parsed: RosArgs) -> None:
-    from rclpy._rcl.yaml import parse_value
+def _add_parameter(rule: str, parsed: RosArgs) -> None:
+    from rclpy._rcl.parameter_values import read_value
 
     left, separator, text = rule.partition(":=")
     if not separator or not left:
-        raise ValueError(f"Couldn't parse parameter override rule: '{flag} {rule}'. Error: Expected ':='")
+        raise ValueError("Expected ':='")
     node, colon, name = left.rpartition(":")
-    pattern = ("/" + node.lstrip("/")) if colon else "/**"
-    try:
-        value = parse_value(text)
-    except ValueError as fault:
-        raise ValueError(f"Couldn't parse parameter override rule: '{flag} {rule}'. Error: {fault}") from None
-    parsed.set_parameter(pattern, name, value)
+    read_value(text, parsed.value_of("/" + node.lstrip("/") if colon else "/**", name))
 
 
-def _add_file(flag: str, path: str, parsed: RosArgs) -> None:
-    from rclpy._rcl.yaml import parse_document
+def _add_file(path: str, parsed: RosArgs) -> None:
+    from rclpy._rcl.parameter_values import read_file
 
     try:
         with open(path, encoding="utf-8") as file:
-            document = parse_document(file.read())
-    except (OSError, ValueError) as fault:
-        raise ValueError(
-            f"Couldn't parse params file: '{flag} {path}'. Error: Error opening YAML file"
-            if isinstance(fault, OSError)
-            else f"Couldn't parse params file: '{flag} {path}'. Error: {fault}"
-        ) from None
-    _walk_nodes(document, "", parsed)
+            text = file.read()
+    except OSError:
+        raise ValueError("Error opening YAML file, at ./src/parser.c:270") from None
+    read_file(text, parsed.value_of)
 
 
-def _walk_nodes(mapping: dict[str, Any], path: str, parsed: RosArgs) -> None:
-    for key, value in mapping.items():
-        if key == "ros__parameters":
-            _walk_parameters(value, "", path, parsed)
-        elif isinstance(value, dict):
-            _walk_nodes(value, path.rstrip("/") + "/" + key.lstrip("/"), parsed)
-
-
-def _walk_parameters(mapping: dict[str, Any], prefix: str, pattern: str, parsed: RosArgs) -> None:
-    parsed.parameters.setdefault(pattern, {})
-    for key, value in mapping.items():
-        if isinstance(value, dict):
-            _walk_parameters(value, f"{prefix}{key}.", pattern, parsed)
-        else:
-            parsed.set_parameter(pattern, prefix + key, value)
-
-
-def _add_level(flag: str, rule: str, parsed: RosArgs) -> None:
+def _add_level(rule: str, parsed: RosArgs) -> None:
     name, _, level = rule.rpartition(":=")
     if level.upper() not in _LEVELS:
-        raise ValueError(
-            f"Couldn't parse log level: '{flag} {rule}'. Error: Argument does not use a valid severity level"
-        )
+        raise ValueError("Argument does not use a valid severity level")
     parsed.levels[name] = _LEVELS[level.upper()]
 
 
-def _accept(flag: str, value: str, parsed: RosArgs) -> None:
+def _accept(value: str, parsed: RosArgs) -> None:
     """Take an option that has no effect here (security enclave, log configuration)."""
 
 
-_FLAGS: dict[str, Callable[[str, str, RosArgs], None]] = {
-    "-r": _add_remap,
-    "--remap": _add_remap,
-    "-p": _add_parameter,
-    "--param": _add_parameter,
-    "--params-file": _add_file,
-    "--log-level": _add_level,
-    "-e": _accept,
-    "--enclave": _accept,
-    "--log-config-file": _accept,
+_PARAMETER = (_add_parameter, 343, "parameter override rule", "{} flag. No parameter override rule found.")
+_REMAP = (_add_remap, 371, "remap rule", "{} flag. No remap rule found.")
+_ENCLAVE = (_accept, 499, "enclave name", "{} flag. No enclave path provided.")
+_FLAGS: dict[str, tuple[Callable[[str, RosArgs], None], int, str, str]] = {
+    "-p": _PARAMETER,
+    "--param": _PARAMETER,
+    "-r": _REMAP,
+    "--remap": _REMAP,
+    "--params-file": (_add_file, 406, "params file", "{} flag. No file path provided."),
+    "--log-level": (_add_level, 432, "log level", "log level flag: '{}'. No log level provided."),
+    "--log-config-file": (_accept, 467, "log configuration file", "{} flag. No file path provided."),
+    "-e": _ENCLAVE,
+    "--enclave": _ENCLAVE,
 }
+"""Flag -> handler, line of rcl's arguments.c that refuses its value, and what it says of a bad and of no value."""
