@@ -36,11 +36,17 @@ def test_ctrl_c_reaches_the_main_thread_wherever_it_waits(run_bare: RunScript, w
     assert (end["reason"], end["after_interrupt"], end["t_ns"]) == (0, 1, 5 * S)
 
 
-def test_an_uncaught_ctrl_c_is_a_normal_end(run_bare: RunScript) -> None:
+def test_an_uncaught_ctrl_c_is_a_normal_end_that_prints_its_traceback(run_bare: RunScript) -> None:
     run = run_bare("import time\ntry:\n    time.sleep(9)\nfinally:\n    print('bye')\n", horizon_s=5)
     end = run.exit
     assert (end["reason"], end["after_interrupt"], end["code"], end["type"]) == (0, 1, 130, "")
-    assert (run.stdout, run.stderr) == ("bye\n", "")
+    assert run.stdout == "bye\n"
+    assert run.stderr.splitlines() == [
+        "Traceback (most recent call last):",
+        '  File "student.py", line 3, in <module>',
+        "    time.sleep(9)",
+        "KeyboardInterrupt",
+    ]
 
 
 def test_an_exception_after_ctrl_c_is_reported_as_one(run_bare: RunScript) -> None:

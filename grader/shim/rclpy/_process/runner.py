@@ -202,7 +202,8 @@ def _guard(step: Any) -> None:
         _leave(error.code)
     except KeyboardInterrupt as error:
         if kernel.interrupted:
-            ending.code = 130
+            ending.code = 130  # the horizon's Ctrl+C: printed as at home, but no error of the script
+            _print(error)
         else:
             _fail(error)
     except BaseException as error:
@@ -221,6 +222,10 @@ def _leave(code: object) -> None:
 
 def _fail(error: BaseException) -> None:
     ending.set_error(error)
+    _print(error)
+
+
+def _print(error: BaseException) -> None:
     try:
         sys.excepthook(type(error), error, error.__traceback__)
     except BaseException as second:
