@@ -19,7 +19,10 @@ _NEVER_FIRST = ",[]{}#&*!|>'\"%@`"
 _ESCAPES = {
     **dict(zip("0abtnvfre", "\0\a\b\t\n\v\f\r\x1b", strict=True)),
     **{character: character for character in ' "/\\\t'},
-    **{"N": "\x85", "_": "\xa0", "L": "\u2028", "P": "\u2029"},
+    "N": "\x85",
+    "_": "\xa0",
+    "L": "\u2028",
+    "P": "\u2029",
 }
 _NUMBERED = {"x": 2, "u": 4, "U": 8}
 
