@@ -1,7 +1,8 @@
 """Merge what the episode saw and what the sandbox saw into one account of a run.
 
-The script's own EXIT frame is believed for *how* it ended (it can only make its own feedback worse); limits,
-signals and tampering are the sandbox's to say, and count only when the script had not ended before.
+The script's own EXIT frame is believed for *how* it ended (it can only make its own feedback worse: the episode
+takes a syntax error, which costs no attempt, only as the first frame); limits, signals and tampering are the
+sandbox's to say, and count only when the script had not ended before.
 
 The account is the same each time a script is graded. What would depend on the moment of a kill is left out:
 the exit code and the output of a process that was ended for tampering, and the output of one that was still

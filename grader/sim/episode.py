@@ -17,7 +17,9 @@ from grader.sim.frames import (
     INTERRUPTED_NOTE,
     PUBLISHER,
     SERVICE,
+    STARTED_NOTE,
     SUBSCRIPTION,
+    SYNTAX_ERROR,
     Advance,
     Entity,
     Exit,
@@ -114,6 +116,7 @@ class Episode:
         self._now_ns = 0
         self._asked_ns: int | None = None  # the last time, while script and world take turns
         self._exit: Exit | None = None
+        self._has_started = False
 
     def run(
         self,
@@ -139,6 +142,7 @@ class Episode:
             meanwhile()
             while self._exit is None and (body := link.receive()) is not None:
                 self._take(decode(body), link)
+                self._has_started = True
         except ProtocolError as error:
             violation = str(error)
         return self._finish(violation)
@@ -162,6 +166,8 @@ class Episode:
         if isinstance(frame, Publish):
             self._publish(frame)
         elif isinstance(frame, NoteFrame):
+            if frame.code == STARTED_NOTE:  # only says that a frame came before the script could send one
+                return
             self._on_note(frame.code)
             self._journal.note(frame.code, frame.text)
         elif isinstance(frame, Advance):
@@ -170,6 +176,9 @@ class Episode:
         else:
             self._pass_time(frame.t_ns)
             if isinstance(frame, Exit):
+                # A syntax error costs no attempt, so a script that has run must not be able to claim one.
+                if frame.reason == SYNTAX_ERROR and self._has_started:
+                    raise ProtocolError("EXIT.reason is a syntax error, but the script had started")
                 self._exit = frame
             elif frame.t_ns <= self._spec.horizon_ns:
                 self._graph_change(frame)

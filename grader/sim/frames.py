@@ -9,6 +9,9 @@ MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT, GRAPH_EVENT = 1, 2, 3, 4
 INTERRUPTED_NOTE = "interrupted"
 """Sent by the shim when the horizon's Ctrl+C is raised."""
 
+STARTED_NOTE = "started"
+"""Sent by the shim when the script has been compiled, before any of its code runs."""
+
 
 class Link(Protocol):
     """The channel to the jailed process, in whole frame bodies."""

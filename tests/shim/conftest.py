@@ -77,8 +77,8 @@ class Run:
 
     @property
     def notes(self) -> list[tuple[str, str]]:
-        """Return the notes as (code, text)."""
-        return [(frame["code"], frame["text"]) for frame in self.of("NOTE")]
+        """Return the notes as (code, text), but for the first frame of every script that compiles."""
+        return [(frame["code"], frame["text"]) for frame in self.of("NOTE") if frame["code"] != "started"]
 
     @property
     def entities(self) -> dict[int, dict[str, Any]]:

@@ -127,6 +127,8 @@ def test_frames_after_exit_are_not_read(car: BulletCar) -> None:
         ([jail.node(1, 10), jail.advance(9)], "time went back"),
         ([jail.node(1, 10), jail.ended(9)], "time went back"),
         ([jail.note("Shout!")], "NOTE.code"),
+        ([jail.note("started"), jail.ended(0, reason=3)], "EXIT.reason"),
+        ([jail.driver(), jail.ended(0, reason=3)], "EXIT.reason"),
         (
             [jail.entity(3, 4, name="/s", type="std_srvs/srv/Trigger"), jail.response(3, 1, 0, b"")],
             "never asked",
@@ -139,6 +141,18 @@ def test_broken_rules_end_the_belief(car: BulletCar, frames: list[bytes], words:
     assert result.violation is not None
     assert words in result.violation
     assert result.exit is None
+
+
+def test_a_syntax_error_is_believed_as_the_first_frame(car: BulletCar) -> None:
+    result = play(car, [jail.ended(0, reason=3)])
+    assert result.violation is None
+    assert result.exit is not None
+    assert result.exit.reason == 3
+
+
+def test_that_a_script_started_is_no_note_for_the_report(car: BulletCar) -> None:
+    result = play(car, [jail.note("started"), jail.ended(0)])
+    assert (result.violation, result.notes) == (None, ())
 
 
 def test_a_violation_keeps_what_was_driven(car: BulletCar) -> None:

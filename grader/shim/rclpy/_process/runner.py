@@ -89,8 +89,18 @@ def run(channel: int = 3) -> NoReturn:
     code = _compile(source)
     if code is not None:
         del source
+        _tell_start()
         _execute(module, code)
     _finish()
+
+
+def _tell_start() -> None:
+    """Let the episode know, before any of the script's code runs, that it compiles.
+
+    The frame has left before the script could hold it back, so that it cannot claim a syntax error afterwards.
+    """
+    link.note("started", "")
+    link.flush()
 
 
 def _tell_interrupt() -> None:
