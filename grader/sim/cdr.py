@@ -30,6 +30,8 @@ _FORMATS: Final = {
     "uint8": "B",
     "int32": "i",
     "uint32": "I",
+    "int64": "q",
+    "uint64": "Q",
     "float32": "f",
     "float64": "d",
 }

@@ -9,11 +9,13 @@ from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
 from grader.contracts.assignment import World
+from grader.sim import parameters
 from grader.sim.car import PlanarPose, fold
 from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import Feeds, Pen
 from grader.sim.frames import GRAPH_EVENT, Event, Request
 from grader.sim.outbox import Outbox
+from grader.sim.parameters import Parameters
 from grader.sim.rotate_action import RotateAction
 from grader.sim.timeline import UPDATE_NS, next_update
 from grader.sim.turtle import AnyTurtle, SpawnedTurtle, Turtle
@@ -31,6 +33,7 @@ _WINDOW_SERVICES: Final = {
     "/reset": "std_srvs/srv/Empty",
     "/spawn": "turtlesim/srv/Spawn",
     "/kill": "turtlesim/srv/Kill",
+    **{f"{NODE_NAME}/{name}": kind for name, kind in parameters.SERVICES.items()},
 }
 _TURTLE_SERVICES: Final = {
     "set_pen": "turtlesim/srv/SetPen",
@@ -99,6 +102,7 @@ class TurtleWorld:
         self._present = {GRADED: graded}
         self._others: dict[str, SpawnedTurtle] = {}
         self._nameless: set[str] = set()
+        self._parameters = Parameters()
         self._pending: deque[tuple[str, Request]] = deque()
         self._now_ns = 0
         self._handlers: dict[str, Callable[[Values, int], Values]] = {
@@ -208,7 +212,10 @@ class TurtleWorld:
         kind = self.services.get(service)
         if kind is None:
             return
-        if handler := self._handlers.get(service):
+        if kind.startswith("rcl_interfaces/"):
+            asked = decode(f"{kind}_Request", request.payload)
+            answer = self._parameters.answer(service.rpartition("/")[2], asked)
+        elif handler := self._handlers.get(service):
             answer = handler(decode(f"{kind}_Request", request.payload), t_ns)
         else:
             _, name, rest = service.split("/", 2)

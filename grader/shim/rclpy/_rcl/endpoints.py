@@ -50,7 +50,7 @@ class EndpointHandle(Handle):
         self.incompatible = 0
         self.last_policy = 0
         self.watchers: list[list[int]] = []
-        if not self.type_name.startswith(_PRIVATE_TYPES) or self._called_by_world():
+        if not self.type_name.startswith(_PRIVATE_TYPES) or self._meant_for_world():
             self.link_id = link.register(
                 self.what,
                 node.path,
@@ -61,8 +61,10 @@ class EndpointHandle(Handle):
                 qos.kept or 0xFFFF,
             )
 
-    def _called_by_world(self) -> bool:
-        return self.what == "service" and [self.name, self.type_name] in link.world.get("calls", ())
+    def _meant_for_world(self) -> bool:
+        """Whether the assignment calls this service, or this client a service of the world."""
+        key = {"service": "calls", "client": "services"}.get(self.what)
+        return key is not None and [self.name, self.type_name] in link.world.get(key, ())
 
     @property
     def owner(self) -> tuple[str, str]:
