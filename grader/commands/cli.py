@@ -59,6 +59,18 @@ class Parser(argparse.ArgumentParser):
         self.exit(EXIT_COULD_NOT, "".join(f"{self.prog}: {line}\n" for line in lines if line))
 
 
+def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespace:
+    """Parse a command's arguments; with `passes_on` only those before the first ``--``, the rest is kept there.
+
+    Left to argparse, options could not stand between a command's file and ``--``, and every ``--`` would be lost.
+    """
+    cut = argv.index("--") if passes_on and "--" in argv else len(argv)
+    arguments = parser.parse_args(argv[:cut])
+    if passes_on:
+        setattr(arguments, passes_on, [*getattr(arguments, passes_on), *argv[cut + 1 :]])
+    return arguments
+
+
 def run(argv: Sequence[str]) -> int:
     """Run one command and return the process's exit code; bad input is one readable message, not a traceback."""
     parser = Parser(
@@ -77,7 +89,7 @@ def run(argv: Sequence[str]) -> int:
     module = importlib.import_module(f"grader.commands.{chosen.command}")
     command_parser = Parser(prog=f"grader {chosen.command}", description=COMMANDS[chosen.command])
     module.configure(command_parser)
-    arguments = command_parser.parse_args(chosen.arguments)
+    arguments = _parse(command_parser, chosen.arguments, getattr(module, "PASSES_ON", ""))
     try:
         code = int(module.run(arguments))
         sys.stdout.flush()

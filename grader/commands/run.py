@@ -16,6 +16,9 @@ from grader.contracts.text import EMPTY
 from grader.contracts.trajectory import decode_trajectory
 from grader.grading.slot import Slot, SlotConfig
 
+PASSES_ON = "args"
+"""Where what follows the first ``--`` goes as it is, further ``--`` included: they are the script's arguments."""
+
 _LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
 
 

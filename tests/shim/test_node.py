@@ -151,3 +151,29 @@ def test_episode_is_told_of_the_students_endpoints_only(run_script):
         (3, "/turtle1/pose", "turtlesim/msg/Pose", 2, 5),
     ]
     assert sorted(frame["id"] for frame in run.of("GONE")) == [1, 2, 3, 4]
+
+
+def test_names_that_upstreams_modules_pass_on_can_be_imported_from_them(run_script):
+    """What the modules of rclpy 3.3.15 import or declare is importable from them, lazily here."""
+    source = """
+        import rclpy
+        from rclpy import _forwarding
+        from importlib import import_module
+        from rclpy.node import MsgType, ParameterMsg, Timer
+        from rclpy.publisher import MsgType as of_publisher
+        from rclpy.client import CallbackGroup, SrvTypeRequest
+        from rclpy.executors import Clock, WaitableEntityType
+        from rclpy.qos_overriding_options import QosCallbackResult
+        import rclpy.timer, rclpy.callback_groups, rcl_interfaces.msg
+        print(MsgType, of_publisher is rclpy.publisher.MsgType, ParameterMsg is rcl_interfaces.msg.Parameter)
+        print(Timer is rclpy.timer.Timer, CallbackGroup is rclpy.callback_groups.CallbackGroup)
+        for module, names in _forwarding._PASSED_ON.items():
+            for name in names.split():
+                getattr(import_module(module), name)
+        try:
+            from rclpy.client import nothing
+        except ImportError as error:
+            print(error.name)
+    """
+    run = run_script(dedent(source))
+    assert run.stdout.splitlines() == ["~MsgType True True", "True True", "rclpy.client"], run.stderr

@@ -190,4 +190,6 @@ def __getattr__(name: str) -> Any:
         from importlib import import_module
 
         return import_module(f"rclpy.{name}")
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from rclpy._forwarding import passed_on
+
+    return passed_on(__name__)(name)

@@ -11,16 +11,141 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
     from typing import Any
 
+_HOMES = {
+    "rcl_interfaces.msg": """
+        FloatingPointRange IntegerRange ParameterDescriptor ParameterEvent ParameterType ParameterValue
+        SetParametersResult
+    """,
+    "rcl_interfaces.srv": """
+        DescribeParameters GetParameterTypes GetParameters ListParameters SetParameters
+        SetParametersAtomically
+    """,
+    "rclpy.callback_groups": "CallbackGroup ReentrantCallbackGroup",
+    "rclpy.client": "Client",
+    "rclpy.clock": "Clock ClockType",
+    "rclpy.context": "Context",
+    "rclpy.exceptions": """
+        InvalidHandle InvalidParameterTypeException InvalidParameterValueException
+        InvalidTopicNameException ParameterAlreadyDeclaredException ParameterImmutableException
+        ParameterNotDeclaredException ParameterUninitializedException
+    """,
+    "rclpy.executors": "Executor",
+    "rclpy.expand_topic_name": "expand_topic_name",
+    "rclpy.guard_condition": "GuardCondition",
+    "rclpy.node": "Node",
+    "rclpy.parameter": "PARAMETER_SEPARATOR_STRING Parameter",
+    "rclpy.parameter_service": "ParameterService",
+    "rclpy.qos": "QoSProfile qos_profile_services_default",
+    "rclpy.qos_event": "PublisherEventCallbacks QoSEventHandler SubscriptionEventCallbacks",
+    "rclpy.qos_overriding_options": "QoSOverridingOptions _declare_qos_parameters",
+    "rclpy.service": "Service",
+    "rclpy.signals": "SignalHandlerGuardCondition",
+    "rclpy.subscription": "Subscription",
+    "rclpy.time_source": "TimeSource",
+    "rclpy.timer": "Rate Timer",
+    "rclpy.topic_endpoint_info": "TopicEndpointInfo",
+    "rclpy.type_support": "check_is_valid_srv_type",
+    "rclpy.validate_parameter_name": "validate_parameter_name",
+    "rclpy.waitable": "NumberOfEntities Waitable",
+    "typing": """
+        Any Callable Coroutine Dict Generator Iterable Iterator List NamedTuple Optional Sequence Set Text
+        Tuple Type TypeVar Union
+    """,
+    "unique_identifier_msgs.msg": "UUID",
+}
+"""Module -> names that others pass on."""
+
+_RENAMED = {
+    "ParameterMsg": ("rcl_interfaces.msg", "Parameter"),
+    "QosCallbackResult": ("rcl_interfaces.msg", "SetParametersResult"),
+    "QosCallbackType": ("typing", "Callable"),
+}
+_TYPE_VARIABLES = frozenset(("MsgType", "SrvType", "SrvTypeRequest", "SrvTypeResponse", "WaitableEntityType"))
+
+_PASSED_ON = {
+    "rclpy": "List Optional",
+    "rclpy.action.client": "UUID",
+    "rclpy.action.graph": "List Node Tuple",
+    "rclpy.client": "CallbackGroup Context Dict QoSProfile SrvType SrvTypeRequest SrvTypeResponse TypeVar",
+    "rclpy.context": "Callable List Optional",
+    "rclpy.executors": """
+        Any Callable Client Clock ClockType Context Coroutine Generator List NumberOfEntities Optional
+        Service Set SignalHandlerGuardCondition Subscription Timer Tuple TypeVar Union Waitable
+        WaitableEntityType
+    """,
+    "rclpy.lifecycle.node": "Callable CallbackGroup Dict NamedTuple Optional Set check_is_valid_srv_type",
+    "rclpy.lifecycle.publisher": "MsgType Union",
+    "rclpy.node": """
+        Any Callable CallbackGroup Client Clock Context Dict Executor FloatingPointRange GuardCondition
+        IntegerRange InvalidHandle InvalidParameterTypeException InvalidParameterValueException
+        InvalidTopicNameException Iterator List MsgType Optional PARAMETER_SEPARATOR_STRING
+        ParameterAlreadyDeclaredException ParameterDescriptor ParameterEvent ParameterImmutableException
+        ParameterMsg ParameterNotDeclaredException ParameterService ParameterType
+        ParameterUninitializedException ParameterValue PublisherEventCallbacks QoSOverridingOptions
+        QoSProfile Rate ReentrantCallbackGroup Sequence Service SetParametersResult SrvType SrvTypeRequest
+        SrvTypeResponse Subscription SubscriptionEventCallbacks TimeSource Timer TopicEndpointInfo Tuple
+        Type TypeVar Union Waitable _declare_qos_parameters expand_topic_name qos_profile_services_default
+        validate_parameter_name
+    """,
+    "rclpy.parameter": "ParameterMsg ParameterType ParameterValue",
+    "rclpy.parameter_service": """
+        DescribeParameters GetParameterTypes GetParameters ListParameters SetParameters
+        SetParametersAtomically SetParametersResult
+    """,
+    "rclpy.publisher": """
+        CallbackGroup MsgType PublisherEventCallbacks QoSEventHandler QoSProfile TypeVar Union
+    """,
+    "rclpy.qos": "Union",
+    "rclpy.qos_event": "Callable CallbackGroup List Optional",
+    "rclpy.qos_overriding_options": """
+        Callable Iterable Optional Parameter ParameterDescriptor SetParametersResult Text Type Union
+        QosCallbackResult QosCallbackType
+    """,
+    "rclpy.service": "Callable CallbackGroup QoSProfile SrvType SrvTypeRequest SrvTypeResponse TypeVar",
+    "rclpy.signals": "InvalidHandle",
+    "rclpy.subscription": """
+        Callable CallbackGroup QoSEventHandler QoSProfile SubscriptionEventCallbacks TypeVar MsgType
+    """,
+    "rclpy.time_source": "SetParametersResult",
+    "rclpy.wait_for_message": "Node QoSProfile SignalHandlerGuardCondition Union",
+}
+"""Module of Humble -> what it imports or declares besides what stands in ours; Python's modules are left out."""
+
+
+def passed_on(module: str) -> Callable[[str], Any]:
+    """Return the `__getattr__` of a module in `_PASSED_ON`."""
+    names = frozenset(_PASSED_ON[module].split())
+    return lambda name: _find(module, name) if name in names else _missing(module, name)
+
+
+def _find(module: str, name: str) -> Any:
+    if name in _TYPE_VARIABLES:
+        import sys
+        from typing import TypeVar
+
+        found: Any = TypeVar(name)  # type: ignore[misc]
+        return sys.modules[module].__dict__.setdefault(name, found)
+    home, theirs = _RENAMED.get(name) or next(
+        (home, name) for home, names in _HOMES.items() if name in names.split()
+    )
+    from importlib import import_module
+
+    return getattr(import_module(home), theirs)
+
+
+def _missing(module: str, name: str) -> Any:
+    raise AttributeError(f"module {module!r} has no attribute {name!r}")
+
 
 def forwarding(module: str, names: Mapping[str, str]) -> Callable[[str], Any]:
     """Return the `__getattr__` of `module`; `names` are separated by spaces, by the module they come from."""
 
     def find(name: str) -> Any:
-        for home, passed_on in names.items():
-            if name in passed_on.split():
+        for home, passed in names.items():
+            if name in passed.split():
                 from importlib import import_module
 
                 return getattr(import_module(home), name)
-        raise AttributeError(f"module {module!r} has no attribute {name!r}")
+        return _missing(module, name)
 
     return find

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
 from rclpy.task import Future
 
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
     from rclpy.context import Context
     from rclpy.qos import QoSProfile
+
+__getattr__ = passed_on(__name__)
 
 POLL_NS = 250_000_000
 """Step in which upstream waits for services and action servers."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 
+from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
 from rclpy._rcl import logs
 from rclpy._rcl.handles import ContextHandle, required
@@ -12,6 +13,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
+
+__getattr__ = passed_on(__name__)
 
 g_logging_ref_count = 0
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 
+from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
 from rclpy._rcl.errors import GUARD_CONTEXT, WAIT_CONTEXT, RCLError
 from rclpy._rcl.handles import changes
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from rclpy.node import Node
 
     Ready = tuple[Task | "_Call", Any, Node]
+
+__getattr__ = passed_on(__name__)
 
 MAX_LATENESS_NS = 5_000_000
 """Latest that a timer is called after it is due while nothing else keeps the executor busy."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from _weakref import ref
 
-from rclpy._forwarding import forwarding
+from rclpy._forwarding import passed_on
 from rclpy._interfaces.messages import class_of
 from rclpy._interfaces.own import LazyType
 from rclpy._rcl.endpoints import PublisherHandle, SubscriptionHandle
@@ -81,35 +81,7 @@ HIDDEN_NODE_PREFIX = "_"
 NOT_SET = Parameter.Type.NOT_SET
 _GID_BYTES = 24
 
-__getattr__ = forwarding(
-    __name__,
-    {
-        "rcl_interfaces.msg": "FloatingPointRange IntegerRange ParameterDescriptor ParameterEvent ParameterType "
-        "ParameterValue SetParametersResult",
-        "rclpy.callback_groups": "CallbackGroup ReentrantCallbackGroup",
-        "rclpy.client": "Client",
-        "rclpy.clock": "Clock",
-        "rclpy.context": "Context",
-        "rclpy.exceptions": "InvalidHandle InvalidParameterTypeException InvalidParameterValueException "
-        "InvalidTopicNameException ParameterAlreadyDeclaredException ParameterImmutableException "
-        "ParameterNotDeclaredException ParameterUninitializedException",
-        "rclpy.executors": "Executor",
-        "rclpy.expand_topic_name": "expand_topic_name",
-        "rclpy.guard_condition": "GuardCondition",
-        "rclpy.parameter": "PARAMETER_SEPARATOR_STRING",
-        "rclpy.parameter_service": "ParameterService",
-        "rclpy.qos": "QoSProfile qos_profile_services_default",
-        "rclpy.qos_event": "PublisherEventCallbacks SubscriptionEventCallbacks",
-        "rclpy.qos_overriding_options": "QoSOverridingOptions",
-        "rclpy.service": "Service",
-        "rclpy.subscription": "Subscription",
-        "rclpy.time_source": "TimeSource",
-        "rclpy.timer": "Rate Timer",
-        "rclpy.topic_endpoint_info": "TopicEndpointInfo",
-        "rclpy.waitable": "Waitable",
-        "typing": "Any Callable Dict Iterator List Optional Sequence Tuple Type TypeVar Union",
-    },
-)
+__getattr__ = passed_on(__name__)
 
 
 class Node:

@@ -5,10 +5,14 @@ from __future__ import annotations
 import array
 from enum import Enum
 
+from rclpy._forwarding import passed_on
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Iterable
     from typing import Any
+
+__getattr__ = passed_on(__name__)
 
 PARAMETER_SEPARATOR_STRING = "."
 

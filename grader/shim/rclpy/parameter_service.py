@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from _weakref import ref
 
+from rclpy._forwarding import passed_on
 from rclpy._interfaces.own import LazyType
 from rclpy.exceptions import ParameterNotDeclaredException, ParameterUninitializedException
 from rclpy.parameter import PARAMETER_SEPARATOR_STRING, Parameter
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rclpy.node import Node
+
+__getattr__ = passed_on(__name__)
 
 
 class ParameterService:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
 from rclpy.duration import Duration
 
 TYPE_CHECKING = False
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
     from rclpy.qos import QoSProfile
     from rclpy.qos_event import PublisherEventCallbacks, QoSEventHandler
 
-MsgType = "MsgType"
+__getattr__ = passed_on(__name__)
 
 
 class Publisher:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
+from rclpy._forwarding import passed_on
 from rclpy._rcl.enums import PrintedIntEnum
 from rclpy._rcl.qos import NativeQos, check_compatible
 from rclpy._rcl.qos import QoSCompatibility as QoSCompatibility
@@ -13,6 +14,8 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
+
+__getattr__ = passed_on(__name__)
 
 
 class QoSPolicyKind(PrintedIntEnum):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
 from rclpy._rcl.enums import NativeEnum
 from rclpy._rcl.errors import UnsupportedEventTypeError as UnsupportedEventTypeError
 from rclpy._rcl.handles import Handle
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
 
     Callback = Callable[[Any], Any]
+
+__getattr__ = passed_on(__name__)
 
 
 class QoSPublisherEventType(NativeEnum):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
 from rclpy.duration import Duration
 from rclpy.exceptions import ParameterAlreadyDeclaredException
 from rclpy.publisher import Publisher
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
         def get_parameter(self, name: str) -> Parameter:
             """Return a parameter."""
 
+
+__getattr__ = passed_on(__name__)
 
 _ENUMS = (
     QoSPolicyKind.LIVELINESS,
@@ -74,14 +77,6 @@ class QoSOverridingOptions:
             callback=callback,
             entity_id=entity_id,
         )
-
-
-def __getattr__(name: str) -> Any:
-    if name in ("QosCallbackResult",):
-        from rclpy._interfaces.own import SetParametersResult
-
-        return SetParametersResult
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
 def _declare_qos_parameters(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
 from rclpy._rcl.service_endpoints import RequestId, ServiceInfo
 
 TYPE_CHECKING = False
@@ -12,6 +13,8 @@ if TYPE_CHECKING:
     from rclpy._rcl.service_endpoints import ServiceHandle
     from rclpy.callback_groups import CallbackGroup
     from rclpy.qos import QoSProfile
+
+__getattr__ = passed_on(__name__)
 
 
 class Service:

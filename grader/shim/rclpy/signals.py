@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
 from rclpy._rcl.enums import SignalHandlerOptions as SignalHandlerOptions
 from rclpy._rcl.handles import shutdown_all_contexts
@@ -10,6 +11,8 @@ from rclpy.guard_condition import GuardCondition
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from rclpy.context import Context
+
+__getattr__ = passed_on(__name__)
 
 _installed = SignalHandlerOptions.NO
 _registered = False

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -11,6 +13,8 @@ if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
     from rclpy.qos import QoSProfile
     from rclpy.qos_event import QoSEventHandler, SubscriptionEventCallbacks
+
+__getattr__ = passed_on(__name__)
 
 MsgType = "MsgType"
 

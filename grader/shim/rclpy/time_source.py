@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from _weakref import ref
 
+from rclpy._forwarding import passed_on
 from rclpy._rcl.enums import ClockType
 from rclpy.clock import ROSClock
 from rclpy.parameter import Parameter
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
     from rclpy.subscription import Subscription
+
+__getattr__ = passed_on(__name__)
 
 CLOCK_TOPIC = "/clock"
 USE_SIM_TIME_NAME = "use_sim_time"

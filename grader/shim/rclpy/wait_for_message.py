@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
 from rclpy._kernel import kernel
 from rclpy.utilities import timeout_sec_to_nsec
 
@@ -11,6 +12,8 @@ if TYPE_CHECKING:
 
     from rclpy.node import Node
     from rclpy.qos import QoSProfile
+
+__getattr__ = passed_on(__name__)
 
 
 def wait_for_message(

@@ -1,8 +1,12 @@
 """What the command line itself says."""
 
+import argparse
+from pathlib import Path
+
 import pytest
 
 from grader.commands import cli
+from grader.commands import run as run_command
 
 
 @pytest.mark.parametrize(
@@ -27,3 +31,21 @@ def test_wrong_arguments_are_told_in_both_languages(
     assert chinese in said
     assert english in said
     assert "--help" in said.splitlines()[-1]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "expected"),
+    [
+        (["a.py", "--for", "3", "--", "-p", "--", "x"], ["-p", "--", "x"]),
+        (["--for", "3", "a.py", "--", "--ros-args", "--for", "9"], ["--ros-args", "--for", "9"]),
+        (["a.py", "x", "--for", "3"], ["x"]),
+        (["a.py", "--for", "3", "--"], []),
+    ],
+)
+def test_what_follows_the_first_two_dashes_is_the_scripts(
+    arguments: list[str], expected: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    seen: list[argparse.Namespace] = []
+    monkeypatch.setattr(run_command, "run", lambda arguments: seen.append(arguments) or 0)
+    assert cli.run(["run", *arguments]) == 0
+    assert (seen[0].file, seen[0].horizon_s, seen[0].args) == (Path("a.py"), 3.0, expected)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import weakref
 
+from rclpy._forwarding import passed_on
 from rclpy._interfaces.own import CancelGoal
 from rclpy._interfaces.own import GoalStatus as GoalStatus  # courses import it from here
 from rclpy._kernel import kernel
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
     from rclpy._rcl.wait_set import WaitSet
     from rclpy.callback_groups import CallbackGroup
     from rclpy.node import Node
+
+__getattr__ = passed_on(__name__)
 
 
 class ClientGoalHandle:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
+
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from rclpy.node import Node
 
     NamesAndTypes = list[tuple[str, list[str]]]
+
+__getattr__ = passed_on(__name__)
 
 
 def get_action_client_names_and_types_by_node(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import namedtuple
 
+from rclpy._forwarding import passed_on
 from rclpy._interfaces import own
 from rclpy._rcl.errors import RCLError
 from rclpy.lifecycle._machine import LifecycleStateMachine
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from rclpy.callback_groups import CallbackGroup
 
     Callback = Callable[[Any], TransitionCallbackReturn]
+
+__getattr__ = passed_on(__name__)
 
 LifecycleState = namedtuple("LifecycleState", ("label", "state_id"))
 

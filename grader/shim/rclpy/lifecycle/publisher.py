@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from rclpy._forwarding import passed_on
 from rclpy.lifecycle.managed_entity import SimpleManagedEntity
 from rclpy.publisher import Publisher
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
+
+__getattr__ = passed_on(__name__)
 
 
 class LifecyclePublisher(SimpleManagedEntity, Publisher):
