@@ -69,7 +69,8 @@ def test_definitions_of_both_sides_agree(name: str) -> None:
 
 
 def _describe(field: Field) -> tuple[str, str]:
-    base = {"boolean": "bool", "float": "float32", "double": "float64"}.get(field.base, field.base)
+    same = {"boolean": "bool", "float": "float32", "double": "float64", "octet": "uint8"}  # alike on the wire
+    base = same.get(field.base, field.base)
     count = "[]" if field.is_sequence else f"[{field.size}]" if field.size is not None else ""
     return field.name, base + count
 
