@@ -311,3 +311,20 @@ def test_a_wall_is_named() -> None:
     scoring = graded("square", touched)
     assert scoring.mistakes[0] == "wall_hit"
     assert "右" in scoring.hint.zh
+
+
+@pytest.mark.parametrize(
+    ("name", "legs"),
+    [
+        ("square", polygon_legs(4, lengths_m=[3.0, 2.0, 3.0, 2.0])),
+        ("rectangle", polygon_legs(4)),
+        ("hexagon", polygon_legs(7, 1.0)),
+        ("octagon", polygon_legs(7, 1.0)),
+        ("pentagon", polygon_legs(6)),
+        ("triangle", polygon_legs(4)),
+    ],
+)
+def test_another_figure_earns_at_most_what_its_sides_and_corners_do(name: str, legs: list[Leg]) -> None:
+    scoring = graded(name, drive(legs))
+    assert score(scoring) <= 45
+    assert {each.id for each in scoring.items if each.earned} <= {"moves", "sides", "angles"}

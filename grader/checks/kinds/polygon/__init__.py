@@ -31,14 +31,8 @@ MEASURES = {
 }
 
 
-_OF_THE_FIGURE = (
-    "side_spread_pct",
-    "side_error_pct",
-    "curved_pct",
-    "opposite_corners",
-    "gap_pct",
-    "settled",
-)
+_LENGTHS = ("side_spread_pct", "side_error_pct")
+_OF_THE_FIGURE = ("curved_pct", "opposite_corners", "gap_pct", "settled")
 
 
 def examine(assignment: Assignment, run: Run) -> Findings:
@@ -71,7 +65,8 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon) -> dict[str, Measure
     )
     taken |= _corner_measures(wanted, driven)
     if driven.is_other(wanted):  # how well that one was driven earns nothing
-        taken |= dict.fromkeys(_OF_THE_FIGURE, Measure(math.nan, {"why": say("polygon.other")}))
+        spoilt = _OF_THE_FIGURE if len(figure.sides_m) == wanted.sides else (*_OF_THE_FIGURE, *_LENGTHS)
+        taken |= dict.fromkeys(spoilt, Measure(math.nan, {"why": say("polygon.other")}))
     elif figure.overrun and not driven.drive.cut_short:
         taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.goes_on")})
     return taken

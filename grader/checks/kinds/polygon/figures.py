@@ -16,7 +16,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import PositionalRecord
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Floats
-from grader.geometry.figure import PolygonFigure, bare, measure_polygon
+from grader.geometry.figure import CLOSED_SHARE, PolygonFigure, bare, measure_polygon
 from grader.geometry.segmentation import Segments, segment
 
 FULL_TURN_DEG = 360.0
@@ -40,10 +40,14 @@ class WantedPolygon(PositionalRecord):
         return FULL_TURN_DEG / self.sides
 
     @property
+    def differing(self) -> bool:
+        """Whether its sides differ."""
+        return self.lengths_m is not None and len(set(self.lengths_m)) > 1
+
+    @property
     def figure(self) -> str:
         """Key of its name in the catalogs."""
-        regular = self.lengths_m is None or len(set(self.lengths_m)) == 1
-        return f"figure.{self.sides}" if regular else "figure.rectangle"
+        return "figure.rectangle" if self.differing else f"figure.{self.sides}"
 
     def aligned(self, sides_m: Sequence[float]) -> tuple[float, ...]:
         """Return the wanted length of each driven side, beginning at the side that fits them best.
@@ -91,7 +95,7 @@ def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
 
 SAME_DEG = 4.0  # corners this close to a value that tells a mistake are taken to be that value
 OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
-EQUAL_RATIO = 1.1  # of the longest to the shortest side: up to here they were meant to be equal
+EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
 LIKE_DEG = (
     1.0  # a last turn that is further off than the worst corner by no more than this was meant as a corner
 )
@@ -124,17 +128,20 @@ class DrivenPolygon:
     def is_other(self, wanted: WantedPolygon) -> bool:
         """Whether a complete figure with equal corners was driven that is not the wanted one.
 
-        It has another number of sides, or equal sides where they should differ.
+        It has another number of sides, equal sides where they should differ, or differing ones where they
+        should be equal (a rectangle for a square).
         """
         figure, corners = self.figure, self.corners_deg
-        if figure is None or len(corners) == 0 or figure.gap_m > OTHER_GAP_SHARE * figure.perimeter_m:
+        if figure is None or len(corners) == 0 or figure.perimeter_m <= 0.0:
             return False
-        count = len(figure.sides_m)
-        mean, spread = float(np.mean(corners)), float(np.ptp(corners))
-        if abs(mean - FULL_TURN_DEG / count) > SAME_DEG or spread > 2.0 * SAME_DEG:
+        count, gap = len(figure.sides_m), figure.gap_m / figure.perimeter_m
+        off_deg, spread_deg = abs(float(np.mean(corners)) - FULL_TURN_DEG / count), float(np.ptp(corners))
+        if gap > OTHER_GAP_SHARE or off_deg > SAME_DEG or spread_deg > 2.0 * SAME_DEG:
             return False
-        differ = wanted.lengths_m is not None and len(set(wanted.lengths_m)) > 1
-        return count != wanted.sides or (differ and max(figure.sides_m) <= EQUAL_RATIO * min(figure.sides_m))
+        alike = max(figure.sides_m) <= EQUAL_RATIO * min(figure.sides_m)
+        if count != wanted.sides:
+            return True
+        return alike if wanted.differing else not alike and gap <= CLOSED_SHARE
 
     @property
     def long_way(self) -> Bools:
