@@ -62,10 +62,6 @@ class PlainText(TypeDecorator[str]):
         """Replace before storing."""
         return None if value is None else value.replace("\0", "\ufffd")
 
-    def process_result_value(self, value: str | None, dialect: Dialect) -> str | None:
-        """Replace what a SQLite database may hold from before."""
-        return None if value is None else value.replace("\0", "\ufffd")
-
 
 def instant_column(*, nullable: bool = False) -> Column[datetime]:
     """Return a column of instants."""

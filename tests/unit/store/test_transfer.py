@@ -170,8 +170,8 @@ def test_another_schema_is_not_copied(full: Database, blank_url: str) -> None:
         transfer(blank, full)
     migrate(blank)
     with blank.writing() as session:
-        session.execute(text("UPDATE alembic_version SET version_num = '0007'"))
-    with pytest.raises(SettingsError, match=r"0007.*grader db migrate"):
+        session.execute(text("UPDATE alembic_version SET version_num = '0002'"))
+    with pytest.raises(SettingsError, match=r"0002.*grader db migrate"):
         transfer(blank, full)
     blank.close()
 
