@@ -130,6 +130,7 @@ class WorldModel(_Model):
 class LimitsModel(_Model):
     """What one run may use; the defaults are right for ordinary assignments."""
 
+    steps: Annotated[int, Field(ge=1_000, le=100_000_000)] = Limits().steps
     cpu_s: Annotated[float, Field(gt=0.0, le=120.0)] = Limits().cpu_s
     wall_s: Annotated[float, Field(gt=0.0, le=600.0)] = Limits().wall_s
     memory_mib: Annotated[int, Field(ge=64, le=4096)] = Limits().memory_bytes // MIB
@@ -140,6 +141,7 @@ class LimitsModel(_Model):
     def to_contract(self) -> Limits:
         """Return the contract."""
         return Limits(
+            steps=self.steps,
             cpu_s=self.cpu_s,
             wall_s=self.wall_s,
             memory_bytes=self.memory_mib * MIB,

@@ -26,7 +26,10 @@ class Limits(Record):
     """Budget of one jailed run.
 
     Attributes:
-        cpu_s: CPU seconds of the student's process; exceeding it is the student's ``cpu_limit``.
+        steps: what a script may do, counted by its own process, so that it ends at the same place on every
+            machine: a wait, a callback, a look at a clock, a publish, and ten turns of a loop are a step each.
+            Exceeding it is the student's ``cpu_limit``, and so is `cpu_s`.
+        cpu_s: CPU seconds of the student's process, for what cannot be counted; far more than `steps` take.
         wall_s: detects trouble of the host only; exceeding it is an infrastructure fault and a retry.
         memory_bytes: private memory of the student's process.
         output_bytes: bytes on stdout and stderr together before the run is ended.
@@ -34,8 +37,9 @@ class Limits(Record):
         grace_cpu_s: CPU seconds left to `except KeyboardInterrupt` / `finally` after the horizon.
     """
 
-    cpu_s: float = 10.0
-    wall_s: float = 60.0
+    steps: int = 1_500_000
+    cpu_s: float = 20.0
+    wall_s: float = 90.0
     memory_bytes: int = 512 * MIB
     output_bytes: int = 4 * MIB
     threads: int = 64

@@ -32,6 +32,7 @@ from grader.sim.frames import (
     PRINTED_TOO_MUCH,
     STALLED,
     SYNTAX_ERROR,
+    TOO_MANY_STEPS,
     Exit,
 )
 
@@ -59,6 +60,7 @@ _ENDED = {
     SYNTAX_ERROR: RunStatus.SYNTAX_ERROR,
     FINISHED: RunStatus.FINISHED,
     PRINTED_TOO_MUCH: RunStatus.OUTPUT_LIMIT,
+    TOO_MANY_STEPS: RunStatus.CPU_LIMIT,
 }
 _LESS_THAN_MEMORY = (RunStatus.FINISHED, RunStatus.INTERRUPTED, RunStatus.STALLED, RunStatus.CPU_LIMIT)
 """Ends that are explained by a thread that ran out of memory."""
@@ -177,6 +179,8 @@ def _detail(status: RunStatus, episode: EpisodeResult, jail: JailReport) -> str:
     if status is RunStatus.MEMORY_LIMIT and (thread := _thread_without_memory(episode)) is not None:
         return thread
     if episode.exit is not None:
+        if episode.exit.reason == TOO_MANY_STEPS and status is RunStatus.CPU_LIMIT:
+            return f"more than {episode.most_steps} steps were made"
         return episode.exit.detail if episode.exit.reason == STALLED else ""
     return "" if status is RunStatus.INTERRUPTED else jail.detail
 
@@ -210,6 +214,11 @@ def _answers(episode: EpisodeResult) -> Iterator[Note]:
             if len(values) > _LONGEST_ANSWER:
                 values = values[: _LONGEST_ANSWER - 1] + "…"
             yield Note(code=ANSWER_NOTE, text=f"{result.call.service} → {values}")
+
+
+def ended_by_the_clock(episode: EpisodeResult, jail: JailReport) -> bool:
+    """Return whether a clock ended the script: on a host that is less busy it might have come further."""
+    return episode.exit is None and _status(episode, jail) is RunStatus.CPU_LIMIT
 
 
 def is_repeatable(episode: EpisodeResult, jail: JailReport) -> bool:

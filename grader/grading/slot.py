@@ -142,7 +142,8 @@ class Slot:
             SandboxUnavailableError: this host cannot isolate a submission as the mode demands.
         """
         self.start()
-        budget_s = len(job.assignment.cases) * job.assignment.limits.wall_s + _SPARE_S
+        runs = 2 * len(job.assignment.cases)  # one that a clock ends is tried once more
+        budget_s = runs * job.assignment.limits.wall_s + _SPARE_S
         self._send(_request(job), budget_s)
         while (answer := self._receive(budget_s)).get("kind") == "running":
             on_run()

@@ -20,6 +20,7 @@ _KNOWN = {
     f"os\\.kill{_TARGET}": "signalling",
     f"socket\\.\\w+{_TARGET}": "network",
     "a system call of another architecture was made": "architecture",
+    "more than (?P<limit>\\d+) steps were made": "steps",
     "more than (?P<limit>[\\d.e+]+) s of CPU time were used": "cpu",
     "more than (?P<limit>\\d+) bytes were printed": "output",
     "the script waits in a call that nothing can end": "asleep",

@@ -60,6 +60,7 @@ class EpisodeSpec(Record):
         epoch_ns: wall clock the script reads at virtual time 0.
         calls: requests the assignment sends to the script's services.
         output_bytes: what the script may print before the shim ends it; None: no bound.
+        steps: what it may do before the shim ends it (`Limits.steps`); None: no bound.
     """
 
     world: World
@@ -71,6 +72,7 @@ class EpisodeSpec(Record):
     epoch_ns: int = DEFAULT_EPOCH_NS
     calls: tuple[ServiceCall, ...] = ()
     output_bytes: int | None = None
+    steps: int | None = None
 
 
 class EpisodeResult(Record):
@@ -81,6 +83,7 @@ class EpisodeResult(Record):
         violation: one sentence on how the process broke the wire format, after which nothing was believed.
         duration_ns: virtual time at which the script ended, at most the horizon.
         sim_steps: physics steps computed.
+        most_steps: what the script was allowed to do.
     """
 
     trajectory: Trajectory
@@ -98,6 +101,7 @@ class EpisodeResult(Record):
     last_command_ns: int | None
     sim_steps: int
     calls: tuple[ServiceResult, ...] = ()
+    most_steps: int | None = None
 
 
 class Episode:
@@ -158,6 +162,7 @@ class Episode:
             "epoch_ns": spec.epoch_ns,
             "seed": spec.world.seed,
             "output_bytes": spec.output_bytes,
+            "steps": spec.steps,
             "world": {**self._world.graph(), "calls": [[call.service, call.type] for call in spec.calls]},
         }
 
@@ -322,6 +327,7 @@ class Episode:
             last_command_ns=turtle.last_command_ns,
             sim_steps=turtle.steps_run,
             calls=self._calls.results,
+            most_steps=self._spec.steps,
         )
 
     def _come_to_rest(self, violation: str | None) -> tuple[int, str | None]:

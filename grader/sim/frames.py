@@ -3,7 +3,7 @@
 from typing import NamedTuple, Protocol, TypeAlias
 
 NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
-FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR, PRINTED_TOO_MUCH = 0, 1, 2, 3, 4
+FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR, PRINTED_TOO_MUCH, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5
 MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT, GRAPH_EVENT = 1, 2, 3, 4
 
 INTERRUPTED_NOTE = "interrupted"
@@ -88,7 +88,7 @@ class NoteFrame(NamedTuple):
 
 
 class Exit(NamedTuple):
-    """How the script ended. `reason` is one of FINISHED ... PRINTED_TOO_MUCH."""
+    """How the script ended. `reason` is one of FINISHED ... TOO_MANY_STEPS."""
 
     t_ns: int
     reason: int

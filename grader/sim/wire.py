@@ -16,7 +16,7 @@ from grader.sim.frames import (
     CLIENT,
     FINISHED,
     NODE,
-    PRINTED_TOO_MUCH,
+    TOO_MANY_STEPS,
     Advance,
     Entity,
     Event,
@@ -191,7 +191,7 @@ def _read_exit(body: bytes) -> Exit:
     cursor = _Cursor("EXIT", body)
     ended = Exit(
         t_ns=cursor.time(),
-        reason=cursor.choice("reason", range(FINISHED, PRINTED_TOO_MUCH + 1)),
+        reason=cursor.choice("reason", range(FINISHED, TOO_MANY_STEPS + 1)),
         after_interrupt=cursor.choice("after_interrupt", range(2)) == 1,
         exit_code=cursor.number("exit_code", _I32),
         exception_type=cursor.text("exception_type"),

@@ -220,6 +220,7 @@ def run_script_text(
     preload: Sequence[str] = (),
     cpu_s: float = 30.0,
     output_bytes: int | None = None,
+    steps: int | None = None,
 ) -> Run:
     """Run `source` in a subprocess on the shim and return what it did.
 
@@ -230,6 +231,7 @@ def run_script_text(
         bare: run without `rclpy/__init__.py`, for tests of the kernel alone.
         preload: modules imported before the shim takes over, as the zygote does.
         output_bytes: what the script may print.
+        steps: what it may do.
         cpu_s: backstop against a script that never ends; the process is then killed by SIGXCPU.
     """
     data = source.encode() if isinstance(source, str) else source
@@ -242,6 +244,7 @@ def run_script_text(
         "epoch_ns": EPOCH_NS,
         "seed": seed,
         "output_bytes": output_bytes,
+        "steps": steps,
         "world": WORLD if world is None else world,
     }
     text = json.dumps(start).encode()

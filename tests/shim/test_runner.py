@@ -279,6 +279,46 @@ def test_a_lone_loop_on_a_constant_flag_runs_into_the_cpu_limit(run_bare: RunScr
     assert [(frame["kind"], frame["code"]) for frame in run.frames] == [("NOTE", "started")]
 
 
+COUNTED = {
+    "a loop": ("n = 0\nwhile True: n += 1\n", 10_000, 0),
+    "sleeps": ("import time\nwhile True: time.sleep(0.001)\n", 1_000, 1.0),
+    "sleeps and looks": (
+        "import time\nwhile True: time.sleep(0.001); time.time(); time.time()\n",
+        3_000,
+        1.002,
+    ),
+    "callbacks": (
+        "import rclpy\nrclpy.init(); node = rclpy.create_node('a')\n"
+        "node.create_timer(0.001, lambda: None); rclpy.spin(node)\n",
+        2_000,
+        1.0,
+    ),
+    "a thread": (
+        "import threading, time\ndef work():\n    while True: time.sleep(0.001)\n"
+        "threading.Thread(target=work).start()\n",
+        1_000,
+        1.0,
+    ),
+}
+
+
+@pytest.mark.parametrize("name", COUNTED)
+def test_a_script_that_makes_too_many_steps_ends_at_the_same_place(run_script: RunScript, name: str) -> None:
+    source, steps, end_s = COUNTED[name]
+    ends = [run_script(source, steps=steps).exit for _ in range(2)]
+    assert ends[0] == ends[1]
+    assert (ends[0]["reason"], ends[0]["after_interrupt"]) == (5, 0)
+    assert ends[0]["t_ns"] == pytest.approx(end_s * 1e9, rel=0.02)
+    enough = run_script(source, steps=20 * steps, horizon_s=1.0)
+    assert enough.exit["reason"] == (5 if name == "a loop" else 0)
+
+
+def test_after_ctrl_c_a_script_has_a_tenth_of_its_steps_left(run_script: RunScript) -> None:
+    source = "import time\ntry: time.sleep(10)\nexcept KeyboardInterrupt:\n    while True: pass\n"
+    run = run_script(source, steps=100_000, horizon_s=1.0)
+    assert (run.exit["reason"], run.exit["after_interrupt"]) == (5, 1)
+
+
 def test_forbidden_calls_are_noted_once(run_bare: RunScript) -> None:
     run = run_bare(
         "import os, subprocess, socket\n"

@@ -75,6 +75,12 @@ The world is asked as often (`_pause`), so this also bounds how late a message r
 SPINS_PER_SLICE = 1_000
 """Turns of a loop that neither blocks nor asks before the others run: a slice, were each turn charged."""
 
+STEPS_PER_SPIN = 100
+"""What `SPINS_PER_SLICE` turns of a loop count for: a turn costs a tenth of what the cheapest question does."""
+
+GRACE_STEPS = 10
+"""Part of its steps that a script has left after Ctrl+C: one of so many."""
+
 GRACE_NS = 10_000_000_000
 """Virtual time between the first Ctrl+C, the second one and the end.
 
@@ -162,6 +168,8 @@ class Kernel:
         threads: those alive, in order of creation; the first is the main thread.
         deliver: called in the main thread with the number of a signal that arrived there.
         on_terminate: called instead of ending the run when SIGTERM arrives and the script has no handler.
+        steps: what the script has done so far: its waits, the callbacks it was given, its questions up to the last
+            wait, and its turns of loops.
         end: called (in any thread) with the exit reason when the run cannot go on; does not return.
     """
 
@@ -177,6 +185,8 @@ class Kernel:
         self.at_horizon: Callable[[], None] = _nothing
         self.on_terminate: Callable[[], None] | None = None
         self.end: Callable[[str], NoReturn] = _raise_stalled
+        self.steps = 0
+        self._most_steps = FOREVER_NS
         self._world: World | None = None
         self._limit_ns = FOREVER_NS
         self._alarm_ns = FOREVER_NS
@@ -289,7 +299,7 @@ class Kernel:
         if me.deadline_ns <= self.now_ns:
             self.charge()  # a timeout of 0 does not block: a loop that polls must let time pass
         else:
-            self._streak = 0
+            self._count()
             self._spins = SPINS_PER_SLICE
         try:
             return self._block(me)
@@ -308,8 +318,10 @@ class Kernel:
         self._world = world
         self.replan()
 
-    def start_episode(self, horizon_ns: int, epoch_ns: int) -> None:
-        """Begin at virtual time 0."""
+    def start_episode(self, horizon_ns: int, epoch_ns: int, most_steps: int | None = None) -> None:
+        """Begin at virtual time 0. A script that makes more than `most_steps` is ended."""
+        if most_steps is not None:
+            self._most_steps = most_steps
         self.horizon_ns = self._limit_ns = horizon_ns
         self.epoch_ns = epoch_ns
         self.replan()
@@ -392,10 +404,17 @@ class Kernel:
             self._slices = False
             self._quiet_until_ns = self._preempt_ns = limit_ns
 
+    def _count(self) -> None:
+        """Count a wait and the questions before it, which end the streak."""
+        self.steps += self._streak + 1
+        self._streak = 0
+        if self.steps > self._most_steps:
+            self.end("steps")
+
     def _skip_to(self, target_ns: int) -> None:
         """Let a wait pass without the scheduler: this thread is alone, and nothing comes before its end."""
         self.now_ns = target_ns
-        self._streak = 0
+        self._count()
         self._spins = SPINS_PER_SLICE
         self._begin_slice()
 
@@ -478,6 +497,7 @@ class Kernel:
             self.end("interrupted")
         self._limit_ns += GRACE_NS
         if not self.interrupted:
+            self._most_steps = min(self._most_steps, self.steps + self._most_steps // GRACE_STEPS)
             self.at_horizon()  # before anything of the script runs: it may use up its CPU time without returning
         self.interrupted = True
         self._tell_of_interrupt()  # the contexts are shut down before KeyboardInterrupt is seen, as upstream
@@ -514,6 +534,9 @@ class Kernel:
     def _spin(self) -> None:
         """A loop has gone round `SPINS_PER_SLICE` times: if it may wait for others, let time pass."""
         self._spins = SPINS_PER_SLICE
+        self.steps += STEPS_PER_SPIN
+        if self.steps > self._most_steps:
+            self.end("steps")
         if not self._slices:
             return  # alone and uncoupled: nothing can change what the loop waits for, and computing takes no time
         others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=FOREVER_NS)

@@ -17,7 +17,7 @@ NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
 TO_SUBSCRIPTION, TO_CLIENT, TO_SERVICE, TO_GRAPH = 1, 2, 3, 4
 """What an event is for. One to the graph tells what the world has got or lost, as START's ``world`` does."""
 
-FINISHED, RAISED, STALLED, BAD_SYNTAX, PRINTED_TOO_MUCH = 0, 1, 2, 3, 4
+FINISHED, RAISED, STALLED, BAD_SYNTAX, PRINTED_TOO_MUCH, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5
 """Reasons of EXIT."""
 
 MAX_STR_BYTES = 1_024

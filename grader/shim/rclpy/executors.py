@@ -407,6 +407,7 @@ class Executor:
         """Return the task that takes what an entity has and runs its callback, by its group's rules."""
         entity._executor_event = True
         changes.executing += 1
+        kernel.steps += 1
 
         async def handler(entity: Any, is_shutdown: bool) -> None:
             if is_shutdown or not entity.callback_group.beginning_execution(entity):
@@ -438,6 +439,7 @@ class _Call:
     def __init__(self, executor: Executor, kind: int, entity: Any) -> None:
         entity._executor_event = True
         changes.executing += 1
+        kernel.steps += 1
         self._executor = executor
         self._kind = kind
         self._entity = entity

@@ -14,10 +14,18 @@ from grader.contracts.assignment import ServiceCall
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, ServiceResult, Stream
 from grader.contracts.trajectory import Trajectory
-from grader.grading.outcome import is_repeatable, merge
+from grader.grading.outcome import ended_by_the_clock, is_repeatable, merge
 from grader.jail.ending import JailReport, RunEnd
 from grader.sim.episode import EpisodeResult
-from grader.sim.frames import EXCEPTION, FINISHED, PRINTED_TOO_MUCH, STALLED, SYNTAX_ERROR, Exit
+from grader.sim.frames import (
+    EXCEPTION,
+    FINISHED,
+    PRINTED_TOO_MUCH,
+    STALLED,
+    SYNTAX_ERROR,
+    TOO_MANY_STEPS,
+    Exit,
+)
 
 ROS = "/opt/ros/humble/local/lib/python3.10/dist-packages"
 DIST = "/usr/lib/python3/dist-packages"
@@ -89,6 +97,7 @@ EXITS = {
     "stalled": ended(STALLED, detail="main waits", exit_code=1),
     "syntax": ended(SYNTAX_ERROR, exception_type="SyntaxError", message="bad", line=2, exit_code=1),
     "printed": ended(PRINTED_TOO_MUCH, exit_code=1),
+    "steps": ended(TOO_MANY_STEPS, exit_code=1),
     "interrupted": ended(after_interrupt=True, exit_code=130),
     "crashed in finally": raised("ValueError", after_interrupt=True),
     "refused": raised("PermissionError", "[Errno 1] Operation not permitted: 'ls'"),
@@ -100,6 +109,7 @@ OWN_WORD = {
     "stalled": RunStatus.STALLED,
     "syntax": RunStatus.SYNTAX_ERROR,
     "printed": RunStatus.OUTPUT_LIMIT,
+    "steps": RunStatus.CPU_LIMIT,
     "interrupted": RunStatus.INTERRUPTED,
     "crashed in finally": RunStatus.INTERRUPTED,
     "refused": RunStatus.FORBIDDEN,
@@ -306,3 +316,19 @@ def test_answers_to_calls_are_noted_and_bounded() -> None:
     assert notes[0].text == '/caps → {"message": "能走", "success": true}'
     assert notes[1].text.endswith("x…")
     assert len(notes[1].text) < 1_100
+
+
+def test_a_counted_limit_is_told_by_what_the_grader_allowed() -> None:
+    episode = replace(
+        EPISODE, exit=ended(TOO_MANY_STEPS, detail="from the script", exit_code=1), most_steps=99
+    )
+    found = merge(episode, JAIL)
+    assert (found.status, found.detail) == (RunStatus.CPU_LIMIT, "more than 99 steps were made")
+
+
+def test_only_what_a_clock_ended_is_tried_once_more() -> None:
+    killed = replace(JAIL, end=RunEnd.CPU_LIMIT)
+    assert ended_by_the_clock(EPISODE, killed)
+    assert not ended_by_the_clock(replace(EPISODE, notes=(INTERRUPTED,)), killed)
+    assert not ended_by_the_clock(replace(EPISODE, exit=ended(TOO_MANY_STEPS)), killed)
+    assert not ended_by_the_clock(EPISODE, replace(JAIL, end=RunEnd.STALLED))

@@ -26,6 +26,7 @@ from grader.messages.details import explained
         (RunStatus.FORBIDDEN, "a system call of another architecture was made", "系统调用", "architecture"),
         (RunStatus.PROTOCOL, "RESPONSE.sequence 1 is not awaited", "干扰", "interfered"),
         (RunStatus.CPU_LIMIT, "more than 7.5 s of CPU time were used", "超过 7.5 秒", "7.5 s"),
+        (RunStatus.CPU_LIMIT, "more than 1500 steps were made", "超过 1500 步", "1500 steps"),
         (RunStatus.OUTPUT_LIMIT, "more than 65536 bytes were printed", "65536 字节", "65536 bytes"),
         (RunStatus.CRASHED, "the process was ended by SIGSEGV", "信号 SIGSEGV", "SIGSEGV"),
         (RunStatus.STALLED, "main, line 4: f() waits for ever", "f() 永远等不到", "f() waits for ever"),

@@ -79,7 +79,7 @@ def test_nothing_may_follow_the_last_field(body: bytes, fields: dict[str, Any]) 
             "NOTE.text is not UTF-8",
         ),
         (jail.note("a", "x" * 4_097), "NOTE.text has 4097 bytes"),
-        (jail.ended(0, reason=5), "EXIT.reason is 5"),
+        (jail.ended(0, reason=6), "EXIT.reason is 6"),
         (jail.ended(0, after_interrupt=2), "EXIT.after_interrupt is 2"),
         (jail.ended(0, detail="x" * 16_385), "EXIT.text has 16385 bytes"),
     ],

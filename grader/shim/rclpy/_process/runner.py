@@ -82,7 +82,7 @@ def run(channel: int = 3) -> NoReturn:
     start: dict[str, Any] = json.loads(text)
     tracebacks.script.file_name = start["file_name"]
     tracebacks.script.source = source
-    kernel.start_episode(start["horizon_ns"], start["epoch_ns"])
+    kernel.start_episode(start["horizon_ns"], start["epoch_ns"], start.get("steps"))
     link.connect_world(start["world"])
     module = _prepare(start, source)
     kernel.at_horizon = _tell_interrupt
@@ -287,6 +287,9 @@ def end_now(reason: str) -> NoReturn:
         ending.reason = _wire.STALLED
         ending.code = 1
         ending.text = tracebacks.explain_stall(kernel)
+    elif reason == "steps":
+        ending.reason = _wire.TOO_MANY_STEPS
+        ending.code = 1
     elif reason.startswith("signal "):
         ending.code = 128 + int(reason.split()[1])
     else:
