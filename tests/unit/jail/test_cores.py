@@ -8,10 +8,16 @@ from collections.abc import Iterator
 
 import pytest
 
+from grader.jail import cores
 from grader.jail.cores import SharedCore
 
 ALL = os.sched_getaffinity(0)
 several = pytest.mark.skipif(len(ALL) < 2, reason="there is one core only")
+
+
+@pytest.fixture(autouse=True)
+def _apart_from_gradings_of_this_host(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cores, "_CLAIM", f"\0{os.getpid()}/core/{{}}")
 
 
 @pytest.fixture
@@ -77,10 +83,10 @@ def test_whoever_finds_every_core_taken_goes_where_the_kernel_likes(other: int) 
 def test_a_host_that_refuses_leaves_everything_as_it_was(other: int, monkeypatch: pytest.MonkeyPatch) -> None:
     allowed = os.sched_setaffinity
 
-    def refuse(pid: int, cores: set[int]) -> None:
+    def refuse(pid: int, wanted: set[int]) -> None:
         if pid:
             raise PermissionError(1, "Operation not permitted")
-        allowed(pid, cores)
+        allowed(pid, wanted)
 
     monkeypatch.setattr(os, "sched_setaffinity", refuse)
     with sharing(other):
