@@ -101,7 +101,7 @@ class Kind(Record):
 
 
 class Check(Kind):
-    """A check of what a script did: an entry of the table in `grader.checks`.
+    """A check of what a script did: an entry of the table `CHECKS` in `grader.checks.kinds`.
 
     Attributes:
         examine: measures one run and recognises mistakes in it; never raises for what a student did. It is given
@@ -114,7 +114,7 @@ class Check(Kind):
 
 
 class TextCheck(Kind):
-    """A check of a handed-in text: an entry of the other table in `grader.checks`.
+    """A check of a handed-in text: an entry of the table `TEXT_CHECKS` in `grader.checks.kinds`.
 
     Attributes:
         examine: as a `Check`'s, on the text.

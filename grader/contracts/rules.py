@@ -22,7 +22,7 @@ LATE_PARAMETERS: Final[dict[LateKind, tuple[str, ...]]] = {
     "linear": ("per_day",),
     "steps": ("steps",),
 }
-"""Which fields of a late rule count for each kind of it."""
+"""The fields that each kind of late rule uses. The form shows these, the others keep their defaults."""
 
 YEARS = range(2000, 2201)  # near the ends of the calendar, adding a duration to an instant overflows
 _MOST_S = 10 * 366 * 86_400
@@ -37,8 +37,9 @@ class RuleError(ValueError):
     """Rules that contradict themselves; the message is English.
 
     Attributes:
-        field: the rule that is wrong. code: what is wrong with it, for forms, which have their own words.
-        text: what is wrong with it, in both languages.
+        field: the rule that is wrong, as in ``late.per_day``.
+        code: what is wrong with it; the form says ``page.rules.error.<code>`` at the field.
+        text: what is wrong with it, in both languages, for JSON and the command line.
     """
 
     def __init__(self, field: str, code: str, *, zh: str, en: str) -> None:

@@ -1,5 +1,6 @@
 """A new assignment starts from a working example."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,7 @@ import pytest
 from grader.catalog import Catalog
 from grader.catalog.authoring import create
 from grader.checks import problems
+from grader.checks.kinds import CHECKS, TEXT_CHECKS
 from grader.commands.validation import fitting
 from grader.contracts.errors import AssignmentError
 
@@ -21,7 +23,11 @@ def test_the_skeleton_is_complete(tmp_path: Path) -> None:
     assert {each.file for each in catalog.wrong_attempts("heptagon")} == {
         path.name for path in (folder / "wrong").iterdir()
     }
-    assert "$" not in (folder / "assignment.yaml").read_text(encoding="utf-8")
+    text = (folder / "assignment.yaml").read_text(encoding="utf-8")
+    assert "$" not in text
+    kinds = re.search(r"^check: \w+ # (.*); for texts \(input: text\): (.*)$", text, re.MULTILINE)
+    assert kinds is not None
+    assert [set(names.split(", ")) for names in kinds.groups()] == [set(CHECKS), set(TEXT_CHECKS)]
     create(catalog, "nonagon")
     assert [each.id for each in catalog.all()] == ["heptagon", "nonagon"]
 

@@ -121,6 +121,12 @@ def test_the_form_asks_for_every_field_of_the_rules(wang: Browser) -> None:
     assert {typed_name(name) for name in kinds_of(Extension)} <= asked
 
 
+def test_the_style_sheet_shows_the_parameters_of_the_chosen_late_rule(wang: Browser) -> None:
+    style = wang.get("/static/style.css").text
+    for kind in {kind for kinds in late_parameters().values() for kind in kinds}:
+        assert f".late:has(#late-{kind}:checked) .when-{kind}" in style
+
+
 @pytest.fixture
 def wang(browser: Browser, tokens: dict[str, str]) -> Browser:
     browser.get("/?lang=en")
