@@ -35,7 +35,7 @@ COMMANDS: dict[str, list[list[str]]] = {
         ["-m", "mypy"],
         ["tools/lint_layers.py"],
     ],
-    "bench": [["-m", "benchmarks.bench"], ["-m", "benchmarks.startup"]],
+    "bench": [["-m", "benchmarks.bench"], ["-m", "benchmarks.startup"], ["-m", "benchmarks.styles"]],
     "load": [["-m", "benchmarks.load"]],
     "capacity": [["-m", "benchmarks.capacity"]],
     "messages": [["-m", "grader.messages.check"]],
