@@ -96,6 +96,7 @@ def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
 SAME_DEG = 4.0  # corners this close to a value that tells a mistake are taken to be that value
 OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
 EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
+ALIKE_PCT = 4.0  # by which opposite sides of a rectangle may differ
 LIKE_DEG = (
     1.0  # a last turn that is further off than the worst corner by no more than this was meant as a corner
 )
@@ -128,8 +129,8 @@ class DrivenPolygon:
     def is_other(self, wanted: WantedPolygon) -> bool:
         """Whether a complete figure with equal corners was driven that is not the wanted one.
 
-        It has another number of sides, equal sides where they should differ, or differing ones where they
-        should be equal (a rectangle for a square).
+        It has another number of sides, equal sides where they should differ, or is a rectangle where a square is
+        wanted.
         """
         figure, corners = self.figure, self.corners_deg
         if figure is None or len(corners) == 0 or figure.perimeter_m <= 0.0:
@@ -138,10 +139,11 @@ class DrivenPolygon:
         off_deg, spread_deg = abs(float(np.mean(corners)) - FULL_TURN_DEG / count), float(np.ptp(corners))
         if gap > OTHER_GAP_SHARE or off_deg > SAME_DEG or spread_deg > 2.0 * SAME_DEG:
             return False
-        alike = max(figure.sides_m) <= EQUAL_RATIO * min(figure.sides_m)
         if count != wanted.sides:
             return True
-        return alike if wanted.differing else not alike and gap <= CLOSED_SHARE
+        if wanted.differing:
+            return max(figure.sides_m) <= EQUAL_RATIO * min(figure.sides_m)
+        return gap <= CLOSED_SHARE and _is_oblong(figure.sides_m)
 
     @property
     def long_way(self) -> Bools:
@@ -152,6 +154,13 @@ class DrivenPolygon:
         inner = 0 if self.figure is None else len(self.figure.corners_rad)
         far: Bools = np.abs(self.turned_deg[:inner] - self.corners_deg[:inner]) > FULL_TURN_DEG / 2.0
         return far
+
+
+def _is_oblong(sides_m: Sequence[float]) -> bool:
+    """Whether these are the sides of a rectangle that is no square."""
+    if len(sides_m) != 4 or _worst_pct(sides_m[:2], sides_m[2:]) > ALIKE_PCT:
+        return False
+    return max(sides_m) > EQUAL_RATIO * min(sides_m)
 
 
 def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> DrivenPolygon | None:
