@@ -33,7 +33,7 @@ _OPEN_STATES = ("queued", "running")
 
 
 @dataclass(frozen=True, slots=True)
-class Upload:
+class DemoUpload:
     """One file that a student of the demo hands in."""
 
     student: str
@@ -96,21 +96,21 @@ def _save_plots(client: httpx.Client, location: str, stem: Path, language: str) 
         stem.with_name(f"{name}.png").write_bytes(plot.content)
 
 
-def _class() -> Iterator[Upload]:
+def _class() -> Iterator[DemoUpload]:
     """Yield the lesson's scripts, every solution, and some wrong scripts."""
     catalog = Catalog()
     lesson = _lesson_folder(catalog)
     if lesson is not None:
-        yield Upload("lesson", "hello", lesson / "hello_node.py")
-        yield Upload("lesson", "straight", lesson / "straight_mover.py")
-        yield Upload("lesson", "square", lesson / "square_mover.py")
+        yield DemoUpload("lesson", "hello", lesson / "hello_node.py")
+        yield DemoUpload("lesson", "straight", lesson / "straight_mover.py")
+        yield DemoUpload("lesson", "square", lesson / "square_mover.py")
     for assignment in catalog.all():
         folder = catalog.folder(assignment.id)
-        yield Upload("ada", assignment.id, catalog.own_file(assignment, "solution"))
+        yield DemoUpload("ada", assignment.id, catalog.own_file(assignment, "solution"))
         wrong = [folder / "wrong" / attempt.file for attempt in catalog.wrong_attempts(assignment.id)]
         for student, path in zip(("bo", "chen", "dai"), wrong, strict=False):
-            yield Upload(student, assignment.id, path)
-        yield Upload("chen", assignment.id, catalog.own_file(assignment, "solution"))
+            yield DemoUpload(student, assignment.id, path)
+        yield DemoUpload("chen", assignment.id, catalog.own_file(assignment, "solution"))
 
 
 def _lesson_folder(catalog: Catalog) -> Path | None:
@@ -167,7 +167,7 @@ def _await_start(client: httpx.Client, server: subprocess.Popen[bytes]) -> None:
     raise InfrastructureError(f"the server was not ready within {_START_S:g} s")
 
 
-def hand_in(client: httpx.Client, upload: Upload) -> str:
+def hand_in(client: httpx.Client, upload: DemoUpload) -> str:
     """Upload one file; return where its submission is found."""
     response = client.post(
         "/api/v1/submissions",

@@ -8,7 +8,7 @@ from grader.contracts.submission import SubmissionState
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Progress:
+class StudentProgress:
     """One student at one assignment.
 
     Attributes:
@@ -19,7 +19,7 @@ class Progress:
         counted_submission: that attempt.
         state, verdict: of the latest submission.
         last_activity_at: instant of the latest upload.
-        waiting_submission: the newest that is a person's to judge, while it waits; None when none does.
+        waits_for_person: an answer of theirs is still to be judged.
         shares: of each attempt that counts against limits, in order, the share of the points it earned.
     """
 
@@ -36,7 +36,7 @@ class Progress:
     verdict: GradeStatus | None
     last_activity_at: datetime
     shares: tuple[float | None, ...] = ()
-    waiting_submission: str | None = None
+    waits_for_person: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,7 +71,7 @@ class ClassState:
         mark: differs between snapshots that differ.
     """
 
-    progress: tuple[Progress, ...]
+    progress: tuple[StudentProgress, ...]
     failures: tuple[ItemFailures, ...]
     mistakes: tuple[MistakeCount, ...]
     mark: str = ""

@@ -12,7 +12,7 @@ from functools import cache
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class FieldKind:
     """What a field holds.
 
     Attributes:
@@ -25,12 +25,12 @@ class Kind:
 
 
 @dataclass(frozen=True, slots=True)
-class Instant(Kind):
+class Instant(FieldKind):
     """A date and time. Written without an offset it is meant in the course's time zone."""
 
 
 @dataclass(frozen=True, slots=True)
-class Number(Kind):
+class Number(FieldKind):
     """A number from `low` to `high`, both included."""
 
     _: KW_ONLY
@@ -54,7 +54,7 @@ class Share(Number):
 
 
 @dataclass(frozen=True, slots=True)
-class Choice(Kind):
+class Choice(FieldKind):
     """One of a few names: `options` are all of them."""
 
     _: KW_ONLY
@@ -62,7 +62,7 @@ class Choice(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class Names(Kind):
+class Names(FieldKind):
     """Names of things, `most` of them at most, none longer than `longest`."""
 
     _: KW_ONLY
@@ -71,7 +71,7 @@ class Names(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class Nested(Kind):
+class Nested(FieldKind):
     """The fields of another contract."""
 
     _: KW_ONLY
@@ -79,7 +79,7 @@ class Nested(Kind):
 
 
 @dataclass(frozen=True, slots=True)
-class Table(Kind):
+class Table(FieldKind):
     """Lines of the same fields, those of another contract; `most` of them at most."""
 
     _: KW_ONLY
@@ -88,8 +88,8 @@ class Table(Kind):
 
 
 @cache
-def kinds_of(contract: Hashable) -> Mapping[str, Kind]:
+def kinds_of(contract: Hashable) -> Mapping[str, FieldKind]:
     """Return the fields of a contract that have a kind, by name, in their order."""
     hints = typing.get_type_hints(contract, include_extras=True).items()
     told = {name: getattr(hint, "__metadata__", ()) for name, hint in hints}
-    return {name: one for name, metadata in told.items() for one in metadata if isinstance(one, Kind)}
+    return {name: one for name, metadata in told.items() for one in metadata if isinstance(one, FieldKind)}

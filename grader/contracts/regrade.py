@@ -110,9 +110,14 @@ class Regrade:
         return sum(one.by < 0 for one in self.changes)
 
     @property
+    def changed(self) -> int:
+        """How many submissions' scores or items change."""
+        return len(self.changes)
+
+    @property
     def total(self) -> int:
         """Of how many submissions a trial grading is made."""
-        return self.waiting + self.failed + self.same + len(self.changes)
+        return self.waiting + self.failed + self.same + self.changed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -59,14 +59,14 @@ class Program(Record):
     preload: tuple[str, ...] = ()
 
 
-class Choice(Record):
+class LayerChoice(Record):
     """The layers that will be active and the required ones that cannot be."""
 
     active: tuple[Layer, ...]
     missing_required: tuple[Layer, ...]
 
 
-def choose(mode: Mode, without: Set[Layer]) -> Choice:
+def choose(mode: Mode, without: Set[Layer]) -> LayerChoice:
     """Return the layers this host seems to offer, less `without`.
 
     Only what can be told without trying: `Sandbox` then proves the layers from inside.
@@ -83,7 +83,9 @@ def choose(mode: Mode, without: Set[Layer]) -> Choice:
         offered = {layer: layer in (Layer.PROCESS, Layer.RLIMITS) for layer in offered}
     active = tuple(layer for layer, here in offered.items() if here and layer not in without)
     needed = [layer for layer in REQUIRED if layer is not Layer.OWN_UID or os.geteuid() == 0]
-    return Choice(active=active, missing_required=tuple(layer for layer in needed if layer not in active))
+    return LayerChoice(
+        active=active, missing_required=tuple(layer for layer in needed if layer not in active)
+    )
 
 
 def configure(program: Program, active: tuple[Layer, ...]) -> ZygoteConfig:

@@ -24,7 +24,7 @@ _LEVEL_STYLE = {30: "yellow", 40: "red", 50: "bold red"}
 
 
 @dataclass(frozen=True, slots=True)
-class Event:
+class TimelineEntry:
     """One line of the timeline; `text` is already safe to show."""
 
     t_ns: int
@@ -47,19 +47,21 @@ def render_timeline(
     return table
 
 
-def _events(outcome: RunOutcome, trajectory: Trajectory | None, language: Language) -> Iterator[Event]:
+def _events(
+    outcome: RunOutcome, trajectory: Trajectory | None, language: Language
+) -> Iterator[TimelineEntry]:
     for record in outcome.logs:
         line = f"[{record.level_name}] [{visible_line(record.name, 80)}]: {visible_line(record.message, 500)}"
-        yield Event(record.t_ns, line, _LEVEL_STYLE.get(record.level, ""))
+        yield TimelineEntry(record.t_ns, line, _LEVEL_STYLE.get(record.level, ""))
     if trajectory is not None:
         yield from _command_runs(trajectory.commands, language)
         for contact in trajectory.contacts:
             wall = wall_word(contact.wall, language) or visible_line(contact.wall, 20)
-            yield Event(contact.start_ns, word("contact", language, wall=wall), "yellow")
-    yield Event(outcome.duration_ns, _end(outcome, language), "bold")
+            yield TimelineEntry(contact.start_ns, word("contact", language, wall=wall), "yellow")
+    yield TimelineEntry(outcome.duration_ns, _end(outcome, language), "bold")
 
 
-def _command_runs(commands: tuple[Command, ...], language: Language) -> Iterator[Event]:
+def _command_runs(commands: tuple[Command, ...], language: Language) -> Iterator[TimelineEntry]:
     """Yield one event for each stretch of equal commands."""
     first = 0
     for i in range(1, len(commands) + 1):
@@ -72,13 +74,13 @@ def _equal(one: Command, other: Command) -> bool:
     return abs(one.v_mps - other.v_mps) < _SAME_COMMAND and abs(one.w_radps - other.w_radps) < _SAME_COMMAND
 
 
-def _command_run(command: Command, last_ns: int, count: int, language: Language) -> Event:
+def _command_run(command: Command, last_ns: int, count: int, language: Language) -> TimelineEntry:
     v, w = quantity.number(command.v_mps, "m/s"), quantity.number(command.w_radps, "rad/s")
     text = f"{word('command', language)} v = {v}, ω = {w}"
     if count > 1:
         time = quantity.number((last_ns - command.t_ns) * _NANO, "s", _TIME_DECIMALS)
         text += "  " + word("repeated", language, count=count, time=time)
-    return Event(command.t_ns, text, "cyan")
+    return TimelineEntry(command.t_ns, text, "cyan")
 
 
 def _end(outcome: RunOutcome, language: Language) -> str:
@@ -89,10 +91,10 @@ def _end(outcome: RunOutcome, language: Language) -> str:
     return f"{text} - {visible(detail)}" if detail else text
 
 
-def _bounded(events: list[Event], language: Language) -> list[Event]:
+def _bounded(events: list[TimelineEntry], language: Language) -> list[TimelineEntry]:
     left_out = len(events) - MOST_EVENTS
     if left_out <= 1:
         return events
     half = MOST_EVENTS // 2
-    gap = Event(events[half].t_ns, word("left_out_lines", language, count=left_out), "dim")
+    gap = TimelineEntry(events[half].t_ns, word("left_out_lines", language, count=left_out), "dim")
     return [*events[:half], gap, *events[-half:]]

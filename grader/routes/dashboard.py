@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Header, Query, Response
-from pydantic import BaseModel, BeforeValidator, Field
+from pydantic import BaseModel, Field
 
 from grader.contracts.dashboard import ClassState
 from grader.contracts.report import GradeStatus
@@ -15,7 +15,7 @@ from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
-    SUBMISSIONS,
+    Address,
     LanguageDep,
     QueryWhole,
     ServicesDep,
@@ -28,8 +28,6 @@ from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
 _MOST = 100_000
-Address = Annotated[str, BeforeValidator(lambda submission: SUBMISSIONS + submission)]
-"""Address of a submission, from its id."""
 
 
 class CellView(BaseModel):
@@ -39,7 +37,9 @@ class CellView(BaseModel):
     max_score: float | None = Field(examples=[10.0])
     passed: bool
     waits_for_person: bool = Field(description="An answer of theirs is still to be judged.")
-    status: SubmissionState = Field(description="Of the latest submission.", examples=["graded"])
+    status: SubmissionState = Field(
+        validation_alias="state", description="Of the latest submission.", examples=["graded"]
+    )
     verdict: GradeStatus | None = Field(description="Of the latest submission.", examples=["graded"])
     attempts: int = Field(description="Faults of the service do not count.", examples=[3])
     last_activity_at: datetime

@@ -26,6 +26,9 @@ _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.
 SUBMISSIONS = "/api/v1/submissions/"
 """A submission's address begins with it."""
 
+Address = Annotated[str, BeforeValidator(lambda submission: SUBMISSIONS + submission)]
+"""Address of a submission, from its id."""
+
 ENTRY_PROBLEMS = ("unauthorized", "too_many_requests")
 """Problems of every endpoint that asks who it is."""
 

@@ -328,13 +328,4 @@ def _item(item: JudgedItem, language: Language) -> ManualItemView:
 
 
 def _judgement(one: Judgement) -> JudgementView:
-    return JudgementView(
-        revision=one.revision,
-        points=one.points,
-        out_of=one.out_of,
-        comment=one.comment,
-        by=one.by,
-        at=one.at,
-        attempt=one.attempt,
-        source_sha256=one.source_sha256,
-    )
+    return JudgementView.model_validate(one, from_attributes=True)

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Query, Response
 from pydantic import BaseModel, Field
 
-from grader.contracts.identity import AuditEntry, Role
+from grader.contracts.identity import Role
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     CallerDep,
@@ -82,7 +82,7 @@ def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeV
     if course is None:
         return MeView(course=None, person=None, name=None, role=caller.role)
     return MeView(
-        course=CourseView(id=course.id, title=course.title, time_zone=course.time_zone),
+        course=CourseView.model_validate(course, from_attributes=True),
         person=caller.person,
         name=None if member is None else member.name,
         role=caller.role,
@@ -103,7 +103,7 @@ def read_members(
     """Return who is in the caller's course; nobody while there are no courses."""
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
     found = members(services, caller, role)
-    return MemberList(members=[MemberView(id=one.id, name=one.name, role=one.role) for one in found])
+    return MemberList(members=[MemberView.model_validate(one, from_attributes=True) for one in found])
 
 
 @router.get(
@@ -123,17 +123,5 @@ def read_audit(
     """Return changes of grades and settings in the caller's course."""
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
     entries, more = changes(services, caller, before, limit)
-    return AuditPage(entries=[_entry(one) for one in entries], next_before=more)
-
-
-def _entry(entry: AuditEntry) -> AuditView:
-    return AuditView(
-        id=entry.id,
-        at=entry.at,
-        actor=entry.actor,
-        action=entry.action,
-        subject=entry.subject,
-        before=entry.before,
-        after=entry.after,
-        reason=entry.reason,
-    )
+    shown = [AuditView.model_validate(one, from_attributes=True) for one in entries]
+    return AuditPage(entries=shown, next_before=more)

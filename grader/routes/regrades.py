@@ -4,13 +4,13 @@ from datetime import datetime
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Response
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import AliasPath, BaseModel, ConfigDict, Field
 
-from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, Wanted, Which
+from grader.contracts.regrade import Regrade, RegradeState, Wanted, Which
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     SIGHT,
-    SUBMISSIONS,
+    Address,
     InstructorDep,
     QueryWhole,
     RegradeId,
@@ -62,7 +62,7 @@ class ItemChangeView(BaseModel):
 class ScoreChangeView(BaseModel):
     """What happens to one submission."""
 
-    submission: str = Field(description="Its address.")
+    submission: Address = Field(description="Its address.")
     student: str = Field(examples=["20260123"])
     before: float | None = Field(description="Null: it had no grading.", examples=[5.0])
     after: float | None = Field(examples=[10.0])
@@ -78,9 +78,9 @@ class RegradeSummary(BaseModel):
     """A re-grade: while `open` and `waiting` is 0 it can be applied."""
 
     id: str
-    assignment: str
-    which: Which
-    students: list[str]
+    assignment: str = Field(validation_alias=AliasPath("wanted", "assignment"))
+    which: Which = Field(validation_alias=AliasPath("wanted", "which"))
+    students: list[str] = Field(validation_alias=AliasPath("wanted", "students"))
     state: RegradeState
     created_at: datetime
     created_by: str
@@ -117,7 +117,7 @@ class PastGradingView(BaseModel):
     finished_at: datetime
     grader_version: str = Field(examples=["0.1.0"])
     assignment_version: int = Field(examples=[1])
-    verdict: str = Field(examples=["graded"])
+    verdict: str = Field(validation_alias="status", examples=["graded"])
     score: float | None = Field(
         description="What the machine gave, without points by people; null: it left items to them."
     )
@@ -155,7 +155,12 @@ def start(
 @router.get("", summary="All re-grades", responses=responses(*ENTRY_PROBLEMS, "forbidden"))
 def read_all(services: ServicesDep, caller: StaffDep) -> RegradeList:
     """Return the re-grades of the caller's course."""
-    return RegradeList(regrades=[_summary(one) for one in regrading.all_regrades(services, caller)])
+    return RegradeList(
+        regrades=[
+            RegradeSummary.model_validate(one, from_attributes=True)
+            for one in regrading.all_regrades(services, caller)
+        ]
+    )
 
 
 @router.get("/{regrade_id}", summary="What changes", responses=responses(*_KNOWN, "regrade_not_found"))
@@ -205,62 +210,12 @@ def discard(
 )
 def read_history(services: ServicesDep, caller: StaffDep, submission_id: SubmissionId) -> History:
     """Return when, with which versions and why a submission was graded, and by whom again."""
-    return History(gradings=[_past(one) for one in regrading.history(services, caller, submission_id)])
+    found = regrading.history(services, caller, submission_id)
+    return History(gradings=[PastGradingView.model_validate(one, from_attributes=True) for one in found])
 
 
 def _view(regrade: Regrade, shown: slice = slice(None)) -> RegradeView:
     """Return a re-grade with the changes in the slice `shown`."""
-    return RegradeView(
-        **_summary(regrade).model_dump(), changes=[_change(one) for one in regrade.changes[shown]]
-    )
-
-
-def _summary(regrade: Regrade) -> RegradeSummary:
-    """Return a re-grade without its changes."""
-    return RegradeSummary(
-        id=regrade.id,
-        assignment=regrade.wanted.assignment,
-        which=regrade.wanted.which,
-        students=list(regrade.wanted.students),
-        state=regrade.state,
-        created_at=regrade.created_at,
-        created_by=regrade.created_by,
-        decided_at=regrade.decided_at,
-        decided_by=regrade.decided_by,
-        reason=regrade.reason,
-        waiting=regrade.waiting,
-        failed=regrade.failed,
-        same=regrade.same,
-        kept=regrade.kept,
-        gain=regrade.gain,
-        lose=regrade.lose,
-        changed=len(regrade.changes),
-    )
-
-
-def _change(change: ScoreChange) -> ScoreChangeView:
-    items = [ItemChangeView(item=one.item, before=one.before, after=one.after) for one in change.items]
-    return ScoreChangeView(
-        submission=SUBMISSIONS + change.submission,
-        student=change.student,
-        before=change.before,
-        after=change.after,
-        items=items,
-        kept=list(change.kept),
-        void=list(change.void),
-    )
-
-
-def _past(grading: PastGrading) -> PastGradingView:
-    return PastGradingView(
-        attempt=grading.attempt,
-        finished_at=grading.finished_at,
-        grader_version=grading.grader_version,
-        assignment_version=grading.assignment_version,
-        verdict=grading.status,
-        score=grading.score,
-        max_score=grading.max_score,
-        report_sha256=grading.report_sha256,
-        by=grading.by,
-        reason=grading.reason,
-    )
+    view = RegradeView.model_validate(regrade, from_attributes=True)
+    view.changes = view.changes[shown]
+    return view

@@ -16,7 +16,7 @@ from pydantic_core import PydanticCustomError
 
 from grader.contracts import fields
 from grader.contracts.errors import RefusedError
-from grader.contracts.fields import Kind, kinds_of
+from grader.contracts.fields import FieldKind, kinds_of
 from grader.contracts.identity import Role
 from grader.contracts.notation import instant
 from grader.contracts.rules import YEARS, Extension, LateRule, LateStep, RuleError, Rules
@@ -124,7 +124,7 @@ def _of(contract: type) -> Callable[[type[_Body]], type[_Body]]:
     return decorate
 
 
-def _field(kind: Kind, hint: Any, default: Any) -> tuple[Any, Any]:
+def _field(kind: FieldKind, hint: Any, default: Any) -> tuple[Any, Any]:
     """Return the type and the properties of a field as pydantic takes them."""
     type_ = _type(kind, hint)
     properties: dict[str, Any] = {"description": kind.meaning or None}
@@ -141,7 +141,7 @@ def _field(kind: Kind, hint: Any, default: Any) -> tuple[Any, Any]:
     return type_ | None if default is None else type_, Field(default=default, **properties)
 
 
-def _type(kind: Kind, hint: Any) -> Any:
+def _type(kind: FieldKind, hint: Any) -> Any:
     match kind:
         case fields.Instant():
             return Instant

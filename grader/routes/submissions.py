@@ -30,7 +30,7 @@ from grader.routes.middleware import UploadRoute, arrival
 from grader.routes.problems import responses
 from grader.use_cases import submissions
 from grader.use_cases.handing_in import Upload, hand_in
-from grader.use_cases.submissions import Progress
+from grader.use_cases.submissions import ShownSubmission
 from grader.use_cases.visibility import graded
 
 router = APIRouter(prefix="/api/v1/submissions", tags=["submissions"])
@@ -344,7 +344,7 @@ def read_source(services: ServicesDep, caller: CallerDep, submission_id: Submiss
     return Response(source, media_type="text/plain; charset=utf-8", headers=headers)
 
 
-def _view(read: Progress, language: Language) -> SubmissionView:
+def _view(read: ShownSubmission, language: Language) -> SubmissionView:
     """Return a submission and its latest grading in `language`."""
     submission, stored, lateness = read.submission, read.grading, read.lateness
     report = {} if stored is None else _whole(stored)

@@ -16,7 +16,7 @@ from typing import Any
 from sqlalchemy import ColumnElement, Select, and_, case, func, select
 from sqlmodel import Session, SQLModel, col
 
-from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, Progress
+from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, StudentProgress
 from grader.contracts.judgement import ItemScore, settled
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
@@ -53,7 +53,7 @@ class CountedCell:
     """
 
     mark: Mark
-    progress: Progress
+    progress: StudentProgress
     failed: frozenset[str]
     still: frozenset[str]
     mistakes: frozenset[str]
@@ -298,7 +298,7 @@ def _union(sets: Iterable[Iterable[str]]) -> frozenset[str]:
     return frozenset().union(*sets)
 
 
-def _progress(own: list[Any], known: CourseRules) -> Progress:
+def _progress(own: list[Any], known: CourseRules) -> StudentProgress:
     """Sum up one student's submissions to one assignment, given in order of arrival."""
     latest = own[-1]
     scored = [row for row in own if row.score is not None]
@@ -307,7 +307,7 @@ def _progress(own: list[Any], known: CourseRules) -> Progress:
     extension = known.extension(latest.assignment, latest.student)
     manual = next((row for row in reversed(own) if row.to_judge is not None), None)
     counting = known.of(latest.assignment).counting(extension, attempts)
-    return Progress(
+    return StudentProgress(
         student=latest.student,
         assignment=latest.assignment,
         attempts=sum(one.costs for one in attempts),
@@ -320,7 +320,7 @@ def _progress(own: list[Any], known: CourseRules) -> Progress:
         state=SubmissionState(latest.state),
         verdict=None if latest.verdict is None else GradeStatus(latest.verdict),
         last_activity_at=latest.received_at,
-        waiting_submission=manual.id if manual is not None and manual.to_judge else None,
+        waits_for_person=manual is not None and bool(manual.to_judge),
         shares=tuple(
             row.score / row.max_score if row.score is not None and row.max_score else None
             for row, one in zip(own, attempts, strict=True)

@@ -2,17 +2,15 @@
 
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from statistics import fmean
 from typing import Literal
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, Progress
+from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, StudentProgress
 from grader.contracts.identity import Caller, Role
-from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import summed
-from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
 from grader.use_cases.assignments import item_title
 from grader.use_cases.callers import require_staff
@@ -24,29 +22,10 @@ STUCK_ATTEMPTS = 3
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
-    """One student at one assignment. Submissions are named by their ids.
+class Cell(StudentProgress):
+    """One student at one assignment, and whether what counts is a pass."""
 
-    Attributes:
-        best_score: None while nothing was scored; `best_submission` is the first that reached it.
-        waits_for_person: an answer of theirs is still to be judged.
-        status, verdict: of the latest submission.
-        attempts: without those that the service failed to grade.
-        counted_score: what is kept of the attempt that counts.
-    """
-
-    best_score: float | None
-    max_score: float | None
     passed: bool
-    waits_for_person: bool
-    status: SubmissionState
-    verdict: GradeStatus | None
-    attempts: int
-    last_activity_at: datetime
-    best_submission: str | None
-    counted_score: float | None
-    counted_submission: str | None
-    latest_submission: str
 
     @property
     def stuck(self) -> bool:
@@ -83,7 +62,7 @@ class FailedItem:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class AssignmentStatistics:
+class AssignmentOverview:
     """What one assignment shows about the class.
 
     Attributes:
@@ -127,7 +106,7 @@ class Overview:
     total_students: int
     at_risk: Sequence[Risk]
     waiting_for_person: int
-    assignments: Sequence[AssignmentStatistics]
+    assignments: Sequence[AssignmentOverview]
     health: Health
 
 
@@ -145,7 +124,7 @@ class Selection:
 class _Told:
     """What the statistics of an assignment are made of."""
 
-    progress: list[Progress]
+    progress: list[StudentProgress]
     failures: list[ItemFailures]
     mistakes: list[MistakeCount]
 
@@ -178,7 +157,7 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
         students=[_student(student, cells) for student, cells in students.items()],
         total_students=len(students),
         at_risk=_at_risk(students, roster),
-        waiting_for_person=sum(one.waiting_submission is not None for one in state.progress),
+        waiting_for_person=sum(one.waits_for_person for one in state.progress),
         assignments=[_statistics(id_, known.get(id_), told[id_], pass_fraction, language) for id_ in ids],
         health=health_of(services),
     )
@@ -222,7 +201,7 @@ def _at_risk(students: Mapping[str, Mapping[str, Cell]], roster: Sequence[str]) 
     return idle + stuck
 
 
-def _mean_attempts_to_pass(progress: Iterable[Progress], pass_fraction: float) -> float | None:
+def _mean_attempts_to_pass(progress: Iterable[StudentProgress], pass_fraction: float) -> float | None:
     needed = [
         next(
             (
@@ -243,24 +222,12 @@ def _student(student: str, cells: dict[str, Cell]) -> StudentLine:
     return StudentLine(student=student, total_score=total, assignments=cells)
 
 
-def _cell(progress: Progress, pass_fraction: float) -> Cell:
-    return Cell(
-        best_score=progress.best_score,
-        max_score=progress.max_score,
-        passed=_passed(progress, pass_fraction),
-        waits_for_person=progress.waiting_submission is not None,
-        status=progress.state,
-        verdict=progress.verdict,
-        attempts=progress.attempts,
-        last_activity_at=progress.last_activity_at,
-        best_submission=progress.best_submission,
-        counted_score=progress.counted_score,
-        counted_submission=progress.counted_submission,
-        latest_submission=progress.latest_submission,
-    )
+def _cell(progress: StudentProgress, pass_fraction: float) -> Cell:
+    known = {one.name: getattr(progress, one.name) for one in fields(progress)}
+    return Cell(**known, passed=_passed(progress, pass_fraction))
 
 
-def _passed(progress: Progress, pass_fraction: float) -> bool:
+def _passed(progress: StudentProgress, pass_fraction: float) -> bool:
     score, most = progress.counted_score, progress.max_score
     return score is not None and most is not None and score >= pass_fraction * most
 
@@ -271,17 +238,17 @@ def _statistics(
     told: _Told,
     pass_fraction: float,
     language: Language,
-) -> AssignmentStatistics:
+) -> AssignmentOverview:
     students = len(told.progress)
     passed = sum(_passed(one, pass_fraction) for one in told.progress)
     scored = sum(one.counted_score is not None for one in told.progress)
     scores = [one.best_score for one in told.progress if one.best_score is not None]
-    return AssignmentStatistics(
+    return AssignmentOverview(
         id=assignment_id,
         title=assignment_id if assignment is None else assignment.title.get(language),
         max_score=None if assignment is None else assignment.max_score,
         students=students,
-        waiting_for_person=sum(one.waiting_submission is not None for one in told.progress),
+        waiting_for_person=sum(one.waits_for_person for one in told.progress),
         submissions=sum(one.attempts for one in told.progress),
         passed=passed,
         pass_rate=passed / scored if scored else None,
@@ -298,7 +265,7 @@ def _failed(one: ItemFailures, assignment: Assignment | None, language: Language
     return FailedItem(id=one.item, title=title, count=one.ever, still=one.still)
 
 
-def _distribution(progress: Iterable[Progress]) -> list[Bin]:
+def _distribution(progress: Iterable[StudentProgress]) -> list[Bin]:
     counts = [0] * _BINS
     for one in progress:
         if one.best_score is not None and one.max_score:

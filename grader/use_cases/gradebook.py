@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.dashboard import Progress
+from grader.contracts.dashboard import StudentProgress
 from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
 from grader.contracts.notation import written
@@ -25,7 +25,7 @@ from grader.use_cases.visibility import graded
 _FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠", "\t", "\r", "\n")
 Format = Literal["plain", "canvas"]
 Platform = Literal["gradescope", "prairielearn"]
-Scores = Mapping[tuple[str, str], Progress]
+Scores = Mapping[tuple[str, str], StudentProgress]
 
 
 def book(services: Services, caller: Caller) -> tuple[Sequence[Member], Scores]:
@@ -113,7 +113,7 @@ def _seen(students: set[str]) -> tuple[Member, ...]:
     return tuple(Member(course="", id=one, name="", role=Role.STUDENT) for one in sorted(students))
 
 
-def _points(progress: Progress | None) -> str:
+def _points(progress: StudentProgress | None) -> str:
     return "" if progress is None or progress.counted_score is None else written(progress.counted_score)
 
 

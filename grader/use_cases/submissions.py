@@ -29,7 +29,7 @@ class Lateness:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Progress:
+class ShownSubmission:
     """A submission and its latest grading, as the caller may see them.
 
     Attributes:
@@ -45,7 +45,7 @@ class Progress:
     lateness: Lateness
 
 
-def read(services: Services, caller: Caller, submission_id: str) -> Progress:
+def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmission:
     """Return where a submission stands, and its grading once there is one.
 
     Raises:
@@ -53,7 +53,7 @@ def read(services: Services, caller: Caller, submission_id: str) -> Progress:
     """
     submission, grading = found(services, caller, submission_id)
     position, estimated = place(services, submission)
-    return Progress(
+    return ShownSubmission(
         submission=submission,
         grading=grading,
         position=position,

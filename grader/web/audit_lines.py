@@ -11,7 +11,7 @@ from typing import Any
 from zoneinfo import ZoneInfo
 
 from grader.contracts import fields
-from grader.contracts.fields import Kind, kinds_of
+from grader.contracts.fields import FieldKind, kinds_of
 from grader.contracts.identity import Role
 from grader.contracts.notation import written
 from grader.contracts.rules import LATE_PARAMETERS, Extension, LateRule, Rules
@@ -25,7 +25,7 @@ ACTIONS = (
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "submission", "token")
 _RULES = {**kinds_of(Rules), **kinds_of(Extension)}
-_KINDS: Mapping[str, Kind] = {
+_KINDS: Mapping[str, FieldKind] = {
     **_RULES,
     "expires_at": fields.Instant(),
     "role": fields.Choice(options=tuple(Role)),
@@ -131,7 +131,7 @@ class Teller:
         tables = [text for name, text in told.items() if isinstance(kinds[name], fields.Table)]
         return tables[0] if in_full and tables else say(f"rules.late_short.{chosen}", self.language, **told)
 
-    def _told(self, name: str, kind: Kind | None, value: Any) -> str:
+    def _told(self, name: str, kind: FieldKind | None, value: Any) -> str:
         match kind:
             case fields.Instant():
                 return self._instant(value)

@@ -9,7 +9,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 from pydantic import Field
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.dashboard import Progress
+from grader.contracts.dashboard import StudentProgress
 from grader.contracts.identity import Member
 from grader.contracts.rubric import summed
 from grader.use_cases import gradebook
@@ -33,7 +33,7 @@ class BookLine:
 
     member: Member
     total: float
-    cells: tuple[Progress | None, ...]
+    cells: tuple[StudentProgress | None, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

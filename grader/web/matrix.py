@@ -8,8 +8,7 @@ from typing import Any, Literal, get_args
 from pydantic import Field
 
 from grader.contracts.submission import SubmissionState
-from grader.use_cases.dashboard import AssignmentStatistics, Overview, StudentLine
-from grader.use_cases.dashboard import Cell as Reached
+from grader.use_cases.dashboard import AssignmentOverview, Cell, Overview, StudentLine
 from grader.use_cases.people import named
 from grader.web.paging import PageQuery, cut
 
@@ -36,12 +35,12 @@ class MatrixQuery(PageQuery):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Cell:
+class DrawnCell:
     """One student at one assignment. `look`: full, passed, low, waiting, fault or none."""
 
     assignment: str
     look: str
-    cell: Reached | None
+    cell: Cell | None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -50,14 +49,14 @@ class Row:
 
     student: StudentLine
     name: str
-    cells: tuple[Cell, ...]
+    cells: tuple[DrawnCell, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Matrix:
     """One page of the matrix. `found` of `all` students fit the query."""
 
-    assignments: Sequence[AssignmentStatistics]
+    assignments: Sequence[AssignmentOverview]
     rows: tuple[Row, ...]
     found: int
     all: int
@@ -104,17 +103,18 @@ def _row(student: StudentLine, ids: Sequence[str], name: str) -> Row:
         student=student,
         name=name,
         cells=tuple(
-            Cell(assignment=id_, look=_look(cell), cell=cell) for id_, cell in zip(ids, cells, strict=True)
+            DrawnCell(assignment=id_, look=_look(cell), cell=cell)
+            for id_, cell in zip(ids, cells, strict=True)
         ),
     )
 
 
-def _look(cell: Reached | None) -> str:
+def _look(cell: Cell | None) -> str:
     if cell is None:
         return "none"
     if cell.best_score is not None and cell.max_score is not None:
         return "full" if cell.best_score >= cell.max_score else "passed" if cell.passed else "low"
-    return "fault" if cell.status is SubmissionState.INFRASTRUCTURE_ERROR else "waiting"
+    return "fault" if cell.state is SubmissionState.INFRASTRUCTURE_ERROR else "waiting"
 
 
 def _fits(student: StudentLine, judged: Sequence[str], show: Show) -> bool:
@@ -125,13 +125,13 @@ def _fits(student: StudentLine, judged: Sequence[str], show: Show) -> bool:
     return any(_CONDITIONS[show](student.assignments.get(one)) for one in judged)
 
 
-_CONDITIONS: Mapping[Show, Callable[[Reached | None], bool]] = {
+_CONDITIONS: Mapping[Show, Callable[[Cell | None], bool]] = {
     "unfinished": lambda cell: cell is None or not cell.passed,
     "not_begun": lambda cell: cell is None,
     "stuck": lambda cell: cell is not None and cell.stuck,
-    "waiting": lambda cell: cell is not None and cell.status in _WAITING,
+    "waiting": lambda cell: cell is not None and cell.state in _WAITING,
     "judge": lambda cell: cell is not None and cell.waits_for_person,
-    "fault": lambda cell: cell is not None and cell.status is SubmissionState.INFRASTRUCTURE_ERROR,
+    "fault": lambda cell: cell is not None and cell.state is SubmissionState.INFRASTRUCTURE_ERROR,
 }
 
 
@@ -148,5 +148,5 @@ def _sort_key(sort: str) -> Callable[[StudentLine], Any]:
     return lambda one: (_score(one.assignments.get(sort)), one.student)
 
 
-def _score(cell: Reached | None) -> float:
+def _score(cell: Cell | None) -> float:
     return -1.0 if cell is None or cell.best_score is None else cell.best_score

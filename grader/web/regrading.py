@@ -40,7 +40,7 @@ class Order(BaseModel):
     students: str = Field(default="", max_length=_LONGEST_LIST)
 
 
-class Decision(BaseModel):
+class DecisionForm(BaseModel):
     """What an instructor decides about a re-grade, and why."""
 
     decision: Ending
@@ -105,7 +105,7 @@ def decide(
     services: ServicesDep,
     visitor: InstructorDep,
     regrade_id: RegradeId,
-    form: Annotated[Decision, Form()],
+    form: Annotated[DecisionForm, Form()],
 ) -> Response:
     """Apply or discard; without a reason show the page again."""
     if not form.reason.strip():

@@ -16,7 +16,7 @@ from zoneinfo import ZoneInfo
 from pydantic import BaseModel, ConfigDict, Field, create_model
 
 from grader.contracts import fields
-from grader.contracts.fields import Kind, kinds_of
+from grader.contracts.fields import FieldKind, kinds_of
 from grader.contracts.notation import decimal, instant, whole, written
 from grader.contracts.rules import (
     LATE_PARAMETERS,
@@ -47,7 +47,7 @@ def typed_name(name: str) -> str:
     return name.removesuffix("_s")
 
 
-def _short(contract: type) -> dict[str, Kind]:
+def _short(contract: type) -> dict[str, FieldKind]:
     """Return the fields of a contract that are typed as one short text."""
     kinds = kinds_of(contract).items()
     return {name: kind for name, kind in kinds if isinstance(kind, fields.Instant | fields.Number)}
@@ -164,7 +164,7 @@ def _texts(contract: object, zone: ZoneInfo) -> dict[str, str]:
     }
 
 
-def _text(kind: Kind, value: Any, zone: ZoneInfo) -> str:
+def _text(kind: FieldKind, value: Any, zone: ZoneInfo) -> str:
     match kind:
         case fields.Instant():
             local: datetime = value.astimezone(zone)  # as a browser's field for date and time wants it
@@ -181,7 +181,7 @@ def _defaults(contract: Any) -> Mapping[str, Any]:
     return {one.name: one.default for one in dataclasses.fields(contract)}
 
 
-class FieldError(ValueError):
+class TypedFieldError(ValueError):
     """What is wrong with a field: the id of the sentence about it."""
 
 
@@ -224,7 +224,7 @@ class Reader:
     def _steps(self, form: RuleForm) -> tuple[LateStep, ...]:
         try:
             return tuple(_step(*line, self.zone) for line in form.steps()[:-_SPARE_STEPS])
-        except FieldError as error:
+        except TypedFieldError as error:
             self.errors.setdefault("steps", str(error))
             return ()
 
@@ -240,7 +240,7 @@ class Reader:
         try:
             if text.strip():
                 return _read(kinds_of(contract)[name], text.strip(), self.zone)
-        except FieldError as error:
+        except TypedFieldError as error:
             self.errors.setdefault(typed_name(name), str(error))
         return _defaults(contract)[name]
 
@@ -256,12 +256,12 @@ class Reader:
 def _step(hours: str, percent: str, zone: ZoneInfo) -> LateStep:
     kinds, wrong = kinds_of(LateStep), "rules.error.step"
     if not hours.strip():
-        raise FieldError(wrong)
+        raise TypedFieldError(wrong)
     after_s = _read(kinds["after_s"], hours.strip(), zone)
     return LateStep(after_s=after_s, keep=_read(kinds["keep"], percent.strip(), zone, wrong))
 
 
-def _read(kind: Kind, text: str, zone: ZoneInfo, wrong_share: str = "rules.error.percent") -> Any:
+def _read(kind: FieldKind, text: str, zone: ZoneInfo, wrong_share: str = "rules.error.percent") -> Any:
     match kind:
         case fields.Instant():
             return _instant(text, zone)
@@ -278,9 +278,9 @@ def _instant(text: str, zone: ZoneInfo) -> datetime:
     try:
         typed = instant(text)
     except ValueError:
-        raise FieldError("rules.error.instant") from None
+        raise TypedFieldError("rules.error.instant") from None
     if typed.year not in YEARS:
-        raise FieldError("rules.error.years")
+        raise TypedFieldError("rules.error.years")
     return typed.replace(tzinfo=zone) if typed.tzinfo is None else typed
 
 
@@ -288,9 +288,9 @@ def _count(text: str, kind: fields.Count) -> int:
     try:
         number = whole(text)
     except ValueError:
-        raise FieldError("rules.error.count") from None
+        raise TypedFieldError("rules.error.count") from None
     if not kind.low <= number <= kind.high:
-        raise FieldError(f"rules.error.count_from_{kind.low}")
+        raise TypedFieldError(f"rules.error.count_from_{kind.low}")
     return number
 
 
@@ -298,14 +298,14 @@ def _between(text: str, high: float, wrong: str) -> float:
     """Return the number that was typed.
 
     Raises:
-        FieldError: `wrong`: it is none from 0 to `high`.
+        TypedFieldError: `wrong`: it is none from 0 to `high`.
     """
     try:
         number = decimal(text.removesuffix("%").strip())
     except ValueError:
-        raise FieldError(wrong) from None
+        raise TypedFieldError(wrong) from None
     if not 0.0 <= number <= high:
-        raise FieldError(wrong)
+        raise TypedFieldError(wrong)
     return number
 
 

@@ -12,7 +12,7 @@ import httpx
 import pytest
 
 from grader.catalog import Catalog
-from grader.commands.demo import Upload, await_grades, hand_in, serving
+from grader.commands.demo import DemoUpload, await_grades, hand_in, serving
 from grader.render.terminal import console
 from tests.e2e.chromium import PHONE, Browser
 
@@ -44,10 +44,10 @@ def service(programs: tuple[str, str], tmp_path_factory: pytest.TempPathFactory)
     folder = Catalog().folder("square")
     with serving(tmp_path_factory.mktemp("service")) as client:
         uploads = [
-            Upload("ada", "square", folder / "solution.py"),
-            Upload("bo", "square", folder / "wrong" / "one_radian.py"),
-            Upload("bo", "square", folder / "wrong" / "five_sides.py"),
-            Upload("chen", "spin", Catalog().folder("spin") / "wrong" / "one_radian.py"),
+            DemoUpload("ada", "square", folder / "solution.py"),
+            DemoUpload("bo", "square", folder / "wrong" / "one_radian.py"),
+            DemoUpload("bo", "square", folder / "wrong" / "five_sides.py"),
+            DemoUpload("chen", "spin", Catalog().folder("spin") / "wrong" / "one_radian.py"),
         ]
         await_grades(client, [hand_in(client, upload) for upload in uploads], console())
         yield client

@@ -10,7 +10,7 @@ import httpx
 import pytest
 from rich.console import Console
 
-from grader.commands.demo import Upload, await_grades, hand_in, serving
+from grader.commands.demo import DemoUpload, await_grades, hand_in, serving
 from grader.contracts.record import from_json
 from grader.contracts.report import GradeReport
 from tests.e2e.grading_slot import LESSON, catalog
@@ -26,7 +26,7 @@ def client(tmp_path_factory: pytest.TempPathFactory) -> Iterator[httpx.Client]:
         yield client
 
 
-def graded(client: httpx.Client, *uploads: Upload) -> list[str]:
+def graded(client: httpx.Client, *uploads: DemoUpload) -> list[str]:
     locations = [hand_in(client, upload) for upload in uploads]
     await_grades(client, locations, Console(quiet=True))
     return locations
@@ -35,7 +35,7 @@ def graded(client: httpx.Client, *uploads: Upload) -> list[str]:
 @pytest.fixture(scope="module")
 def lesson(client: httpx.Client) -> dict[str, str]:
     """Where the submissions of the lesson's scripts are found, by assignment."""
-    uploads = [Upload(STUDENT, assignment, LESSON / name) for assignment, name in SCRIPTS.items()]
+    uploads = [DemoUpload(STUDENT, assignment, LESSON / name) for assignment, name in SCRIPTS.items()]
     return dict(zip(SCRIPTS, graded(client, *uploads), strict=True))
 
 
@@ -77,8 +77,8 @@ def test_what_was_driven_can_be_looked_at(client: httpx.Client, lesson: dict[str
 def test_a_square_is_no_pentagon_and_a_crash_is_the_students(client: httpx.Client, tmp_path: Path) -> None:
     crash = tmp_path / "crash.py"
     crash.write_text("import rclpy\n\nrclpy.init()\nrclpy.crete_node('x')\n")
-    square = Upload(STUDENT, "pentagon", LESSON / "square_mover.py")
-    other, crashed = graded(client, square, Upload(STUDENT, "hello", crash))
+    square = DemoUpload(STUDENT, "pentagon", LESSON / "square_mover.py")
+    other, crashed = graded(client, square, DemoUpload(STUDENT, "hello", crash))
     document = client.get(other, params={"lang": "en"}).json()
     assert document["score"] < document["max_score"]
     failed = [item for item in document["rubric"] if item["status"] == "failed"]
@@ -93,7 +93,7 @@ def test_a_text_is_accepted_graded_or_kept_for_a_person(client: httpx.Client) ->
     solutions = {
         name: catalog().folder(name) / "solution.txt" for name in ("calculation", "theory_keep_publishing")
     }
-    places = graded(client, *(Upload("s004", name, path) for name, path in solutions.items()))
+    places = graded(client, *(DemoUpload("s004", name, path) for name, path in solutions.items()))
     number, essay = (client.get(place).raise_for_status().json() for place in places)
     assert (number["verdict"], number["score"]) == ("graded", 100)
     assert (essay["verdict"], essay["score"]) == ("needs_manual", None)

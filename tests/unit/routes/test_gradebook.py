@@ -13,7 +13,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.contracts.dashboard import Progress
+from grader.contracts.dashboard import StudentProgress
 from grader.contracts.identity import Member, Role, RosterEntry
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import LateRule, Rules
@@ -97,8 +97,8 @@ def test_points_are_in_tables_to_the_cent(cents: list[int]) -> None:
     assert [Decimal(one) * 100 for one in rows(canvas([member], published, scores, "en"))[2][5:]] == cents
 
 
-def progress(assignment_id: str, score: float) -> Progress:
-    return Progress(
+def progress(assignment_id: str, score: float) -> StudentProgress:
+    return StudentProgress(
         student="1",
         assignment=assignment_id,
         attempts=1,
@@ -111,7 +111,7 @@ def progress(assignment_id: str, score: float) -> Progress:
         state=SubmissionState.GRADED,
         verdict=GradeStatus.GRADED,
         last_activity_at=START,
-        waiting_submission=None,
+        waits_for_person=False,
         shares=(1.0,),
     )
 
