@@ -23,11 +23,11 @@ from grader.contracts.notation import whole
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Counts, Extension, Rules
 from grader.contracts.text import Text
 from grader.contracts.validation_words import said
-from grader.routes.rules import ExtensionBody, RulesBody, rules_from
+from grader.render.audit_lines import Teller
 from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.rules import CourseRules, StoredRules, tag, to_document
-from grader.web.audit_lines import Teller
+from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 
 _KINDS = kinds_of(Rules)
 _NONE = ("none", "null", "")

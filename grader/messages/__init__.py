@@ -72,6 +72,27 @@ def say(message_id: str, /, **values: object) -> Text:
     return Text(zh=zh, en=en)
 
 
+def on_page(language: Language, key: str, /, **values: object) -> str:
+    """Return the sentence ``page.<key>`` with `values` filled in, not yet escaped.
+
+    Without values the fields stay in their braces: the pages' scripts fill some of them in.
+
+    Raises:
+        MissingMessageError: there is no such sentence: a defect of the page.
+    """
+    if values:
+        return sentence(language, f"page.{key}", **values)
+    text = template(language, f"page.{key}")
+    if text is None:
+        raise MissingMessageError(f"{language}: no message {key!r} of a page")
+    return text
+
+
+def is_on_page(key: str) -> bool:
+    """Whether the pages have such a sentence."""
+    return template("en", f"page.{key}") is not None
+
+
 def join(parts: list[Text], separator: Text) -> Text:
     """Join sentences or phrases in both languages."""
     return Text(

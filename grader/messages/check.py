@@ -21,8 +21,8 @@ from grader.messages import FOLDER, entries, file_of
 
 FILES: Final = ("grader", "pages")
 _ROOT: Final = FOLDER.parent
-_PREFIXES: Final = {"say": "", "sentence": "", "mistake": "mistake.", "word": "word."}
-"""Functions that take an id, and what they put before it. In grader.web `say` puts ``page.`` there."""
+_PREFIXES: Final = {"say": "", "sentence": "", "mistake": "mistake.", "word": "word.", "on_page": "page."}
+"""Functions that take an id, and what they put before it."""
 
 _MSGID: Final = re.compile(r'^msgid "(.+)"$', re.MULTILINE)
 _IN_TEMPLATE: Final = re.compile(r"""["']([a-z0-9_.]+)["']""")
@@ -136,11 +136,10 @@ class _Source:
 
     def _read_call(self, node: ast.Call, path: Path) -> None:
         name = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
-        at = 1 if name == "sentence" else 0  # after the language
+        at = 1 if name in ("sentence", "on_page") else 0  # after the language
         key = node.args[at] if name in _PREFIXES and len(node.args) > at else None
         if isinstance(key, ast.Constant) and isinstance(key.value, str):
-            prefix = "page." if name == "say" and "web" in path.parts else _PREFIXES[name]
-            self.named.setdefault(prefix + key.value, f"{path.relative_to(_ROOT)}:{node.lineno}")
+            self.named.setdefault(_PREFIXES[name] + key.value, f"{path.relative_to(_ROOT)}:{node.lineno}")
 
     def _read_template(self, path: Path) -> None:
         text = path.read_text(encoding="utf-8")

@@ -133,28 +133,14 @@ def _weight(parameters: str) -> float:
 LanguageDep = Annotated[Language, Depends(requested_language)]
 
 
-# Pydantic by itself also takes "1_0", " 10", "1e1" and true for a number, as Python does.
-
-
 def _in_digits(value: object) -> object:
+    """Read strictly: pydantic by itself also takes "1_0", " 10" and "1e1" for a number, as Python does."""
     if not isinstance(value, str):
         return value
     try:
         return whole(value)
     except ValueError:
         raise PydanticCustomError("int_parsing", "Input should be a whole number in digits") from None
-
-
-def _number(value: object) -> object:
-    if isinstance(value, bool | str):
-        raise PydanticCustomError("float_type", "Input should be a number")
-    return value
-
-
-def _whole_number(value: object) -> object:
-    if isinstance(value, bool | str):
-        raise PydanticCustomError("int_type", "Input should be a whole number")
-    return value
 
 
 AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
@@ -178,12 +164,6 @@ SIGHT = Depends(_require_sight)
 
 QueryWhole = Annotated[int, BeforeValidator(_in_digits)]
 """A whole number in the query of an address."""
-
-Whole = Annotated[int, BeforeValidator(_whole_number)]
-"""A whole number in a JSON body; 10.0 is one, as in JSON Schema."""
-
-Number = Annotated[float, BeforeValidator(_number)]
-"""A number in a JSON body. Bounds refuse what is not finite."""
 
 
 def seen(if_match: str | None) -> Seen | None:

@@ -11,7 +11,6 @@ from grader import __version__
 from grader.contracts.submission import QueueState, WorkerState
 from grader.routes.dependencies import ServicesDep
 from grader.routes.problems import responses
-from grader.use_cases.health import health_of
 
 router = APIRouter(tags=["health"])
 
@@ -67,7 +66,7 @@ class Health(BaseModel):
 )
 def read(services: ServicesDep, response: Response) -> Health:
     """Return queue, workers and sandbox; 503 when nothing would be graded."""
-    health = health_of(services)
+    health = services.health()
     response.status_code = 200 if health.ready else 503
     response.headers["Cache-Control"] = "no-store"
     return Health(

@@ -16,7 +16,6 @@ from grader.routes.dependencies import (
     SIGHT,
     SUBMISSIONS,
     LanguageDep,
-    Number,
     QueryWhole,
     ServicesDep,
     StaffDep,
@@ -28,6 +27,7 @@ from grader.routes.problems import responses
 from grader.store.judgements import WaitingFor
 from grader.use_cases import judging
 from grader.use_cases.assignments import item_title
+from grader.use_cases.bodies import Number
 from grader.use_cases.judging import WaitingPage
 from grader.use_cases.services import Services
 

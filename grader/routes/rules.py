@@ -1,36 +1,22 @@
-"""The rules of assignments over HTTP: everybody reads them, instructors change them.
-
-The fields of the bodies are those of the contracts, with the kinds that stand there.
-"""
+"""The rules of assignments over HTTP: everybody reads them, instructors change them."""
 
 import dataclasses
-from collections.abc import Callable
 from datetime import datetime
-from types import GenericAlias
-from typing import Annotated, Any, ClassVar, Self, TypeVar, get_type_hints
-from zoneinfo import ZoneInfo
+from typing import Annotated
 
 from fastapi import APIRouter, Header, Path, Response
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, create_model
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, Field
 
-from grader.contracts import fields
-from grader.contracts.errors import RefusedError
-from grader.contracts.fields import FieldKind, kinds_of
 from grader.contracts.identity import Role
-from grader.contracts.notation import instant
-from grader.contracts.rules import YEARS, Extension, LateRule, LateStep, RuleError, Rules
-from grader.contracts.validation_words import OUT_OF_YEARS
+from grader.contracts.rules import Extension
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     SUBMISSIONS,
     AssignmentId,
     CallerDep,
     InstructorDep,
-    Number,
     ServicesDep,
     StaffDep,
-    Whole,
     etag,
     seen,
 )
@@ -38,6 +24,7 @@ from grader.routes.problems import responses
 from grader.store.rules import tag
 from grader.use_cases import rules as use_case
 from grader.use_cases.assignments import Terms, require_published, terms_of
+from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 from grader.use_cases.rules import course_rules
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
@@ -52,137 +39,15 @@ IfMatch = Annotated[
 ]
 
 
-def _in_our_years(instant: datetime) -> datetime:
-    if instant.year not in YEARS:
-        raise PydanticCustomError(*OUT_OF_YEARS)
-    return instant
-
-
-def _instant(value: object) -> object:
-    if isinstance(value, datetime):
-        return value
-    try:
-        return instant(str(value))
-    except ValueError as error:
-        raise PydanticCustomError("datetime_parsing", str(error)) from None
-
-
-Instant = Annotated[datetime, BeforeValidator(_instant), AfterValidator(_in_our_years)]
 Reason = Annotated[
     str, Field(max_length=1_000, description="Goes into the audit log.", examples=["exam week"])
 ]
-
-
-class Described(BaseModel):
-    """The JSON of a contract whose fields have kinds."""
-
-    model_config = ConfigDict(extra="forbid")
-    contract: ClassVar[type]
-
-    @classmethod
-    def of(cls, value: Any, **more: object) -> Self:
-        """Return a contract as JSON shows it, and `more` fields that only this body has."""
-        return cls.model_validate({**dataclasses.asdict(value), **more})
-
-    def meant(self, zone: ZoneInfo) -> Any:
-        """Return the contract that is written here; instants without an offset are on the clock of `zone`.
-
-        Raises:
-            RuleError: its fields contradict each other.
-        """
-        return self.contract(**{name: _meant(getattr(self, name), zone) for name in kinds_of(self.contract)})
-
-
-def _meant(value: object, zone: ZoneInfo) -> object:
-    if isinstance(value, datetime) and value.tzinfo is None:
-        return value.replace(tzinfo=zone)
-    if isinstance(value, list):
-        return tuple(_meant(one, zone) for one in value)
-    return value.meant(zone) if isinstance(value, Described) else value
-
-
-_Body = TypeVar("_Body", bound=Described)
-_bodies: dict[type, type[Described]] = {}
-
-
-def _of(contract: type) -> Callable[[type[_Body]], type[_Body]]:
-    """Return a decorator that gives a body the fields of `contract`."""
-
-    def decorate(empty: type[_Body]) -> type[_Body]:
-        kinds, hints = kinds_of(contract), get_type_hints(contract)
-        defined: Any = {
-            one.name: _field(kinds[one.name], hints[one.name], one.default)
-            for one in dataclasses.fields(contract)
-        }
-        body = create_model(
-            empty.__name__, __base__=empty, __doc__=empty.__doc__, __module__=empty.__module__, **defined
-        )
-        body.contract = contract
-        _bodies[contract] = body
-        return body
-
-    return decorate
-
-
-def _field(kind: FieldKind, hint: Any, default: Any) -> tuple[Any, Any]:
-    """Return the type and the properties of a field as pydantic takes them."""
-    type_ = _type(kind, hint)
-    properties: dict[str, Any] = {"description": kind.meaning or None}
-    if kind.example is not None:
-        properties["examples"] = [kind.example]
-    if isinstance(kind, fields.Number):
-        properties |= {"ge": kind.low, "le": kind.high}
-    if isinstance(kind, fields.Names | fields.Table):
-        properties |= {"max_length": kind.most}
-    if isinstance(kind, fields.Names | fields.Table | fields.Nested):
-        return type_, Field(default_factory=list if isinstance(default, tuple) else type_, **properties)
-    if default is dataclasses.MISSING:
-        return type_, Field(**properties)
-    return type_ | None if default is None else type_, Field(default=default, **properties)
-
-
-def _type(kind: FieldKind, hint: Any) -> Any:
-    match kind:
-        case fields.Instant():
-            return Instant
-        case fields.Share():
-            return Number
-        case fields.Number():
-            return Whole
-        case fields.Names():
-            return list[Annotated[str, Field(max_length=kind.longest)]]
-        case fields.Table():
-            return GenericAlias(list, (_bodies[kind.of],))
-        case fields.Nested():
-            return _bodies[kind.of]
-        case _:
-            return hint
-
-
-@_of(LateStep)
-class LateStepBody(Described):
-    """A step of a late rule."""
-
-
-@_of(LateRule)
-class LateRuleBody(Described):
-    """What lateness costs."""
-
-
-@_of(Rules)
-class RulesBody(Described):
-    """The rules of one assignment. Instants without an offset are meant in the course's time zone."""
 
 
 class RulesChange(RulesBody):
     """New rules, in place of all that there were, and why."""
 
     reason: Reason = ""
-
-
-@_of(Extension)
-class ExtensionBody(Described):
-    """What one student gets beyond the rules; an empty one takes an extension back."""
 
 
 class ExtensionChange(ExtensionBody):
@@ -218,19 +83,6 @@ class StandingView(BaseModel):
     counted_score: float | None = Field(
         description="What of its score is kept after lateness.", examples=[8.5]
     )
-
-
-def rules_from(body: RulesBody, zone: ZoneInfo) -> Rules:
-    """Return the rules that `body` states.
-
-    Raises:
-        RefusedError: they contradict each other.
-    """
-    try:
-        rules: Rules = body.meant(zone)
-    except RuleError as error:
-        raise RefusedError("invalid_rules", error.text, field=error.field) from None
-    return rules
 
 
 @router.get(

@@ -14,8 +14,7 @@ from grader.contracts.rubric import summed
 from grader.contracts.text import Language
 from grader.use_cases.assignments import item_title
 from grader.use_cases.callers import require_staff
-from grader.use_cases.health import Health, health_of
-from grader.use_cases.services import Services
+from grader.use_cases.services import ServiceHealth, Services
 
 _BINS = 10
 STUCK_ATTEMPTS = 3
@@ -107,7 +106,7 @@ class Overview:
     at_risk: Sequence[Risk]
     waiting_for_person: int
     assignments: Sequence[AssignmentOverview]
-    health: Health
+    health: ServiceHealth
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,7 +158,7 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
         at_risk=_at_risk(students, roster),
         waiting_for_person=sum(one.waits_for_person for one in state.progress),
         assignments=[_statistics(id_, known.get(id_), told[id_], pass_fraction, language) for id_ in ids],
-        health=health_of(services),
+        health=services.health(),
     )
 
 

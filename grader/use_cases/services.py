@@ -5,6 +5,7 @@ from typing import Self
 
 from grader.contracts.grading import AssignmentSource, Preflight
 from grader.contracts.identity import Caller
+from grader.contracts.submission import QueueState, WorkerState
 from grader.settings import Settings
 from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
@@ -25,6 +26,19 @@ from grader.telemetry.metrics import Metrics
 from grader.use_cases.callers import Callers, RateLimit
 from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ServiceHealth:
+    """Whether the service does its work: what waits, and the workers that were heard of lately."""
+
+    queue: QueueState
+    workers: tuple[WorkerState, ...]
+
+    @property
+    def ready(self) -> tuple[WorkerState, ...]:
+        """Return the workers that grade; while there are none, uploads are only kept."""
+        return tuple(one for one in self.workers if one.sandbox_ready and one.slots > 0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,6 +82,10 @@ class Services:
     def signature(self, caller: Caller) -> Signature:
         """Return what the audit log keeps of a change that `caller` makes now."""
         return Signature(self.clock(), caller.course, caller.signature)
+
+    def health(self) -> ServiceHealth:
+        """Return the state of the queue and of all workers that are alive."""
+        return ServiceHealth(queue=self.queue.state(), workers=self.workers.alive(self.settings.silent_s))
 
     @classmethod
     def over(  # noqa: PLR0913

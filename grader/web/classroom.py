@@ -10,7 +10,6 @@ from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, overview
-from grader.use_cases.health import health_of
 from grader.use_cases.people import names, person
 from grader.use_cases.services import Services
 from grader.web import access
@@ -104,7 +103,7 @@ def read_comparison(
 @router.get("/service")
 def read_service(request: Request, services: ServicesDep) -> Response:
     """Show queue, workers and sandbox."""
-    return page(request, "service.html", health=health_of(services), version=__version__)
+    return page(request, "service.html", health=services.health(), version=__version__)
 
 
 def _overview(request: Request, services: Services, visitor: Visitor) -> Overview:

@@ -7,11 +7,11 @@ from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
+from grader.messages import on_page
 from grader.web import access
 from grader.web.errors import form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
-from grader.web.words import say
 
 router = APIRouter(include_in_schema=False)
 _LONGEST = 2_000
@@ -49,7 +49,7 @@ def enter(request: Request, entry: Annotated[Entry, Form()]) -> Response:
             home = "/class" if caller.is_staff else "/"
             response.headers["Location"] = own_address(entry.next) or home
             return response
-        return _ask(request, entry, 403, Wrong(field="token", text=say("enter.wrong_token", language)))
+        return _ask(request, entry, 403, Wrong(field="token", text=on_page(language, "enter.wrong_token")))
     response = RedirectResponse(own_address(entry.next) or "/submissions", status_code=303)
     try:
         access.enter_student(request, response, entry.student.strip())

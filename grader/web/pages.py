@@ -17,12 +17,11 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from grader.contracts.text import LANGUAGES, Language
-from grader.messages import quantity
+from grader.messages import on_page, quantity
 from grader.render.escape import visible_html
 from grader.render.labels import status_word
 from grader.web import forms
 from grader.web.access import visitor_of
-from grader.web.words import say
 
 FOLDER = Path(__file__).parent
 LANGUAGE_COOKIE = "grader_language"
@@ -53,7 +52,7 @@ def page(request: Request, template: str, *, status: int = 200, **values: Any) -
     context = {
         "lang": language,
         "html_lang": _HTML_LANGUAGE[language],
-        "say": partial(_say, language),
+        "say": partial(on_page, language),
         "visitor": visitor,
         "course_zone": visitor.zone,
         "form_token": token,
@@ -69,17 +68,13 @@ def page(request: Request, template: str, *, status: int = 200, **values: Any) -
     return response
 
 
-def _say(language: Language, key: str, /, **values: object) -> str:
-    return say(key, language, **values)
-
-
 def _other_language(request: Request, language: Language) -> dict[str, str]:
     """Return code, name and address of this page in the other language."""
     other: Language = "en" if language == "zh" else "zh"
     url = request.url.include_query_params(lang=other)
     return {
         "code": _HTML_LANGUAGE[other],
-        "name": say("language.name", other),
+        "name": on_page(other, "language.name"),
         "href": f"{url.path}?{url.query}",
     }
 

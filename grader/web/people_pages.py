@@ -5,9 +5,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
+from grader.render.audit_lines import Teller
 from grader.use_cases.people import changes, members
 from grader.web.access import InstructorDep, QueryWhole, ServicesDep, StaffDep, require_staff
-from grader.web.audit_lines import Teller
 from grader.web.pages import language_of, page
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])

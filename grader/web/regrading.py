@@ -11,6 +11,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import is_person_id
 from grader.contracts.judgement import judged
 from grader.contracts.regrade import Wanted, Which
+from grader.messages import on_page
 from grader.use_cases import regrading
 from grader.use_cases.assignments import published
 from grader.use_cases.people import names, person
@@ -23,7 +24,6 @@ from grader.web.errors import form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.regrade_table import PARTS, ChangesQuery, changes
-from grader.web.words import say
 
 router = APIRouter(prefix="/class/regrades", include_in_schema=False, dependencies=[Depends(require_staff)])
 WHICH: tuple[Which, ...] = ("all", "latest", "best", "faults")
@@ -109,7 +109,7 @@ def decide(
 ) -> Response:
     """Apply or discard; without a reason show the page again."""
     if not form.reason.strip():
-        wrong = FormError(field="reason", text=say("form.reason_needed", language_of(request)))
+        wrong = FormError(field="reason", text=on_page(language_of(request), "form.reason_needed"))
         return _one(request, services, visitor, regrade_id, ChangesQuery(), wrong)
     regrading.decide(services, visitor.caller, regrade_id, form.decision, form.reason.strip())
     return RedirectResponse(f"/class/regrades/{regrade_id}", status_code=303)
@@ -183,17 +183,19 @@ def _refused_students(
     language, known = language_of(request), names(services, visitor.caller)
     unknown = [one for one in students if not is_person_id(one) or (known and one not in known)]
     if unknown:
-        text = say("regrade.unknown_students", language, students=", ".join(unknown[:10]))
+        text = on_page(language, "regrade.unknown_students", students=", ".join(unknown[:10]))
         return FormError(field="students", text=text)
     if len(students) > _MOST_STUDENTS:
-        return FormError(field="students", text=say("regrade.many_students", language, most=_MOST_STUDENTS))
+        return FormError(
+            field="students", text=on_page(language, "regrade.many_students", most=_MOST_STUDENTS)
+        )
     return None
 
 
 def _refusal(request: Request, problem: RefusedError) -> FormError:
     language = language_of(request)
     if problem.code == "nothing_to_regrade":
-        return FormError(field="students", text=say("regrade.nothing_fits", language))
+        return FormError(field="students", text=on_page(language, "regrade.nothing_fits"))
     if problem.code == "regrade_open":
-        return FormError(field="assignment", text=say("regrade.open_already", language))
+        return FormError(field="assignment", text=on_page(language, "regrade.open_already"))
     return FormError(field="assignment", text=form_problem(problem, language).title)

@@ -31,7 +31,7 @@ from grader.contracts.rules import (
     RuleError,
     Rules,
 )
-from grader.web.words import known
+from grader.messages import is_on_page
 
 CHANGED_MEANWHILE = "rules.error.meanwhile"
 EXTENDED_MEANWHILE = "rules.error.extended_meanwhile"
@@ -117,7 +117,7 @@ def widgets() -> dict[str, Widget]:
             name=typed_name(name),
             type="datetime-local" if isinstance(kind, fields.Instant) else "text",
             mode={fields.Instant: "", fields.Count: "numeric"}.get(type(kind), "decimal"),
-            hint=known(f"rules.hint.{name}"),
+            hint=is_on_page(f"rules.hint.{name}"),
         )
         for name, kind in {**_short(Rules), **_short(LateRule)}.items()
     }

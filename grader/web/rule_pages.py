@@ -10,6 +10,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts
+from grader.render.audit_lines import Teller
 from grader.store.rules import CourseRules, tag
 from grader.use_cases.assignments import require_published
 from grader.use_cases.people import names
@@ -17,7 +18,6 @@ from grader.use_cases.rules import change_rules, course_rules
 from grader.use_cases.rules import extend as extend_for
 from grader.use_cases.services import Services
 from grader.web.access import AssignmentId, InstructorDep, ServicesDep, StaffDep, Visitor, require_staff
-from grader.web.audit_lines import Teller
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.rule_form import (

@@ -11,7 +11,8 @@ from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.submission import Submission
 from grader.contracts.text import Language
-from grader.messages import quantity
+from grader.messages import on_page, quantity
+from grader.render.audit_lines import Teller
 from grader.routes.middleware import UploadRoute, arrival_of
 from grader.telemetry.context import note
 from grader.use_cases.assignments import Terms, checklist, due_dates, terms_of, visible_assignment
@@ -20,11 +21,9 @@ from grader.use_cases.services import Services
 from grader.use_cases.submissions import attempts, best_of
 from grader.web import access
 from grader.web.access import ServicesDep, Visitor, VisitorDep
-from grader.web.audit_lines import Teller
 from grader.web.errors import form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
-from grader.web.words import say
 
 router = APIRouter(include_in_schema=False)
 uploads = APIRouter(include_in_schema=False, route_class=UploadRoute)
@@ -125,9 +124,9 @@ def _late(terms: Terms, language: Language) -> str:
     """Return what handing in after the due date costs, and until when it is possible."""
     accepted_s = terms.rules.accept_late_s
     if accepted_s == 0:
-        return say("standing.closed", language)
+        return on_page(language, "standing.closed")
     cost = Teller(language, terms.zone).value("late", asdict(terms.rules.late))
     if accepted_s is None:
         return cost
     hours = quantity.exact(accepted_s / 3_600)
-    return cost + say("comma", language) + say("rules.accept_short", language, hours=hours)
+    return cost + on_page(language, "comma") + on_page(language, "rules.accept_short", hours=hours)

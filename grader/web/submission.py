@@ -16,6 +16,7 @@ from grader.contracts.judgement import JudgedItem, judged
 from grader.contracts.report import CaseRun, GradeReport
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
+from grader.messages import on_page
 from grader.render.labels import status_word
 from grader.routes.events import LastEventId, events, owner_of, progress_event, watched
 from grader.use_cases import recordings, submissions
@@ -27,7 +28,6 @@ from grader.web import access
 from grader.web.access import ServicesDep, SubmissionId, Visitor, VisitorDep
 from grader.web.pages import language_of, page
 from grader.web.result import StreamText, figure_parts, result_page, stream_text
-from grader.web.words import say
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
 _REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading")
@@ -208,14 +208,14 @@ def _result(
         if run is None
         else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
     )
-    names = {name: say(f"figure.{name}", language) for name in ("side", "corner", "gap")}
+    names = {name: on_page(language, f"figure.{name}") for name in ("side", "corner", "gap")}
     return {
         "result": result_page(report, assignment, language),
         "run": run,
         "cut": _cut_output(services, stored),
         "parts": () if figure is None else figure_parts(figure, language, names),
         "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
-        "replay_words": {word: say(f"replay.{word}", language) for word in _REPLAY_WORDS},
+        "replay_words": {word: on_page(language, f"replay.{word}") for word in _REPLAY_WORDS},
     }
 
 

@@ -9,7 +9,7 @@ import pytest
 
 import grader.store
 from grader.contracts.regrade import RegradeState
-from grader.web.audit_lines import ACTIONS, Teller
+from grader.render.audit_lines import ACTIONS, Teller
 
 ZH, EN = (Teller(language, ZoneInfo("Asia/Shanghai")) for language in ("zh", "en"))
 

@@ -16,7 +16,7 @@ from grader.contracts.identity import Role
 from grader.contracts.notation import written
 from grader.contracts.rules import LATE_PARAMETERS, Extension, LateRule, Rules
 from grader.contracts.text import Language
-from grader.web.words import known, say
+from grader.messages import is_on_page, on_page
 
 ACTIONS = (
     "course.create", "member.add", "member.change", "token.issue", "token.revoke", "rules.change",
@@ -64,7 +64,11 @@ class Teller:
     def actor(self, name: str) -> str:
         """Return who did it: a member, or a user of the machine as `grader.commands` writes it."""
         user = name.removeprefix("command line (")
-        return name if user == name else say("audit.command_line", self.language, user=user.removesuffix(")"))
+        return (
+            name
+            if user == name
+            else on_page(self.language, "audit.command_line", user=user.removesuffix(")"))
+        )
 
     def action(self, name: str) -> str:
         """Return what was done."""
@@ -72,7 +76,7 @@ class Teller:
 
     def subject(self, text: str) -> str:
         """Return what it was done to; `text` is as `grader.store` writes it: kinds and names."""
-        return say("comma", self.language).join(self._part(part) for part in text.split(", "))
+        return on_page(self.language, "comma").join(self._part(part) for part in text.split(", "))
 
     def differences(self, before: Any, after: Any) -> list[tuple[str, str, str]]:
         """Return what changed as name, text before and text after; only the fields that differ of two records."""
@@ -102,11 +106,11 @@ class Teller:
         kind, _, name = part.partition(" ")
         if kind == "regrade":
             id_, _, assignment = name.partition(" of ")
-            return say("audit.kind.regrade", self.language, assignment=assignment, id=id_)
+            return on_page(self.language, "audit.kind.regrade", assignment=assignment, id=id_)
         return f"{self._word(f'audit.kind.{kind}', kind)} {name}" if name else part
 
     def _word(self, key: str, otherwise: str) -> str:
-        return say(key, self.language) if known(key) else otherwise
+        return on_page(self.language, key) if is_on_page(key) else otherwise
 
     def _instant(self, value: str) -> str:
         return (
@@ -121,15 +125,17 @@ class Teller:
         for unit_s, key in _UNITS:
             count, rest = divmod(rest, unit_s)
             if count:
-                parts.append(say(key, self.language, count=count))
-        return " ".join(parts) or say("audit.seconds", self.language, count=0)
+                parts.append(on_page(self.language, key, count=count))
+        return " ".join(parts) or on_page(self.language, "audit.seconds", count=0)
 
     def late(self, late: Mapping[str, Any], *, in_full: bool) -> str:
         """Return what lateness costs by the JSON of a late rule; `in_full`: with every line of its table."""
         kinds, chosen = kinds_of(LateRule), late["kind"]
         told = {name: self._told(name, kinds[name], late[name]) for name in LATE_PARAMETERS[chosen]}
         tables = [text for name, text in told.items() if isinstance(kinds[name], fields.Table)]
-        return tables[0] if in_full and tables else say(f"rules.late_short.{chosen}", self.language, **told)
+        return (
+            tables[0] if in_full and tables else on_page(self.language, f"rules.late_short.{chosen}", **told)
+        )
 
     def _told(self, name: str, kind: FieldKind | None, value: Any) -> str:
         match kind:
@@ -140,17 +146,17 @@ class Teller:
             case fields.Share():
                 return written(round(value * 100, 9))
             case fields.Choice():
-                return say(f"{'people' if name == 'role' else 'rules'}.{name}.{value}", self.language)
+                return on_page(self.language, f"{'people' if name == 'role' else 'rules'}.{name}.{value}")
             case fields.Nested():
                 return self.late(value, in_full=True)
             case fields.Table():
-                return say("comma", self.language).join(self._line(name, kind, line) for line in value)
+                return on_page(self.language, "comma").join(self._line(name, kind, line) for line in value)
             case _:
                 return _text(value)
 
     def _line(self, name: str, kind: fields.Table, line: Mapping[str, Any]) -> str:
         told = {part: self._told(part, of, line[part]) for part, of in kinds_of(kind.of).items()}
-        return say(f"rules.{name}.line", self.language, **told)
+        return on_page(self.language, f"rules.{name}.line", **told)
 
 
 def _empty(value: Any) -> bool:
