@@ -15,15 +15,13 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from rclpy.node import Node
-
 __getattr__ = passed_on(__name__)
 
 
 class ParameterService:
     """Creates and answers the six parameter services of a node."""
 
-    def __init__(self, node: Node) -> None:
+    def __init__(self, node: Any) -> None:
         self._node_weak_ref = ref(node)
         for name, kind, callback in (
             ("describe_parameters", "DescribeParameters", self._describe_parameters_callback),
@@ -112,7 +110,7 @@ class ParameterService:
         except ParameterNotDeclaredException as error:
             return SetParametersResult(successful=False, reason=str(error))
 
-    def _get_node(self) -> Node:
+    def _get_node(self) -> Any:
         node = self._node_weak_ref()
         if node is None:
             raise ReferenceError("Expected valid node weak reference")

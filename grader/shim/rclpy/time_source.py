@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from _weakref import ref
 
 from rclpy._forwarding import passed_on
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from rclpy.node import Node
     from rclpy.subscription import Subscription
 
 __getattr__ = passed_on(__name__)
@@ -28,9 +28,9 @@ USE_SIM_TIME_NAME = "use_sim_time"
 class TimeSource:
     """Drives ROS clocks for a node."""
 
-    def __init__(self, *, node: Node | None = None) -> None:
+    def __init__(self, *, node: Any = None) -> None:
         self._clock_sub: Subscription | None = None
-        self._node_weak_ref: Callable[[], Node | None] | None = None
+        self._node_weak_ref: Callable[[], Any] | None = None
         self._associated_clocks: list[ROSClock] = []
         self._last_time_set = Time(clock_type=ClockType.ROS_TIME)
         self._ros_time_is_active = False
@@ -67,11 +67,11 @@ class TimeSource:
                 QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT),
             )
 
-    def attach_node(self, node: Node) -> None:
+    def attach_node(self, node: Any) -> None:
         """Follow a node's parameter `use_sim_time`; TypeError for anything but a Node."""
-        from rclpy.node import Node
-
-        if not isinstance(node, Node):
+        # Upstream imports rclpy.node here, which imports this module. A Node exists only once it is loaded.
+        module = sys.modules.get("rclpy.node")
+        if module is None or not isinstance(node, module.Node):
             raise TypeError("Node must be of type rclpy.node.Node")
         if self._node_weak_ref is not None:
             self.detach_node()
@@ -129,5 +129,5 @@ class TimeSource:
                 break
         return SetParametersResult(successful=True)
 
-    def _get_node(self) -> Node | None:
+    def _get_node(self) -> Any:
         return None if self._node_weak_ref is None else self._node_weak_ref()
