@@ -1,8 +1,9 @@
-"""Validated assignments kept from one start of the command line to the next, as Python keeps ``.pyc`` files.
+"""Validated assignments, kept on disk from one command to the next, and in the memory of a service.
 
 Validating a file needs pydantic and a YAML parser, and importing these takes longer than a whole grading. An entry
-is valid for exactly the bytes of the file and of the code that validated it, so nothing ever has to be cleared. A
-damaged entry, or one that cannot be written, only costs the time that it would have saved.
+on disk holds for exactly the bytes of the file and of the code that validated it, as a ``.pyc`` file does for its
+source: nothing ever has to be cleared. A damaged entry, or one that cannot be written, costs only the time that
+it would have saved.
 """
 
 import hashlib
@@ -24,7 +25,7 @@ _VALIDATORS: Final = (
 
 
 def default_cache_folder() -> Path | None:
-    """Return the folder for this user's entries, None where the environment names none."""
+    """Return the folder for this user's entries; None where neither XDG_CACHE_HOME nor HOME names one."""
     base = os.environ.get("XDG_CACHE_HOME", "")
     if os.path.isabs(base):
         return Path(base, "grader")
@@ -39,7 +40,7 @@ class AssignmentMemory:
         self._known: dict[Path, tuple[bytes, Assignment]] = {}
 
     def find(self, path: Path) -> Assignment | None:
-        """Return what `path` was validated to when it had the same bytes as now, or None."""
+        """Return the assignment that was kept for `path`; None if there is none or the file has changed since."""
         known = self._known.get(path)
         try:
             return known[1] if known is not None and known[0] == path.read_bytes() else None
@@ -47,7 +48,7 @@ class AssignmentMemory:
             return None
 
     def keep(self, path: Path, source: bytes, assignment: Assignment) -> None:
-        """Remember that `source`, read from `path`, is valid and means `assignment`."""
+        """Keep `assignment`, which is what validating `source`, the content of `path`, gave."""
         self._known[path] = source, assignment
 
 
@@ -58,7 +59,7 @@ class AssignmentCache:
         self._folder = folder
 
     def find(self, path: Path) -> Assignment | None:
-        """Return what `path` was validated to when it had the same bytes as now, or None."""
+        """Return the assignment that was kept for `path`; None if there is none or the file has changed since."""
         try:
             entry = json.loads(self._file(path).read_bytes())
             if entry["key"] != self._key(path):
@@ -68,9 +69,9 @@ class AssignmentCache:
             return None
 
     def keep(self, path: Path, source: bytes, assignment: Assignment) -> None:
-        """Remember that `source`, read from `path`, is valid and means `assignment`."""
+        """Keep `assignment`, which is what validating `source`, the content of `path`, gave."""
         file = self._file(path)
-        draft = file.with_name(f"{file.name}.{os.getpid()}")
+        draft = file.with_name(f"{file.name}.{os.getpid()}")  # renamed when whole: others may read meanwhile
         with suppress(OSError):
             entry: dict[str, Any] = {
                 "key": self._digest(path, source),
@@ -89,7 +90,7 @@ class AssignmentCache:
 
     def _digest(self, path: Path, source: bytes) -> str:
         digest = self._code.copy()
-        digest.update(f"{path.parent.name}\0".encode())  # must be the assignment's id, so it counts
+        digest.update(f"{path.parent.name}\0".encode())  # validated as well: it must be the assignment's id
         digest.update(source)
         return digest.hexdigest()
 

@@ -1,8 +1,8 @@
 """The command line: which commands there are, and what their failures look like.
 
-A command is a module in `grader.commands` with `configure(parser)` and `run(arguments) -> int`. Only the
-chosen one is imported, so that `grader check` does not pay for the web framework. Exit codes: 0 full marks or
-done, 1 less than that, 2 could not be done.
+A command is a module in `grader.commands` with `configure(parser)` and `run(arguments) -> int`. Only the chosen
+one is imported, so that `grader check` does not pay for the web framework. Exit codes: 0 for full marks, or a
+command that did its work; 1 for a lower score, or something found wrong; 2 when the command could not be done.
 """
 
 import argparse
@@ -31,12 +31,12 @@ COMMANDS: dict[str, str] = {
     "demo": "grade a small class over HTTP and show the dashboard / 演示",
 }
 
-EXIT_COULD_NOT = 2
-EXIT_INTERRUPTED = 130
-EXIT_UNREAD = 141
+EXIT_NOT_DONE = 2
+EXIT_INTERRUPTED = 130  # as a shell reports SIGINT
+EXIT_BROKEN_PIPE = 141  # as a shell reports SIGPIPE
 
 
-_IN_CHINESE = (  # what argparse says, and the same
+_IN_CHINESE = (  # a message of argparse, as a pattern, and its Chinese wording
     (r"the following arguments are required: (.*)", r"缺少参数：\1"),
     (r"one of the arguments (.*) is required", r"要写其中一个：\1"),
     (r"unrecognized arguments: (.*)", r"没有这样的参数：\1"),
@@ -47,16 +47,16 @@ _IN_CHINESE = (  # what argparse says, and the same
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that says in Chinese, too, what is wrong; which language is wanted it cannot know by then."""
+    """A parser whose errors are in both languages: it fails before it has read which one is wanted."""
 
     def error(self, message: str) -> NoReturn:
-        """Say what is wrong and how to go on, and leave."""
-        told = "".join(
+        """Print what is wrong and how to get help, and exit."""
+        chinese = "".join(
             re.sub(en, zh, message) for en, zh in _IN_CHINESE if re.fullmatch(en, message, re.DOTALL)
         )
         self.print_usage(sys.stderr)
-        lines = [told, message, f"→ {self.prog} --help"]
-        self.exit(EXIT_COULD_NOT, "".join(f"{self.prog}: {line}\n" for line in lines if line))
+        lines = [chinese, message, f"→ {self.prog} --help"]
+        self.exit(EXIT_NOT_DONE, "".join(f"{self.prog}: {line}\n" for line in lines if line))
 
 
 def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespace:
@@ -72,7 +72,7 @@ def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespac
 
 
 def run(argv: Sequence[str]) -> int:
-    """Run one command and return the process's exit code; bad input is one readable message, not a traceback."""
+    """Run one command and return the process's exit code. Bad input is told in one line, without a traceback."""
     parser = Parser(
         prog="grader",
         description="Auto-grader for introductory ROS 2 (rclpy) motion exercises / ROS 2 运动练习自动评分",
@@ -84,7 +84,7 @@ def run(argv: Sequence[str]) -> int:
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help=argparse.SUPPRESS)
     if not argv:
         parser.print_help(sys.stderr)
-        return EXIT_COULD_NOT
+        return EXIT_NOT_DONE
     chosen = parser.parse_args(argv)
     module = importlib.import_module(f"grader.commands.{chosen.command}")
     command_parser = Parser(prog=f"grader {chosen.command}", description=COMMANDS[chosen.command])
@@ -98,9 +98,11 @@ def run(argv: Sequence[str]) -> int:
         from grader.render.escape import visible
 
         sys.stderr.write(f"grader: {visible(error.told(getattr(arguments, 'lang', 'zh')))}\n")
-        return EXIT_COULD_NOT
+        return EXIT_NOT_DONE
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
-    except BrokenPipeError:  # whoever read what was printed has seen enough, as `head` does
+    except (
+        BrokenPipeError
+    ):  # the reader has closed the pipe, as `head` does; Python would fail again when it flushes
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return EXIT_UNREAD
+        return EXIT_BROKEN_PIPE

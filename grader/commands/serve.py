@@ -23,7 +23,7 @@ from grader.contracts.errors import SettingsError
 from grader.contracts.text import trouble
 
 _log = logging.getLogger(__name__)
-EXIT_COULD_NOT = 2
+EXIT_NOT_DONE = 2
 _BACKLOG = 512  # a class that hands in within the same second
 _SWITCH_S = 0.0005
 """How long a thread that computes keeps Python's interpreter lock. A request gives the lock up some thirty times;
@@ -79,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
             sys.stderr.write(f"grader: {_url(listener)}/\n")
             sys.stderr.flush()
         server.run(sockets=[listener])
-    return 0 if server.started else EXIT_COULD_NOT
+    return 0 if server.started else EXIT_NOT_DONE
 
 
 class _Server(uvicorn.Server):

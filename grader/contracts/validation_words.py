@@ -1,4 +1,4 @@
-"""What is wrong with a field of a request, in words: pydantic's kinds of errors in both languages."""
+"""What is wrong with a field of a request: a sentence in both languages for each type of pydantic's errors."""
 
 from collections.abc import Mapping
 from typing import Any, Final
@@ -6,20 +6,21 @@ from typing import Any, Final
 from grader.contracts.notation import written
 from grader.contracts.text import Language, Text
 
-_NUMBER = Text(zh="要填一个数。", en="This is no number.")
-_INTEGER = Text(zh="要填一个整数。", en="This is no whole number.")
+_NUMBER = Text(zh="要填一个数。", en="This is not a number.")
+_INTEGER = Text(zh="要填一个整数。", en="This is not a whole number.")
 _INSTANT = Text(
-    zh="要填一个时间，例如 2026-03-20T23:59:59。", en="This is no date and time such as 2026-03-20T23:59:59."
+    zh="要填一个时间，例如 2026-03-20T23:59:59。",
+    en="This is not a date and time such as 2026-03-20T23:59:59.",
 )
 _ONE_OF = Text(zh="只能是这些值之一：{expected}。", en="Use one of these: {expected}.")
-_LIST = Text(zh="要填一个列表。", en="This is no list.")
-_OBJECT = Text(zh="要填一个 JSON 对象。", en="This is no JSON object.")
+_LIST = Text(zh="要填一个列表。", en="This is not a list.")
+_OBJECT = Text(zh="要填一个 JSON 对象。", en="This is not a JSON object.")
 _UNREADABLE = Text(zh="文字里有不能使用的字符。", en="The text has characters that are not accepted.")
 
 OUT_OF_YEARS: Final = ("out_of_years", "Use a year from 2000 to 2200.")
-"""Kind and message of our own error about an instant."""
+"""Type and English message of the one error that is ours: an instant outside of `rules.YEARS`."""
 
-_WORDS: Mapping[str, Text] = {
+_SENTENCES: Mapping[str, Text] = {
     "missing": Text(zh="缺少这个字段。", en="This field is missing."),
     "extra_forbidden": Text(zh="没有这个字段。", en="There is no such field."),
     "greater_than": Text(zh="要大于 {gt}。", en="Use more than {gt}."),
@@ -30,8 +31,8 @@ _WORDS: Mapping[str, Text] = {
     "too_long": Text(zh="最多 {max_length} 项。", en="Use at most {max_length} entries."),
     "string_pattern_mismatch": _UNREADABLE,
     "string_unicode": _UNREADABLE,
-    "string_type": Text(zh="要填文字。", en="This is no text."),
-    "finite_number": Text(zh="要填一个有限的数。", en="This is no finite number."),
+    "string_type": Text(zh="要填文字。", en="This is not text."),
+    "finite_number": Text(zh="要填一个有限的数。", en="This is not a finite number."),
     "float_parsing": _NUMBER,
     "float_type": _NUMBER,
     "int_parsing": _INTEGER,
@@ -55,11 +56,11 @@ _WORDS: Mapping[str, Text] = {
 
 
 def said(problem: Mapping[str, Any], language: Language) -> str:
-    """Return one of pydantic's `errors()` as a sentence; pydantic's own, in English, of a kind not known here."""
-    known = _WORDS.get(problem["type"])
-    if known is None:
+    """Return the sentence for one of pydantic's `errors()`; a type without one keeps pydantic's English."""
+    sentence = _SENTENCES.get(problem["type"])
+    if sentence is None:
         return str(problem["msg"])
     limits = problem.get("ctx", {}).items()
-    return known.get(language).format(
+    return sentence.get(language).format(
         **{name: written(value) if isinstance(value, float) else value for name, value in limits}
     )

@@ -1,8 +1,8 @@
 """The system calls a confined process may make: the table, the seccomp filter built from it, and its loading.
 
-Every call that `SYSCALLS` does not name fails. Grading needs no libseccomp: the filters are shipped as bytes, so a
-start costs no compilation. After a change of the table run ``python -m grader.jail.syscalls`` to build them again
-(that needs `pyseccomp`); a test rebuilds and compares them.
+Every call that `SYSCALLS` does not name fails. The filters are shipped as bytes, so that grading needs no
+libseccomp and compiles nothing at its start. After a change of the table run ``python -m grader.jail.syscalls`` to
+build them again (that needs `pyseccomp`); a test rebuilds and compares them.
 
 The zygote imports this module: standard library only, at import time.
 """
@@ -22,7 +22,7 @@ _INSTRUCTION_BYTES: Final = 8
 # ---------------------------------------------------------------------------------------------- the table
 
 OWN_PID: Final = 0x5A17C0DE
-"""Stands for the process's own id in a shipped filter; replaced when the filter is loaded."""
+"""Placeholder for the process's own id in a shipped filter; `bind_to_process` replaces it."""
 
 
 Arg = tuple[int, int, int]
@@ -66,8 +66,8 @@ SYSCALLS: Final[dict[str, tuple[Rule, ...]]] = {
     "clone": (((0, _THREAD, _THREAD | _CLONE_NAMESPACES),),),
     # Only its own limits, and only to read them.
     "prlimit64": (((0, 0, 0), (2, 0, 0)),),
-    # Signals to itself, as raise() and abort() send them. SIGKILL and SIGSTOP are left out so that seeing
-    # one always means somebody else sent it.
+    # Signals to itself, as raise() and abort() send them. Not SIGKILL and SIGSTOP: if a run ends by one of
+    # them, the kernel or the grader has sent it.
     "kill": tuple(((0, OWN_PID, 0), (1, n, _LOW_32)) for n in _SELF_SIGNALS),
     "tgkill": tuple(((0, OWN_PID, 0), (2, n, _LOW_32)) for n in _SELF_SIGNALS),
     # F_DUPFD, F_GETFD, F_SETFD, F_GETFL, F_SETFL, F_DUPFD_CLOEXEC, F_GETPIPE_SZ: no locks, leases, owners.
@@ -81,13 +81,14 @@ SYSCALLS: Final[dict[str, tuple[Rule, ...]]] = {
         ((0, _AF_UNIX, _LOW_32), (1, _SOCK_STREAM | flags, _LOW_32))
         for flags in (0, 0o4000, 0o2000000, 0o2004000)
     ),
-    # Without a destination address, and never with ancillary data (sendmsg stays refused).
+    # Only without a destination address. sendmsg, which can carry ancillary data, stays refused.
     "sendto": (((4, 0, 0),),),
 }
 """System calls a confined process may make. All others fail with EPERM."""
 
 REFUSED_AS_MISSING: Final = ("clone3",)
-"""Answered with ENOSYS, which makes the C library fall back to a call that the filter can look into."""
+"""Answered with ENOSYS: the C library then falls back to `clone`, whose flags the filter can check. Those of
+`clone3` lie in memory, which no filter can read."""
 
 REFUSED_ERRNO: Final = errno.EPERM
 
@@ -127,7 +128,7 @@ def bind_to_process(program: bytes, pid: int) -> bytes:
 
 
 def load(program: bytes) -> None:
-    """Confine this thread and all it starts to `program`, for ever. Needs no_new_privs.
+    """Confine this thread, and all that it starts, to `program`. It cannot be undone, and needs no_new_privs.
 
     Raises:
         OSError: the kernel refused.
@@ -157,7 +158,7 @@ def build_filter(machine: str) -> bytes:
         program.remove_arch(pyseccomp.system_arch())
     for name, rules in SYSCALLS.items():
         if pyseccomp.resolve_syscall(arch, name) < 0:
-            continue  # this architecture never had the call
+            continue  # an old call, which newer architectures do not have
         for rule in rules:
             conditions = (
                 pyseccomp.Arg(index, pyseccomp.MASKED_EQ, mask, value)

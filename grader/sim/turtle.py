@@ -13,12 +13,12 @@ from grader.sim.timeline import UPDATE_NS, next_update
 _NEVER: Final = 1 << 62
 _LIFE_UPDATES: Final = COMMAND_LIFE_NS // UPDATE_NS
 _LAG_NS: Final = 100_000_000
-"""How far the car may stay behind commands that only repeat its present one: less often is done in one go, and
-0.1 s is little enough for driving and the script's own computing to go on side by side."""
+"""How far the car may lag behind while commands only repeat the present one. Driving in larger pieces costs less;
+0.1 s is small enough for the car to drive while the script computes, instead of after it."""
 
 
 class AnyTurtle(Protocol):
-    """What turtlesim's topics, services and action need of a turtle."""
+    """A turtle as turtlesim's topics, services and action use it: the graded one or a spawned one."""
 
     start: PlanarPose
     alive: bool
@@ -35,21 +35,20 @@ class AnyTurtle(Protocol):
         """Set the velocity from the next update on."""
 
     def teleport(self, pose: PlanarPose) -> None:
-        """Be put into `pose`; the velocity is kept."""
+        """Move to `pose` at once; the velocity is kept."""
 
 
 class Turtle:
     """The graded turtle.
 
-    A command of time t is taken by the first update later than t; the last one before an update wins. It is
-    dropped by the first update that comes more than 1.0 s after the one that took it, as turtlesim does
-    (`Turtle::update`): a single command moves the turtle in 63 updates.
+    An update takes the last command that came before it. The first update more than 1.0 s later drops that
+    command, as in turtlesim (`Turtle::update`): a single command moves the turtle in 63 updates.
 
     Attributes:
-        alive: false between /kill and the next turtle of the same name; a dead turtle obeys nothing.
+        alive: false between /kill and the next turtle of the same name; until then commands have no effect.
         command_count, nonfinite_commands, lateral_commands, clamped_commands: commands received, and how many
             of them had a NaN or infinite component, a sideways one, or one beyond the car's bounds.
-        first_command_ns, last_command_ns: when they came.
+        first_command_ns, last_command_ns: when the first and the last one came.
     """
 
     def __init__(self, car: BulletCar, recorder: Recorder, world: World, horizon_ns: int) -> None:
@@ -65,7 +64,7 @@ class Turtle:
         self._world = world
 
     def appear(self) -> None:
-        """Build the physical world and stand at rest in the start pose. Nothing else may come before.
+        """Build the physical world, with the turtle at rest in the start pose. To be called first, once.
 
         Raises:
             InfrastructureError: the simulator failed.
@@ -126,28 +125,28 @@ class Turtle:
 
     def _obey(self, update: int, v_mps: float, w_radps: float) -> None:
         self._car.command(v_mps, w_radps)
-        # The update that drops it is the first without a newer command: the last nanosecond before it decides.
-        dropping = update + _LIFE_UPDATES + 1
-        self._drop_ns = dropping * UPDATE_NS - 1 if v_mps or w_radps else _NEVER
+        # An instant on the update itself would be too late: a command is taken by the update after it.
+        dropped_by = update + _LIFE_UPDATES + 1
+        self._drop_ns = dropped_by * UPDATE_NS - 1 if v_mps or w_radps else _NEVER
 
     def teleport(self, pose: PlanarPose) -> None:
-        """Be put into `pose` without driving there; the velocity is kept."""
+        """Move to `pose` without driving there; the velocity is kept."""
         self._car.put(pose)
 
     def kill(self) -> None:
-        """Stand still at once and obey nothing."""
+        """Stop at once; from now on commands have no effect."""
         self._car.stop_dead()
         self._drop_ns = _NEVER
         self.alive = False
 
     def revive(self, pose: PlanarPose) -> None:
-        """Appear in `pose`, at rest."""
+        """Come back at `pose`, at rest: the script spawned a turtle under this one's name."""
         self.kill()
         self._car.put(pose)
         self.alive = True
 
     def finish(self, end_ns: int) -> None:
-        """Take the last sample; `end_ns` is when the episode ended."""
+        """Drive up to `end_ns`, when the episode ended, and record the last sample."""
         self.advance(end_ns)
         self._car.observe()
 
@@ -158,11 +157,12 @@ class Turtle:
 
 
 class SpawnedTurtle:
-    """A turtle that the script spawned: it moves by turtlesim's law alone, and nothing of it is scored.
+    """A turtle that the script spawned: it moves by turtlesim's law, without physics, and is never scored.
 
     Attributes:
-        start: where it was spawned. pose: at the last update advanced to. velocity: (v, w) in that update.
-        alive: until it is killed.
+        start: where it was spawned.
+        pose, velocity: the pose after the last update advanced to, and (v, w) in that update.
+        alive: false once it is killed.
     """
 
     def __init__(self, pose: PlanarPose, t_ns: int, *, walls: bool) -> None:
@@ -197,7 +197,7 @@ class SpawnedTurtle:
         self._drop = self._updates + 1 + _LIFE_UPDATES + 1
 
     def teleport(self, pose: PlanarPose) -> None:
-        """Be put into `pose`; the velocity is kept."""
+        """Move to `pose` at once; the velocity is kept."""
         self._put(pose)
 
     def _put(self, pose: PlanarPose) -> None:

@@ -1,4 +1,4 @@
-"""Which worker processes live, and which process may take over after a crash."""
+"""Which worker processes are alive, and which process may requeue what a crash left behind."""
 
 import fcntl
 import os
@@ -27,7 +27,7 @@ class Workers:
         self._clock = clock
 
     def report(self, state: WorkerState) -> None:
-        """Store what a worker says about itself; delete workers that have long been silent."""
+        """Store what a worker says about itself; delete workers that have been silent for an hour."""
         forgotten = col(WorkerRow.seen_at) < self._clock() - timedelta(seconds=_FORGOTTEN_AFTER_S)
         with self._database.writing() as session:
             one_at_a_time(session, "worker reports")
@@ -35,14 +35,15 @@ class Workers:
             session.merge(WorkerRow(**asdict(state)))
 
     def leave(self, worker_id: str) -> None:
-        """Forget a worker that has stopped in good order."""
+        """Delete a worker that has stopped in good order, instead of waiting until it counts as silent."""
         with self._database.writing() as session:
             session.execute(delete(WorkerRow).where(col(WorkerRow.id) == worker_id))
 
     def alive(self, silent_s: float) -> tuple[WorkerState, ...]:
         """Return the workers heard of within the last `silent_s` seconds, oldest first.
 
-        Not those heard of in the future: the clock was ahead then, and a living worker reports again soon.
+        A report with a later time than now does not count: it was written while the clock was ahead, and a worker
+        that is alive reports again within seconds.
         """
         now, silent = self._clock(), timedelta(seconds=silent_s)
         heard = col(WorkerRow.seen_at).between(now - silent, now + silent)
@@ -55,11 +56,11 @@ class Workers:
 
 @contextmanager
 def presence(database_url: str, when_alone: Callable[[], None]) -> Iterator[None]:
-    """Be one of the processes that grade from this database, for as long as the context lasts.
+    """Mark this process, while the context lasts, as one that grades from this database.
 
-    `when_alone` is called first if no other such process lives: then every claim in a SQLite database is left
-    over from a crash and need not wait for its lease to end. It is never called on a database server, because
-    processes on other machines cannot be seen from here.
+    `when_alone` is called first if no other process is marked. Every claim in a SQLite database is then left over
+    from a crash and need not wait for its lease to end. On a database server it is never called: processes on
+    other machines cannot be seen from here.
     """
     url = make_url(database_url)
     if url.get_backend_name() != "sqlite" or not url.database:
@@ -69,13 +70,14 @@ def presence(database_url: str, when_alone: Callable[[], None]) -> Iterator[None
     try:
         if _locked(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB):
             when_alone()
-        _locked(descriptor, fcntl.LOCK_SH)  # waits while another process does the above
+        _locked(descriptor, fcntl.LOCK_SH)  # waits while another process runs its `when_alone`
         yield
     finally:
         os.close(descriptor)
 
 
 def _locked(descriptor: int, operation: int) -> bool:
+    """Lock the file; return False if the lock is another process's and `operation` does not wait."""
     try:
         fcntl.flock(descriptor, operation)
     except BlockingIOError:

@@ -46,7 +46,7 @@ class Services:
     """Everything a use case may work with.
 
     Attributes:
-        callers: recognises who asks.
+        callers: recognises who asks, by token.
         request_limit: of each student's requests. upload_limit: of each student's uploads.
     """
 
@@ -60,7 +60,7 @@ class Services:
     request_limit: RateLimit
     upload_limit: RateLimit
 
-    # the rows, by what they are about
+    # the database, by subject
     submissions: Submissions
     queue: Queue
     workers: Workers
@@ -73,14 +73,14 @@ class Services:
     tokens: Tokens
     audit: AuditLog
 
-    # what is kept in this process: drawn, guessed, followed, measured
+    # kept in this process: drawn plots, streams of events with their estimates, measurements
     plots: PlotCache
     doorbell: Doorbell
     watching: Watching
     metrics: Metrics
 
     def signature(self, caller: Caller) -> Signature:
-        """Return what the audit log keeps of a change that `caller` makes now."""
+        """Return when and by whom a change is made, for the audit log: now, by `caller`."""
         return Signature(self.clock(), caller.course, caller.signature)
 
     def health(self) -> ServiceHealth:
@@ -100,7 +100,7 @@ class Services:
         plots: PlotCache,
         instructor_token: str,
     ) -> Self:
-        """Return the services over one database that is up to date."""
+        """Return the services that work on `database`, whose tables are up to date."""
         queue, workers = Queue(database, clock, retries), Workers(database, clock)
         courses, tokens = Courses(database, clock), Tokens(database, clock)
         watching = _watching(database, settings, Estimates(queue, workers, clock, settings.silent_s))

@@ -1,4 +1,4 @@
-"""What is known of one frame: samples over a span of time, or one that is valid always.
+"""The poses of one frame in its parent: samples over a span of time, or a single one that holds at all times.
 
 The rules and texts are those of tf2's cache.cpp and static_cache.cpp (ROS 2 Humble).
 """
@@ -38,7 +38,7 @@ class TimeCache:
         return self._samples[-1].stamp_ns
 
     def insert(self, sample: Sample) -> bool:
-        """Take a sample in; False when it is older than the cache remembers."""
+        """Add a sample in order of time. Return False, and drop it, if it is older than the span of the cache."""
         if self._samples:
             oldest_ns = self.latest_ns - self._span_ns
             if sample.stamp_ns < oldest_ns:
@@ -51,7 +51,7 @@ class TimeCache:
         return True
 
     def at(self, time_ns: int) -> Sample:
-        """Return the pose at a time, interpolated; the latest for time 0.
+        """Return the pose at `time_ns`, interpolated between samples; time 0 asks for the latest sample.
 
         Raises:
             ExtrapolationException: the time lies outside the samples.
@@ -80,7 +80,7 @@ class TimeCache:
 
 
 class StaticCache:
-    """The one pose of a frame that does not move in its parent."""
+    """The pose of a frame that never moves in its parent."""
 
     latest_ns = 0
 

@@ -52,7 +52,7 @@ def test_a_fault_of_the_grader_is_not_blamed_on_the_script(
     for module in (check, run):
         monkeypatch.setattr(module, "Slot", FailingSlot)
     (tmp_path / "hello.py").write_text("import rclpy\n")
-    assert cli.run([command, str(tmp_path / "hello.py"), "--lang", lang]) == cli.EXIT_COULD_NOT
+    assert cli.run([command, str(tmp_path / "hello.py"), "--lang", lang]) == cli.EXIT_NOT_DONE
     told = capsys.readouterr().err
     assert words in told
     assert str(error) in told

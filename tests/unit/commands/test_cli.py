@@ -26,7 +26,7 @@ def test_wrong_arguments_are_told_in_both_languages(
 ) -> None:
     with pytest.raises(SystemExit) as left:
         cli.run(arguments)
-    assert left.value.code == cli.EXIT_COULD_NOT
+    assert left.value.code == cli.EXIT_NOT_DONE
     said = capsys.readouterr().err
     assert chinese in said
     assert english in said

@@ -49,7 +49,7 @@ class Everything(BaseModel):
         ("text", "aaaa", "at most 3"),
         ("text", "A!", "characters"),
         ("text", "\ud800x", "characters"),
-        ("text", 1, "no text"),
+        ("text", 1, "not text"),
         ("chosen", "c", "'a' or 'b'"),
         ("colour", "blue", "'red'"),
         ("flag", "perhaps", "true or false"),

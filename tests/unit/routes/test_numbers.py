@@ -26,7 +26,7 @@ def test_only_digits_are_a_number(client: httpx.Client, school: Any, path: str, 
     for text in NO_NUMBERS:
         refused = problem(client.get(path, params={name: text}, headers=headers), 422, "invalid_request")
         assert refused["field"] == f"query.{name}", text
-        assert "This is no whole number." in refused["detail"], text
+        assert "This is not a whole number." in refused["detail"], text
     answer = client.get(path, params={name: "10"}, headers=headers)
     assert answer.status_code == (404 if "none" in path else 200)
 

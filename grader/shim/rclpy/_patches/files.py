@@ -1,7 +1,8 @@
-"""`open` and the calls of `os` for a home that a script can write to (`rclpy._storage`).
+"""`open` and the calls of `os` for the files in memory that a script can write to (`rclpy._storage`).
 
-Other paths go to the real calls. What is not in these tables, or is given a `dir_fd`, stays real, and so is
-refused by `audit` and by the sandbox: links, devices, other owners.
+A path outside of this storage goes to the real call, and so does any path with a `dir_fd`. Calls that the tables
+below do not name stay real as well: those that make links or devices, or change owners. `audit` and the sandbox
+refuse them.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ _real: dict[str, Any] = dict(vars(os))
 
 
 class DirEntry:
-    """What `scandir` yields; stands for `os.DirEntry`."""
+    """What `scandir` yields in place of `os.DirEntry`."""
 
     def __init__(self, folder: Any, name: Any, entry: Entry) -> None:
         self.name = name
@@ -60,7 +61,7 @@ class DirEntry:
 
 
 class Scan:
-    """Iterator over the entries there were when it was made."""
+    """Iterator over the entries that a directory had when `scandir` was called."""
 
     def __init__(self, directory: Directory, path: Any) -> None:
         path = os.fspath(path)
@@ -80,7 +81,7 @@ class Scan:
         self.close()
 
     def close(self) -> None:
-        """Yield no more."""
+        """Drop the entries that were not yielded yet."""
         self._entries = iter(())
 
 
@@ -128,7 +129,7 @@ def mkdir(parts: Parts, path: Any, mode: int = 0o777) -> None:
 def rmdir(parts: Parts, path: Any) -> None:
     if _directory(parts, path).entries:
         fail(errno.ENOTEMPTY, path)
-    storage.remove(_movable(parts, path), parts[-1])
+    storage.remove(_folder_of_own(parts, path), parts[-1])
 
 
 def remove(parts: Parts, path: Any) -> None:
@@ -137,8 +138,8 @@ def remove(parts: Parts, path: Any) -> None:
     storage.remove(storage.folder_of(parts, path), parts[-1])
 
 
-def _movable(parts: Parts, path: Any) -> Directory:
-    """Return the folder of an entry that is not the system's own, as ``/tmp`` is."""
+def _folder_of_own(parts: Parts, path: Any) -> Directory:
+    """Return the folder that holds an entry of the script's own; refuse the system's, such as ``/tmp`` itself."""
     if len(parts) == 1:
         fail(errno.EACCES, path)
     return storage.folder_of(parts, path)
@@ -158,7 +159,7 @@ def utime(
     ns: tuple[int, int] | None = None,
     follow_symlinks: bool = True,
 ) -> None:
-    named = path if sys.version_info >= (3, 13) else None  # the error names no file, as Python's did not
+    named = path if sys.version_info >= (3, 13) else None  # before 3.13 the error of utime names no file
     entry = storage.find(parts, named)
     if ns is None:
         now = kernel.epoch_ns + kernel.now_ns
@@ -181,11 +182,15 @@ def listxattr(parts: Parts, path: Any, **options: bool) -> list[str]:
 
 def _by_path(
     name: str,
-    here: Callable[..., Any],
+    in_storage: Callable[..., Any],
     by_descriptor: Callable[..., Any] | None = None,
     default: str | None = None,
 ) -> Callable[..., Any]:
-    """Return what stands for `os.<name>`: `here`, told the path's parts first, or the real call."""
+    """Return a replacement for ``os.<name>``, which takes a path.
+
+    For a path in the storage it calls `in_storage` with the path's parts, the path and the other arguments; for
+    any other path, the real call. A descriptor of the storage in place of a path goes to `by_descriptor`.
+    """
     real = _real[name]
 
     def call(path: Any = default, *args: Any, **options: Any) -> Any:
@@ -195,7 +200,7 @@ def _by_path(
         if parts is None:
             return real(storage.elsewhere(path), *args, **options)
         options.pop("dir_fd", None)
-        return here(parts, path, *args, **options)
+        return in_storage(parts, path, *args, **options)
 
     call.__name__ = call.__qualname__ = name
     return call
@@ -228,10 +233,10 @@ def getcwdb() -> bytes:
 
 
 def rename(src: Any, dst: Any, *, src_dir_fd: int | None = None, dst_dir_fd: int | None = None) -> None:
-    """`os.rename`, which `os.replace` is on Linux."""
+    """`os.rename`. On Linux `os.replace` does the same."""
     try:
         parts = storage.parts(src)
-        source = _movable(parts, src) if parts is not None else None
+        source = _folder_of_own(parts, src) if parts is not None else None
         new_parts = storage.parts(dst)
         if source is None or new_parts is None or src_dir_fd is not None or dst_dir_fd is not None:
             _real["rename"](src, dst, src_dir_fd=src_dir_fd, dst_dir_fd=dst_dir_fd)
@@ -245,12 +250,12 @@ def rename(src: Any, dst: Any, *, src_dir_fd: int | None = None, dst_dir_fd: int
         fail(errno.EINVAL, src, dst)
     if parts[: len(new_parts)] == new_parts and parts != new_parts:
         fail(errno.ENOTEMPTY, src, dst)
-    _make_way(entry, target.entries.get(new_parts[-1]), src, dst)
+    _check_replaceable(entry, target.entries.get(new_parts[-1]), src, dst)
     storage.move(source, parts[-1], target, new_parts[-1])
 
 
-def _make_way(entry: Entry, old: Entry | None, src: Any, dst: Any) -> None:
-    """Refuse what cannot be renamed over `old`."""
+def _check_replaceable(entry: Entry, old: Entry | None, src: Any, dst: Any) -> None:
+    """Refuse to rename `entry` over `old` where Linux refuses it."""
     if old is None:
         return
     if isinstance(old, Directory) and not isinstance(entry, Directory):
@@ -268,13 +273,13 @@ def replace(src: Any, dst: Any, *, src_dir_fd: int | None = None, dst_dir_fd: in
 # ---------------------------------------------------------------------------------------- by descriptor
 
 
-def _by_descriptor(name: str, here: Callable[..., Any]) -> Callable[..., Any]:
-    """Return what stands for `os.<name>`: `here` for a descriptor of the storage, or the real call."""
+def _by_descriptor(name: str, in_storage: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a replacement for ``os.<name>``: `in_storage` for a descriptor of the storage, else the real call."""
     real = _real[name]
 
     def call(fd: Any, *args: Any, **options: Any) -> Any:
         if isinstance(fd, int) and fd in descriptors.descriptors:
-            return here(fd, *args, **options)
+            return in_storage(fd, *args, **options)
         return real(fd, *args, **options)
 
     call.__name__ = call.__qualname__ = name
@@ -299,8 +304,8 @@ _PATHS: dict[str, tuple[Any, ...]] = {
     "utime": (utime,),
 }
 REPLACED: dict[str, object] = {
-    **{name: _by_path(name, *how) for name, how in _PATHS.items() if name in _real},
-    **{name: _by_descriptor(name, here) for name, here in descriptors.CALLS.items() if name in _real},
+    **{name: _by_path(name, *calls) for name, calls in _PATHS.items() if name in _real},
+    **{name: _by_descriptor(name, call) for name, call in descriptors.CALLS.items() if name in _real},
     "access": access,
     "chdir": chdir,
     "getcwd": getcwd,
@@ -309,7 +314,7 @@ REPLACED: dict[str, object] = {
     "replace": replace,
     "umask": umask,
 }
-"""Names of `os` and what stands in for them."""
+"""What replaces the functions of `os`, by name."""
 
 REPLACED_OPEN: dict[str, object] = {"open": open_files.open}
-"""The same for `io` and for the builtins."""
+"""What replaces `open` in `io` and among the builtins."""

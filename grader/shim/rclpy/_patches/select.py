@@ -1,7 +1,7 @@
 """`select`, `poll` and `epoll` with virtual timeouts.
 
-The descriptors are real (only the script itself can write to them), so a wait asks the operating system
-without blocking whenever the kernel looks for a thread to run.
+The descriptors are real: pipes and socket pairs that only the script itself can write to. A waiting thread never
+blocks in the operating system. Whenever the kernel looks for a thread to run, it asks there, with timeout 0.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _epoll: Any = getattr(select, "epoll", None)  # Linux only
 
 
 def _await(ask: Callable[[], list[Any]], timeout: float | None, why: str) -> list[Any]:
-    """Return the first answer of `ask` that is not empty, or the empty one when the time is over."""
+    """Return the first answer of `ask` that is not empty; an empty list once the timeout has passed."""
     answer: list[Any] = []
 
     def ready() -> bool:
@@ -34,7 +34,7 @@ def _await(ask: Callable[[], list[Any]], timeout: float | None, why: str) -> lis
         kernel.charge()
         ready()
     else:
-        # Without a timeout only a signal ends it: an event loop at rest is no stall.
+        # `idle`: without a timeout this is an event loop at rest, which a signal may still end. It is no stall.
         kernel.wait(ready, deadline_after(timeout), why, idle=True)
     return answer
 
@@ -97,11 +97,13 @@ def patch_select(module: ModuleType) -> None:
 
 
 def patch_selectors(module: ModuleType) -> None:
-    """Renew what the selector classes took from `select` when they were defined."""
+    """Replace the functions that the selector classes took from `select` when they were defined."""
     target: Any = module
     target.PollSelector._selector_cls = VirtualPoll
     target.SelectSelector._select = staticmethod(virtual_select)
     if _epoll is not None:
         target.EpollSelector._selector_cls = VirtualEpoll
     else:
-        target.DefaultSelector = target.PollSelector  # kqueue would wait in real time
+        target.DefaultSelector = (
+            target.PollSelector
+        )  # off Linux the default is kqueue, which would wait in real time
