@@ -38,8 +38,8 @@ class Limits(Record):
     """
 
     steps: int = 1_500_000
-    cpu_s: float = 20.0
-    wall_s: float = 90.0
+    cpu_s: float = 30.0
+    wall_s: float = 120.0
     memory_bytes: int = 512 * MIB
     output_bytes: int = 4 * MIB
     threads: int = 64

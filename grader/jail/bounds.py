@@ -76,6 +76,8 @@ ENVIRONMENT: Final = {
     "OPENBLAS_NUM_THREADS": "1",
     "OMP_NUM_THREADS": "1",
     "MALLOC_ARENA_MAX": "1",  # 64 MiB of address space per thread otherwise
+    "MALLOC_MMAP_THRESHOLD_": str(32 * MIB),  # a picture's megabyte is used again, not mapped anew each time
+    "MALLOC_TRIM_THRESHOLD_": str(64 * MIB),
     "TZ": "UTC0",
 }
 """All of the zygote's environment, and so of every confined process."""

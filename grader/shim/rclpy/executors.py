@@ -256,15 +256,13 @@ class Executor:
             guard = self._guard.handle.backlog if self._guard is not None else []
             guard.clear()
             using = self.get_nodes() if nodes is None else nodes
-            for task, entity, node in reversed(tuple(self._tasks)):
+            for task, entity, node in reversed(tuple(self._tasks)) if self._tasks else ():
                 if not task.executing() and not task._done and (node is None or node in using):
                     yielded = True
                     yield task, entity, node
             self._tasks = [item for item in self._tasks if not (item[0]._done or item[0]._abandoned)]
             self._require_context(f"failed to initialize wait set: {WAIT_CONTEXT}")
-            watch, self._watch = self._watch, None  # nobody else may use it meanwhile
-            if watch is None or not watch.holds(self.can_execute, using):
-                watch = Watch(self.can_execute, using)
+            watch = self._take_watch(using)
             self._block(watch, guard, deadline_ns)
             timed_out = deadline_ns is not None and kernel.now_ns >= deadline_ns
             watch.settle()
@@ -279,7 +277,16 @@ class Executor:
         if condition():
             raise ConditionReachedException()
 
+    def _take_watch(self, nodes: Sequence[Node]) -> Watch:
+        """Return the watch of the last wait if it still holds; nobody else has it until it is put back."""
+        watch, self._watch = self._watch, None
+        if watch is not None and watch.holds(self.can_execute, nodes):
+            return watch
+        return Watch(self.can_execute, nodes)
+
     def _deadline_of(self, timeout_sec: float | TimeoutObject | None) -> int | None:
+        if timeout_sec is None:
+            return None
         seconds = timeout_sec.timeout if isinstance(timeout_sec, TimeoutObject) else timeout_sec
         timeout_ns = timeout_sec_to_nsec(seconds)
         if timeout_ns > 0:  # upstream measures it by a timer, which it cannot create after shutdown
@@ -297,8 +304,11 @@ class Executor:
         def ready() -> bool:
             return bool(guard) or self._is_shutdown or not context._valid() or watch.ready()
 
-        deadlines = [at for at in (watch.deadline_ns, deadline_ns) if at is not None]
-        kernel.wait(ready, min(deadlines, default=None), self._why(), idle=bool(self._spinning) or watch.open)
+        due_ns = watch.deadline_ns
+        until_ns = (
+            deadline_ns if due_ns is None or (deadline_ns is not None and deadline_ns < due_ns) else due_ns
+        )
+        kernel.wait(ready, until_ns, self._why(), idle=bool(self._spinning) or watch.open)
         if watch.deadline_ns == kernel.now_ns:
             kernel.be_late(min(watch.period_ns // 5, MAX_LATENESS_NS))
         if self._is_shutdown:
@@ -453,7 +463,11 @@ class _Call:
             executor.wake()
             return
         with executor._work_tracker:
-            message = executor._means(self._kind)[0](entity)
+            message = None
+            if self._kind == TIMER:
+                executor._take_timer(entity)
+            else:
+                message = executor._take_subscription(entity)
             entity._executor_event = False
             executor.wake()
             try:

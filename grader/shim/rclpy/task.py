@@ -25,6 +25,8 @@ _CO_COROUTINE = 0x80
 
 def is_coroutine_function(callback: Any) -> bool:
     """Whether calling `callback` gives a coroutine: an ``async def`` function, method or partial of one."""
+    if type(callback) is _FUNCTION:
+        return bool(callback.__code__.co_flags & _CO_COROUTINE)
     while True:
         inner = getattr(callback, "__func__", None) or (
             getattr(callback, "func", None) if type(callback).__name__ == "partial" else None
@@ -34,6 +36,9 @@ def is_coroutine_function(callback: Any) -> bool:
         callback = inner
     code = getattr(callback, "__code__", None)
     return code is not None and bool(code.co_flags & _CO_COROUTINE)
+
+
+_FUNCTION = type(is_coroutine_function)
 
 
 async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:

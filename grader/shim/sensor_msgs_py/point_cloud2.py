@@ -97,6 +97,10 @@ def create_cloud(header: Any, fields: list[Any], points: Any) -> Any:
     )
     if isinstance(points, numpy.ndarray) and points.dtype.names is not None:
         packed = points.astype(layout)
+    elif _is_table(numpy, points, fields):
+        packed = numpy.empty(len(points), dtype=layout)
+        for column, field in enumerate(fields):
+            packed[field.name] = points[:, column]
     else:
         packed = numpy.array([tuple(point) for point in points], dtype=layout)
     data = packed.tobytes()
@@ -110,6 +114,19 @@ def create_cloud(header: Any, fields: list[Any], points: Any) -> Any:
         point_step=layout.itemsize,
         row_step=len(data),
         data=array("B", data),
+    )
+
+
+def _is_table(numpy: Any, points: Any, fields: list[Any]) -> bool:
+    """Whether `points` is a plain array with a column of numbers for each field, all of which are to be floats.
+
+    Such an array is packed by columns. Integers are packed point by point: what does not fit is refused there.
+    """
+    return (
+        isinstance(points, numpy.ndarray)
+        and points.dtype.kind in "fiu"
+        and points.shape[1:] == (len(fields),)
+        and all(field.datatype in (PointField.FLOAT32, PointField.FLOAT64) for field in fields)
     )
 
 

@@ -49,3 +49,13 @@ def test_mixed_types_and_rows() -> None:
         Header(), fields, np.array([(0.5, 1)], dtype=[("x", "f4"), ("ring", "i4")])
     )
     assert point_cloud2.read_points_list(again) == [(0.5, 1)]
+
+
+@pytest.mark.parametrize("kind", ["f8", "f4", "i8"])
+def test_an_array_is_packed_as_its_rows_are(kind: str) -> None:
+    rows = np.arange(12).reshape(4, 3).astype(kind) / 1 if kind != "i8" else np.arange(12).reshape(4, 3)
+    whole = point_cloud2.create_cloud_xyz32(Header(), rows)
+    assert whole == point_cloud2.create_cloud_xyz32(Header(), rows.tolist())
+    assert point_cloud2.read_points_list(whole)[1] == (3.0, 4.0, 5.0)
+    with pytest.raises((ValueError, TypeError)):
+        point_cloud2.create_cloud_xyz32(Header(), rows[:, :2])

@@ -150,7 +150,7 @@ class Watch:
 
     def ready(self) -> bool:
         """Whether something can be served; cheap, asked by the kernel whenever it looks for a thread to run."""
-        if any(self._backlogs) or any(self._reset):
+        if any(self._backlogs) or (self._reset and any(self._reset)):
             return True
         return bool(self._checked) and any(handle.is_timer_ready() for handle, _ in self._checked)
 
@@ -169,7 +169,8 @@ class Watch:
             ready.append(place)
         if any(self._backlogs):
             ready += [place for backlog, place in self._others if backlog]
-        ready.sort(key=_order)
+        if len(ready) > 1:
+            ready.sort(key=_order)
         self._ready = ready
         self._settled = changes.count
         self._ready_waitables = [
