@@ -148,6 +148,7 @@ node.pub.publish(Twist())
 rclpy.spin_once(node, timeout_sec=0.2)
 """
 
+# A loop of 50 ms turns 2.8 degrees too far; one of turtlesim's updates on top, 1.1 degrees, exceeds the 3 allowed.
 FOR_EVER = """
 rclpy.init()
 node = Node('mover')
@@ -158,7 +159,7 @@ def drive(v, w, seconds):
     start = time.monotonic()
     while time.monotonic() - start < seconds:
         pub.publish(msg)
-        time.sleep(0.05)
+        time.sleep(0.02)
 while rclpy.ok():
     drive(2, 0, 1.0)
     drive(0, 0, 0.3)
