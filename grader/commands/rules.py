@@ -101,7 +101,7 @@ def _set(stored: StoredRules, signed: Signature, arguments: argparse.Namespace) 
     items = [item.id for item in Catalog().get(arguments.assignment).items]
     known = stored.of(signed.course)
     before = known.of(arguments.assignment)
-    rules = _read(_changed(before, arguments.rules), known.zone, arguments)
+    rules = _read(_changed(before, arguments.rules), known.zone)
     if unknown := set(rules.hidden_items) - set(items):
         name, all_items = min(unknown), ", ".join(items)
         raise CourseError(
@@ -148,7 +148,7 @@ def _value(name: str, text: str) -> Any:
         ) from None
 
 
-def _read(document: dict[str, Any], zone: ZoneInfo, arguments: argparse.Namespace) -> Rules:
+def _read(document: dict[str, Any], zone: ZoneInfo) -> Rules:
     try:
         return rules_from(RulesBody.model_validate(document), zone)
     except ValidationError as error:

@@ -5,6 +5,7 @@ What a script wrote is shown in bounded length and with no invisible characters 
 
 import json
 from collections.abc import Mapping
+from dataclasses import fields
 from datetime import datetime
 from typing import Annotated, Any
 
@@ -15,7 +16,7 @@ from grader.contracts.judgement import judged
 from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.submission import StoredReport, SubmissionState
+from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.contracts.text import Language
 from grader.render.escape import visible
 from grader.routes.dependencies import (
@@ -344,29 +345,19 @@ def read_source(services: ServicesDep, caller: CallerDep, submission_id: Submiss
     return Response(source, media_type="text/plain; charset=utf-8", headers=headers)
 
 
+_OWN = SubmissionView.model_fields.keys() & {one.name for one in fields(Submission)}
+"""What is told of a submission as its contract has it."""
+
+
 def _view(read: ShownSubmission, language: Language) -> SubmissionView:
     """Return a submission and its latest grading in `language`."""
     submission, stored, lateness = read.submission, read.grading, read.lateness
     report = {} if stored is None else _whole(stored)
     return SubmissionView(
-        id=submission.id,
-        student=submission.student,
-        assignment=submission.assignment,
-        file_name=submission.file_name,
-        sha256=submission.sha256,
-        size_bytes=submission.size_bytes,
+        **{name: getattr(submission, name) for name in _OWN},
         status=submission.state,
         queue_position=read.position,
         estimated_finish_at=read.estimated_finish_at,
-        received_at=submission.received_at,
-        queued_at=submission.queued_at,
-        started_at=submission.started_at,
-        finished_at=submission.finished_at,
-        tries=submission.tries,
-        verdict=submission.verdict,
-        score=submission.score,
-        to_judge=submission.to_judge,
-        max_score=submission.max_score,
         late_s=lateness.late_s,
         kept_share=lateness.kept_share,
         kept_score=lateness.kept_score,
@@ -375,7 +366,6 @@ def _view(read: ShownSubmission, language: Language) -> SubmissionView:
         mistakes=report.get("mistakes", []),
         rubric=[_item(item, language) for item in report.get("items", [])],
         runs=[_run(run) for run in report.get("runs", [])],
-        report_sha256=submission.report_sha256,
         graded_at=None if stored is None else stored.finished_at,
         grader_version=report.get("grader_version"),
         assignment_version=report.get("assignment_version"),

@@ -9,7 +9,7 @@ from sqlmodel import Session, col
 
 from grader.contracts.identity import AuditEntry
 from grader.store.database import Database
-from grader.store.tables import AuditRow
+from grader.store.tables import AuditRow, as_contract
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,15 +63,4 @@ def record(  # noqa: PLR0913
 
 
 def _entry(row: AuditRow) -> AuditEntry:
-    assert row.id is not None
-    return AuditEntry(
-        id=row.id,
-        at=row.at,
-        course=row.course,
-        actor=row.actor,
-        action=row.action,
-        subject=row.subject,
-        before=json.loads(row.before),
-        after=json.loads(row.after),
-        reason=row.reason,
-    )
+    return as_contract(row, AuditEntry, before=json.loads(row.before), after=json.loads(row.after))

@@ -23,7 +23,7 @@ from grader.contracts.submission import Judgement
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
 from grader.store.database import Database
-from grader.store.tables import GradedItemRow, GradingRow, JudgementRow, SubmissionRow
+from grader.store.tables import GradedItemRow, GradingRow, JudgementRow, SubmissionRow, as_contract
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -325,15 +325,5 @@ def settle(session: Session, submission: SubmissionRow) -> GradeReport | None:
 
 def judgement(row: JudgementRow) -> Judgement:
     """Return what a row says."""
-    return Judgement(
-        submission=row.submission_id,
-        item=row.item,
-        revision=row.revision,
-        points=row.points,
-        out_of=row.out_of,
-        comment=row.comment,
-        by=row.judged_by,
-        at=row.judged_at,
-        attempt=row.attempt,
-        source_sha256=row.source_sha256,
-    )
+    others = {"submission": row.submission_id, "by": row.judged_by, "at": row.judged_at}
+    return as_contract(row, Judgement, **others)

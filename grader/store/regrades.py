@@ -33,6 +33,7 @@ from grader.store.tables import (
     RegradeRow,
     SubmissionRow,
     TrajectoryRow,
+    as_contract,
 )
 from grader.store.work import announcement_of
 
@@ -264,17 +265,12 @@ def _regrade(session: Session, row: RegradeRow, trials: list[_Trial] | None = No
         told = json.loads(row.outcome)
         changes = tuple(from_plain(ScoreChange, one) for one in told["changes"])
         waiting, failed, same = 0, told["failed"], told["same"]
-        kept = told.get("kept", 0)  # re-grades decided before there were judgements do not say
-    return Regrade(
-        id=row.id,
-        course=row.course,
+        kept = told["kept"]
+    return as_contract(
+        row,
+        Regrade,
         wanted=from_json(Wanted, row.wanted),
         state=RegradeState(row.state),
-        created_at=row.created_at,
-        created_by=row.created_by,
-        decided_at=row.decided_at,
-        decided_by=row.decided_by,
-        reason=row.reason,
         waiting=waiting,
         failed=failed,
         same=same,

@@ -13,7 +13,7 @@ from grader.store.clock import Clock
 from grader.store.database import Database
 from grader.store.gradings import standing_grading, stored_report
 from grader.store.intake import attempts_of, refusal_of, take_in
-from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, TrajectoryRow
+from grader.store.tables import GradedAssignmentRow, SourceRow, SubmissionRow, TrajectoryRow, as_contract
 
 _OPEN_STATES = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 
@@ -150,26 +150,10 @@ def _report(session: Session, submission_id: str) -> StoredReport | None:
 
 
 def _submission(row: SubmissionRow) -> Submission:
-    return Submission(
-        id=row.id,
-        course=row.course,
-        student=row.student,
-        assignment=row.assignment,
-        file_name=row.file_name,
+    return as_contract(
+        row,
+        Submission,
         sha256=row.source_sha256,
-        size_bytes=row.size_bytes,
         state=SubmissionState(row.state),
-        received_at=row.received_at,
-        queued_at=row.queued_at,
-        started_at=row.started_at,
-        finished_at=row.finished_at,
-        attempt=row.attempt,
-        tries=row.tries,
-        trouble=row.trouble,
         verdict=None if row.verdict is None else GradeStatus(row.verdict),
-        score=row.score,
-        max_score=row.max_score,
-        report_sha256=row.report_sha256,
-        graded_attempt=row.graded_attempt,
-        to_judge=row.to_judge,
     )

@@ -1,7 +1,8 @@
 """The tables. Changing one needs a migration in `grader.store.migrations.versions` (a test compares them)."""
 
+from dataclasses import fields
 from datetime import UTC, datetime
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 from sqlalchemy import (
     CheckConstraint,
@@ -21,6 +22,7 @@ from grader.contracts.identity import Role
 from grader.contracts.submission import SubmissionState
 
 SHA256_LENGTH = 64
+_Contract = TypeVar("_Contract")
 
 
 class UtcDateTime(TypeDecorator[datetime]):
@@ -367,6 +369,12 @@ class WorkerRow(SQLModel, table=True):
     detail: str = Field(sa_column=text_column())
     started_at: datetime = Field(sa_column=instant_column())
     seen_at: datetime = Field(sa_column=instant_column())
+
+
+def as_contract(row: SQLModel, contract: type[_Contract], **others: Any) -> _Contract:
+    """Return the contract whose fields are the columns of the same names; `others` are the fields that differ."""
+    same = (one.name for one in fields(contract) if one.name not in others)  # type: ignore[arg-type]
+    return contract(**{name: getattr(row, name) for name in same}, **others)
 
 
 def table_of(row: type[SQLModel]) -> Table:

@@ -15,7 +15,7 @@ from grader.contracts.identity import Caller, Role, TokenInfo, unknown_members
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.database import Database
-from grader.store.tables import MemberRow, TokenRow
+from grader.store.tables import MemberRow, TokenRow, as_contract
 
 _SECRET_BYTES = 32
 _ID_BYTES = 6
@@ -109,11 +109,4 @@ def _digest(secret: str) -> str:
 
 
 def _info(row: TokenRow) -> TokenInfo:
-    return TokenInfo(
-        id=row.id,
-        course=row.course,
-        person=row.person,
-        created_at=row.created_at,
-        expires_at=row.expires_at,
-        revoked_at=row.revoked_at,
-    )
+    return as_contract(row, TokenInfo)

@@ -137,7 +137,7 @@ def item_line(item: RubricItem, language: Language) -> ItemLine:
     )
 
 
-def figure_parts(figure: FigureSketch, language: Language, names: dict[str, str]) -> tuple[FigurePart, ...]:
+def figure_parts(figure: FigureSketch, names: dict[str, str]) -> tuple[FigurePart, ...]:
     """Return sides, corners and gap in the order driven; `names` are the words for the three."""
     parts = []
     for number, side in enumerate(figure.sides, start=1):

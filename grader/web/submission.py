@@ -213,7 +213,7 @@ def _result(
         "result": result_page(report, assignment, language),
         "run": run,
         "cut": _cut_output(services, stored),
-        "parts": () if figure is None else figure_parts(figure, language, names),
+        "parts": () if figure is None else figure_parts(figure, names),
         "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
         "replay_words": {word: on_page(language, f"replay.{word}") for word in _REPLAY_WORDS},
     }

@@ -19,6 +19,7 @@ from tests.fakes.grading import grade
 from tests.unit.routes.conftest import work
 
 URL = "/api/v1/regrades"
+Post = Callable[..., httpx.Response]
 
 
 def tighten(services: Services) -> None:
@@ -39,7 +40,7 @@ def klass(client: httpx.Client, school: Any, graded: Callable[..., str], clock: 
 
 
 @pytest.fixture
-def post(client: httpx.Client, school: Any) -> Callable[..., httpx.Response]:
+def post(client: httpx.Client, school: Any) -> Post:
     def send(url: str = URL, **body: object) -> httpx.Response:
         return client.post(url, json=body, headers=school.as_("wang"))
 
@@ -47,11 +48,7 @@ def post(client: httpx.Client, school: Any) -> Callable[..., httpx.Response]:
 
 
 def test_a_trial_lists_exactly_those_it_changes(
-    client: httpx.Client,
-    services: Services,
-    school: Any,
-    klass: dict[str, str],
-    post: Callable[..., httpx.Response],
+    client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
 ) -> None:
     tighten(services)
     response = post(assignment="square")
@@ -80,12 +77,7 @@ def test_a_trial_lists_exactly_those_it_changes(
 
 
 def test_nothing_changes_until_it_is_applied(
-    client: httpx.Client,
-    services: Services,
-    school: Any,
-    klass: dict[str, str],
-    post: Callable[..., httpx.Response],
-    tmp_path: Path,
+    client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post, tmp_path: Path
 ) -> None:
     before = {url: client.get(url + "/report", headers=school.as_("ta")).content for url in klass.values()}
     dashboard = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()["students"]
@@ -104,11 +96,7 @@ def test_nothing_changes_until_it_is_applied(
 
 
 def test_applied_it_counts_and_the_old_grading_stays(
-    client: httpx.Client,
-    services: Services,
-    school: Any,
-    klass: dict[str, str],
-    post: Callable[..., httpx.Response],
+    client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
 ) -> None:
     tighten(services)
     url = post(assignment="square").headers["Location"]
@@ -139,12 +127,7 @@ def test_applied_it_counts_and_the_old_grading_stays(
 
 
 def test_fresh_submissions_go_first(
-    services: Services,
-    school: Any,
-    klass: dict[str, str],
-    post: Callable[..., httpx.Response],
-    upload: Callable[..., httpx.Response],
-    clock: FakeClock,
+    services: Services, school: Any, klass: dict[str, str], post: Post, upload: Post, clock: FakeClock
 ) -> None:
     post(assignment="square")
     clock.advance(60)
@@ -160,7 +143,7 @@ def test_filters(
     school: Any,
     klass: dict[str, str],
     graded: Callable[..., str],
-    post: Callable[..., httpx.Response],
+    post: Post,
     which: str,
     students: list[str],
     count: int,
@@ -170,11 +153,7 @@ def test_filters(
 
 
 def test_what_the_service_failed_to_grade(
-    client: httpx.Client,
-    services: Services,
-    school: Any,
-    upload: Callable[..., httpx.Response],
-    post: Callable[..., httpx.Response],
+    client: httpx.Client, services: Services, school: Any, upload: Post, post: Post
 ) -> None:
     assert post(assignment="square", which="faults").json()["code"] == "nothing_to_regrade"
     url = upload(b"good", student="", headers=school.as_("li")).headers["Location"]
@@ -189,12 +168,7 @@ def test_what_the_service_failed_to_grade(
 
 @pytest.mark.parametrize("made", [False, True])
 def test_a_trial_is_no_submission(
-    client: httpx.Client,
-    services: Services,
-    school: Any,
-    klass: dict[str, str],
-    post: Callable[..., httpx.Response],
-    made: bool,
+    client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post, made: bool
 ) -> None:
     post(assignment="square", which="best")
     claim = services.queue.claim("w")
@@ -216,11 +190,7 @@ def test_a_trial_is_no_submission(
 
 
 def test_a_trial_that_cannot_be_made_leaves_its_submission(
-    client: httpx.Client,
-    services: Services,
-    school: Any,
-    klass: dict[str, str],
-    post: Callable[..., httpx.Response],
+    client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
 ) -> None:
     url = post(assignment="square", students=["li"]).headers["Location"]
     for _ in range(3):
@@ -230,7 +200,7 @@ def test_a_trial_that_cannot_be_made_leaves_its_submission(
 
 
 def test_a_worker_late_with_a_discarded_trial_changes_nothing(
-    services: Services, klass: dict[str, str], post: Callable[..., httpx.Response]
+    services: Services, klass: dict[str, str], post: Post
 ) -> None:
     url = post(assignment="square", students=["li"]).headers["Location"]
     claim = services.queue.claim("w")
@@ -239,9 +209,7 @@ def test_a_worker_late_with_a_discarded_trial_changes_nothing(
     assert not services.queue.finish(claim, grade(job))
 
 
-def test_one_at_a_time(
-    klass: dict[str, str], post: Callable[..., httpx.Response], client: httpx.Client, school: Any
-) -> None:
+def test_one_at_a_time(klass: dict[str, str], post: Post, client: httpx.Client, school: Any) -> None:
     url = post(assignment="square").headers["Location"]
     assert post(assignment="square").json()["code"] == "regrade_open"
     assert post(assignment="nose").json()["code"] == "assignment_not_found"
@@ -250,7 +218,7 @@ def test_one_at_a_time(
 
 
 def test_a_plot_shows_the_assignment_that_was_graded(
-    client: httpx.Client, services: Services, school: Any, upload: Callable[..., httpx.Response]
+    client: httpx.Client, services: Services, school: Any, upload: Post
 ) -> None:
     url = upload(b"good", student="", headers=school.as_("li")).headers["Location"]
     work(services, grade)
@@ -263,11 +231,7 @@ def test_a_plot_shows_the_assignment_that_was_graded(
 
 
 def test_rules_that_hide_items_hold_for_regrades(
-    client: httpx.Client,
-    services: Services,
-    school: Any,
-    klass: dict[str, str],
-    post: Callable[..., httpx.Response],
+    client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
 ) -> None:
     rules = Rules(hidden_items=("closed",))
     services.rules.set("square", rules, Signature(START, "ros", "test"))
