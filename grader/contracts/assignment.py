@@ -27,7 +27,8 @@ class Limits(Record):
 
     Attributes:
         steps: what a script may do, counted by its own process, so that it ends at the same place on every
-            machine: a wait, a callback, a look at a clock, a publish, and ten turns of a loop are a step each.
+            machine: a wait, a callback, a look at a clock, a publish, and ten turns of a loop are a step each
+            (a hundred turns where the loop waits for another thread).
             Exceeding it is the student's ``cpu_limit``, and so is `cpu_s`.
         cpu_s: CPU seconds of the student's process, for what cannot be counted; far more than `steps` take.
         wall_s: detects trouble of the host only; exceeding it is an infrastructure fault and a retry.

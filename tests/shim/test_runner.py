@@ -313,6 +313,16 @@ def test_a_script_that_makes_too_many_steps_ends_at_the_same_place(run_script: R
     assert enough.exit["reason"] == (5 if name == "a loop" else 0)
 
 
+def test_a_busy_loop_may_wait_for_a_thread_of_1_khz(run_script: RunScript) -> None:
+    source = (
+        "import threading, time\ndone = False\n"
+        "def work():\n    for _ in range(3000): time.sleep(0.001)\n    global done; done = True\n"
+        "threading.Thread(target=work).start()\nwhile not done: pass\nprint('done')\n"
+    )
+    run = run_script(source, steps=75_000)  # as many for 3 s as there are for 60 s
+    assert (run.stdout, run.exit["reason"]) == ("done\n", 0)
+
+
 def test_after_ctrl_c_a_script_has_a_tenth_of_its_steps_left(run_script: RunScript) -> None:
     source = "import time\ntry: time.sleep(10)\nexcept KeyboardInterrupt:\n    while True: pass\n"
     run = run_script(source, steps=100_000, horizon_s=1.0)

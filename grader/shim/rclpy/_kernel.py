@@ -76,7 +76,9 @@ SPINS_PER_SLICE = 1_000
 """Turns of a loop that neither blocks nor asks before the others run: a slice, were each turn charged."""
 
 STEPS_PER_SPIN = 100
-"""What `SPINS_PER_SLICE` turns of a loop count for: a turn costs a tenth of what the cheapest question does."""
+"""What `SPINS_PER_SLICE` turns count for of a loop that nothing but itself can end.
+
+Of one beside which time passes they count for a tenth: a script may wait in a busy loop for a thread of 1 kHz."""
 
 GRACE_STEPS = 10
 """Part of its steps that a script has left after Ctrl+C: one of so many."""
@@ -534,7 +536,7 @@ class Kernel:
     def _spin(self) -> None:
         """A loop has gone round `SPINS_PER_SLICE` times: if it may wait for others, let time pass."""
         self._spins = SPINS_PER_SLICE
-        self.steps += STEPS_PER_SPIN
+        self.steps += STEPS_PER_SPIN // 10 if self._slices else STEPS_PER_SPIN
         if self.steps > self._most_steps:
             self.end("steps")
         if not self._slices:
