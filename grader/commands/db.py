@@ -55,11 +55,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Do it; 2, as a SettingsError, when a file or a database is not what it should be."""
+    """Carry out the action.
+
+    Raises:
+        SettingsError: a file or a database cannot be used; the command ends with exit code 2.
+    """
     action = {"migrate": _migrate, "backup": _backup, "restore": _restore, "move": _move}[arguments.action]
-    makes = arguments.action in ("migrate", "restore")
-    with _opened(database_url(arguments.data, create=makes) or load().database_url) as database:
-        if not makes:
+    may_create = arguments.action in ("migrate", "restore")
+    with _opened(database_url(arguments.data, create=may_create) or load().database_url) as database:
+        if not may_create:
             refuse_missing(database)
         action(database, arguments)
     return 0
@@ -132,7 +136,7 @@ def _same(one: Database, other: Database) -> bool:
 
 
 def _show(copied: Sequence[TableContent], arguments: argparse.Namespace) -> None:
-    """Print the comparison: only what was the same on both sides comes here."""
+    """Print what was copied. `transfer` has already refused any difference between the two sides."""
     width = max(len(one.table) for one in copied)
     rows, same = ("行", "一致") if arguments.lang == "zh" else ("rows", "same")
     for one in copied:

@@ -26,9 +26,9 @@ from grader.render.terminal import console
 
 _START_S = 60.0
 _GRADING_S = 300.0
-_LOWEST_PORT, _PORTS = 20_000, 10_000
-_LIMITS = httpx.Limits(max_keepalive_connections=0)
-"""Keep no idle connection: the server may close it at the moment the next request is sent."""
+_LOWEST_PORT, _PORTS = 20_000, 10_000  # Linux picks ports for outgoing connections from 32 768 on
+_NO_IDLE_CONNECTIONS = httpx.Limits(max_keepalive_connections=0)
+"""The server may close an idle connection at the moment the next request is sent on it."""
 _OPEN_STATES = ("queued", "running")
 
 
@@ -57,7 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     output = console()
     plots = arguments.output / "plots"
     plots.mkdir(parents=True, exist_ok=True)
-    uploads = list(_class())
+    uploads = list(_uploads_of_the_class())
     with serving(arguments.output) as client:
         start = time.monotonic()
         locations = [hand_in(client, upload) for upload in uploads]
@@ -87,7 +87,7 @@ def _program() -> str:
 
 
 def _save_plots(client: httpx.Client, location: str, stem: Path, language: str) -> None:
-    """Save a picture of each run; a text has none."""
+    """Save a picture of each run. A text is not run, so it has none."""
     runs = client.get(location).raise_for_status().json()["runs"]
     for run in runs:
         wanted = {"lang": language, "case": run["case"]}
@@ -96,7 +96,7 @@ def _save_plots(client: httpx.Client, location: str, stem: Path, language: str) 
         stem.with_name(f"{name}.png").write_bytes(plot.content)
 
 
-def _class() -> Iterator[DemoUpload]:
+def _uploads_of_the_class() -> Iterator[DemoUpload]:
     """Yield the lesson's scripts, every solution, and some wrong scripts."""
     catalog = Catalog()
     lesson = _lesson_folder(catalog)
@@ -135,7 +135,7 @@ def serving(output: Path) -> Iterator[httpx.Client]:
             headers=headers,
             timeout=60.0,
             trust_env=False,
-            limits=_LIMITS,
+            limits=_NO_IDLE_CONNECTIONS,
         ) as client:
             _await_start(client, server)
             yield client
@@ -145,7 +145,7 @@ def serving(output: Path) -> Iterator[httpx.Client]:
 
 
 def _free_port() -> int:
-    """Return a free port outside the range from which systems pick ports of their own."""
+    """Return a free port that the system does not take for an outgoing connection meanwhile."""
     while True:
         port = _LOWEST_PORT + secrets.randbelow(_PORTS)
         with socket.socket() as probe, suppress(OSError):

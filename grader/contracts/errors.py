@@ -50,8 +50,8 @@ class RefusedError(GraderError):
 
     Attributes:
         code: stable name of the kind of refusal; `grader.routes.problems` has its title and what to do.
-        detail: what happened this time; None: the title of the kind says it all.
-        retry_after_s: after how many seconds the same may be asked again; None: waiting does not help.
+        detail: what happened this time; None: the title of the kind is enough.
+        retry_after_s: seconds until the same request may succeed; None: waiting does not help.
         members: where it is wrong and what would be accepted: `field`, `line`, `column`, `text`, `allowed`.
     """
 
@@ -75,7 +75,7 @@ class CourseError(GraderError):
 
 
 class ChangedMeanwhileError(CourseError):
-    """Somebody else changed what is to be changed since it was looked at."""
+    """Somebody else changed the same thing after the caller had looked at it."""
 
 
 class RegradeError(GraderError):
@@ -94,11 +94,15 @@ class JudgementError(GraderError):
     """A person's points for a rubric item cannot be taken.
 
     Attributes:
-        code: ``submission``: there is none, or no grading; ``item``: it has no such item; ``role``: the machine
-            judged it, which only instructors correct; ``range``: the points are not in [0, the item's points];
-            ``reason``: a correction needs a comment; ``same``: the machine gave as many points, and
-            there is no correction to take back; ``stale``: somebody else judged it, or it was graded again, since
-            it was looked at.
+        code: one of
+
+            - ``submission``: there is no such submission, or it has no grading;
+            - ``item``: the submission has no such rubric item;
+            - ``role``: a machine scored the item, and only instructors correct that;
+            - ``range``: the points are below 0 or above the item's points;
+            - ``reason``: a correction needs a comment;
+            - ``same``: the machine gave the same points, and there is no correction to take back;
+            - ``stale``: the item was judged, or the submission graded, after the caller had looked at it.
     """
 
     def __init__(self, code: str, message: str) -> None:

@@ -14,8 +14,8 @@ _LONGEST_NAME = 200
 class Role(StrEnum):
     """What somebody is in a course.
 
-    Assistants see everything and judge what waits for a person; they change no setting and none of a machine's
-    grades.
+    Assistants see everything and judge what waits for a person. They change no settings, and no points that a
+    machine gave.
     """
 
     STUDENT = "student"
@@ -54,10 +54,10 @@ class RosterEntry:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TokenInfo:
-    """A bearer token without its secret, which is shown once and not kept.
+    """What is known of a bearer token. Its secret is shown once and not kept.
 
     Attributes:
-        id: names the token when it is revoked; opens nothing.
+        id: names the token, for example to revoke it. It gives no access.
     """
 
     id: str
@@ -98,9 +98,9 @@ class Caller:
         return self.person or ("operator" if self.is_instructor else "anybody")
 
     def may_see(self, course: str | None, student: str) -> bool:
-        """Whether the work of `student` in `course` is the caller's to see.
+        """Whether the caller may see the work of `student` in `course`.
 
-        Without courses a submission's unguessable id is what opens it.
+        Without courses everybody may: only who knows a submission's id, which cannot be guessed, gets here.
         """
         if course != self.course:
             return False
@@ -116,21 +116,23 @@ OPERATOR = Caller(role=Role.INSTRUCTOR)
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """The states of a thing that somebody had looked at before changing it: nobody undoes what they never saw.
+    """Which state of a thing somebody looked at before changing it.
+
+    A change is refused when the thing has another state by then, so that nobody undoes what they never saw.
 
     Attributes:
-        tags: names of the states; None when any state will do.
+        tags: names of the accepted states; None: any state is accepted.
     """
 
     tags: frozenset[str] | None
 
     @classmethod
     def one(cls, tag: str) -> "Seen":
-        """Return the state named `tag` alone."""
+        """Accept only the state named `tag`."""
         return cls(frozenset({tag}))
 
     def includes(self, tag: str) -> bool:
-        """Return whether the state named `tag` is one of them."""
+        """Whether the state named `tag` is accepted."""
         return self.tags is None or tag in self.tags
 
 
@@ -190,7 +192,7 @@ def checked_name(text: str) -> str:
 
 
 def no_course(where: str = "") -> CourseError:
-    """Return what is wrong while there is no course at all; `where` names the database that was looked at."""
+    """Return the error for a database without courses; `where` names it."""
     return CourseError(
         f"there is no course yet{where and f' in {where}'}: create one with `grader course create`",
         f"还没有课程{where and f'（{where}）'}：先用 `grader course create` 创建",
@@ -198,11 +200,11 @@ def no_course(where: str = "") -> CourseError:
 
 
 def unknown_course(course: str) -> CourseError:
-    """Return what is wrong with the id of a course that there is not."""
+    """Return the error for the id of a course that does not exist."""
     return CourseError(f"there is no course {course!r}", f"没有课程 {course!r}")
 
 
 def unknown_members(course: str, *people: str) -> CourseError:
-    """Return what is wrong with ids of people who are not in a course."""
+    """Return the error for ids of people who are not in a course."""
     ids = ", ".join(people)
     return CourseError(f"course {course} has no member {ids}", f"课程 {course} 没有成员 {ids}")

@@ -1,4 +1,8 @@
-"""Taking an upload in: recognised when it was sent before, ruled, and given its turn in the queue."""
+"""Taking an upload in.
+
+In one transaction: find out whether the same upload was sent before, ask the rules whether it is accepted, give it
+a turn in the queue, and store it.
+"""
 
 import hashlib
 import uuid
@@ -21,14 +25,14 @@ from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyR
 from grader.store.work import Announcer, announcement_of
 
 _KEY_LIFE = timedelta(days=7)
-_EVER = datetime(1970, 1, 1, tzinfo=UTC)
-_TICK = timedelta(microseconds=1)
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+_SMALLEST_STEP = timedelta(microseconds=1)
 _UUID_VERSION_7 = 0x7 << 76
 _UUID_VARIANT = 0b10 << 62
 
 
-class _Own(NamedTuple):
-    """What is asked of every submission of a student to an assignment."""
+class _Earlier(NamedTuple):
+    """An earlier submission of the student to the assignment: the columns that decide about a new one."""
 
     id: str
     received_at: datetime
@@ -41,27 +45,37 @@ class _Own(NamedTuple):
 
 
 class _Known(NamedTuple):
-    """What decides about an upload: what was sent under its key, what rules it, the student's own submissions."""
+    """What decides about an upload.
+
+    Attributes:
+        keyed: digest and submission of what was sent under the upload's key before; None: nothing was.
+        earlier: the student's submissions to the assignment, in order of arrival.
+    """
 
     keyed: tuple[str, str] | None
     rules: Rules
     extension: Extension
     zone: ZoneInfo
-    own: Sequence[_Own]
+    earlier: Sequence[_Earlier]
 
 
 _row, _key = table_of(SubmissionRow).c, table_of(UploadKeyRow).c
 _COLUMNS = tuple(_row.keys())
-_OWN = tuple(_row[name] for name in _Own._fields)
-_SUBMISSION, _KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyRow))
-_FORGET = delete(table_of(UploadKeyRow)).where(
+_EARLIER = tuple(_row[name] for name in _Earlier._fields)
+_INSERT_SUBMISSION, _INSERT_KEY = (insert(table_of(row)) for row in (SubmissionRow, UploadKeyRow))
+_FORGET_OLD_KEYS = delete(table_of(UploadKeyRow)).where(
     _key.owner == bindparam("of"), _key.at < bindparam("before", type_=UtcDateTime())
 )
-_MOVE = update(table_of(SubmissionRow)).where(_row.id == bindparam("moved")).values(turn_at=bindparam("turn"))
+_SET_TURN = (
+    update(table_of(SubmissionRow)).where(_row.id == bindparam("moved")).values(turn_at=bindparam("turn"))
+)
 
 
-def _asking(of_course: ColumnElement[bool]) -> Select[Any]:
-    """Return the one question of which `_Known` is the answer: a row for each of the student's submissions."""
+def _question(of_course: ColumnElement[bool]) -> Select[Any]:
+    """Return the query that reads all of `_Known` at once, because each query is a round trip to PostgreSQL.
+
+    Its rows are the student's submissions; what does not depend on a submission stands in every row.
+    """
     keyed = and_(
         _key.owner == bindparam("owner"),
         _key.key == bindparam("key"),
@@ -69,28 +83,32 @@ def _asking(of_course: ColumnElement[bool]) -> Select[Any]:
     )
     own = and_(of_course, _row.student == bindparam("student"), _row.assignment == bindparam("assignment"))
     tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(table_of(SubmissionRow), own)
-    asked = select(_key.digest, _key.submission_id, *ABOUT, *_OWN).select_from(tables)
+    asked = select(_key.digest, _key.submission_id, *ABOUT, *_EARLIER).select_from(tables)
     return asked.order_by(_row.received_at, _row.id)
 
 
-_IN_COURSE, _WITHOUT_COURSE = _asking(_row.course == bindparam("course")), _asking(_row.course.is_(None))
+_IN_COURSE, _WITHOUT_COURSE = _question(_row.course == bindparam("course")), _question(_row.course.is_(None))
 
 
 def take_in(
     session: Session, upload: NewSubmission, now: datetime, announcer: Announcer
 ) -> tuple[SubmissionRow, bool]:
-    """Store `upload` and announce it; return its row, and whether it is that of one that was sent before.
+    """Store `upload` and announce it, unless the student sent the same before.
+
+    Returns:
+        The row of the submission, and whether it is an earlier one.
 
     Raises:
-        RefusedError: by the rules of the assignment; or ``key_reused``, its key belongs to another upload.
+        RefusedError: the rules of the assignment refuse the upload; or ``key_reused``: its key came with another
+            upload before.
         InfrastructureError: the database does not answer.
     """
-    one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are theirs
+    one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are counted by student
     digest = hashlib.sha256(upload.source).hexdigest()
     known = _known(session, upload.student, upload.assignment, upload.course, (upload.key, now))
-    earlier = _under_key(upload, digest, known) or _same_as_latest(session, upload, known.own, digest)
-    if earlier is not None:
-        return session.get_one(SubmissionRow, earlier), True
+    same = _under_key(upload, digest, known) or _same_as_latest(session, upload, known.earlier, digest)
+    if same is not None:
+        return session.get_one(SubmissionRow, same), True
     if upload.ruled and (refused := _refusal(known, now)) is not None:
         raise refused.error()
     row = SubmissionRow(
@@ -104,10 +122,10 @@ def take_in(
         state=SubmissionState.QUEUED.value,
         received_at=now,
         queued_at=now,
-        turn_at=_turn(session, upload, known.own, now),
+        turn_at=_turn(session, upload, known.earlier, now),
         not_before=now,
     )
-    _put(session, upload, row, announcer)
+    _insert(session, upload, row, announcer)
     return row, False
 
 
@@ -118,11 +136,14 @@ def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -
 
 def attempts_of(session: Session, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
     """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
-    return as_attempts(_known(session, student, assignment, course).own)
+    return as_attempts(_known(session, student, assignment, course).earlier)
 
 
-def as_attempts(own: Iterable[Any]) -> tuple[Attempt, ...]:
-    """Return rows of submissions as the rules see them; what nobody could have graded costs no attempt."""
+def as_attempts(submissions: Iterable[Any]) -> tuple[Attempt, ...]:
+    """Return rows of submissions as the rules see them.
+
+    A submission that the service failed to grade costs no attempt, and neither does one with a syntax error.
+    """
     return tuple(
         Attempt(
             id=one.id,
@@ -131,7 +152,7 @@ def as_attempts(own: Iterable[Any]) -> tuple[Attempt, ...]:
             costs=one.state != SubmissionState.INFRASTRUCTURE_ERROR.value
             and one.verdict != GradeStatus.SYNTAX_ERROR.value,
         )
-        for one in own
+        for one in submissions
     )
 
 
@@ -148,7 +169,7 @@ def _known(
     student: str,
     assignment: str,
     course: str | None,
-    keyed: tuple[str | None, datetime] = (None, _EVER),
+    keyed: tuple[str | None, datetime] = (None, _EPOCH),
 ) -> _Known:
     key, now = keyed
     asked = {
@@ -160,11 +181,11 @@ def _known(
         "since": now - _KEY_LIFE,
     }
     rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
-    digest, submission_id, *about = rows[0][: -len(_OWN)]
+    digest, submission_id, *about = rows[0][: -len(_EARLIER)]
     return _Known(
         None if digest is None else (digest, submission_id),
         *rules_about(*about),
-        [_Own(*own) for row in rows if (own := row[-len(_OWN) :])[0] is not None],
+        [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None],
     )
 
 
@@ -172,34 +193,36 @@ def _under_key(upload: NewSubmission, digest: str, known: _Known) -> str | None:
     """Return the submission that was sent under the upload's key before."""
     if known.keyed is None:
         return None
-    meaning, submission_id = known.keyed
-    if meaning != _meaning(upload, digest):
+    known_digest, submission_id = known.keyed
+    if known_digest != _upload_digest(upload, digest):
         raise RefusedError("key_reused")
     return submission_id
 
 
-def _put(session: Session, upload: NewSubmission, row: SubmissionRow, announcer: Announcer) -> None:
+def _insert(session: Session, upload: NewSubmission, row: SubmissionRow, announcer: Announcer) -> None:
     """Insert a new row and what belongs to it, and announce it."""
     connection = session.connection()
     add_once(connection, SourceRow, sha256=row.source_sha256, content=upload.source)
-    connection.execute(_SUBMISSION, {name: getattr(row, name) for name in _COLUMNS})
+    connection.execute(_INSERT_SUBMISSION, {name: getattr(row, name) for name in _COLUMNS})
     if upload.key is not None:
         owner = _owner(upload.course, upload.student)
-        connection.execute(_FORGET, {"of": owner, "before": row.received_at - _KEY_LIFE})
-        key = {"owner": owner, "key": upload.key, "digest": _meaning(upload, row.source_sha256)}
-        connection.execute(_KEY, {**key, "submission_id": row.id, "at": row.received_at})
+        connection.execute(_FORGET_OLD_KEYS, {"of": owner, "before": row.received_at - _KEY_LIFE})
+        key = {"owner": owner, "key": upload.key, "digest": _upload_digest(upload, row.source_sha256)}
+        connection.execute(_INSERT_KEY, {**key, "submission_id": row.id, "at": row.received_at})
     announcer.queued(session, [announcement_of(row)], row.queued_at)
 
 
 def _refusal(known: _Known, received_at: datetime) -> Refusal | None:
-    return known.rules.refusal(known.extension, as_attempts(known.own), received_at, known.zone)
+    return known.rules.refusal(known.extension, as_attempts(known.earlier), received_at, known.zone)
 
 
-def _same_as_latest(session: Session, upload: NewSubmission, own: Sequence[_Own], digest: str) -> str | None:
+def _same_as_latest(
+    session: Session, upload: NewSubmission, earlier: Sequence[_Earlier], digest: str
+) -> str | None:
     """Return the student's latest submission if it has the same bytes and would be graded the same."""
-    if upload.assignment_version is None or not own or own[-1].source_sha256 != digest:
+    if upload.assignment_version is None or not earlier or earlier[-1].source_sha256 != digest:
         return None
-    latest = own[-1]
+    latest = earlier[-1]
     if latest.state == SubmissionState.INFRASTRUCTURE_ERROR.value:
         return None
     if latest.graded_attempt is not None:
@@ -211,12 +234,13 @@ def _same_as_latest(session: Session, upload: NewSubmission, own: Sequence[_Own]
     return latest.id
 
 
-def _turn(session: Session, upload: NewSubmission, own: Sequence[_Own], now: datetime) -> datetime:
-    """Return the new upload's turn: the first that the student's waiting uploads to the assignment have.
+def _turn(session: Session, upload: NewSubmission, earlier: Sequence[_Earlier], now: datetime) -> datetime:
+    """Return the new upload's turn in the queue, and move the student's uploads that wait for the same assignment.
 
-    They pass their turns on, newest first, and the last takes the end of the queue: nobody else waits longer.
+    The new upload takes the first turn of those that wait, each of them the turn of the next, and the last one
+    the end of the queue. So the newest upload is graded first, and no other student waits longer for it.
     """
-    if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in own):
+    if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in earlier):
         return now
     statement = select(_row.id, _row.turn_at).where(
         _row.assignment == upload.assignment,
@@ -227,13 +251,15 @@ def _turn(session: Session, upload: NewSubmission, own: Sequence[_Own], now: dat
     )
     connection = session.connection()
     in_order = statement.order_by(_row.turn_at, _row.id)
-    waiting = connection.execute(in_order.with_for_update()).all()  # none is claimed meanwhile
+    waiting = connection.execute(
+        in_order.with_for_update()
+    ).all()  # locked, so that none is claimed meanwhile
     turns: list[datetime] = [*(row.turn_at for row in waiting), now]
     for index, (before, after) in enumerate(pairwise(turns), start=1):
-        turns[index] = max(after, before + _TICK)
+        turns[index] = max(after, before + _SMALLEST_STEP)
     moves = [{"moved": row.id, "turn": turn} for row, turn in zip(waiting, turns[1:], strict=True)]
     if moves:
-        connection.execute(_MOVE, moves)
+        connection.execute(_SET_TURN, moves)
     return turns[0]
 
 
@@ -241,5 +267,5 @@ def _owner(course: str | None, student: str) -> str:
     return f"{course or ''}/{student}"
 
 
-def _meaning(upload: NewSubmission, digest: str) -> str:
+def _upload_digest(upload: NewSubmission, digest: str) -> str:
     return hashlib.sha256(f"{upload.assignment}\n{upload.file_name}\n{digest}".encode()).hexdigest()

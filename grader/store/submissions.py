@@ -26,19 +26,19 @@ class Submissions:
         self._clock = clock
 
     def add(self, upload: NewSubmission) -> Submission:
-        """Store an accepted upload and queue it, in one transaction: once this returns, it is not lost.
+        """Store an upload and queue it, in one transaction: once this returns, it is not lost.
 
         Raises:
-            RefusedError: the rules of the assignment do not accept it. Uploads at the same moment are
-                counted one after the other.
+            RefusedError: the rules of the assignment do not accept it. A student's uploads that arrive at the
+                same moment are counted one after the other.
         """
         return self.accept(upload)[0]
 
     def accept(self, upload: NewSubmission) -> tuple[Submission, bool]:
-        """Do what `add` does, unless the same was sent before.
+        """Store an upload as `add` does, unless the student sent the same before; then nothing is stored.
 
-        That is an upload under the same key, or, when `upload.assignment_version` is given, one with the
-        same bytes as the student's latest submission. Nothing is stored then.
+        The same is an upload under the same key or, when `upload.assignment_version` is given, one with the
+        bytes of the student's latest submission.
 
         Returns:
             The submission, and whether it is an earlier one.
@@ -54,7 +54,7 @@ class Submissions:
             return _submission(row), repeated
 
     def refusal(self, upload: NewSubmission) -> Refusal | None:
-        """Return why `add` would refuse an upload by the rules, before anybody looks at its content."""
+        """Return why the rules refuse an upload, or None. Its content is not looked at."""
         if not upload.ruled:
             return None
         with self._database.reading() as session:
@@ -66,7 +66,7 @@ class Submissions:
             return attempts_of(session, student, assignment, course)
 
     def get(self, submission_id: str) -> Submission | None:
-        """Return one submission, or None. A re-grade's trial is none: it is shown with its re-grade only."""
+        """Return one submission, or None. Trials of a re-grade are not found here, only through the re-grade."""
         with self._database.reading() as session:
             row = _handed_in(session, submission_id)
             return None if row is None else _submission(row)

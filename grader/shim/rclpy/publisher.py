@@ -75,11 +75,11 @@ class Publisher:
         self.__publisher.destroy_when_not_in_use()
 
     def assert_liveliness(self) -> None:
-        """Tell that the publisher is alive."""
+        """Assert that the publisher is alive, as ``MANUAL_BY_TOPIC`` liveliness wants."""
         self.__publisher.require()
         self.__publisher.assert_liveliness()
 
     def wait_for_all_acked(self, timeout: Duration = Duration(seconds=-1)) -> bool:  # noqa: B008
-        """Wait until everything published was received: True, it is received at once."""
+        """Return True: a message is received as soon as it is published, so there is nothing to wait for."""
         self.__publisher.require()
         return self.__publisher.wait_for_all_acked(timeout._duration_handle)

@@ -38,6 +38,22 @@ class AbstractType:
     __hash__ = None  # type: ignore[assignment]
 
 
+class _Bounded:
+    __slots__ = ()
+
+    def has_maximum_size(self) -> bool:
+        """Whether the size is bounded."""
+        return True
+
+
+class _Unbounded:
+    __slots__ = ()
+
+    def has_maximum_size(self) -> bool:
+        """Whether the size is bounded."""
+        return False
+
+
 class AbstractNestableType(AbstractType):
     """A type that can be the element of an array or sequence."""
 
@@ -99,7 +115,7 @@ class AbstractWString(AbstractGenericString):
     __slots__ = ()
 
 
-class BoundedString(AbstractString):
+class BoundedString(_Bounded, AbstractString):
     """A string of at most `maximum_size` characters."""
 
     __slots__ = ("maximum_size",)
@@ -108,22 +124,14 @@ class BoundedString(AbstractString):
         assert maximum_size >= 0
         self.maximum_size = maximum_size
 
-    def has_maximum_size(self) -> bool:
-        """Whether the string is bounded."""
-        return True
 
-
-class UnboundedString(AbstractString):
+class UnboundedString(_Unbounded, AbstractString):
     """A string of any length."""
 
     __slots__ = ()
 
-    def has_maximum_size(self) -> bool:
-        """Whether the string is bounded."""
-        return False
 
-
-class BoundedWString(AbstractWString):
+class BoundedWString(_Bounded, AbstractWString):
     """A wide string of at most `maximum_size` characters."""
 
     __slots__ = ("maximum_size",)
@@ -131,19 +139,11 @@ class BoundedWString(AbstractWString):
     def __init__(self, maximum_size: int) -> None:
         self.maximum_size = maximum_size
 
-    def has_maximum_size(self) -> bool:
-        """Whether the string is bounded."""
-        return True
 
-
-class UnboundedWString(AbstractWString):
+class UnboundedWString(_Unbounded, AbstractWString):
     """A wide string of any length."""
 
     __slots__ = ()
-
-    def has_maximum_size(self) -> bool:
-        """Whether the string is bounded."""
-        return False
 
 
 class AbstractNestedType(AbstractType):
@@ -160,7 +160,7 @@ class AbstractNestedType(AbstractType):
         raise NotImplementedError("Only implemented in subclasses")
 
 
-class Array(AbstractNestedType):
+class Array(_Bounded, AbstractNestedType):
     """Exactly `size` elements."""
 
     __slots__ = ("size",)
@@ -170,10 +170,6 @@ class Array(AbstractNestedType):
         assert size > 0
         self.size = size
 
-    def has_maximum_size(self) -> bool:
-        """Whether the number of elements is bounded."""
-        return True
-
 
 class AbstractSequence(AbstractNestedType):
     """Any number of elements."""
@@ -181,7 +177,7 @@ class AbstractSequence(AbstractNestedType):
     __slots__ = ()
 
 
-class BoundedSequence(AbstractSequence):
+class BoundedSequence(_Bounded, AbstractSequence):
     """At most `maximum_size` elements."""
 
     __slots__ = ("maximum_size",)
@@ -191,16 +187,8 @@ class BoundedSequence(AbstractSequence):
         assert maximum_size > 0
         self.maximum_size = maximum_size
 
-    def has_maximum_size(self) -> bool:
-        """Whether the number of elements is bounded."""
-        return True
 
-
-class UnboundedSequence(AbstractSequence):
+class UnboundedSequence(_Unbounded, AbstractSequence):
     """Any number of elements, without a bound."""
 
     __slots__ = ()
-
-    def has_maximum_size(self) -> bool:
-        """Whether the number of elements is bounded."""
-        return False

@@ -10,18 +10,20 @@ if TYPE_CHECKING:
     from typing import Any
 
 
+# numbers of rmw/types.h
+SYSTEM_DEFAULT = 0  # of every policy
 RELIABLE = 1
 BEST_EFFORT = 2
 TRANSIENT_LOCAL = 1
 VOLATILE = 2
 KEEP_LAST = 1
 KEEP_ALL = 2
-AUTOMATIC = 1
-UNKNOWN_HISTORY = 3
+UNKNOWN = 3  # of reliability, durability and history
 AUTOMATIC = 1
 MANUAL_BY_TOPIC = 3
-SYSTEM_DEFAULT = 0
+UNKNOWN_LIVELINESS = 4
 
+# bits of rmw/qos_policy_kind.h
 DURABILITY_KIND = 1 << 1
 DEADLINE_KIND = 1 << 2
 LIVELINESS_KIND = 1 << 3
@@ -41,8 +43,8 @@ _FIELDS = (
 
 _PREDEFINED = {
     "qos_profile_default": (KEEP_LAST, 10, RELIABLE, VOLATILE),
-    "qos_profile_unknown": (3, 0, 3, 3),
-    "qos_profile_system_default": (0, 0, 0, 0),
+    "qos_profile_unknown": (UNKNOWN, 0, UNKNOWN, UNKNOWN),
+    "qos_profile_system_default": (SYSTEM_DEFAULT, 0, SYSTEM_DEFAULT, SYSTEM_DEFAULT),
     "qos_profile_sensor_data": (KEEP_LAST, 5, BEST_EFFORT, VOLATILE),
     "qos_profile_services_default": (KEEP_LAST, 10, RELIABLE, VOLATILE),
     "qos_profile_parameters": (KEEP_LAST, 1000, RELIABLE, VOLATILE),
@@ -84,7 +86,7 @@ class NativeQos:
         """Return the profile the middleware knows under `name`."""
         profile = cls(*_PREDEFINED[name])
         if name == "qos_profile_unknown":
-            profile.liveliness = 4
+            profile.liveliness = UNKNOWN_LIVELINESS
         return profile
 
     def to_dict(self) -> dict[str, Any]:
@@ -97,13 +99,14 @@ class NativeQos:
         return values
 
     def discovered(self, *, writer: bool) -> dict[str, Any]:
-        """Return `to_dict` of what others learn of an endpoint with this profile, as rmw_fastrtps fills it.
+        """Return what other nodes discover of an endpoint with this profile, in the form of `to_dict`.
 
-        Discovery does not carry history and depth (qos.hpp, rtps_qos_to_rmw_qos). What a profile leaves to the
-        system has DDS' defaults, those of a DataWriter or of a DataReader (qos.cpp, fill_entity_qos_from_profile).
+        rmw_fastrtps' discovery does not carry history and depth (qos.hpp, rtps_qos_to_rmw_qos). A policy that the
+        profile leaves to the system has the default of a DDS DataWriter or, unless `writer`, of a DataReader
+        (qos.cpp, fill_entity_qos_from_profile).
         """
         return NativeQos(
-            UNKNOWN_HISTORY,
+            UNKNOWN,
             0,
             self.reliability or (RELIABLE if writer else BEST_EFFORT),
             self.durability or (TRANSIENT_LOCAL if writer else VOLATILE),
@@ -136,12 +139,12 @@ def _nanoseconds(duration: NativeDuration | int) -> int:
 
 
 def _bound_ns(duration_ns: int) -> int:
-    """Return a period of which 0 means none at all."""
+    """Return the period that a setting stands for: 0 stands for an infinite one."""
     return duration_ns or INFINITE_NS
 
 
 def incompatible_policy(offered: NativeQos, requested: NativeQos) -> int:
-    """Return the kind of the last policy in which an offer falls short of a request, 0 when it does not.
+    """Return the kind of the last policy by which an offer does not satisfy a request; 0: it satisfies all.
 
     The rules are those of DDS (requested/offered), as Fast DDS applies them: a reader that leaves
     reliability to the system is a best-effort one.
@@ -161,7 +164,7 @@ def incompatible_policy(offered: NativeQos, requested: NativeQos) -> int:
 
 
 class QoSCompatibility(NativeEnum):
-    """Verdict of a comparison of two profiles."""
+    """Result of comparing two profiles."""
 
     OK = 0
     WARNING = 1
@@ -169,20 +172,20 @@ class QoSCompatibility(NativeEnum):
 
 
 class CompatibilityResult:
-    """Verdict with its reasons, each ended by a semicolon."""
+    """Result of comparing two profiles, with its reasons, each ended by a semicolon."""
 
     def __init__(self) -> None:
         self.compatibility = QoSCompatibility.OK
         self.reason = ""
 
-    def add(self, verdict: QoSCompatibility, text: str) -> None:
+    def add(self, found: QoSCompatibility, text: str) -> None:
         """Add one reason; an error outweighs warnings and hides their texts."""
-        if verdict.value < self.compatibility.value:
+        if found.value < self.compatibility.value:
             return
-        if verdict.value > self.compatibility.value:
+        if found.value > self.compatibility.value:
             self.reason = ""
-        self.compatibility = verdict
-        self.reason += f"{verdict.name}: {text};"
+        self.compatibility = found
+        self.reason += f"{found.name}: {text};"
 
 
 def check_compatible(offered: NativeQos, requested: NativeQos) -> CompatibilityResult:
@@ -219,10 +222,12 @@ def _warn_of_defaults(
     offered: NativeQos, requested: NativeQos, result: CompatibilityResult, warning: QoSCompatibility
 ) -> None:
     names = {RELIABLE: "reliable", BEST_EFFORT: "best effort"}
-    vague = {0: "system default", 3: "unknown"}
-    for field, known in (("reliability", names), ("durability", {1: "transient local", 2: "volatile"})):
-        first, second = getattr(offered, field), getattr(requested, field)
-        if first in vague or second in vague:
-            one = vague.get(first) or known.get(first, "best available")
-            two = vague.get(second) or known.get(second, "best available")
-            result.add(warning, f"{field.capitalize()} of publisher is {one} and of subscription {two}")
+    durabilities = {TRANSIENT_LOCAL: "transient local", VOLATILE: "volatile"}
+    undecided = {SYSTEM_DEFAULT: "system default", UNKNOWN: "unknown"}
+    for field, decided in (("reliability", names), ("durability", durabilities)):
+        values = getattr(offered, field), getattr(requested, field)
+        if undecided.keys() & set(values):
+            known = {**decided, **undecided}
+            publisher, subscription = (known.get(value, "best available") for value in values)
+            text = f"{field.capitalize()} of publisher is {publisher} and of subscription {subscription}"
+            result.add(warning, text)

@@ -42,13 +42,16 @@ class CallerId:
 
 
 class LoggingFilter:
-    """Decides at one call site whether to log; `params` are its keywords, None marking required ones."""
+    """Decides whether a logging call is shown, for each call site by itself.
+
+    `params` maps the keywords of the call that the filter takes to their defaults; None: the keyword is required.
+    """
 
     params: ClassVar[dict[str, Any]] = {}
 
     @classmethod
     def initialize_context(cls, context: dict[str, Any], **kwargs: Any) -> None:
-        """Note the keywords in the call site's context."""
+        """Keep the keywords of the first call in the context of its call site."""
         for name, default in cls.params.items():
             context[name] = kwargs.get(name, default)
             if context[name] is None:
@@ -128,7 +131,7 @@ supported_filters: dict[str, type[LoggingFilter]] = {
 
 
 def get_filters_from_kwargs(**kwargs: Any) -> list[str]:
-    """Return the names of the filters the keywords ask for; TypeError for unknown or missing ones."""
+    """Return the filters that the keywords ask for; TypeError for an unknown keyword or a missing required one."""
     known = [name for cls in supported_filters.values() for name in cls.params]
     detected = [key for key, cls in supported_filters.items() if any(kwargs.get(name) for name in cls.params)]
     for key in detected:
@@ -184,7 +187,7 @@ class RcutilsLogger:
 
         Raises:
             TypeError: the message is no text, or a keyword is unknown.
-            ValueError: the same line logged with another severity, name or filter before.
+            ValueError: the same call site was used with another severity, name or filter before.
         """
         severity = severity if type(severity) is LoggingSeverity else LoggingSeverity(severity)
         if not logs.is_enabled(self.name, severity):
