@@ -9,7 +9,7 @@ from dataclasses import replace
 
 from grader.checks.fit import misfits
 from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
-from grader.checks.measure import Check, Findings
+from grader.checks.measure import Check, Findings, first_causes
 from grader.checks.rubric_text import published
 from grader.checks.scoring import WHOLE, Portion, score_items
 from grader.checks.summary import summarise, summarise_text
@@ -43,14 +43,14 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
 
 
 def _without_harmless(findings: Findings, assignment: Assignment, scored: Sequence[RubricItem]) -> Findings:
-    """Leave out the mistakes that spoil certain measures, where no item on one of these has lost anything."""
+    """Leave out the mistakes that cost nothing, and those that follow from an earlier one."""
     lost = {
         spec.measure
         for spec, item in zip(assignment.items, scored, strict=True)
         if item.status is not ItemStatus.PASSED
     }
-    mistakes = (each for each in findings.mistakes if not each.measures or lost & set(each.measures))
-    return replace(findings, mistakes=tuple(mistakes))
+    costly = [each for each in findings.mistakes if not each.measures or lost & set(each.measures)]
+    return replace(findings, mistakes=first_causes(costly))
 
 
 def evaluate_text(assignment: Assignment, text: str) -> Scoring:

@@ -13,6 +13,8 @@ from grader.geometry.path import Path, driven_path
 MOVING_MPS = 0.02
 MOVING_RADPS = 0.02
 
+FAST_TURN_RADPS = 12.0  # nobody wants to turn twice a second: this is a number of degrees
+
 # A longer rest before the horizon is the end of the motion, not a pause in it. Scripts that pause between motions
 # do so for up to a second.
 MAX_PAUSE_NS = 1_500_000_000

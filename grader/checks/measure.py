@@ -1,7 +1,7 @@
 """What a check is made of: named measures, options, and findings in one run."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Literal
 
 from grader.contracts.assignment import Assignment
@@ -48,11 +48,13 @@ class Mistake(PositionalRecord):
         code: stable name; its text is ``mistake.<code>`` in the catalogs.
         text: what probably happened and the one next step.
         measures: names of the measures it spoils; their items show this text as hint. Empty: all.
+        apart: has a cause of its own, even where another mistake spoils the same measures.
     """
 
     code: str
     text: Text
     measures: tuple[str, ...] = ()
+    apart: bool = False
 
     def explains(self, measure: str) -> bool:
         """Whether an item on `measure` may have failed because of this."""
@@ -62,6 +64,21 @@ class Mistake(PositionalRecord):
 def mistake(code: str, measures: tuple[str, ...] = (), /, **values: object) -> Mistake:
     """Return a mistake that spoils `measures`; `values` are what its text names."""
     return Mistake(code, say(f"mistake.{code}", **values), measures)
+
+
+def first_causes(mistakes: Sequence[Mistake]) -> tuple[Mistake, ...]:
+    """Leave out what spoils nothing that an earlier mistake has not spoilt: it follows from that one."""
+    kept: list[Mistake] = []
+    for each in mistakes:
+        if not any(_follows(each, cause) for cause in kept):
+            kept.append(each)
+    return tuple(kept)
+
+
+def _follows(later: Mistake, cause: Mistake) -> bool:
+    if not cause.measures:
+        return True
+    return not later.apart and bool(later.measures) and set(later.measures) <= set(cause.measures)
 
 
 class Findings(PositionalRecord):

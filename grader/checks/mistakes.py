@@ -6,7 +6,7 @@ motion that they measure. Each code has a text ``mistake.<code>`` in the catalog
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -20,9 +20,12 @@ from grader.messages import join, say
 from grader.messages.details import explained
 from grader.messages.exceptions import meaning
 from grader.messages.quantity import number
+from grader.messages.script import ScriptText
 
 _IN_THREAD = re.compile(r".*, line (\d+): (\w+)(?:: (.*))?", re.DOTALL)
 _SPACE = Text(zh="", en=" ")
+_REPEATED_LINES = 40
+_MOST_DIFFERENT = 4  # lines in one round of a loop that asks again
 
 _ENDINGS = {
     RunStatus.STALLED: "stalled",
@@ -34,19 +37,29 @@ _ENDINGS = {
 }
 
 
-def script_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
+def script_mistakes(run: Run) -> tuple[Mistake, ...]:
     """Return the mistake that ended the script, or one of its threads, before its time, if any."""
-    error = outcome.error
+    outcome, error, script = run.outcome, run.outcome.error, ScriptText(run.source)
     if outcome.status is RunStatus.CRASHED:
-        return (Mistake(*meaning(error, "crashed")) if error is not None else _killed(outcome),)
+        return (Mistake(*meaning(error, "crashed", script)) if error is not None else _killed(outcome),)
     if outcome.status is RunStatus.SYNTAX_ERROR and error is not None:
-        return (Mistake(*meaning(error, "syntax_error")),)
+        return (Mistake(*meaning(error, "syntax_error", script)),)
+    if outcome.status is RunStatus.OUTPUT_LIMIT and _asks_again(outcome, script):
+        return (mistake("asks_again"),)
     if outcome.status in _ENDINGS:
         code = _ENDINGS[outcome.status]
         return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
     if (thread := _crashed_thread(outcome)) is not None:
-        return (Mistake("thread_crashed", _in_thread(thread)),)
+        return (Mistake("thread_crashed", _in_thread(thread, script)),)
     return ()
+
+
+def _asks_again(outcome: RunOutcome, script: ScriptText) -> bool:
+    """Whether a loop that prints all the output asks for an input that nobody gives any more."""
+    last = outcome.stdout.text.splitlines()[-_REPEATED_LINES:-1]
+    repeats = len(last) > 2 * _MOST_DIFFERENT and len(set(last)) <= _MOST_DIFFERENT
+    asks = all(script.lines_with(word) for word in (r"\binput\(", r"\bexcept\b", r"\bwhile\b"))
+    return repeats and asks
 
 
 def _crashed_thread(outcome: RunOutcome) -> str | None:
@@ -64,14 +77,14 @@ def noted(outcome: RunOutcome, code: str) -> str | None:
     return next((note.text for note in outcome.notes if note.code == code), None)
 
 
-def _in_thread(note: str) -> Text:
+def _in_thread(note: str, script: ScriptText) -> Text:
     """Return what became of a thread and, where its exception is known, what that means."""
     told = say("mistake.thread_crashed", detail=note)
     found = _IN_THREAD.fullmatch(note)
     if found is None:
         return told
     error = StudentError(type=found[2], message=found[3] or "", line=int(found[1]), traceback="")
-    code, reason = meaning(error, "crashed")
+    code, reason = meaning(error, "crashed", script)
     return told if code == "crashed" else join([told, reason], _SPACE)
 
 
@@ -101,7 +114,7 @@ def command_mistakes(
     if _teleports(run.trajectory):
         return (mistake("teleported", topic=topic),)
     if outcome.command_count == 0:
-        return _silence(outcome, topic)
+        return _silence(run, topic)
     if outcome.nonfinite_commands:
         return (mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
     if noted(outcome, "lateral_command") is not None:
@@ -135,8 +148,64 @@ def _apart(one: Floats, other: Floats) -> bool:
     return math.hypot(*(other[:2] - one[:2])) > _SAME_M or abs(turned) > _SAME_RAD
 
 
-def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
+_OVERSLEPT_NS = 5_000_000_000
+_PLACE = re.compile(r"(?P<line>\d+) (?P<call>\S+) (?P<until_ns>\d+)")
+_FOR_EVER_NS = 1 << 62  # when a wait without a deadline ends
+
+
+def asleep(run: Run) -> Iterator[Mistake]:
+    """Recognise a sleep that outlasts the run by far, with nothing or a motion before it.
+
+    After a stop, or after a crash in another thread, a long sleep only keeps the program alive.
+    """
+    place, commands = _PLACE.fullmatch(run.at_horizon), run.trajectory.commands
+    if place is None or not place["call"].endswith("sleep") or (commands and not is_motion(commands[-1])):
+        return
+    until_ns, now_ns = int(place["until_ns"]), run.outcome.duration_ns
+    if not now_ns + _OVERSLEPT_NS <= until_ns < _FOR_EVER_NS:
+        return
+    until, end = number(until_ns / 1e9, "s"), number(now_ns / 1e9, "s")
+    yield mistake("sleeps_too_long", line=place["line"], until=until, end=end)
+
+
+def _behind_spin(run: Run) -> Mistake | None:
+    """Recognise work that stands behind a call of `spin` that was still going on when the run ended."""
+    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    if place is None or not place["call"].endswith("spin") or not script.works_after(int(place["line"])):
+        return None
+    if script.lines_with(r"\bcreate_(timer|subscription)\("):
+        return (
+            None  # then the work may well be meant to happen in a callback, and only the stop stands behind
+        )
+    return mistake("behind_spin", line=place["line"])
+
+
+_DISCOVERY_NS = 500_000_000
+
+
+def lost_at_home(run: Run) -> Iterator[Mistake]:
+    """Recognise a script that is over before, at home, its publisher and turtlesim have found each other.
+
+    That takes 50 to 500 ms there. Whatever was published up to then reached nobody.
+    """
+    outcome = run.outcome
+    over = outcome.status is RunStatus.FINISHED and outcome.duration_ns <= _DISCOVERY_NS
+    if over and outcome.command_count:
+        yield mistake("lost_at_home", ended=number(outcome.duration_ns / 1e6, "ms"))
+
+
+def without_node(run: Run) -> Mistake:
+    """Say why a script that ended by itself has no node."""
+    if run.source and not ScriptText(run.source).has_code:
+        return mistake("no_code")
+    if run.outcome.stdout.text.strip():
+        return mistake("only_printed")
+    return mistake("nothing_ran")
+
+
+def _silence(run: Run, topic: str) -> tuple[Mistake, ...]:
     """Say why no velocity command arrived; nothing when the script crashed before it could send one."""
+    outcome = run.outcome
     publishers = [
         endpoint
         for endpoint in outcome.endpoints
@@ -145,7 +214,7 @@ def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
     right = [publisher for publisher in publishers if publisher.name == topic]
     twists = [publisher for publisher in publishers if publisher.type == TWIST]
     if set(right) & set(twists):
-        return _unused_publisher(outcome, topic)
+        return _unused_publisher(run, topic)
     if right:
         return (mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
     if publishers:
@@ -156,16 +225,19 @@ def _silence(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
         return (mistake("forbidden", detail=explained(RunStatus.FORBIDDEN, call)),)
     if outcome.exit_code == _USAGE and outcome.stderr.text.startswith("usage: "):
         return (mistake("no_arguments"),)
-    return (mistake("no_publisher", topic=topic) if outcome.nodes else mistake("nothing_ran"),)
+    if outcome.nodes:
+        return (_behind_spin(run) or mistake("no_publisher", topic=topic),)
+    return (without_node(run),)
 
 
-def _unused_publisher(outcome: RunOutcome, topic: str) -> tuple[Mistake, ...]:
+def _unused_publisher(run: Run, topic: str) -> tuple[Mistake, ...]:
+    outcome = run.outcome
     if noted(outcome, "incompatible_qos") == topic:
         return (mistake("incompatible_qos", topic=topic),)
     if outcome.status is RunStatus.FINISHED:
         return (mistake("never_spun", ended=number(outcome.duration_ns / 1e9, "s")),)
     if outcome.status is RunStatus.INTERRUPTED:
-        return (mistake("never_published"),)
+        return (_behind_spin(run) or mistake("never_published"),)
     return ()
 
 

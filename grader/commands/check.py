@@ -94,7 +94,7 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
 
     folder = default_cache_folder()
     catalog = Catalog(arguments.assignments, None if folder is None else AssignmentCache(folder))
-    assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file.name))
+    assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file))
     _check_input(arguments, assignment)
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
     with faults_explained():
@@ -133,17 +133,9 @@ def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
         RefusedError: the file's name or ``--plot`` does not go with the assignment.
     """
     from grader.contracts.assignment import SUFFIXES
+    from grader.contracts.upload import check_name
 
-    endings = SUFFIXES[assignment.input]
-    if not arguments.file.name.lower().endswith(endings):
-        raise RefusedError(
-            "wrong_file_type",
-            Text(
-                zh=f"{arguments.file.name}：作业 {assignment.id} 要交的文件名以 {' 或 '.join(endings)} 结尾",
-                en=f"{arguments.file.name}: {assignment.id} takes a {assignment.input} whose name ends in "
-                f"{' or '.join(endings)}",
-            ),
-        )
+    check_name(arguments.file.name, SUFFIXES[assignment.input])
     if arguments.plot is not None and assignment.input == "text":
         raise RefusedError(
             "plot_text",
@@ -154,13 +146,20 @@ def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
         )
 
 
-def _guess(catalog: "Catalog", file_name: str) -> str:
+def _guess(catalog: "Catalog", file: Path) -> str:
+    from grader.contracts.assignment import SUFFIXES
+    from grader.contracts.upload import check_name
+
+    file_name = file.name
     guess = catalog.guess_assignment(file_name)
     if guess is None:
-        known = ", ".join(assignment.id for assignment in catalog.all())
+        known = tuple(ending for endings in SUFFIXES.values() for ending in endings)
+        if not file_name.lower().endswith(known) or ".py." in file_name.lower():
+            check_name(file_name, SUFFIXES["script"])  # says what the file is instead
+        ids = ", ".join(assignment.id for assignment in catalog.all())
         raise UnknownAssignmentError(
-            f"the file name {file_name!r} does not tell the assignment; say it with --assignment, one of: {known}",
-            f"从文件名 {file_name!r} 看不出是哪个作业；请用 --assignment 指明，可选：{known}",
+            f"the file name {file_name!r} does not tell the assignment; say it with --assignment, one of: {ids}",
+            f"从文件名 {file_name!r} 看不出是哪个作业；请用 --assignment 指明，可选：{ids}",
         )
     return guess
 

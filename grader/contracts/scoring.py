@@ -16,12 +16,16 @@ class Run:
     Attributes:
         case: id of one of the assignment's cases.
         calls: what became of the assignment's calls, in its order.
+        source: the script, decoded. Hints are worded by it; points never depend on it.
+        at_horizon: where the main thread was when Ctrl+C came, as the script's process says.
     """
 
     trajectory: Trajectory
     outcome: RunOutcome
     case: str = "default"
     calls: tuple[ServiceResult, ...] = ()
+    source: str = ""
+    at_horizon: str = ""
 
 
 class Scoring(Record):

@@ -17,14 +17,30 @@ _OTHER_FILES = {  # what beginners hand in instead, by how it begins
     b"\x89PNG": Text(zh="图片", en="a picture"),
     b"\xff\xd8\xff": Text(zh="图片", en="a picture"),
 }
+_NOTEBOOK = Text(
+    zh="这是 Jupyter 笔记本：请导出为脚本（Jupyter：File → Save and Export Notebook As → Executable Script；"
+    "VS Code：… → Export → Python Script），再交 .py 文件。",
+    en="This is a Jupyter notebook: export it as a script (Jupyter: File → Save and Export Notebook As → "
+    "Executable Script; VS Code: … → Export → Python Script) and hand in the .py file.",
+)
+_NOTEBOOK_HEAD = re.compile(rb'\s*\{\s*"(cells|metadata|nbformat|nbformat_minor)"\s*:')
+_HIDDEN = re.compile(r"(.+?)(?:\.py)?(?:\.(?:txt|text|md|doc|docx|pyw|pyc|bak|py)|。py|．py)", re.IGNORECASE)
+_CHINESE = ("gbk", "gb2312", "gb18030", "cp936", "936")
+_CONVERT = Text(
+    zh="请另存为 UTF-8：VS Code 点右下角的编码 → “通过编码重新打开” → GBK，再点一次 → “通过编码保存” → UTF-8；"
+    "记事本用“另存为”，编码选 UTF-8。",
+    en=". Save the file as UTF-8: in VS Code click the encoding at the bottom right, Reopen with Encoding → GBK, "
+    "then Save with Encoding → UTF-8; in Notepad, Save as with the encoding UTF-8",
+)
 _CODING = re.compile(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]{1,40})")  # of PEP 263
 
 
 def check_source(source: bytes, max_bytes: int = MAX_SOURCE_BYTES) -> None:
-    """Accept a file of UTF-8 text (a byte order mark is fine) within `max_bytes`.
+    """Accept a text within `max_bytes`, in UTF-8 (a byte order mark is fine) or a Chinese coding that it declares.
 
     Raises:
-        RefusedError: ``too_large``, ``empty``, ``not_utf8`` or ``contains_nul``; the message says where.
+        RefusedError: ``too_large``, ``empty``, ``not_utf8``, ``contains_nul`` or, for a notebook,
+            ``wrong_file_type``; the message says where.
     """
     if len(source) > max_bytes:
         raise RefusedError(
@@ -68,6 +84,8 @@ def _check_kind(source: bytes) -> None:
             ),
             field="file",
         )
+    if _NOTEBOOK_HEAD.match(source) and b'"cell_type"' in source:
+        raise RefusedError("wrong_file_type", _NOTEBOOK, field="file")
     kind = next((kind for head, kind in _OTHER_FILES.items() if source.startswith(head)), None)
     if kind is not None:
         raise RefusedError(
@@ -80,39 +98,83 @@ def _check_kind(source: bytes) -> None:
         )
 
 
+def decoded(source: bytes) -> str:
+    """Return the text of an accepted file, decoded as Python does."""
+    declared = _declared(source)
+    if declared is not None and declared.lower() in _CHINESE:
+        return source.decode(declared, "replace")
+    return source.decode("utf-8-sig", "replace")
+
+
 def _check_encoding(source: bytes) -> None:
+    """Refuse what neither is UTF-8 nor declares, as Python wants it, the Chinese coding that it is in."""
     try:
         source.decode("utf-8")
     except UnicodeDecodeError as error:
+        declared = _declared(source)
+        if declared is not None and declared.lower() in _CHINESE and _decodes(source, declared):
+            return
         line, byte = _line(source, error.start), f"0x{source[error.start]:02x}"
-        en, zh = "", ""
-        if (declared := _declared(source)) is not None:
-            where, coding = declared
-            en = f", and delete line {where}, which declares {coding}: only UTF-8 is accepted"
-            zh = f"，并删去第 {where} 行的编码声明（{coding}）：这里只接受 UTF-8"
-        raise RefusedError(
-            "not_utf8",
-            Text(
-                zh=f"第 {line} 行有一个字节不是 UTF-8 编码（{byte}）：请把文件另存为 UTF-8{zh}。",
-                en=f"line {line} contains a byte that is not UTF-8 ({byte}): save the file as UTF-8{en}",
-            ),
-            field="file",
-        ) from None
+        if _decodes(source, "gb18030"):
+            zh = f"第 {line} 行不是 UTF-8 编码（{byte}），看起来文件是 GBK（ANSI）编码。"
+            en = f"line {line} is not UTF-8 ({byte}): this file seems to be GBK, which Windows calls ANSI"
+        else:
+            zh = f"第 {line} 行有一个字节不是 UTF-8 编码（{byte}）。"
+            en = f"line {line} contains a byte that is not UTF-8 ({byte})"
+        raise RefusedError("not_utf8", Text(zh=zh + _CONVERT.zh, en=en + _CONVERT.en), field="file") from None
 
 
-def _declared(source: bytes) -> tuple[int, str] | None:
-    """Return line and name of a coding declared by PEP 263 that is not UTF-8, if there is one.
+def _decodes(source: bytes, coding: str) -> bool:
+    try:
+        source.decode(coding)
+    except UnicodeDecodeError:
+        return False
+    return True
 
-    Python would read such a file. Everything behind the upload (pages, exports, marks of lines) is told in
-    UTF-8 alone, and the declaration would garble the file once it is saved so: hence the advice to delete it.
-    """
-    for number, line in enumerate(source.splitlines()[:2], start=1):
+
+def _declared(source: bytes) -> str | None:
+    """Return the coding that the first two lines declare by PEP 263, if any."""
+    for line in source.splitlines()[:2]:
         if (found := _CODING.match(line)) is not None:
-            coding = found[1].decode("ascii")
-            return None if re.fullmatch("utf[-_]?8.*", coding, re.IGNORECASE) else (number, coding)
+            return found[1].decode("ascii")
         if line.strip() and not line.lstrip().startswith(b"#"):
             return None
     return None
+
+
+def check_name(name: str, endings: tuple[str, ...]) -> None:
+    """Accept a file name with one of the wanted endings, behind something.
+
+    Raises:
+        RefusedError: ``wrong_file_type``; the message names what the file is called, or is, and the remedy.
+    """
+    lower = name.lower()
+    if lower.endswith(endings) and lower not in endings:
+        return
+    wanted = Text(zh=" 或 ".join(endings), en=" or ".join(endings))
+    told = Text(
+        zh=f"收到的文件名是 {name or '—'}，这个作业要交的文件以 {wanted.zh} 结尾。",
+        en=f"The file is called {name or '—'}; this assignment takes names that end in {wanted.en}.",
+    )
+    raise RefusedError("wrong_file_type", _remedy(name, endings, told), field="file")
+
+
+def _remedy(name: str, endings: tuple[str, ...], told: Text) -> Text:
+    """Return `told` with what to do about it, where the name tells that."""
+    if ".py" not in endings:
+        return told
+    if name.lower().endswith(".ipynb"):
+        return Text(zh=told.zh + _NOTEBOOK.zh, en=f"{told.en} {_NOTEBOOK.en}")
+    found = _HIDDEN.fullmatch(name)
+    if found is None:
+        return told
+    right = f"{found[1]}.py"
+    return Text(
+        zh=f"{told.zh}请把它改名为 {right}"
+        "（Windows 会隐藏扩展名：在资源管理器里打开“查看 → 显示 → 文件扩展名”再改）。",
+        en=f"{told.en} Rename it to {right} (Windows hides the ending: in Explorer, turn on View → Show → "
+        "File name extensions first).",
+    )
 
 
 def _line(source: bytes, place: int) -> int:

@@ -181,7 +181,7 @@ def _detail(status: RunStatus, episode: EpisodeResult, jail: JailReport) -> str:
     if episode.exit is not None:
         if episode.exit.reason == TOO_MANY_STEPS and status is RunStatus.CPU_LIMIT:
             return f"more than {episode.most_steps} steps were made"
-        return episode.exit.detail if episode.exit.reason == STALLED else ""
+        return episode.exit.detail if episode.exit.reason in (STALLED, PRINTED_TOO_MUCH) else ""
     return "" if status is RunStatus.INTERRUPTED else jail.detail
 
 

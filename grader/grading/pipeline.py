@@ -20,6 +20,7 @@ from grader.contracts.report import (
 from grader.contracts.rubric import summed
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.trajectory import encode_trajectory
+from grader.contracts.upload import decoded
 from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
@@ -55,17 +56,20 @@ class Pipeline:
         if job.assignment.input == "text":
             from grader.checks import evaluate_text
 
-            scoring = evaluate_text(job.assignment, job.source.decode("utf-8-sig", "replace"))
+            scoring = evaluate_text(job.assignment, decoded(job.source))
             return GradingResult(
                 report=_report(job, [], scoring, {}), trajectories={}, measurements=self._measurements([])
             )
         accounts = [self._run_repeatably(job, case, on_run) for case in job.assignment.cases]
+        source = decoded(job.source)
         runs = [
             Run(
                 case=case.id,
                 trajectory=episode.trajectory,
                 outcome=merge(episode, jail),
                 calls=episode.calls,
+                source=source,
+                at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
             )
             for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
         ]

@@ -15,6 +15,7 @@ from typing import Final, Self
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import GraderError, InfrastructureError, ProtocolError
 from grader.contracts.grading import SyntaxProblem
+from grader.contracts.upload import decoded
 from grader.sandbox import Jail, RunEnd, Sandbox
 from grader.sim.frames import SYNTAX_ERROR, Exit
 from grader.sim.wire import PROTOCOL, decode, encode_start
@@ -111,7 +112,7 @@ class SandboxPreflight:
 
 
 def _line_of(source: bytes, number: int) -> str:
-    lines = re.split(r"\r\n|\r|\n", source.decode("utf-8-sig", "replace"))
+    lines = re.split(r"\r\n|\r|\n", decoded(source))
     return lines[number - 1] if 1 <= number <= len(lines) else ""
 
 

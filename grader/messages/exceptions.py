@@ -3,22 +3,72 @@
 Type and text of an exception tell which code it gets; the sentence ``mistake.<code>`` says what it means.
 """
 
+import difflib
 import re
+from collections.abc import Callable, Mapping
 from typing import Final
 
 from grader.contracts.outcome import StudentError
 from grader.contracts.text import Text
-from grader.messages import say
+from grader.messages import enumerated, say
+from grader.messages.script import NO_SCRIPT, ScriptText
 
 _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
 """Stands before a pattern of the line that raised the exception: the last ``File`` entry of the traceback."""
 
+_LINE: Final = r"(Syntax|Indentation|Tab)Error: .*\n.*\n +"
+"""Stands before a pattern of the line that Python does not take, from its first character on."""
+
+_SHELL: Final = (
+    r"(apt|apt-get|bash|cat|cd|chmod|colcon|cp|export|git|ls|mkdir|mv|nano|pip3?|python3?|rm|ros2|sh|source|"
+    r"sudo)"
+)
+
 _SIGNS: Final = tuple(
     (re.compile(pattern), code)
     for pattern, code in (
+        (_LINE + r"\d+[.:|)]?[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[A-Za-z_#@\"']", "line_numbers"),
+        (_LINE + rf"(\./|{_SHELL}[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[^\s=(,])", "shell_line"),
+        (r"SyntaxError: Missing parentheses in call to 'print'", "print_statement"),
+        (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
+        (_LINE + r"(.*\W)?(?P<name>[A-Za-z_][\w.]*)(\+\+|--)[ \t]*[;)]?[ \t]*(#.*)?\n", "increment"),
+        (r"SyntaxError: .*Maybe you meant '==' .*\n.*\n +(if|elif|while)\b", "single_equals"),
+        (_LINE + r"(if|elif|while|return|\w+[ \t]*=)\b[^\"'#\n]*(&&|\|\||![\w (])", "c_operator"),
+        (
+            _LINE
+            + r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_]\w*[ \t]*(=|;|\n)",
+            "typed_name",
+        ),
+        (r"SyntaxError: expected ':'", "missing_colon"),
+        (
+            r"SyntaxError: ('.' was never closed|unmatched '.'|closing parenthesis '.' does not match)",
+            "unbalanced",
+        ),
+        (r"SyntaxError: unterminated (triple-quoted )?(f-)?string literal", "open_string"),
+        (r"SyntaxError: '\w+' outside (async )?function", "outside_function"),
         (r"SyntaxError: invalid (non-printable )?character", "foreign_character"),
         (r"SyntaxError: invalid syntax\n.*\n +(```|\$ |>>> )", "pasted_mark"),
         (r"(IndentationError|TabError): ", "indentation"),
+        (r"RuntimeError: Context\.init\(\) must only be called once", "init_twice"),
+        (
+            r"TypeError: Expected <class '[\w.]*\.(?P<wanted>\w+)'>, "
+            r"got <class '(?:[\w.]*\.)?(?P<given>(?!Metaclass_)\w+)'>" + _AT + r".*\.publish\(",
+            "wrong_message",
+        ),
+        (r"TypeError: object\.__init__\(\) takes exactly one argument", "no_base_class"),
+        (
+            r"ValueError: invalid literal for int\(\) with base 10: (?P<given>'\s*[-+]?(\d+\.\d*|\.\d+)\s*')",
+            "int_of_decimal",
+        ),
+        (
+            r"ValueError: (invalid literal for int\(\) with base 10|could not convert string to float): "
+            r"(?P<given>.*)\n",
+            "not_a_number",
+        ),
+        (r"UnboundLocalError: .*?'(?P<name>\w+)'", "assigned_later"),
+        (r"RCLError: .*publisher's context is invalid", "shutdown_early"),
+        (r"InvalidHandle: cannot use Destroyable because destruction was requested", "destroyed_early"),
+        (r"NameError: name 'self' is not defined", "self_outside"),
         (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
         (
             r"AssertionError: The '(?P<field>\w+)' field must be a sub message of type '(?P<owner>\w+)'",
@@ -108,16 +158,228 @@ The first pattern that fits counts, so a special one stands before a general one
 
 _LONGEST: Final = 200
 _MODULE_PATH: Final = re.compile(r" \(/\S+\)$")
+_SUGGESTION: Final = re.compile(r"\. Did you mean: '(\w+)'\?\s*$")
 _WITHOUT_WORDS: Final = Text(zh="没有更多说明", en="without a word")
 
+_MESSAGES: Final = {
+    "geometry_msgs.msg": ("Point", "PoseStamped", "Quaternion", "Twist", "TwistStamped", "Vector3"),
+    "nav_msgs.msg": ("Odometry", "Path"),
+    "sensor_msgs.msg": ("Image", "Imu", "LaserScan"),
+    "std_msgs.msg": ("Bool", "Float32", "Float64", "Int32", "String"),
+    "std_srvs.srv": ("Empty", "SetBool", "Trigger"),
+    "turtlesim.msg": ("Color", "Pose"),
+    "turtlesim.srv": ("Kill", "SetPen", "Spawn", "TeleportAbsolute", "TeleportRelative"),
+    "rclpy.action": ("ActionClient", "ActionServer"),
+    "rclpy.duration": ("Duration",),
+    "rclpy.executors": ("MultiThreadedExecutor", "SingleThreadedExecutor"),
+    "rclpy.node": ("Node",),
+    "rclpy.parameter": ("Parameter",),
+    "rclpy.qos": ("QoSProfile",),
+    "math": ("atan2", "cos", "degrees", "pi", "radians", "sin", "sqrt"),
+    "time": ("sleep",),
+    "threading": ("Thread",),
+}
+_IMPORTS: Final = (
+    {name: f"from {module} import {name}" for module, names in _MESSAGES.items() for name in names}
+    | {
+        name: f"import {name}"
+        for name in (
+            "argparse",
+            "asyncio",
+            "json",
+            "math",
+            "os",
+            "random",
+            "rclpy",
+            "sys",
+            "threading",
+            "time",
+        )
+    }
+    | {"np": "import numpy as np", "numpy": "import numpy"}
+)
+_MODULES: Final = tuple(
+    dict.fromkeys((*_MESSAGES, "geometry_msgs", "nav_msgs", "numpy", "random", "rclpy", "sensor_msgs", "std_msgs",
+                   "std_srvs", "sys", "threading", "turtlesim"))
+)  # fmt: skip
+_ELSEWHERE: Final = frozenset((
+    "PIL", "RPi", "ament_index_python", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
+    "gymnasium", "imageio", "launch", "launch_ros", "moveit_msgs", "nav2_simple_commander", "open3d",
+    "openai", "pandas", "psutil", "pybullet", "pybullet_data", "requests", "scipy", "seaborn", "serial",
+    "skimage", "sklearn", "smbus", "spidev", "sympy", "tensorflow", "torch", "torchvision", "tqdm",
+    "transforms3d", "ultralytics", "usb", "yolov5",
+))  # fmt: skip
+"""Libraries that exist, and that a beginner's PC may have, but not this environment."""
 
-def meaning(error: StudentError, otherwise: str) -> tuple[str, Text]:
-    """Return the code that fits an exception, else `otherwise`, and its sentence."""
+_NODE_NAMES: Final = frozenset(
+    [
+        "create_client",
+        "create_publisher",
+        "create_rate",
+        "create_service",
+        "create_subscription",
+        "create_timer",
+        "declare_parameter",
+        "destroy_node",
+        "get_clock",
+        "get_logger",
+        "get_name",
+        "get_parameter",
+        "handle",
+    ]
+)
+
+
+def suggested(error: StudentError) -> str | None:
+    """Return the name that Python suggests in the place of an unknown one."""
+    found = _SUGGESTION.search(error.traceback)
+    return found[1] if found else None
+
+
+def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT) -> tuple[str, Text]:
+    """Return the code that fits an exception, else `otherwise`, and its sentence; `script` raised it."""
     told = f"{error.type}: {error.message}\n{error.traceback}"
     known = ((code, sign.match(told)) for sign, code in _SIGNS)
     code, values = next(((code, found.groupdict()) for code, found in known if found), (otherwise, {}))
+    refine = _REFINED.get(code)
+    closer = None if refine is None else refine(error, script)
+    if closer is not None:
+        code, values = closer
+    values = {name: value or "" for name, value in values.items()}
     problem = _first_line(error.message) or _WITHOUT_WORDS
-    return code, say(f"mistake.{code}", line=error.line or "?", type=error.type, problem=problem, **values)
+    return code, say(
+        f"mistake.{code}", **{"line": error.line or "?", "type": error.type, "problem": problem, **values}
+    )
+
+
+Closer = tuple[str, dict[str, object]] | None
+
+
+def _name(error: StudentError) -> Closer:
+    """Look closer at an unknown name."""
+    found = re.match(r"name '(\w+)' is not defined", error.message)
+    if found is None:
+        return None
+    name = found[1]
+    written = script_line(error)
+    if re.fullmatch(_SHELL, name) and re.match(rf"{_SHELL}([ \t]+[-~/.\w].*)?$", written):
+        return "shell_line", {}
+    if name in _IMPORTS:
+        return "missing_import", {"name": name, "statement": _IMPORTS[name]}
+    if (suggestion := suggested(error)) is not None:
+        return "misspelt", {"suggestion": suggestion}
+    return None
+
+
+def _own_name(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at an unknown name that may be a method of the student's own class."""
+    found = re.match(r"name '(\w+)' is not defined", error.message)
+    made = None if found is None else script.definition(found[1])
+    if found is not None and made is not None and made.takes_self:
+        return "missing_self", {"name": found[1]}
+    return _name(error)
+
+
+def _attribute(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at an unknown attribute."""
+    found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
+    if found is not None and (closer := _own_attribute(found[1], found[2], script)) is not None:
+        return closer
+    if (suggestion := suggested(error)) is not None:
+        return "misspelt", {"suggestion": suggestion}
+    return None
+
+
+def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
+    """Look for the attribute in the student's own class."""
+    begins = script.class_line(owner)
+    if begins is None:
+        return None
+    if name in _NODE_NAMES and script.class_without_base(owner):
+        return "no_base_class", {"line": begins}
+    made = script.definition(name)
+    if made is not None and script.owner_of(made.line) != begins:
+        return "method_outside", {"name": name, "owner": owner, "begins": made.line}
+    given = script.lines_with(rf"\bself\.{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
+    if len(given) == 1 and given[0] > begins:
+        return "not_yet_assigned", {"name": name, "given": given[0]}
+    return None
+
+
+def _module(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at an import that failed."""
+    found = re.match(r"No module named '([\w.]+)'", error.message)
+    if found is None:
+        return _imported_name(error)
+    name = found[1]
+    root = name.partition(".")[0]
+    if root in ("_tkinter", "tkinter", "turtle"):
+        return ("turtle_graphics" if script.lines_with(_TURTLE) else "no_display"), {}
+    if root in _ELSEWHERE:
+        return "library_not_here", {"name": root}
+    near = [known for known in _MODULES if known.lower() == name.lower()] or difflib.get_close_matches(
+        name, _MODULES, 1, 0.8
+    )
+    return ("misspelt", {"suggestion": near[0]}) if near and near[0] != name else None
+
+
+def _imported_name(error: StudentError) -> Closer:
+    found = re.match(r"cannot import name '(\w+)' from '([\w.]+)'", error.message)
+    if found is None:
+        return None
+    name, module = found.groups()
+    near = [known for known in _IMPORTS if known.lower() == name.lower()]
+    near = near or difflib.get_close_matches(name, _MESSAGES.get(module, ()), 1, 0.75)
+    return ("missing_import", {"name": near[0], "statement": _IMPORTS[near[0]]}) if near else None
+
+
+_TURTLE: Final = r"^[ \t]*(import[ \t]+turtle\b|from[ \t]+turtle[ \t]+import)"
+
+
+def _window(error: StudentError, script: ScriptText) -> Closer:
+    return ("turtle_graphics", {}) if script.lines_with(_TURTLE) else None
+
+
+def _shut_down(error: StudentError, script: ScriptText) -> Closer:
+    return "shutdown_early", {"where": _where(script.lines_with(r"\bshutdown\("))}
+
+
+def _destroyed(error: StudentError, script: ScriptText) -> Closer:
+    return "destroyed_early", {"where": _where(script.lines_with(r"\bdestroy_\w+\("))}
+
+
+def _base_class(error: StudentError, script: ScriptText) -> Closer:
+    """Find the class whose ``__init__`` failed: the nearest one above."""
+    above = [number for number in script.lines_with(r"^[ \t]*class[ \t]+\w+") if number <= (error.line or 0)]
+    return ("no_base_class", {"line": above[-1]}) if above else None
+
+
+def _where(lines: list[int]) -> Text | str:
+    """Return the lines as they stand in a sentence; nothing when there are none."""
+    if not lines:
+        return ""
+    numbers = enumerated([Text(zh=str(line), en=str(line)) for line in lines[:_MOST_LINES]])
+    return say("detail.in_lines", lines=numbers)
+
+
+_MOST_LINES: Final = 4
+_REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
+    "unknown_name": _own_name,
+    "unknown_attribute": _attribute,
+    "missing_module": _module,
+    "no_display": _window,
+    "shutdown_early": _shut_down,
+    "destroyed_early": _destroyed,
+    "no_base_class": _base_class,
+}
+"""What the text of the script, or Python's suggestion, says more closely than type and message do."""
+
+
+def script_line(error: StudentError) -> str:
+    """Return the line that raised the exception, as the traceback shows it."""
+    lines = error.traceback.splitlines()
+    files = [i for i, line in enumerate(lines) if line.startswith("  File ")]
+    return lines[files[-1] + 1].strip() if files and files[-1] + 1 < len(lines) else ""
 
 
 def _first_line(message: str) -> str:

@@ -152,10 +152,16 @@ def _digits(value: float, decimals: int) -> str:
 
 
 class SpokenQuantity(PositionalRecord):
-    """A number in a text. `unit` is one of `ANSWER_UNITS`, or empty when none that is known follows."""
+    """A number in a text.
+
+    Attributes:
+        unit: one of `ANSWER_UNITS`, or empty when none of them follows.
+        foreign: a unit that no question asks for, as written (``平方米``); or empty.
+    """
 
     value: float
     unit: Unit
+    foreign: str = ""
 
     def in_unit(self, unit: Unit) -> float | None:
         """Return the value in `unit`; a bare number is taken to be in it. None: another kind of quantity."""
@@ -175,7 +181,24 @@ def quantities(text: str) -> Iterator[SpokenQuantity]:
     for match in pattern.finditer(unicodedata.normalize("NFKC", text.replace("，", "， "))):
         unit = match["unit"]
         digits = match["number"].replace(",", "" if match["grouped"] else ".")
-        yield SpokenQuantity(float(digits), units[unit.lower()] if unit else "")
+        yield SpokenQuantity(float(digits), units[unit.lower()] if unit else "", match["foreign"] or "")
+
+
+_IN_WORDS: Final = re.compile(
+    r"(?<![第一])[零〇一二两三四五六七八九十百千][零〇一二两三四五六七八九十百千点]*(?=\s*(秒|分钟|毫秒|米|厘米|公里|千米|度|弧度))"
+)
+
+
+def number_in_words(text: str) -> str | None:
+    """Return the last number with a unit that is written in Chinese numerals (``十二``), if there is one."""
+    found = [match[0] for match in _IN_WORDS.finditer(text)]
+    return found[-1] if found else None
+
+
+_FOREIGN: Final = (
+    r"平方(?:厘米|分米|千米|公里|米)|平米|立方(?:厘米|分米|米)"
+    r"|小时|公斤|千克|[ck]?m(?:\^?[23])(?!\d)|(?:kg|hours?|h)(?![A-Za-z])"
+)
 
 
 @cache
@@ -189,11 +212,11 @@ def _reader() -> tuple[re.Pattern[str], Mapping[str, Unit]]:
     alone = r"(?<!\d,)"  # not in the middle of a list: 1,2,3
     whole = r"(?![.,]?\d)"
     pattern = re.compile(
-        r"(?<![\w.])(?P<number>[-+]?(?:"
+        r"(?<![A-Za-z0-9_.第])(?P<number>[-+]?(?:"
         rf"(?P<grouped>{alone}[1-9]\d{{0,2}}(?:,\d{{3}}){{1,4}}(?:\.\d{{0,15}})?{whole})"
         rf"|(?P<comma>{alone}\d{{1,15}},\d{{1,15}}{whole})"
         r"|\d{1,15}(?:\.\d{0,15})?)(?:e[-+]?\d{1,2})?)"
-        rf"(?:\s*[(\[]?\s*(?P<unit>{spellings})(?![A-Za-z/]))?",
+        rf"(?:\s*[(\[]?\s*(?:(?P<unit>{spellings})(?![A-Za-z0-9/^])|(?P<foreign>{_FOREIGN})))?",
         re.IGNORECASE,
     )
     return pattern, units

@@ -12,8 +12,9 @@ from grader.contracts.identity import Caller, Role, is_person_id
 from grader.contracts.outcome import StudentError
 from grader.contracts.submission import NewSubmission, Submission
 from grader.contracts.text import Text
-from grader.contracts.upload import check_source
+from grader.contracts.upload import check_name, check_source, decoded
 from grader.messages.exceptions import meaning
+from grader.messages.script import ScriptText
 from grader.render.escape import visible_line
 from grader.telemetry.context import note
 from grader.use_cases.assignments import require_published
@@ -122,17 +123,7 @@ def _checked_name(file_name: str, kind: Input) -> str:
         RefusedError: it is not the name of what the assignment asks for, a Python script or a text.
     """
     name = visible_line(re.split(r"[/\\]", file_name)[-1].strip(), _LONGEST_NAME)
-    endings = SUFFIXES[kind]
-    if not name.lower().endswith(endings) or name.lower() in endings:
-        shown = name or "—"
-        raise RefusedError(
-            "wrong_file_type",
-            Text(
-                zh=f"收到的文件名是 {shown}，这个作业要交的文件以 {' 或 '.join(endings)} 结尾。",
-                en=f"The file is called {shown}; this assignment takes names that end in {' or '.join(endings)}.",
-            ),
-            field="file",
-        )
+    check_name(name, SUFFIXES[kind])
     return name
 
 
@@ -154,7 +145,7 @@ def _check_content(services: Services, source: bytes, file_name: str, kind: Inpu
         _log.warning("a file was taken without a look at its syntax: %s", error)
         return  # no fault of the file: grading will look at it again
     if problem is not None:
-        raise _syntax_error(problem)
+        raise _syntax_error(problem, file_name, decoded(source))
 
 
 def too_large(limit: int) -> RefusedError:
@@ -167,10 +158,11 @@ def too_large(limit: int) -> RefusedError:
     )
 
 
-def _syntax_error(problem: SyntaxProblem) -> RefusedError:
+def _syntax_error(problem: SyntaxProblem, file_name: str, source: str) -> RefusedError:
     kind, _, message = visible_line(problem.message, _LONGEST_LINE).partition(": ")
-    error = StudentError(type=kind, message=message or kind, line=problem.line, traceback="")
-    _, text = meaning(error, "syntax_error")
+    shown = f'  File "{file_name}", line {problem.line}\n    {problem.text.strip()}\n'
+    error = StudentError(type=kind, message=message or kind, line=problem.line, traceback=shown)
+    _, text = meaning(error, "syntax_error", ScriptText(source))
     return RefusedError(
         "syntax_error",
         text,

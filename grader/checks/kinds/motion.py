@@ -18,7 +18,7 @@ from grader.checks.measure import (
     mistake,
     one_of,
 )
-from grader.checks.mistakes import command_mistakes, script_mistakes
+from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
@@ -138,7 +138,7 @@ def motion_mistakes(
     assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure], *, backward: bool
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong while driving straight."""
-    found = [*script_mistakes(run.outcome)]
+    found = [*script_mistakes(run), *asleep(run)]
     if drive is None:
         return tuple(found)
     values = {
@@ -156,6 +156,7 @@ def motion_mistakes(
         )
     elif "advance_m" in lost and values["advance_m"] > MIN_MOTION_M:
         found.append(mistake("too_short", ("advance_m",), distance=number(values["advance_m"], "m")))
+    found += lost_at_home(run)
     return tuple(found)
 
 

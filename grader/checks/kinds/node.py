@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake, mistake
-from grader.checks.mistakes import script_mistakes
+from grader.checks.mistakes import script_mistakes, without_node
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import RunOutcome, RunStatus
@@ -27,7 +27,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
             "info_logs": Measure(float(len(infos)), {"first": infos[0].message[:80] if infos else "—"}),
             "alive": Measure(_alive(outcome), {"seconds": number(outcome.duration_ns / 1e9, "s")}),
         },
-        mistakes=node_mistakes(outcome),
+        mistakes=node_mistakes(run),
     )
 
 
@@ -41,12 +41,13 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     return FigureSketch(view="log")
 
 
-def node_mistakes(outcome: RunOutcome) -> tuple[Mistake, ...]:
+def node_mistakes(run: Run) -> tuple[Mistake, ...]:
     """Return what probably went wrong with a first node."""
-    found = [*script_mistakes(outcome)]
+    outcome = run.outcome
+    found = [*script_mistakes(run)]
     if not found and not outcome.nodes:
-        code = "init_without_node" if outcome.status is RunStatus.INTERRUPTED else "nothing_ran"
-        found.append(mistake(code))
+        interrupted = outcome.status is RunStatus.INTERRUPTED
+        found.append(mistake("init_without_node") if interrupted else without_node(run))
     elif outcome.nodes:
         found += _logging(outcome)
         if outcome.status is RunStatus.FINISHED:

@@ -14,7 +14,14 @@ from grader.checks.measure import (
 from grader.contracts.assignment import Answer, Assignment
 from grader.contracts.rubric import Unit
 from grader.contracts.text import EMPTY, Text
-from grader.messages.quantity import ANSWER_UNITS, SpokenQuantity, is_unit, number, quantities
+from grader.messages.quantity import (
+    ANSWER_UNITS,
+    SpokenQuantity,
+    is_unit,
+    number,
+    number_in_words,
+    quantities,
+)
 
 MEASURES = {"correct": MeasureKind(form="flag"), "with_unit": MeasureKind(form="flag")}
 _DECIMALS = 3
@@ -25,19 +32,21 @@ def examine(assignment: Assignment, text: str) -> Findings:
     unit = _unit(assignment)
     given = given_answer(text, unit)
     if given is None:
-        return Findings({"correct": UNMEASURED, "with_unit": UNMEASURED}, number_mistakes(None, None, unit))
+        return Findings(
+            {"correct": UNMEASURED, "with_unit": UNMEASURED}, number_mistakes(text, None, None, unit)
+        )
     value = given.in_unit(unit)
     answer = None if value is None else _known(assignment, value)
     right = answer is not None and answer.right
     values = {
-        "given": f"{number(given.value, '1', _DECIMALS)} {given.unit}".strip(),
+        "given": f"{number(given.value, '1', _DECIMALS)} {given.unit or given.foreign}".strip(),
         "remark": EMPTY if answer is None else answer.remark,
     }
     measures = {
         "correct": Measure(1.0 if right else 0.0, values),
         "with_unit": Measure(1.0 if given.unit and value is not None else 0.0, {"unit": unit}),
     }
-    return Findings(measures, number_mistakes(given, answer, unit))
+    return Findings(measures, number_mistakes(text, given, answer, unit))
 
 
 def given_answer(text: str, unit: Unit) -> SpokenQuantity | None:
@@ -71,16 +80,23 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     return (("answers", told),)
 
 
-def number_mistakes(given: SpokenQuantity | None, answer: Answer | None, unit: Unit) -> tuple[Mistake, ...]:
+def number_mistakes(
+    text: str, given: SpokenQuantity | None, answer: Answer | None, unit: Unit
+) -> tuple[Mistake, ...]:
     """Return what is known about a wrong answer.
 
     Args:
+        text: the whole answer.
         given: the quantity that was taken for the answer, if there was any number.
         answer: the known answer it is nearest to, if any.
         unit: the one asked for.
     """
     if given is None:
+        if (words := number_in_words(text)) is not None:
+            return (mistake("number_in_words", words=words, unit=unit),)
         return (mistake("no_number", unit=unit),)
+    if given.foreign:
+        return (mistake("other_unit", given=given.foreign, unit=unit),)
     if given.unit and given.in_unit(unit) is None:
         return (mistake("other_unit", given=given.unit, unit=unit),)
     if answer is not None and not answer.right:

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from grader.checks.drive import Drive, drive_of
+from grader.checks.drive import FAST_TURN_RADPS, Drive, drive_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
-from grader.checks.mistakes import command_mistakes, script_mistakes
+from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
@@ -94,6 +94,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
 
 
 SAME_DEG = 4.0
+FULL_TURN_DEG = 360.0
 MIN_TURN_DEG = 3.0
 
 
@@ -101,19 +102,25 @@ def rotation_mistakes(
     assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure]
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong while turning."""
-    found = [*script_mistakes(run.outcome)]
+    found = [*script_mistakes(run), *asleep(run)]
     if drive is None:
         return tuple(found)
     path = drive.path
     turned = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))  # on whatever way
     short = fits(assignment, "turned_deg", turned) is False
     drift = measures.get("drift_m", UNMEASURED).value
+    fastest = max((abs(command.w_radps) for command in run.trajectory.commands), default=0.0)
+    if fastest >= FAST_TURN_RADPS:
+        found.append(
+            mistake("degrees_as_radians", rate=number(fastest, "1"), ideal=number(FULL_TURN_DEG, "deg"))
+        )
     if fits(assignment, "drift_m", drift) is False:
         found.append(_strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg")))
     if not _goals(run):
         found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=("turned_deg",), drives=())
     if short and turned > MIN_TURN_DEG:
         found += _short_turn(turned, drive)
+    found += lost_at_home(run)
     return tuple(found)
 
 

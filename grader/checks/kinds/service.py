@@ -90,7 +90,7 @@ _MAX_NAMED = 4
 def service_mistakes(run: Run, list_field: str) -> tuple[Mistake, ...]:
     """Return why the assignment's calls were not answered, or not with what was wanted."""
     outcome = run.outcome
-    found = [*script_mistakes(outcome)]
+    found = [*script_mistakes(run)]
     if found:
         return tuple(found)
     if not outcome.nodes:

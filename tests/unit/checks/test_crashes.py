@@ -144,7 +144,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         ),
         (
             error("ImportError", "cannot import name 'twist' from 'geometry_msgs.msg' (/opt/ros/a.py)"),
-            "missing_module",
+            "missing_import",
             ("'twist' from 'geometry_msgs.msg'",),
         ),
         (error("IndexError", "list index out of range"), "crashed", ("IndexError",)),
@@ -188,7 +188,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         (error("EOFError", "EOF when reading a line"), "no_input", ("input()",)),
         (error("NameError", "name 'Twst' is not defined"), "unknown_name", ("Twst",)),
         (error("ModuleNotFoundError", "No module named 'rospy'"), "ros_1", ("rospy", "ROS 2")),
-        (error("ModuleNotFoundError", "No module named 'cv2'"), "missing_module", ("cv2",)),
+        (error("ModuleNotFoundError", "No module named 'cv2'"), "library_not_here", ("cv2",)),
         (error("ModuleNotFoundError", "No module named 'pynput'"), "no_terminal", ("17",)),
         (error("TypeError", "got an unexpected keyword argument 'queue_size'"), "missing_qos", ("17", "10")),
         (
@@ -216,7 +216,7 @@ def test_crashes(problem: StudentError | None, code: str, words: tuple[str, ...]
 @pytest.mark.parametrize(
     ("kind", "message", "code"),
     [
-        ("SyntaxError", "'(' was never closed", "syntax_error"),
+        ("SyntaxError", "'(' was never closed", "unbalanced"),
         ("SyntaxError", "invalid character '（' (U+FF08)", "foreign_character"),
         ("SyntaxError", "invalid non-printable character U+00A0", "foreign_character"),
         ("TabError", "inconsistent use of tabs and spaces in indentation", "indentation"),

@@ -3,27 +3,66 @@
 import pytest
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.upload import check_source
+from grader.contracts.upload import check_name, check_source, decoded
 
 
 @pytest.mark.parametrize(
-    ("head", "advice"),
+    ("head", "accepted"),
     [
-        ("# -*- coding: gbk -*-\n", "delete line 1, which declares gbk"),
-        ("\n# vim: set fileencoding=GB18030 :\n", "delete line 2, which declares GB18030"),
-        ("# -*- coding: utf8 -*-\n", ""),
-        ("# coding: UTF-8\n# coding: gbk\n", ""),
-        ("import math\n# coding: gbk\n", ""),
-        ("#\n#\n# coding: gbk\n", ""),
+        ("# -*- coding: gbk -*-\n", True),
+        ("\n# vim: set fileencoding=GB18030 :\n", True),
+        ("# -*- coding: utf8 -*-\n", False),
+        ("# -*- coding: rot13 -*-\n", False),
+        ("# coding: UTF-8\n# coding: gbk\n", False),
+        ("import math\n# coding: gbk\n", False),
+        ("#\n#\n# coding: gbk\n", False),
     ],
 )
-def test_a_declared_coding_is_named_where_python_would_heed_it(head: str, advice: str) -> None:
-    with pytest.raises(RefusedError, match="save the file as UTF-8") as refused:
-        check_source((head + "s = '方'\n").encode("gbk"))
+def test_a_chinese_coding_is_taken_where_python_would_heed_its_declaration(head: str, accepted: bool) -> None:
+    source = (head + "s = '方'\n").encode("gbk")
+    if accepted:
+        check_source(source)
+        assert "方" in decoded(source)
+        return
+    with pytest.raises(RefusedError, match="GBK") as refused:
+        check_source(source)
     assert refused.value.code == "not_utf8"
-    assert advice in str(refused.value)
-    assert ("declares" in str(refused.value)) == bool(advice)
-    assert ("声明" in refused.value.zh) == bool(advice)
+    assert "VS Code" in refused.value.zh
+    assert "Notepad" in str(refused.value)
+    assert "记事本" in refused.value.zh
+
+
+def test_what_is_no_gbk_either_is_not_called_that() -> None:
+    with pytest.raises(RefusedError, match="not UTF-8") as refused:
+        check_source(b"s = '\xff\xff'\n")
+    assert "seems" not in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [
+        ("square_mover.py.txt", "square_mover.py "),
+        ("square_mover.pyw", "square_mover.py "),
+        ("square_mover.TXT", "square_mover.py "),
+        ("square_mover。py", "square_mover.py "),
+        ("square.ipynb", "notebook"),
+        ("square", "end in .py"),
+    ],
+)
+def test_a_name_that_is_not_a_scripts_is_refused_with_the_remedy(name: str, remedy: str) -> None:
+    with pytest.raises(RefusedError) as refused:
+        check_name(name, (".py",))
+    assert refused.value.code == "wrong_file_type"
+    assert remedy in str(refused.value)
+    check_name("square_mover.py", (".py",))
+
+
+def test_a_notebook_under_another_name_is_told_so() -> None:
+    notebook = b'{"cells": [{"cell_type": "code", "source": []}], "nbformat": 4}'
+    with pytest.raises(RefusedError, match="notebook") as refused:
+        check_source(notebook)
+    assert refused.value.code == "wrong_file_type"
+    check_source(b"{'cells': 3}\n")
 
 
 def test_what_is_utf_8_is_accepted_whatever_it_declares() -> None:

@@ -1,30 +1,33 @@
 """Mistakes told by the shape of a polygon."""
 
+import itertools
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import MOVING_MPS, MOVING_RADPS
+from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, is_motion
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import command_mistakes, script_mistakes
+from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
-from grader.contracts.trajectory import Command
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
 from grader.geometry.figure import PolygonFigure
 from grader.messages import say
 from grader.messages.quantity import listed, number
+from grader.messages.script import ScriptText
 
 ONE_RADIAN_DEG = math.degrees(1.0)
 NEAR_DEG = 6.0  # corners this close to the wanted ones show that this figure was meant
 RADIAN_OFF_DEG = (
     2.0  # a turn by 1 rad by mistake is exact: 54° is something else, such as one tick of 10 Hz too many
 )
-FAST_TURN_RADPS = 12.0  # nobody wants to turn twice a second: this is a number of degrees
+_SEEN_M = 0.1
+_SLOW_M = 1.5  # whoever is not further when time is up may still have been on the first side
 MOSTLY_ROUND_SHARE = (
     0.25  # from here on the arcs explain why angles and lengths are wrong, so they are told first
 )
@@ -60,13 +63,15 @@ def polygon_mistakes(
     assignment: Assignment, run: Run, wanted: WantedPolygon, driven: DrivenPolygon | None
 ) -> tuple[Mistake, ...]:
     """Return what probably went wrong in a figure that should have been `wanted`."""
-    found = [*script_mistakes(run.outcome)]
+    found = [*script_mistakes(run), *asleep(run)]
     if driven is None:
         return tuple(found)
     seen = _Seen(assignment, run, wanted, driven)
-    found += _wall(seen)
+    found += _never_turned(seen)
     found += _degrees(seen)
+    found += _kept_driving(seen)
     found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=_TURNS, drives=_DRIVES)
+    found += _wall(seen)
     cut = _cut_at_the_end(seen)
     if cut:
         found.append(
@@ -79,7 +84,63 @@ def polygon_mistakes(
     found += _shape(seen)
     if not cut:
         found += _ending(seen)
+    found += lost_at_home(run)
     return tuple(found)
+
+
+def _never_turned(seen: _Seen) -> Iterator[Mistake]:
+    """Tell of sides driven one behind the other, whatever came later: without a turn no figure can come."""
+    commands = seen.run.trajectory.commands
+    moves = [command for command in commands if is_motion(command)]
+    if not moves or seen.driven.drive.path.along_m[-1] < _SEEN_M or seen.run.trajectory.jumps:
+        return
+    turning = [command.t_ns for command in moves if abs(command.w_radps) > MOVING_RADPS]
+    contacts = seen.run.trajectory.contacts
+    if not turning:
+        if math.degrees(float(np.ptp(seen.driven.drive.path.heading_rad))) > SAME_DEG:
+            return  # turned by turtlesim's own action
+        stuck = (
+            seen.driven.drive.cut_short
+            and not contacts
+            and float(seen.driven.drive.path.along_m[-1]) < _SLOW_M
+        )
+        if not stuck:
+            yield mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
+        return
+    drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
+    if drives > 1 and contacts and contacts[0].start_ns <= turning[0]:
+        yield mistake(
+            "turns_behind_loop", _SHAPE, count=drives, ideal=_degree(seen.ideal_deg), sides=seen.sides
+        )
+
+
+def _straight_drives(commands: list[Command]) -> int:
+    """Return how many drives there were, with a stop between one and the next."""
+    moving = [is_motion(command) for command in commands]
+    return sum(now and not before for before, now in itertools.pairwise([False, *moving]))
+
+
+def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
+    """Tell of a linear speed that was set for the sides and never taken back for the turns."""
+    turns = [command for command in seen.run.trajectory.commands if abs(command.w_radps) > MOVING_RADPS]
+    sides = {
+        command.v_mps
+        for command in seen.run.trajectory.commands
+        if not _turns(command) and is_motion(command)
+    }
+    if len(turns) > 1 and len(sides) == 1 and all(command.v_mps in sides for command in turns):
+        rates = {command.w_radps for command in turns}
+        if len(rates) == 1:
+            yield mistake(
+                "kept_driving",
+                _SHAPE,
+                speed=number(sides.pop(), "1"),
+                rate=number(rates.pop(), "1"),
+            )
+
+
+def _turns(command: Command) -> bool:
+    return abs(command.w_radps) > MOVING_RADPS
 
 
 def _wall(seen: _Seen) -> Iterator[Mistake]:
@@ -131,7 +192,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
 def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
     """Say how much was driven in arcs, either because that was commanded or because the car slips."""
     code = "arcs" if any(map(_is_arc, seen.run.trajectory.commands)) else "slipped"
-    return mistake(code, ("curved_pct", *_LENGTHS, "gap_pct"), share=number(100.0 * figure.curved_share, "%"))
+    spoilt = _SHAPE if figure.curved_share > MOSTLY_ROUND_SHARE else ("curved_pct", *_LENGTHS, "gap_pct")
+    return mistake(code, spoilt, share=number(100.0 * figure.curved_share, "%"))
 
 
 def _is_arc(command: Command) -> bool:
@@ -144,8 +206,6 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     spoilt = ("corner_deg", "gap_pct", "sides", "opposite_corners")
     values = {"corners": listed(corners, "deg"), "ideal": _degree(ideal), "sides": seen.sides}
     if len(corners) == 0:
-        if len(figure.sides_m) == 1:
-            yield mistake("no_turns", _SHAPE, **values)
         return
     mean = float(np.mean(corners))
     uniform = float(np.ptp(corners)) <= 2.0 * SAME_DEG
@@ -209,7 +269,8 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         if count < seen.sides
         else "sides_extra"
     )
-    yield mistake(code, ("sides", "gap_pct", "settled"), count=count, sides=seen.sides)
+    spoilt = ("sides", "gap_pct", "settled", *(_LENGTHS if code == "too_slow" else ()))
+    yield mistake(code, spoilt, count=count, sides=seen.sides)
 
 
 def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
@@ -217,6 +278,13 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     if not seen.loses("side_spread_pct", 100.0 * float(np.ptp(sides)) / float(np.mean(sides))):
         return
     odd = int(np.argmax(np.abs(sides - np.median(sides))))
+    if (
+        odd == len(sides) - 1
+        and sides[odd] > np.median(sides)
+        and _coasts(seen, abs(float(sides[odd] - np.median(sides))))
+    ):
+        yield _no_final_stop(seen, number(float(sides[odd] - np.median(sides)), "m"))
+        return
     yield mistake(
         "unequal_sides",
         ("side_spread_pct", "gap_pct"),
@@ -259,16 +327,40 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
     """Tell of what was driven before and after the figure."""
     drive, figure = seen.driven.drive, seen.driven.figure
     if figure is not None and figure.approach_m > 0.0:
-        yield mistake("approach", ("gap_pct",), distance=number(figure.approach_m, "m"))
+        told = mistake("approach", ("gap_pct",), distance=number(figure.approach_m, "m"))
+        yield replace(told, apart=True)
     repeated, overrun = (figure.repeated, figure.overrun) if figure is not None else (False, False)
     if (overrun and drive.cut_short) or (not repeated and drive.moving_at_end):
-        yield mistake("never_stops", ("settled", "sides", "gap_pct"))
+        yield mistake("never_stops", ("settled", "sides", "gap_pct"), publisher=_publisher(seen))
     elif figure is not None and overrun:
         after_m = float(drive.path.along_m[-1] - drive.path.along_m[figure.end])
         yield mistake("drove_on", ("settled", "gap_pct"), distance=number(after_m, "m"))
     elif seen.driven.turned_on and (turn := seen.driven.segments.turns[-1]) is not None:
+        excess_deg = abs(math.degrees(turn.angle_rad)) - seen.ideal_deg
+        if excess_deg > 0.0 and _coasts(seen, math.radians(excess_deg), turning=True):
+            yield _no_final_stop(seen, _degree(excess_deg))
+            return
         turned = _degree(seen.driven.sense * math.degrees(turn.angle_rad))
         yield mistake("turned_on", ("settled",), turned=turned, ideal=_degree(seen.ideal_deg))
+
+
+def _coasts(seen: _Seen, excess: float, *, turning: bool = False) -> bool:
+    """Whether turtlesim, which obeys the last command for another second, made the last motion longer."""
+    commands = seen.run.trajectory.commands
+    if not commands or not is_motion(commands[-1]) or seen.driven.drive.moving_at_end:
+        return False
+    speed = abs(commands[-1].w_radps if turning else commands[-1].v_mps)
+    return speed > 0.0 and excess / speed <= COMMAND_LIFE_NS / 1e9 + 0.05
+
+
+def _no_final_stop(seen: _Seen, excess: str) -> Mistake:
+    spoilt = ("settled", "gap_pct", *_LENGTHS)
+    return mistake("no_final_stop", spoilt, excess=excess, publisher=_publisher(seen))
+
+
+def _publisher(seen: _Seen) -> str:
+    """Return the name that the script gave its publisher, else any."""
+    return ScriptText(seen.run.source).publisher or "publisher"
 
 
 def _degree(value: float) -> str:

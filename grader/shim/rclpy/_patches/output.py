@@ -22,12 +22,14 @@ class Budget:
     """Bytes the run may still print, on all streams together."""
 
     def __init__(self) -> None:
+        self.most_bytes: int | None = None
         self._left: int | None = None
         self._end: Callable[[], NoReturn] | None = None
 
     def limit(self, most_bytes: int | None, end: Callable[[], NoReturn]) -> None:
         """Have `end` called, which does not return, once more than `most_bytes` (None: any) are printed."""
-        self._left, self._end = most_bytes, end
+        self.most_bytes = self._left = most_bytes
+        self._end = end
 
     def write(self, descriptor: int, data: Any) -> int:
         """Write `data`, or what the budget still allows of it and then end the run.

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from typing import Any
 
 
+_print_by_python = sys.__excepthook__
+"""Python's own printer, which alone adds a suggestion; taken before `sys` gets ours."""
+
 _BARE_MODULES = ("builtins", "__main__")
 """Whose exceptions are named without their module."""
 
@@ -95,9 +98,34 @@ def format_exception(error: BaseException) -> str:
 
         exception = traceback.TracebackException(type(error), error, error.__traceback__, compact=True)
         _add_texts(exception)
-        return "".join(exception.format())
+        text = "".join(exception.format())
+        if not isinstance(error, (NameError, AttributeError)):
+            return text
+        return text.removesuffix("\n") + _suggestion(error) + "\n"
     except Exception:
         return f"{one_line(error)}\n"
+
+
+def _suggestion(error: BaseException) -> str:
+    """Return what Python prints behind the message, such as ``. Did you mean: 'Twist'?``; often nothing.
+
+    Up to Python 3.11 only the interpreter's own printer makes suggestions; it prints into memory, without frames.
+    """
+    from io import StringIO
+
+    printed, stderr = StringIO(), sys.stderr
+    limit = getattr(sys, "tracebacklimit", None)
+    sys.stderr, sys.tracebacklimit = printed, 0
+    try:
+        _print_by_python(type(error), error, error.__traceback__)
+    finally:
+        sys.stderr = stderr
+        if limit is None:
+            del sys.tracebacklimit
+        else:
+            sys.tracebacklimit = limit
+    _, mark, name = printed.getvalue().rpartition(". Did you mean: ")
+    return mark + name.rstrip("\n") if mark and mark not in message_of(error) else ""
 
 
 def _add_texts(exception: Any) -> None:
@@ -186,10 +214,23 @@ def explain_stall(kernel: Kernel) -> str:
     return "; ".join(_explain(thread, frames.get(thread.os_ident)) for thread in kernel.threads)
 
 
-def _explain(thread: Thread, frame: FrameType | None) -> str:
+def main_thread_at(kernel: Kernel) -> str:
+    """Return where the main thread is: line, the call made there (or ``-``), and when that ends, in ns."""
+    call, frame = _call(sys._current_frames().get(kernel.main.os_ident))
+    line = 0 if frame is None else frame.f_lineno
+    return f"{line} {call or '-'} {kernel.main.deadline_ns}"
+
+
+def _call(frame: FrameType | None) -> tuple[str, FrameType | None]:
+    """Return what the student's innermost frame calls, and that frame."""
     call = ""
     while frame is not None and frame.f_code.co_filename != script.file_name:
         call = frame.f_code.co_qualname
         frame = frame.f_back
+    return call, frame
+
+
+def _explain(thread: Thread, frame: FrameType | None) -> str:
+    call, frame = _call(frame)
     place = f", line {frame.f_lineno}" if frame is not None else ""
     return f"{thread.name}{place}: {thread.why or f'{call}() waits for ever'}"

@@ -104,8 +104,8 @@ def _tell_start() -> None:
 
 
 def _tell_interrupt() -> None:
-    """Let the episode know at once: from now on the script has only its grace of CPU time."""
-    link.note("interrupted", "")
+    """Let the episode know at once, and where: from now on the script has only its grace of CPU time."""
+    link.note("interrupted", tracebacks.main_thread_at(kernel))
     link.flush()
 
 
@@ -301,6 +301,7 @@ def _end_at_output_limit() -> NoReturn:
     """End the run at the byte it may no longer print; flushing would print more."""
     ending.reason = _wire.PRINTED_TOO_MUCH
     ending.code = 1
+    ending.text = f"more than {output.budget.most_bytes} bytes were printed"
     ending.send_and_exit()
 
 

@@ -1,0 +1,120 @@
+"""What the text of a script shows, for the words of a hint. It is searched, never parsed or run.
+
+The trusted side must not give a student's text to Python's parser (deep nesting ends the process), so these are
+patterns over lines from which strings and comments are blanked out.
+"""
+
+import re
+from functools import cached_property
+from typing import Final, NamedTuple
+
+_PROSE: Final = re.compile(
+    r'"""(?:\\.|[^\\])*?"""|\'\'\'(?:\\.|[^\\])*?\'\'\'|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'|#[^\n]*',
+    re.DOTALL,
+)
+_INDENT: Final = re.compile(r"[ \t]*")
+_TAB: Final = 8
+_ENDS: Final = re.compile(
+    r"(\w+\.)*(destroy_\w+|shutdown|try_shutdown|info|print|exit|join)\(|(except|finally|else|pass|return|raise)\b"
+)
+"""What stands behind `rclpy.spin()` in every right script, and does no work."""
+
+
+class Definition(NamedTuple):
+    """A ``def``: where, how far in, and whether its first parameter is ``self``."""
+
+    line: int
+    indent: int
+    takes_self: bool
+
+
+class ScriptText:
+    """The code of a script, line by line, without strings and comments."""
+
+    def __init__(self, source: str) -> None:
+        self._source = source
+
+    @cached_property
+    def lines(self) -> list[str]:
+        """The lines; strings are ``""``, comments nothing."""
+        return _PROSE.sub(_blank, self._source.replace("\r\n", "\n")).split("\n")
+
+    @property
+    def has_code(self) -> bool:
+        """Whether there is more than comments and strings."""
+        return any(line.strip().strip("\"'") for line in self.lines)
+
+    def lines_with(self, pattern: str) -> list[int]:
+        """Return the numbers of the lines in which `pattern` is found."""
+        found = re.compile(pattern)
+        return [number for number, line in enumerate(self.lines, start=1) if found.search(line)]
+
+    def definition(self, name: str) -> Definition | None:
+        """Return the only ``def`` of that name; None when there is none, or more than one."""
+        pattern = rf"^[ \t]*def[ \t]+{re.escape(name)}[ \t]*\("
+        numbers = self.lines_with(pattern)
+        if len(numbers) != 1:
+            return None
+        line = self.lines[numbers[0] - 1]
+        takes_self = re.search(pattern + r"[ \t]*self\b", line) is not None
+        return Definition(numbers[0], _indent(line), takes_self)
+
+    def class_line(self, name: str) -> int | None:
+        """Return the line on which the class begins."""
+        return next(iter(self.lines_with(rf"^[ \t]*class[ \t]+{re.escape(name)}\b")), None)
+
+    def class_without_base(self, name: str) -> bool:
+        """Whether the class is written without a base class."""
+        return bool(
+            self.lines_with(rf"^[ \t]*class[ \t]+{re.escape(name)}[ \t]*(\([ \t]*(object)?[ \t]*\))?[ \t]*:")
+        )
+
+    def owner_of(self, number: int) -> int | None:
+        """Return the line that begins the block in which the given line stands; None at the top level."""
+        indent = _indent(self.lines[number - 1])
+        for above in range(number - 1, 0, -1):
+            line = self.lines[above - 1]
+            if line.strip() and _indent(line) < indent:
+                return above
+        return None
+
+    def works_after(self, number: int) -> bool:
+        """Whether code behind the given line, in the same block or one around it, does work."""
+        if not 0 < number <= len(self.lines):
+            return False
+        indent = _indent(self.lines[number - 1])
+        for line in self.lines[number:]:
+            if not line.strip():
+                continue
+            if _indent(line) > indent:
+                continue  # inside a block that is judged by its head, or the rest of a call
+            if re.match(r"[ \t]*(def|class|if __name__)\b", line):
+                return False
+            indent = _indent(line)
+            if not _ENDS.match(line.strip()) and re.search(r"\w\(|^\s*(for|while)\b", line):
+                return True
+        return False
+
+    @cached_property
+    def publisher(self) -> str | None:
+        """The name under which the script keeps its only publisher of Twist; None when that is not clear."""
+        text = "\n".join(self.lines)
+        pattern = (
+            r"^[ \t]*((?:self\.)?\w+)[ \t]*(?::[^=\n]*)?=[ \t]*[\w.]*\bcreate_publisher\(\s*[\w.]*Twist\b"
+        )
+        names = set(re.findall(pattern, text, re.MULTILINE))
+        return names.pop() if len(names) == 1 else None
+
+
+def _indent(line: str) -> int:
+    found = _INDENT.match(line)
+    return len(found[0].expandtabs(_TAB)) if found else 0
+
+
+def _blank(found: re.Match[str]) -> str:
+    """Return what stands for a string or a comment: as many lines, no words."""
+    text = found[0]
+    return "" if text.startswith("#") else '""' + "\n" * text.count("\n")
+
+
+NO_SCRIPT: Final = ScriptText("")
