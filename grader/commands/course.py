@@ -5,7 +5,14 @@ import sys
 from pathlib import Path
 
 from grader.commands.options import add_language_option, tell
-from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
+from grader.commands.storage import (
+    OpenedStore,
+    actor,
+    add_course_option,
+    add_data_option,
+    chosen_course,
+    opened,
+)
 from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
@@ -56,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _create(storage: Storage, arguments: argparse.Namespace) -> None:
+def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     teacher = checked_id(arguments.instructor, "id of an instructor")
     listed = () if arguments.roster is None else _read(arguments.roster, arguments)
     name = next((entry.name for entry in listed if entry.id == teacher), teacher)
@@ -74,7 +81,7 @@ def _create(storage: Storage, arguments: argparse.Namespace) -> None:
     write_tokens(storage, course.id, [entry.id for entry in entries], arguments.days)
 
 
-def _import(storage: Storage, arguments: argparse.Namespace) -> None:
+def _import(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     course = chosen_course(storage, arguments.course)
     entries = _read(arguments.file, arguments)
     change = storage.courses.import_roster(course, entries, actor())
@@ -88,7 +95,7 @@ def _import(storage: Storage, arguments: argparse.Namespace) -> None:
         write_tokens(storage, course, change.added, arguments.days)
 
 
-def _list(storage: Storage, arguments: argparse.Namespace) -> None:
+def _list(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     for course in storage.courses.all():
         count = len(storage.courses.members(course.id))
         members = f"{count} 人" if arguments.lang == "zh" else _members(count)

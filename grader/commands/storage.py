@@ -21,7 +21,7 @@ DATABASE_FILE = "grader.db"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Storage:
+class OpenedStore:
     """The parts of the store that commands change."""
 
     database: Database
@@ -77,7 +77,7 @@ def refuse_missing(database: Database) -> None:
 
 
 @contextmanager
-def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[Storage]:
+def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[OpenedStore]:
     """Open the database, also while a service works with it.
 
     Args:
@@ -93,14 +93,14 @@ def opened(arguments: argparse.Namespace, *, create: bool = False) -> Iterator[S
         if not create:
             refuse_missing(database)
         with up_to_date(database):
-            yield Storage(
+            yield OpenedStore(
                 database=database, courses=Courses(database, utc_now), tokens=Tokens(database, utc_now)
             )
     finally:
         database.close()
 
 
-def chosen_course(storage: Storage, course: str | None) -> str:
+def chosen_course(storage: OpenedStore, course: str | None) -> str:
     """Return the id of the course meant.
 
     Raises:

@@ -8,7 +8,14 @@ from datetime import timedelta
 from io import TextIOWrapper
 
 from grader.commands.options import add_language_option, tell
-from grader.commands.storage import Storage, actor, add_course_option, add_data_option, chosen_course, opened
+from grader.commands.storage import (
+    OpenedStore,
+    actor,
+    add_course_option,
+    add_data_option,
+    chosen_course,
+    opened,
+)
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
 from grader.contracts.notation import whole
@@ -64,7 +71,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def write_tokens(storage: Storage, course: str, people: Iterable[str], days: int) -> None:
+def write_tokens(storage: OpenedStore, course: str, people: Iterable[str], days: int) -> None:
     """Issue a token for each of `people` and print them as CSV: id, name, role, token.
 
     Into a file as the gradebook is: UTF-8 with a byte order mark, without which Excel takes Chinese names for GBK.
@@ -89,12 +96,12 @@ def write_tokens(storage: Storage, course: str, people: Iterable[str], days: int
         table.writerow((person, member.name, member.role.value, secret))
 
 
-def _issue(storage: Storage, course: str, arguments: argparse.Namespace) -> None:
+def _issue(storage: OpenedStore, course: str, arguments: argparse.Namespace) -> None:
     people = _without_token(storage, course) if arguments.missing else arguments.person
     write_tokens(storage, course, people, arguments.days)
 
 
-def _without_token(storage: Storage, course: str) -> list[str]:
+def _without_token(storage: OpenedStore, course: str) -> list[str]:
     now = utc_now()
     open_tokens = (
         token
@@ -105,14 +112,14 @@ def _without_token(storage: Storage, course: str) -> list[str]:
     return [member.id for member in storage.courses.members(course) if member.id not in served]
 
 
-def _revoke(storage: Storage, course: str, arguments: argparse.Namespace) -> None:
+def _revoke(storage: OpenedStore, course: str, arguments: argparse.Namespace) -> None:
     count = storage.tokens.revoke(course, actor(), token_id=arguments.token, person=arguments.person)
     if not count:
         raise CourseError("no such token that still opens anything", "没有这样的有效令牌")
     tell(arguments, zh=f"已撤销 {count} 个令牌", en=f"{count} revoked")
 
 
-def _list(storage: Storage, course: str, arguments: argparse.Namespace) -> None:
+def _list(storage: OpenedStore, course: str, arguments: argparse.Namespace) -> None:
     for token in storage.tokens.of_course(course):
         ended, end = token.revoked_at is not None, token.revoked_at or token.expires_at
         what = Text(zh="已撤销", en="revoked") if ended else Text(zh="有效到", en="until")

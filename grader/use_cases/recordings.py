@@ -35,7 +35,7 @@ class Recording:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Picture:
+class DrawnRun:
     """A drawn run; `tag` differs between pictures that differ."""
 
     content: bytes
@@ -59,7 +59,7 @@ async def picture(  # noqa: PLR0913, PLR0917
     case: str | None,
     language: Language,
     form: PictureForm,
-) -> Picture:
+) -> DrawnRun:
     """Return the picture of one run, as the caller may see it.
 
     It waits on the event loop while the one thread that draws is busy: a class that looks at its pictures must not
@@ -73,7 +73,7 @@ async def picture(  # noqa: PLR0913, PLR0917
     )
     spec = PlotSpec(case=case_id, language=language, form=form)
     content = await services.plots.get(assignment, report, recording.content, spec)
-    return Picture(content=content, tag=f"{report.sha256}-{case_id}-{language}-{form}")
+    return DrawnRun(content=content, tag=f"{report.sha256}-{case_id}-{language}-{form}")
 
 
 def measured_figure(

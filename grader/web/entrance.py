@@ -17,7 +17,7 @@ router = APIRouter(include_in_schema=False)
 _LONGEST = 2_000
 
 
-class Entry(BaseModel):
+class EnterForm(BaseModel):
     """What somebody says about themselves: a token, or a student's id where that is enough; then where they go."""
 
     student: str = Field(default="", max_length=200)
@@ -35,11 +35,11 @@ class Wrong(BaseModel):
 @router.get(access.ENTER)
 def read(request: Request, next: Annotated[str, Query(max_length=_LONGEST)] = "") -> Response:
     """Ask who it is."""
-    return _ask(request, Entry(next=next))
+    return _ask(request, EnterForm(next=next))
 
 
 @router.post(access.ENTER, dependencies=[Depends(require_own_form)])
-def enter(request: Request, entry: Annotated[Entry, Form()]) -> Response:
+def enter(request: Request, entry: Annotated[EnterForm, Form()]) -> Response:
     """Remember a student or an instructor on this browser and lead to where they wanted."""
     language = language_of(request)
     if entry.token:
@@ -73,6 +73,6 @@ def own_address(path: str) -> str:
     return path if own and path.isascii() else ""
 
 
-def _ask(request: Request, entry: Entry, status: int = 200, wrong: Wrong | None = None) -> Response:
+def _ask(request: Request, entry: EnterForm, status: int = 200, wrong: Wrong | None = None) -> Response:
     wanted = own_address(entry.next)
     return page(request, "enter.html", status=status, next=wanted, given=entry.student, refusal=wrong)

@@ -58,7 +58,7 @@ class ItemTotal:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Changes:
+class ChangesPage:
     """One page of the changes, and the items over all of them. `counts`: lines of each part."""
 
     lines: tuple[ChangeLine, ...]
@@ -74,12 +74,12 @@ def changes(
     names: Mapping[str, str],
     language: Language,
     query: ChangesQuery,
-) -> Changes:
+) -> ChangesPage:
     """Return the page of what `moved` that `query` asks for; beyond the last page, the last."""
     titles = partial(item_title, assignment, language=language)
     fitting = {part: [one for one in moved if _FITS[part](one.by)] for part in PARTS}
     lines, query, pages = cut(fitting[query.part], query)
-    return Changes(
+    return ChangesPage(
         lines=tuple(_line(one, names, titles) for one in lines),
         totals=tuple(_totals(moved, titles)),
         counts={part: len(found) for part, found in fitting.items()},

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _write = os.write
 
 
-class Budget:
+class OutputBudget:
     """Bytes the run may still print, on all streams together."""
 
     def __init__(self) -> None:
@@ -49,7 +49,7 @@ class Budget:
         return self._end()
 
 
-budget = Budget()
+budget = OutputBudget()
 
 
 class _Raw(RawIOBase):

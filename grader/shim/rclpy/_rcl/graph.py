@@ -87,7 +87,7 @@ class WorldEndpoint:
         """The world does not mind."""
 
 
-class Names:
+class EndpointsByName:
     """Endpoints of one kind by name, in order of creation."""
 
     def __init__(self) -> None:
@@ -119,10 +119,10 @@ class Graph:
 
     def __init__(self, domain: int) -> None:
         self.nodes: list[tuple[str, str, str]] = []
-        self.writers = Names()
-        self.readers = Names()
-        self.servers = Names()
-        self.clients = Names()
+        self.writers = EndpointsByName()
+        self.readers = EndpointsByName()
+        self.servers = EndpointsByName()
+        self.clients = EndpointsByName()
         if domain == DEFAULT_DOMAIN:
             self._settle_world()
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
     from typing import Any
 
-    from rclpy._rcl.graph import Endpoint, Names
+    from rclpy._rcl.graph import Endpoint, EndpointsByName
     from rclpy._rcl.ros_args import RosArgs
 
     NamesAndTypes = list[tuple[str, list[str]]]
@@ -160,12 +160,14 @@ class NodeHandle(Handle):
         self.require_context("Failed to get node names")
         return list(self.graph.nodes)
 
-    def names_and_types(self, failure: str, *kinds: Names) -> NamesAndTypes:
+    def names_and_types(self, failure: str, *kinds: EndpointsByName) -> NamesAndTypes:
         """Return the names and types of endpoints, sorted by name; RCLError after shutdown."""
         self.require_context(failure)
         return _collect(endpoint for kind in kinds for endpoint in kind.all())
 
-    def names_and_types_by_node(self, failure: str, kind: Names, name: str, namespace: str) -> NamesAndTypes:
+    def names_and_types_by_node(
+        self, failure: str, kind: EndpointsByName, name: str, namespace: str
+    ) -> NamesAndTypes:
         """Return the names and types of one node's endpoints.
 
         Raises:

@@ -10,8 +10,8 @@ from rclpy._rcl.yaml import (
     SCALAR,
     SEQUENCE,
     SEQUENCE_END,
-    Event,
     YamlError,
+    YamlEvent,
     events,
 )
 
@@ -55,7 +55,7 @@ class Value:
         """Take what is added with `to_list` as members of a new list."""
         self._of = None
 
-    def add(self, event: Event, *, to_list: bool) -> None:
+    def add(self, event: YamlEvent, *, to_list: bool) -> None:
         """Take a scalar.
 
         Raises:
@@ -164,7 +164,7 @@ class _File:
         self._events = self._noting_lines(events(text))
         self._found = 0
 
-    def _noting_lines(self, stream: Iterator[Event]) -> Iterator[Event]:
+    def _noting_lines(self, stream: Iterator[YamlEvent]) -> Iterator[YamlEvent]:
         for event in stream:
             self._line = event.line
             if event.kind == ALIAS:
@@ -182,7 +182,7 @@ class _File:
             text = f"Error parsing a event near line {self._line}, at ./src/parse.c:769"
             raise ValueError(text) from None
 
-    def _keys(self) -> Iterator[tuple[Event, Event]]:
+    def _keys(self) -> Iterator[tuple[YamlEvent, YamlEvent]]:
         """Yield each key of the mapping that has begun, with the event its value begins with."""
         for key in self._events:
             if key.kind == MAPPING_END:
@@ -205,12 +205,12 @@ class _File:
             else:
                 self._refuse_value(value, 793)
 
-    def _refuse_value(self, value: Event, line: int) -> None:
+    def _refuse_value(self, value: YamlEvent, line: int) -> None:
         raise ValueError(
             f"Cannot have a value before {PARAMETERS} at line {value.line}, at ./src/parse.c:{line}"
         )
 
-    def _read_node(self, names: list[str], key: Event, value: Event) -> None:
+    def _read_node(self, names: list[str], key: YamlEvent, value: YamlEvent) -> None:
         if not names:
             raise ValueError(
                 f"There are no node names before {PARAMETERS} at line {key.line}, at ./src/parse.c:629"

@@ -31,7 +31,7 @@ class YamlError(ValueError):
     """The text is not YAML, or of its part that is not supported."""
 
 
-class Event:
+class YamlEvent:
     """One event of the stream; `text` and `quoted` are a scalar's, `line` counts from 1."""
 
     __slots__ = ("kind", "line", "quoted", "text")
@@ -43,7 +43,7 @@ class Event:
         self.quoted = quoted
 
 
-def events(text: str) -> Iterator[Event]:
+def events(text: str) -> Iterator[YamlEvent]:
     """Yield the events of a text.
 
     Raises:
@@ -104,7 +104,7 @@ class _Reader:
 
     # Nodes ----------------------------------------------------------------------------------------
 
-    def node(self, indent: int, *, in_flow: bool = False) -> Iterator[Event]:
+    def node(self, indent: int, *, in_flow: bool = False) -> Iterator[YamlEvent]:
         """Yield the events of the node that begins here, inside a block whose lines begin at column `indent`."""
         self._skip_properties()
         line, first = self._line(), self._next()
@@ -112,10 +112,10 @@ class _Reader:
         if not in_flow and "\t" in indentation and not indentation.strip():
             raise YamlError("a tab in the indentation")
         if not first:
-            yield Event(SCALAR, line)
+            yield YamlEvent(SCALAR, line)
         elif first == "*":
             self._word()
-            yield Event(ALIAS, line)
+            yield YamlEvent(ALIAS, line)
         elif first in ("[", "{"):
             yield from self._sequence_in_flow() if first == "[" else self._mapping_in_flow()
         elif not in_flow and first == "-" and self._ends_word(1):
@@ -147,15 +147,15 @@ class _Reader:
         finally:
             self._at = start
 
-    def _block_sequence(self, column: int) -> Iterator[Event]:
-        yield Event(SEQUENCE, self._line())
+    def _block_sequence(self, column: int) -> Iterator[YamlEvent]:
+        yield YamlEvent(SEQUENCE, self._line())
         while self._column() == column and self._next() == "-" and self._ends_word(1):
             self._at += 1
             yield from self._value(column)
-        yield Event(SEQUENCE_END, self._line())
+        yield YamlEvent(SEQUENCE_END, self._line())
 
-    def _block_mapping(self, column: int) -> Iterator[Event]:
-        yield Event(MAPPING, self._line())
+    def _block_mapping(self, column: int) -> Iterator[YamlEvent]:
+        yield YamlEvent(MAPPING, self._line())
         while self._next() and self._column() == column and not self._marks_document():
             if not self._begins_pair():
                 raise YamlError("a key without a value")
@@ -163,9 +163,9 @@ class _Reader:
             self._skip(" \t")
             self._at += 1
             yield from self._value(column, of_key=True)
-        yield Event(MAPPING_END, self._line())
+        yield YamlEvent(MAPPING_END, self._line())
 
-    def _value(self, column: int, *, of_key: bool = False) -> Iterator[Event]:
+    def _value(self, column: int, *, of_key: bool = False) -> Iterator[YamlEvent]:
         """Yield what follows a colon or dash of a block at `column`, and go to the next line of content."""
         line = self._line()
         self._skip()
@@ -174,7 +174,7 @@ class _Reader:
         if not self._next() or (
             not same_line and (self._column() < column + (not listed) or self._marks_document())
         ):
-            yield Event(SCALAR, line)
+            yield YamlEvent(SCALAR, line)
         elif of_key and same_line and (listed or self._begins_pair()):
             raise YamlError("a block begins in the line of its key")
         else:
@@ -197,18 +197,18 @@ class _Reader:
 
     # Flow -----------------------------------------------------------------------------------------
 
-    def _sequence_in_flow(self) -> Iterator[Event]:
-        yield Event(SEQUENCE, self._line())
+    def _sequence_in_flow(self) -> Iterator[YamlEvent]:
+        yield YamlEvent(SEQUENCE, self._line())
         self._at += 1
         self._skip()
         while self._next() != "]":
             yield from self.node(-1, in_flow=True)
             self._end_item("]")
-        yield Event(SEQUENCE_END, self._line())
+        yield YamlEvent(SEQUENCE_END, self._line())
         self._at += 1
 
-    def _mapping_in_flow(self) -> Iterator[Event]:
-        yield Event(MAPPING, self._line())
+    def _mapping_in_flow(self) -> Iterator[YamlEvent]:
+        yield YamlEvent(MAPPING, self._line())
         self._at += 1
         self._skip()
         while self._next() != "}":
@@ -218,11 +218,11 @@ class _Reader:
                 self._at += 1
                 self._skip()
             if self._next() and self._next() in ",}":
-                yield Event(SCALAR, self._line())
+                yield YamlEvent(SCALAR, self._line())
             else:
                 yield from self.node(-1, in_flow=True)
             self._end_item("}")
-        yield Event(MAPPING_END, self._line())
+        yield YamlEvent(MAPPING_END, self._line())
         self._at += 1
 
     def _end_item(self, closing: str) -> None:
@@ -235,17 +235,17 @@ class _Reader:
 
     # Scalars --------------------------------------------------------------------------------------
 
-    def _scalar(self, indent: int, in_flow: bool) -> Event:
+    def _scalar(self, indent: int, in_flow: bool) -> YamlEvent:
         line, first = self._line(), self._next()
         if first and first in "'\"":
-            return Event(SCALAR, line, self._quoted(first), quoted=True)
+            return YamlEvent(SCALAR, line, self._quoted(first), quoted=True)
         bare = first in ("-", "?", ":") and self._ends_word(1)
         if not first or first in _NEVER_FIRST or bare:
             raise YamlError(f"no value can begin with {first!r}")
         words = self._plain_line(in_flow)
         while fold := self._fold(indent, line, in_flow):
             words += fold + self._plain_line(in_flow)
-        return Event(SCALAR, line, words)
+        return YamlEvent(SCALAR, line, words)
 
     def _blank_lines(self) -> str:
         """Go past blanks and return what they mean within a scalar: a space, or the empty lines among them."""
