@@ -31,7 +31,7 @@ class Limits(Record):
             (a hundred turns where the loop waits for another thread).
             Exceeding it is the student's ``cpu_limit``, and so is `cpu_s`.
         cpu_s: CPU seconds of the student's process, for what cannot be counted; far more than `steps` take.
-        wall_s: detects trouble of the host only; exceeding it is an infrastructure fault and a retry.
+        wall_s: time without the host's delays; exceeding it is the student's ``stalled``. See docs/sandbox.md.
         memory_bytes: private memory of the student's process.
         output_bytes: bytes on stdout and stderr together before the run is ended.
         threads: most threads at once.

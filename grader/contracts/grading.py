@@ -1,6 +1,6 @@
 """What goes into one grading and what comes out of it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from grader.contracts.assignment import Assignment
@@ -45,8 +45,8 @@ class SyntaxProblem(Record):
 class Grader(Protocol):
     """Grades one job at a time."""
 
-    def grade(self, job: GradingJob) -> GradingResult:
-        """Grade `job`.
+    def grade(self, job: GradingJob, on_run: Callable[[], None] = ..., /) -> GradingResult:
+        """Grade `job`; call `on_run` whenever a run of the script has begun.
 
         Raises:
             InfrastructureError: a fault of the grader or its host; the job may be tried again.

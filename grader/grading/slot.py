@@ -22,6 +22,7 @@ from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.record import from_plain, to_plain
 from grader.contracts.report import GradeReport, Measurements
 from grader.grading.launch import Child, launch
+from grader.jail import bounds
 
 _SPARE_S: Final = 30.0  # for importing the physics on a loaded machine, the checks and encoding
 _EXIT_S: Final = 1.0  # a child that has closed its pipe is about to end
@@ -143,7 +144,8 @@ class Slot:
         """
         self.start()
         runs = 2 * len(job.assignment.cases)  # one that a clock ends is tried once more
-        budget_s = runs * job.assignment.limits.wall_s + _SPARE_S
+        longest_s = bounds.WALL_STRETCH * job.assignment.limits.wall_s  # of one run, on a busy host
+        budget_s = runs * longest_s + _SPARE_S
         self._send(_request(job), budget_s)
         while (answer := self._receive(budget_s)).get("kind") == "running":
             on_run()

@@ -103,5 +103,13 @@ IDLE_LIMIT_NS: Final = 3_000_000_000
 """A process whose every thread sleeps in the kernel that long in all, while it owes a frame, is stalled.
 
 The shim never sleeps in real time. A thread that an overloaded host keeps waiting is not asleep but ready."""
+WALL_STRETCH: Final = 15
+"""So many times its wall limit a run may last on a busy host. Beside eight busy processes on two cores a run of
+the service, which gives way to them, gets a fortieth of a core: 10 s of CPU time take seven times 60 s."""
+STARVED_NS: Final = 10_000_000_000
+"""Beyond its wall limit a run must use some CPU time as often as this, or the host is at fault."""
+WORK_PER_CPU: Final = 3.0
+"""CPU time that the grader spends on a run's messages, per second granted to the script, before it counts as the
+script's excess. The longest honest runs of the course need a tenth of what is granted."""
 DRAIN_LIMIT_NS: Final = 50_000_000
 """How long output is read after the end: a pipe that another process still holds must not delay the report."""

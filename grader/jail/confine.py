@@ -75,6 +75,8 @@ def _place_descriptors(channel: int, stdout: int, stderr: int) -> None:
     parked = [_duplicate_above(fd) for fd in (stdout, stderr, channel)]
     for place, fd in zip((1, 2, bounds.CHANNEL_FD), parked, strict=True):
         os.dup2(fd, place)
+    # An open file description of its own: flags that a script sets on the zygote's would stay for the next run.
+    os.dup2(os.open(os.devnull, os.O_RDONLY), 0)
 
 
 def _duplicate_above(fd: int) -> int:

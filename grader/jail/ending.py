@@ -76,15 +76,26 @@ class JailReport(Record):
 
 
 class Clocks:
-    """How much CPU time, real sleep and wall time a run has used, and when it was last busy."""
+    """How much CPU time, real sleep and wall time a run has used, and when it was last busy.
+
+    The wall limit is the script's, as the CPU limit is: it ends what waits without computing. Time in which the
+    host let the script or the grader wait for a processor does not count towards it.
+    """
 
     def __init__(self, process: ProcessHandle, limits: Limits) -> None:
         self._process = process
         self._limits = limits
-        self._start_ns = time.monotonic_ns()
-        self._wall_deadline_ns = self._start_ns + int(limits.wall_s * 1e9)
+        self._start_ns = self._last_ns = time.monotonic_ns()
+        self._wall_grant_ns = int(limits.wall_s * 1e9)
+        self._wall_deadline_ns = self._start_ns + self._wall_grant_ns
+        self._half_ns = self._start_ns + self._wall_grant_ns // 2
         self._cpu_grant_ns = int(limits.cpu_s * 1e9)
         self._cpu_deadline_ns = process.cpu_ns() + self._cpu_grant_ns
+        self._progress = (0, 0)  # beyond the wall limit: when CPU time last grew, and to what
+        self._work_ns: int | None = None  # CPU time of the thread that serves the script
+        self._work_start_ns = 0
+        self._paused_ns = 0
+        self._pressed_ns: int | None = None  # what the host had waited for its disks at half time
         self._last_look_ns: int | None = None
         self._idle_ns = 0
         self._busy = False
@@ -126,9 +137,53 @@ class Clocks:
         cpu_ns = self.look()
         if cpu_ns > self._cpu_deadline_ns:
             return Ending(RunEnd.CPU_LIMIT, self.cpu_text)
-        if time.monotonic_ns() > self._wall_deadline_ns:
-            return Ending(RunEnd.INFRASTRUCTURE, f"no end after {self._limits.wall_s:g} s")
-        return None
+        now_ns, work_ns = time.monotonic_ns(), time.thread_time_ns()
+        self._note_pause(now_ns, work_ns)
+        if work_ns - self._work_start_ns > bounds.WORK_PER_CPU * self._limits.cpu_s * 1e9:
+            return Ending(
+                RunEnd.CPU_LIMIT, "answering its messages took too much of the simulator's CPU time"
+            )
+        if now_ns > self._half_ns and self._pressed_ns is None:
+            self._pressed_ns = disk_pressure_ns()
+        return self._at_wall_limit(now_ns, cpu_ns) if now_ns > self._wall_deadline_ns else None
+
+    def _note_pause(self, now_ns: int, work_ns: int) -> None:
+        """Add up how long this side neither computed nor waited for the script: the host kept it waiting."""
+        if self._work_ns is None:
+            self._work_ns = self._work_start_ns = work_ns
+        paused_ns = now_ns - self._last_ns - (work_ns - self._work_ns)
+        if paused_ns > 4 * TICK_NS:  # it waits for the script a tick at a time
+            self._paused_ns += paused_ns
+        self._last_ns, self._work_ns = now_ns, work_ns
+
+    def _at_wall_limit(self, now_ns: int, cpu_ns: int) -> Ending | None:
+        """Move the wall limit by what the host kept the run waiting; else say who did not come to an end."""
+        elapsed_ns = now_ns - self._start_ns
+        host_ns = min(self._paused_ns + self._waited_ns(elapsed_ns, cpu_ns), elapsed_ns)
+        if cpu_ns > self._progress[1]:
+            self._progress = (now_ns, cpu_ns)
+        starved = now_ns - self._progress[0] > bounds.STARVED_NS
+        left_ns = self._wall_grant_ns + host_ns - elapsed_ns
+        if left_ns > 0 and not starved and elapsed_ns < bounds.WALL_STRETCH * self._wall_grant_ns:
+            self._wall_deadline_ns = now_ns + min(max(left_ns, TICK_NS), bounds.STARVED_NS // 2)
+            return None
+        if left_ns > 0:
+            return Ending(RunEnd.INFRASTRUCTURE, f"no end after {elapsed_ns / 1e9:.0f} s on a busy host")
+        if disk_pressure_ns() - (self._pressed_ns or 0) > (now_ns - self._half_ns) // 2:
+            return Ending(
+                RunEnd.INFRASTRUCTURE, f"no end after {elapsed_ns / 1e9:.0f} s: the host's disk is slow"
+            )
+        return Ending(
+            RunEnd.STALLED, f"no end after {self._limits.wall_s:g} s, most of which the script spent waiting"
+        )
+
+    def _waited_ns(self, elapsed_ns: int, cpu_ns: int) -> int:
+        """Return how long the script was ready and got no processor."""
+        waited_ns = self._process.waited_ns()
+        if waited_ns is not None:
+            return waited_ns
+        idle_ns = elapsed_ns - (cpu_ns - self._cpu_deadline_ns + self._cpu_grant_ns)
+        return idle_ns if os.getloadavg()[0] > (os.cpu_count() or 1) else 0
 
     def sleeps_for_ever(self) -> bool:
         """Add up how long the script slept while the episode waited for it; return whether that is too long."""
@@ -153,6 +208,18 @@ class Clocks:
         if end is RunEnd.STALLED:
             return self._idle_ns - self._busy_idle_ns >= bounds.IDLE_LIMIT_NS // 2
         return self._cpu_deadline_ns - self._busy_cpu_ns >= self._cpu_grant_ns // 2
+
+
+def disk_pressure_ns() -> int:
+    """Return how long so far something on this host waited for a disk or for memory; 0 where it is not counted."""
+    total_us = 0
+    for kind in ("io", "memory"):
+        try:
+            with open(f"/proc/pressure/{kind}", encoding="ascii") as file:
+                total_us += int(file.readline().rpartition("=")[2])
+        except (OSError, ValueError):
+            continue
+    return total_us * 1000
 
 
 class KernelAccount(Record):

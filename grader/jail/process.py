@@ -60,11 +60,27 @@ class ProcessHandle:
             return False
         return bool(states) and all(state in _SLEEPING for state in states)
 
+    def waited_ns(self) -> int | None:
+        """Return how long its threads were ready and got no processor; None where that is unknown."""
+        return run_queue_delay_ns(f"/proc/{self.pid}/task")
+
     def close(self) -> None:
         """Release the pidfd."""
         if self.pidfd is not None:
             os.close(self.pidfd)
             self.pidfd = None
+
+
+def run_queue_delay_ns(tasks: str) -> int | None:
+    """Return how long the threads in the directory `tasks` waited for a processor; None where it is unknown."""
+    total_ns = 0
+    try:
+        for thread in os.listdir(tasks):
+            with open(f"{tasks}/{thread}/schedstat", "rb") as file:
+                total_ns += int(file.read().split()[1])
+    except (OSError, IndexError, ValueError):
+        return None
+    return total_ns
 
 
 def _state(path: str) -> int:

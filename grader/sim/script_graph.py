@@ -35,6 +35,8 @@ class ScriptGraph:
 
     def __init__(self) -> None:
         self._entries: dict[int, _Entry] = {}
+        # Services by name and type: each question of the script looks for those that the assignment calls.
+        self._services: dict[tuple[str, str], list[int]] = {}
 
     def add(self, entity: Entity) -> None:
         """Take a new entity.
@@ -47,6 +49,8 @@ class ScriptGraph:
         if len(self._entries) >= MAX_ENTITIES:
             raise ProtocolError(f"more than {MAX_ENTITIES} entities")
         self._entries[entity.id] = _Entry(entity)
+        if entity.what == SERVICE:
+            self._services.setdefault((entity.name, entity.type), []).append(entity.id)
 
     def remove(self, identity: int) -> Entity:
         """Mark an entity as gone; it stays in the account.
@@ -58,6 +62,8 @@ class ScriptGraph:
         if entry is None or not entry.alive:
             raise ProtocolError(f"GONE.id {identity} does not exist")
         entry.alive = False
+        if entry.entity.what == SERVICE:
+            self._services[entry.entity.name, entry.entity.type].remove(identity)
         return entry.entity
 
     def get(self, identity: int, what: int) -> Entity:
@@ -79,11 +85,7 @@ class ScriptGraph:
 
     def service(self, name: str, kind: str) -> int | None:
         """Return the id of the script's living service of that name and type."""
-        for identity, entry in self._entries.items():
-            entity = entry.entity
-            if entry.alive and (entity.what, entity.name, entity.type) == (SERVICE, name, kind):
-                return identity
-        return None
+        return next(iter(self._services.get((name, kind), ())), None)
 
     def nodes(self) -> tuple[str, ...]:
         """Return the nodes' fully qualified names in order of creation."""

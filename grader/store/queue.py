@@ -48,6 +48,7 @@ from grader.store.work import ANNOUNCED, Announcement, announcements
 
 _TROUBLE_CHARACTERS = 2_000
 _MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
+_MOST_TRIES_RUNNING = 2  # once a fault of the host, twice rather of the script
 _LATEST = 100  # gradings whose durations tell the pace
 # Key of a connection's notes of which assignments are stored. They are notes of a connection, not of the process:
 # when a database is replaced by another one, connections are new, and so are their notes.
@@ -188,20 +189,26 @@ class Queue:
         """
         return self._finish(claim, result, assignment, worker)
 
-    def fail(self, claim: Claim, trouble: str) -> SubmissionState | None:
+    def fail(self, claim: Claim, trouble: str, *, had_run: bool = False) -> SubmissionState | None:
         """End a try that failed on the grader's side: queued again after a pause, or given up.
+
+        It is queued behind what waits by then: what fails again and again delays nobody. `had_run` says that the
+        script was running when the try failed, so that it may be the cause: then fewer tries are made.
 
         Returns:
             The new state, or None when the claim is no longer valid.
         """
         now = self._clock()
-        given_up = claim.tries >= self._retries.max_tries
+        most = min(self._retries.max_tries, _MOST_TRIES_RUNNING) if had_run else self._retries.max_tries
+        given_up = claim.tries >= most
         state = SubmissionState.INFRASTRUCTURE_ERROR if given_up else SubmissionState.QUEUED
         doublings = min(claim.tries - 1, _MOST_DOUBLINGS)
         pause_s = min(self._retries.backoff_s * 2.0**doublings, LONGEST_PAUSE.total_seconds())
+        due = now + timedelta(seconds=pause_s)
         values = {
             "state": state.value,
-            "not_before": now + timedelta(seconds=pause_s),
+            "not_before": due,
+            "turn_at": due,
             "finished_at": now if given_up else None,
             "lease_until": None,
             "trouble": trouble[:_TROUBLE_CHARACTERS],

@@ -151,18 +151,19 @@ class GradingSlot:
     def _grade(self, claim: Claim, until_s: float) -> Claim | None:
         """Grade what is claimed and store the report; return what was claimed next."""
         begun_s = time.monotonic()
+        running = threading.Event()
         try:
             assignment = self._parts.assignments.get(claim.assignment)
             job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
             self._grader.start()
-            result = _checked(self._grader.grade(job), claim)
+            result = _checked(self._grader.grade(job, running.set), claim)
             stored, following = self._store(claim, result, assignment, until_s)
         except SandboxUnavailableError as error:
             self._sandbox.failed(error)
             self._parts.queue.hand_back(claim)
         except Exception as error:
             # no fault of the student, whatever it is: the child is replaced and the submission tried again
-            self._fail(claim, error)
+            self._fail(claim, error, had_run=running.is_set())
         else:
             _log.info("%s %s", claim.submission_id, result.report.status if stored else "dropped: fenced off")
             if stored:
@@ -198,12 +199,12 @@ class GradingSlot:
             following = None
         return stored, following
 
-    def _fail(self, claim: Claim, error: Exception) -> None:
+    def _fail(self, claim: Claim, error: Exception, *, had_run: bool) -> None:
         self._grader.close()
         if self._abandoned is claim:
             _log.warning("%s: its claim was lost, this grading of it is given up", claim.submission_id)
             return
-        state = self._parts.queue.fail(claim, f"{type(error).__name__}: {error}")
+        state = self._parts.queue.fail(claim, f"{type(error).__name__}: {error}", had_run=had_run)
         if state is SubmissionState.INFRASTRUCTURE_ERROR:
             self._parts.observer.given_up()
         elif state is not None:

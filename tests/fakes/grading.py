@@ -174,11 +174,13 @@ class FakeGrader:
     Attributes:
         faults: exceptions to raise, one per grading, before grading works again.
         aborts: how often `abort` was called.
+        runs: whether the script is running when a fault comes.
         hold: when set, gradings wait until `release` (or `abort`, which makes them fail).
     """
 
     def __init__(self, grading: Callable[[GradingJob], GradingResult] = grade) -> None:
         self.faults: list[Exception] = []
+        self.runs = False
         self.graded: list[str] = []
         self.starts = 0
         self.closed = 0
@@ -198,8 +200,10 @@ class FakeGrader:
     def start(self) -> None:
         self.starts += 1
 
-    def grade(self, job: GradingJob) -> GradingResult:
+    def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None, /) -> GradingResult:
         self.busy.set()
+        if self.runs:
+            on_run()
         if not self._go.wait(PATIENCE_S):
             raise AssertionError("the test forgot to release the grader")
         if self._aborted:

@@ -1,5 +1,7 @@
 """When a run's time is up, and whether it had fallen silent by then."""
 
+from collections.abc import Callable
+
 import pytest
 
 from grader.contracts.assignment import Limits
@@ -16,6 +18,10 @@ class Process:
     def __init__(self) -> None:
         self.now_ns = 7 * S
         self.asleep = False
+        self.waited: int | None = 0
+
+    def waited_ns(self) -> int | None:
+        return self.waited
 
     def cpu_ns(self) -> int:
         return self.now_ns
@@ -53,8 +59,113 @@ def test_a_grace_shortens_and_never_lengthens(process: Process) -> None:
     assert later.passed_limit() is not None
 
 
-def test_the_wall_clock_blames_the_host(process: Process) -> None:
-    assert make(process, wall_s=-1.0).passed_limit() == Ending(RunEnd.INFRASTRUCTURE, "no end after -1 s")
+@pytest.fixture
+def wall(monkeypatch: pytest.MonkeyPatch) -> Callable[[float], None]:
+    """Turn the wall clock on by so many seconds; nothing else passes."""
+    now = [S]
+
+    def turn(seconds: float) -> None:
+        now[0] += int(seconds * S)
+
+    monkeypatch.setattr(module.time, "monotonic_ns", lambda: now[0])
+    monkeypatch.setattr(module.time, "thread_time_ns", lambda: 0)
+    monkeypatch.setattr(module, "disk_pressure_ns", lambda: 0)
+    return turn
+
+
+Wall = Callable[[float], None]
+
+
+def run_ticks(clocks: Clocks, wall: Wall, seconds: float) -> Ending | None:
+    """Look at the clocks a hundred times a second, as a grader that has a processor does."""
+    for _ in range(round(seconds * 100)):
+        wall(0.01)
+        if (ending := clocks.passed_limit()) is not None:
+            return ending
+    return None
+
+
+def test_who_waits_on_an_idle_host_is_at_fault(process: Process, wall: Wall) -> None:
+    clocks = make(process, wall_s=2.0)
+    assert run_ticks(clocks, wall, 2.0) is None
+    ending = run_ticks(clocks, wall, 0.1)
+    assert ending is not None
+    assert ending.end is RunEnd.STALLED
+
+
+def test_waiting_for_a_processor_moves_the_wall_limit(process: Process, wall: Wall) -> None:
+    clocks = make(process, wall_s=2.0)
+    for _ in range(600):
+        assert run_ticks(clocks, wall, 0.01) is None
+        process.now_ns += S // 1000
+        assert process.waited is not None
+        process.waited += S // 100 - S // 1000
+    ending = run_ticks(clocks, wall, 2.0)
+    assert ending is not None
+    assert ending.end is RunEnd.STALLED  # from there on it had all the processor it wanted
+
+
+def test_a_pause_of_the_grader_moves_the_wall_limit(process: Process, wall: Wall) -> None:
+    clocks = make(process, wall_s=2.0)
+    clocks.passed_limit()
+    for _ in range(5):
+        wall(1.0)
+        process.now_ns += 1
+        assert clocks.passed_limit() is None
+
+
+def test_a_run_that_gets_no_processor_at_all_blames_the_host(process: Process, wall: Wall) -> None:
+    clocks = make(process, wall_s=2.0)
+    process.waited = 3600 * S
+    assert run_ticks(clocks, wall, 10.0) is None
+    ending = run_ticks(clocks, wall, 3.0)
+    assert ending is not None
+    assert ending.end is RunEnd.INFRASTRUCTURE
+
+
+def test_no_run_lasts_for_ever_on_a_busy_host(process: Process, wall: Wall) -> None:
+    clocks = make(process, wall_s=1.0, cpu_s=60.0)
+    process.waited = 3600 * S
+    ending = None
+    while ending is None:
+        wall(0.01)
+        process.now_ns += S // 100_000
+        ending = clocks.passed_limit()
+    assert ending == Ending(RunEnd.INFRASTRUCTURE, "no end after 15 s on a busy host")
+
+
+def test_a_host_whose_disk_is_slow_is_at_fault(
+    process: Process, wall: Wall, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clocks = make(process, wall_s=2.0)
+    assert run_ticks(clocks, wall, 1.5) is None
+    monkeypatch.setattr(module, "disk_pressure_ns", lambda: S)
+    ending = run_ticks(clocks, wall, 1.0)
+    assert ending is not None
+    assert ending.end is RunEnd.INFRASTRUCTURE
+
+
+@pytest.mark.parametrize(("load", "end"), [(1e9, None), (0.0, RunEnd.STALLED)])
+def test_without_the_kernels_account_the_load_tells(
+    process: Process, wall: Wall, monkeypatch: pytest.MonkeyPatch, load: float, end: RunEnd | None
+) -> None:
+    monkeypatch.setattr(module.os, "getloadavg", lambda: (load, 0.0, 0.0))
+    process.waited = None
+    ending = run_ticks(make(process, wall_s=2.0), wall, 3.0)
+    assert (ending and ending.end) == end
+
+
+def test_what_the_grader_computes_for_a_script_is_charged_to_it(
+    process: Process, wall: Wall, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clocks = make(process, cpu_s=1.0)
+    assert clocks.passed_limit() is None
+    monkeypatch.setattr(module.time, "thread_time_ns", lambda: 3 * S)
+    assert clocks.passed_limit() is None
+    monkeypatch.setattr(module.time, "thread_time_ns", lambda: 3 * S + 1)
+    ending = clocks.passed_limit()
+    assert ending is not None
+    assert ending.end is RunEnd.CPU_LIMIT
 
 
 @pytest.mark.parametrize(("silent_since_s", "quiet"), [(0.0, True), (4.9, True), (5.1, False), (10.0, False)])

@@ -102,11 +102,25 @@ def test_closing_early_ends_the_process_without_blame(sandbox: Sandbox) -> None:
     assert (report.end, report.exit_code, report.signal) == (RunEnd.FINISHED, None, None)
 
 
-def test_the_wall_limit_blames_the_host(sandbox: Sandbox) -> None:
-    with sandbox.open(Limits(wall_s=0.0)) as jail:
-        jail.send(b"while True: pass")
-        assert jail.receive() is None
-        assert jail.close().end is RunEnd.INFRASTRUCTURE
+def test_a_script_that_waits_in_crumbs_ends_at_the_wall_limit(sandbox: Sandbox) -> None:
+    with sandbox.open(Limits(wall_s=0.5)) as jail:
+        jail.send(b"import time\nwhile True:\n    time.sleep(0.002)\n    frame(b'x')")
+        while jail.receive() is not None:
+            pass
+        assert jail.close().end is RunEnd.STALLED
+
+
+def test_frames_that_cost_the_grader_too_much_end_the_script(
+    sandbox: Sandbox, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bounds, "WORK_PER_CPU", 0.02)
+    with sandbox.open(Limits(cpu_s=5.0)) as jail:
+        jail.send(b"while True: frame(b'x')")
+        while jail.receive() is not None:
+            sum(range(30_000))
+        report = jail.close()
+    assert report.end is RunEnd.CPU_LIMIT
+    assert "simulator" in report.detail
 
 
 def test_a_kill_from_outside_blames_the_host(sandbox: Sandbox) -> None:

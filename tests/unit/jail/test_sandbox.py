@@ -42,6 +42,14 @@ def test_frames_output_and_exit_code(sandbox: Sandbox) -> None:
     assert report.peak_bytes > MIB
 
 
+def test_flags_of_descriptor_0_do_not_reach_the_next_run(sandbox: Sandbox) -> None:
+    source = (
+        "import fcntl, os\nflags = fcntl.fcntl(0, fcntl.F_GETFL)\nprint(flags & (os.O_NONBLOCK | os.O_APPEND))\n"
+        "fcntl.fcntl(0, fcntl.F_SETFL, flags | os.O_NONBLOCK | os.O_APPEND)"
+    )
+    assert [run(sandbox, source)[1].stdout.text for _ in range(2)] == ["0\n", "0\n"]
+
+
 def test_frames_before_a_limit_are_still_delivered(sandbox: Sandbox) -> None:
     frames, report = run(sandbox, "for n in range(9): frame(b'%d' % n)\nwhile True: pass", cpu_s=0.2)
     assert frames == [b"%d" % n for n in range(9)]

@@ -219,6 +219,26 @@ def test_failed_tries_wait_longer_each_time_and_then_end(
     assert submissions.source(added.id) == GOOD
 
 
+def test_a_try_that_failed_while_the_script_ran_is_repeated_once(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    submissions.add(upload())
+    assert queue.fail(claimed(queue), "no end", had_run=True) is SubmissionState.QUEUED
+    clock.advance(3600)
+    assert queue.fail(claimed(queue), "no end", had_run=True) is SubmissionState.INFRASTRUCTURE_ERROR
+
+
+def test_a_failed_try_goes_behind_what_waits_when_it_is_due(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    failed = submissions.add(upload())
+    assert queue.fail(claimed(queue), "no end") is SubmissionState.QUEUED
+    clock.advance(0.5)
+    fresh = submissions.add(upload(student="somebody-else"))
+    clock.advance(3600)
+    assert [claimed(queue).submission_id for _ in range(2)] == [fresh.id, failed.id]
+
+
 def test_a_submission_that_kills_its_workers_ends(
     queue: Queue, submissions: Submissions, clock: FakeClock
 ) -> None:

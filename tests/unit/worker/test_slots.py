@@ -41,6 +41,20 @@ def test_a_step_goes_on_with_what_is_due_next(bench: Bench) -> None:
     assert [bench.row(one).state for one in ids] == [SubmissionState.GRADED] * 3
 
 
+@pytest.mark.parametrize(
+    ("runs", "state"), [(False, SubmissionState.QUEUED), (True, SubmissionState.INFRASTRUCTURE_ERROR)]
+)
+def test_a_try_that_fails_while_the_script_runs_is_repeated_once(
+    bench: Bench, runs: bool, state: SubmissionState
+) -> None:
+    id_ = bench.upload()
+    bench.grader.runs = runs
+    bench.grader.faults = [InfrastructureError("no end") for _ in range(2)]
+    for _ in range(2):
+        assert bench.slot().step()
+    assert bench.row(id_).state is state
+
+
 def test_a_claim_abandoned_while_its_result_is_stored_costs_the_next_no_try(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
