@@ -61,7 +61,7 @@ class Catalog:
         """Return one assignment, reading only its own file.
 
         Raises:
-            UnknownAssignmentError: there is none of that name.
+            UnknownAssignmentError: no assignment has that id.
             AssignmentError: its file is wrong.
         """
         return self._assignment(self.folder(assignment_id))
@@ -70,7 +70,7 @@ class Catalog:
         """Return where a field of an assignment (``items.2.measure``) stands: file, line and field.
 
         Raises:
-            UnknownAssignmentError: there is none of that name.
+            UnknownAssignmentError: no assignment has that id.
             AssignmentError: its file cannot be read.
         """
         return self._named(assignment_id).place(field)
@@ -79,7 +79,7 @@ class Catalog:
         """Return the wrong scripts that come with an assignment and the scores they must get.
 
         Raises:
-            UnknownAssignmentError: there is none of that name.
+            UnknownAssignmentError: no assignment has that id.
             AssignmentError: its file is wrong, or names a script that does not exist.
         """
         document = self._named(assignment_id)
@@ -124,7 +124,7 @@ class Catalog:
         """Return the folder of an assignment: starter, solution and wrong/ stand there.
 
         Raises:
-            UnknownAssignmentError: there is none of that name.
+            UnknownAssignmentError: no assignment has that id.
         """
         for folder in self._folders():
             if folder.name == assignment_id:

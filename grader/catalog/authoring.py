@@ -9,7 +9,7 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.text import trouble
 
 _SKELETON = Path(__file__).with_name("skeleton")
-_TEMPLATE_SUFFIX = ".txt"  # of scripts, which are no part of the grader's own source
+_TEMPLATE_SUFFIX = ".txt"  # of scripts, so that tools do not take them for the grader's own source
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
@@ -17,7 +17,7 @@ def create(catalog: Catalog, name: str) -> Path:
     """Make the folder of a new assignment at the end of the checklist; return it.
 
     Raises:
-        AssignmentError: the name does not do or is taken, or the folder cannot be written.
+        AssignmentError: the name is not a valid id or is taken, or the folder cannot be written.
     """
     if not _NAME.fullmatch(name):
         raise AssignmentError(

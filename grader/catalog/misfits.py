@@ -86,7 +86,7 @@ def unknown_item(name: str) -> Text:
 
 
 def no_other_measure(name: str) -> Text:
-    """A name that stands for no other rubric item with a measure of its own."""
+    """Say that no other rubric item that the grader measures has this id."""
     return Text(
         zh=f"没有另一个由程序评分、id 是 {name!r} 的评分项：检查拼写",
         en=f"{name!r} is the id of no other item that the grader measures; check its spelling",

@@ -17,7 +17,7 @@ from grader.contracts.trajectory import decode_trajectory
 from grader.grading.slot import Slot, SlotConfig
 
 PASSES_ON = "args"
-"""Where what follows the first ``--`` goes as it is, further ``--`` included: they are the script's arguments."""
+"""The option that takes everything after the first ``--``, further ``--`` included: the script's arguments."""
 
 _LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
 

@@ -49,7 +49,8 @@ class Sensitivity:
     """What one perturbation costs one item; errors as shares of the perturbation's full size, signed.
 
     Attributes:
-        starts: first error that costs something. zero: first that leaves nothing, None when none does.
+        starts: the smallest error that costs something.
+        zero: the smallest error that leaves no points; None if every error leaves some.
     """
 
     perturbation: Perturbation

@@ -1,4 +1,4 @@
-"""What the commands share that work on the service's database: where it is, and in whose name they act."""
+"""What commands on the service's database share: where the database is, and in whose name they act."""
 
 import argparse
 import getpass

@@ -116,7 +116,7 @@ def fitting(catalog: Catalog, assignment_id: str) -> Assignment:
     """Return an assignment that fits its check.
 
     Raises:
-        UnknownAssignmentError: there is none of that name.
+        UnknownAssignmentError: no assignment has that id.
         AssignmentError: it does not fit, or its file is wrong; the message names file, line, field and fix.
     """
     assignment = catalog.get(assignment_id)

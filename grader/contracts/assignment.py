@@ -9,7 +9,7 @@ from grader.contracts.text import EMPTY, Language, Text
 Profile = Literal["nominal", "rough"]
 Input = Literal["script", "text"]
 SUFFIXES: dict[Input, tuple[str, ...]] = {"script": (".py",), "text": (".txt", ".md")}
-"""How names of handed-in files end, by what is handed in; the first is the assignment's own files'."""
+"""Endings of handed-in files, by kind of input. The assignment's own files have the first one."""
 
 BY_PERSON = "by_person"
 """The measure of rubric items that a person judges. They have no band and earn nothing until then."""

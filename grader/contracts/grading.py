@@ -91,7 +91,7 @@ class AssignmentSource(Protocol):
         """Return one assignment.
 
         Raises:
-            UnknownAssignmentError: there is none of that name.
+            UnknownAssignmentError: no assignment has that id.
         """
 
 

@@ -58,11 +58,11 @@ def written(value: float) -> str:
 def instant(text: str) -> datetime:
     """Return the instant that `text` writes; naive when it names no offset.
 
-    A date alone is none: as midnight it would end a day before its reader thinks. Neither is a number, which some
-    readers take for seconds since 1970.
+    A date alone is refused: taken as midnight, it would end a day before its writer means. A number is refused,
+    too, because some parsers take one for seconds since 1970.
 
     Raises:
-        ValueError: it is anything else, or there is no such date.
+        ValueError: it is not a date and time, or there is no such date.
     """
     upper = text.upper()
     if not _INSTANT.fullmatch(upper):

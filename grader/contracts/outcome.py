@@ -8,10 +8,10 @@ from grader.contracts.assignment import ServiceCall
 from grader.contracts.record import Record, field
 
 SHOWN_CHARACTERS = 16_384
-"""Of each captured stream, as much as a page or a JSON document shows; the report has more."""
+"""How much of each captured stream a page or a JSON document shows; the report has more."""
 
 SHOWN_LOGS = 200
-"""Messages of a run that are shown, the first ones; the report has all."""
+"""How many messages of a run are shown, from the first one on; the report has all."""
 
 
 class Blame(StrEnum):

@@ -111,10 +111,10 @@ class GradeReport(Record):
 
 
 def report_from(content: bytes | str) -> GradeReport:
-    """Return the report that was written as `content`, be it `canonical_bytes` or their text.
+    """Return the report whose `canonical_bytes`, as bytes or as text, are `content`.
 
     Raises:
-        ValueError: it is no report; the message names the field.
+        ValueError: it is not a report; the message names the field.
     """
     return from_json(GradeReport, content)
 

@@ -177,7 +177,7 @@ class Refusal:
     until: datetime | None = None
 
     def error(self) -> RefusedError:
-        """Return the error that tells whoever handed in."""
+        """Return the error that says so to the student."""
         if self.until is None:
             return RefusedError(self.code)
         until = self.until.isoformat(timespec="seconds")

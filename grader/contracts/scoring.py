@@ -1,4 +1,4 @@
-"""What the checks are given and what they answer. Apart from `rubric`, which is read without numpy."""
+"""What the checks take and return. A module of its own, so that `rubric` is read without importing numpy."""
 
 from dataclasses import dataclass
 

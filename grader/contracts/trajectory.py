@@ -70,7 +70,7 @@ class Trajectory:
 # --------------------------------------------------------------------------------------------------- JSON
 
 DECIMALS: Final = 6
-"""What lengths, angles and speeds are rounded to in JSON, so that files stay small and digests stable."""
+"""Decimals of lengths, angles and speeds in JSON, so that files stay small and digests stable."""
 
 _FLOAT_COLUMNS = ("x_m", "y_m", "heading_rad", "v_mps", "w_radps")
 

@@ -42,14 +42,14 @@ def back_up(database: Database, file: Path) -> None:
 def restore_file(backup: Path, database: Path) -> Path | None:
     """Check a backup, bring a copy up to date, and only then let it take the place of the file `database`.
 
-    Whenever this is killed, `database` is whole: either as it was, with what its log held, or as the backup. That
-    is why both files are complete without a log, and on disk, before one takes the place of the other.
+    At whatever moment this is killed, `database` is whole: either as it was, with what its log held, or as the
+    backup. So both files are complete without a log, and on disk, before one takes the place of the other.
 
     Returns:
-        Where what was there is kept now, or None when there was nothing.
+        The file that keeps the old database, or None if there was none.
 
     Raises:
-        SettingsError: the backup is none, or something cannot be written.
+        SettingsError: the file is not a backup, or something cannot be written.
     """
     new = database.with_name(database.name + ".new")
     try:
@@ -82,7 +82,7 @@ def restore_rows(backup: Path, database: Database, *, replace: bool) -> int:
     """Put a backup into a database on a server, in one transaction; return how many submissions it has.
 
     Raises:
-        SettingsError: the backup is none, or the database is not empty and `replace` was not said.
+        SettingsError: the file is not a backup, or the database is not empty and `replace` is false.
         InfrastructureError: the database does not answer.
     """
     with tempfile.TemporaryDirectory(prefix="grader-restore-") as folder:

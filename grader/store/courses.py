@@ -74,7 +74,7 @@ class Courses:
         """Return a course.
 
         Raises:
-            CourseError: there is none of that id.
+            CourseError: no course has that id.
         """
         with self._database.reading() as session:
             row = session.get(CourseRow, course_id)

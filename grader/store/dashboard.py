@@ -86,7 +86,10 @@ class Dashboard:
             known = self._latest.get(course)
             if known is not None and known.state.mark == mark:
                 return known.state
-        with self._counting, self._database.reading() as session:  # who comes second finds it counted
+        with (
+            self._counting,
+            self._database.reading() as session,
+        ):  # one count at a time: the next caller finds it made
             return self._count(session, course)
 
     def _count(self, session: Session, course: str | None) -> ClassState:

@@ -79,7 +79,7 @@ class Regrades:
         """Queue a trial grading for every submission that `wanted` names.
 
         Raises:
-            RegradeError: ``nothing``: there is none; ``open``: the assignment has a re-grade already.
+            RegradeError: ``nothing``: no submission fits; ``open``: the assignment has a re-grade already.
         """
         row = RegradeRow(
             id=secrets.token_hex(_ID_BYTES),
@@ -390,7 +390,7 @@ def _copy(table: type[SQLModel], regrade_id: str) -> Insert:
 
 def _take_over(original: SubmissionRow, made: SubmissionRow) -> None:
     original.state = SubmissionState.GRADED.value
-    original.attempt += 1  # fences off whoever still believes to grade it
+    original.attempt += 1  # a worker that still grades it can no longer store its result
     original.graded_attempt = original.attempt
     # both instants: their difference tells the pace of gradings
     original.started_at, original.finished_at = made.started_at, made.finished_at

@@ -26,9 +26,11 @@ ANY_STATE = Seen(None)
 
 _course_of, _rules_of, _extension_of = (table_of(row).c for row in (CourseRow, RulesRow, ExtensionRow))
 ABOUT = (_course_of.time_zone, _rules_of.document, _extension_of.due, _extension_of.extra_attempts)
-"""What `rules_about` takes: columns of `ABOUT_FROM`."""
+"""Columns of `ABOUT_FROM`, in the order of the parameters of `rules_about`."""
 
-_ASKED = select(literal(1).label("asked")).subquery()  # so that there is one row whatever is missing
+_ASKED = select(
+    literal(1).label("asked")
+).subquery()  # one row, which the outer joins keep whatever is missing
 ABOUT_FROM = (
     outerjoin(_ASKED, table_of(CourseRow), _course_of.id == bindparam("course"))
     .outerjoin(
@@ -96,7 +98,7 @@ class StoredRules:
 
         Raises:
             CourseError: there is no such course.
-            ChangedMeanwhileError: the rules, by their `tag`, are none of `seen`; they stay.
+            ChangedMeanwhileError: the `tag` of the rules is not one of `seen`; nothing is changed.
         """
         course = _course(signed)
         with self._database.writing() as session:
@@ -136,7 +138,7 @@ class StoredRules:
 
         Raises:
             CourseError: the course has no such member.
-            ChangedMeanwhileError: what they had, by its `tag`, is none of `seen`; it stays.
+            ChangedMeanwhileError: the `tag` of what they had is not one of `seen`; nothing is changed.
         """
         course = _course(signed)
         with self._database.writing() as session:
@@ -162,7 +164,7 @@ class StoredRules:
 
 
 def tag(rules: Rules | Extension) -> str:
-    """Return what names these rules, or this extension: others have another.
+    """Return a digest of the rules or of the extension: different ones have different tags.
 
     The same instants have the same tag, whatever offset they are written with: databases give back UTC.
     """

@@ -60,10 +60,10 @@ def transfer(source: Database, target: Database, *, replace: bool = False) -> tu
 
 
 def check_source(database: Database) -> None:
-    """Find out whether there is anything to copy.
+    """Check that there is something to copy.
 
     Raises:
-        SettingsError: the database is none of the grader, or has another schema than this version's.
+        SettingsError: it is not a database of the grader, or its schema is of another version.
         InfrastructureError: it does not answer.
     """
     if database.is_sqlite and not Path(database.name).is_file():  # opening it would create one

@@ -60,7 +60,7 @@ def require_instructor(caller: Caller) -> None:
     """Let instructors through.
 
     Raises:
-        RefusedError: the caller is none.
+        RefusedError: the caller is no instructor.
     """
     require_staff(caller)
     if not caller.is_instructor:

@@ -75,13 +75,13 @@ class Estimates:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WatchLimits:
-    """How many may watch, and for how long.
+    """How many streams there may be, and how long one lasts.
 
     Attributes:
         most: streams of this process. Visitors from one address without a token share half of them.
         most_each: streams of one person.
-        life_s: a stream ends after this time, and a client that still watches opens another. So a token that
-            was revoked soon opens nothing.
+        life_s: a stream ends after this time, and a client that still watches opens another. So a revoked token
+            keeps no stream open for longer.
         poll_s: how often rows are read when no process has announced a change.
     """
 

@@ -52,7 +52,7 @@ def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
     """Return a re-grade of the caller's course.
 
     Raises:
-        RefusedError: there is none of that id, or the caller may not see the class.
+        RefusedError: no re-grade has that id, or the caller may not see the class.
     """
     require_staff(caller)
     regrade = services.regrades.get(regrade_id, caller.course)
@@ -106,7 +106,7 @@ def decide(services: Services, caller: Caller, regrade_id: str, ending: Ending, 
     """Apply or discard a re-grade.
 
     Raises:
-        RefusedError: the caller is no instructor; there is none of that id, it is decided, or still running.
+        RefusedError: the caller is no instructor; or the re-grade does not exist, is decided, or still runs.
     """
     require_instructor(caller)
     act = services.regrades.apply if ending == "apply" else services.regrades.discard

@@ -31,7 +31,7 @@ def visible_submission(services: Services, caller: Caller, submission_id: str) -
     """Return a submission without its grading; scores that hidden items are part of are still in it.
 
     Raises:
-        RefusedError: there is none of that id, or it is somebody else's: a caller cannot tell which.
+        RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
     """
     return _seen(caller, services.submissions.get(submission_id))
 
@@ -40,7 +40,7 @@ def found(services: Services, caller: Caller, submission_id: str) -> tuple[Submi
     """Return a submission and its latest grading, None before the first, as the caller may see them.
 
     Raises:
-        RefusedError: there is none of that id, or it is somebody else's: a caller cannot tell which.
+        RefusedError: no submission has that id, or it is somebody else's; the refusal is the same.
     """
     submission, report = services.submissions.with_report(submission_id) or (None, None)
     return shown(services, caller, _seen(caller, submission), report)
@@ -151,7 +151,7 @@ def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:
     points = summed(item["points"] for item in items)
     about_the_whole: dict[str, Any] = {"summary": _EMPTY, "hint": _EMPTY, "mistakes": []}
     if not unknown and report["status"] == GradeStatus.NEEDS_MANUAL.value:
-        about_the_whole["status"] = GradeStatus.GRADED.value  # whoever sees the rest waits for nobody
+        about_the_whole["status"] = GradeStatus.GRADED.value  # no item that is shown waits for a person
     return {**report, **about_the_whole, "items": items, "score": earned, "max_score": points}
 
 

@@ -86,7 +86,7 @@ _AGAIN_S = 0.2
 _AT_ONCE = 1_000
 _SWEEP_KEY = 0x67726164  # of the advisory lock: one sweep at a time
 
-_LEFT_OVER = text(  # whose workers another process may be putting away at this moment: never waited for
+_LEFT_OVER = text(  # SKIP LOCKED: another process may be deleting the same jobs at this moment
     "DELETE FROM procrastinate_jobs WHERE id IN (SELECT job.id FROM procrastinate_jobs AS job"
     " WHERE job.queue_name = :queue AND job.status <> 'todo' AND ("
     " job.status <> 'doing' OR job.worker_id IS NULL"
