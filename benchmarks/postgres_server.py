@@ -11,7 +11,6 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
-from types import TracebackType
 from typing import Any, Self
 
 from benchmarks.processes import free_port, tree
@@ -57,9 +56,7 @@ class PostgresServer:
         self._run("createdb", "-h", "127.0.0.1", "-p", str(self._port), "-U", "postgres", _DATABASE)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         if self._server is not None:
             self._server.send_signal(signal.SIGINT)  # what PostgreSQL calls a fast shutdown
             self._server.wait()

@@ -13,7 +13,6 @@ from rclpy.utilities import get_default_context
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from types import TracebackType
     from typing import Any
 
     from rclpy.context import Context
@@ -93,9 +92,7 @@ class JumpHandle:
     def __enter__(self) -> JumpHandle:
         return self
 
-    def __exit__(
-        self, t: type[BaseException] | None, v: BaseException | None, tb: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.unregister()
 
 

@@ -18,7 +18,6 @@ from rclpy.utilities import get_default_context, timeout_sec_to_nsec
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Callable, Coroutine, Generator, Sequence
-    from types import TracebackType
     from typing import Any
 
     from rclpy.context import Context
@@ -84,9 +83,7 @@ class _Spinning:
     def __enter__(self) -> None:
         self._executor._spinning += 1
 
-    def __exit__(
-        self, t: type[BaseException] | None, v: BaseException | None, tb: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._executor._spinning -= 1
 
 
@@ -99,9 +96,7 @@ class _WorkTracker:
     def __enter__(self) -> None:
         self._running.append(kernel.running)
 
-    def __exit__(
-        self, t: type[BaseException] | None, v: BaseException | None, tb: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._running.remove(kernel.running)
 
     def wait(self, timeout_sec: float | None = None) -> bool:

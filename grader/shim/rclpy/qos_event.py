@@ -185,8 +185,8 @@ class QoSEventHandler(Waitable):
     def __enter__(self) -> None:
         self.__event.__enter__()
 
-    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
-        self.__event.__exit__(t, v, tb)
+    def __exit__(self, *details: object) -> None:
+        self.__event.__exit__(*details)
 
     def destroy(self) -> None:
         """Destroy the handle."""

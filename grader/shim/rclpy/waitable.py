@@ -4,7 +4,6 @@ from __future__ import annotations
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
-    from types import TracebackType
     from typing import Any
 
     from rclpy._rcl.wait_set import WaitSet
@@ -64,9 +63,7 @@ class Waitable:
     def __enter__(self) -> None:
         """Begin to be waited for."""
 
-    def __exit__(
-        self, t: type[BaseException] | None, v: BaseException | None, tb: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """End being waited for."""
 
     def add_future(self, future: Future) -> None:

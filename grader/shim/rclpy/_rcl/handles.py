@@ -7,7 +7,6 @@ from rclpy._rcl.errors import DESTROYED, GUARD_CONTEXT, SHUTDOWN_TWICE, InvalidH
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from types import TracebackType
 
     from rclpy._rcl.ros_args import RosArgs
 
@@ -50,9 +49,7 @@ class Handle:
             raise InvalidHandle(DESTROYED)
         self._users += 1
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._users -= 1
         if self.doomed and not self._users:
             self._dispose()

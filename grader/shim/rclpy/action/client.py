@@ -253,8 +253,8 @@ class ActionClient(Waitable):
     def __enter__(self) -> None:
         self._client_handle.__enter__()
 
-    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
-        self._client_handle.__exit__(t, v, tb)
+    def __exit__(self, *details: object) -> None:
+        self._client_handle.__exit__(*details)
 
     # Goals ---------------------------------------------------------------------------------------
 

@@ -347,8 +347,8 @@ class ActionServer(Waitable):
     def __enter__(self) -> None:
         self._handle.__enter__()
 
-    def __exit__(self, t: Any, v: Any, tb: Any) -> None:
-        self._handle.__exit__(t, v, tb)
+    def __exit__(self, *details: object) -> None:
+        self._handle.__exit__(*details)
 
     # Callbacks -----------------------------------------------------------------------------------
 
