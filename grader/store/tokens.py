@@ -50,7 +50,7 @@ class Tokens:
             session.add(row)
             after = {"token": row.id, "expires_at": row.expires_at.isoformat()}
             record(session, Signature(now, course, actor), "token.issue", f"member {person}", after=after)
-            return _info(row), secret
+            return as_contract(row, TokenInfo), secret
 
     def caller(self, secret: str) -> Caller | None:
         """Return who shows the token `secret`; None when it is unknown, expired or revoked."""
@@ -76,7 +76,7 @@ class Tokens:
         of_it = select(TokenRow).where(col(TokenRow.course) == course)
         statement = of_it.order_by(col(TokenRow.created_at), col(TokenRow.id))
         with self._database.reading() as session:
-            return tuple(_info(row) for row in session.execute(statement).scalars())
+            return tuple(as_contract(row, TokenInfo) for row in session.execute(statement).scalars())
 
     def revoke(
         self, course: str, actor: str, *, token_id: str | None = None, person: str | None = None
@@ -106,7 +106,3 @@ class Tokens:
 
 def _digest(secret: str) -> str:
     return hashlib.sha256(secret.encode()).hexdigest()
-
-
-def _info(row: TokenRow) -> TokenInfo:
-    return as_contract(row, TokenInfo)
