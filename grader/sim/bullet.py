@@ -20,7 +20,7 @@ from grader.sim.car import (
 from grader.sim.silence import silenced
 from grader.sim.timeline import STEP_S, UPDATE_NS, UPDATE_S, last_step_at, step_time_ns
 
-with silenced():  # it says when it was built
+with silenced():  # the import prints when PyBullet was built
     import pybullet as _bullet
 
 # What is called at every update or step, with the client as last positional argument: keywords cost a tenth.

@@ -36,7 +36,7 @@ _SETTLED: Final = 1e-6  # m/s and rad/s: an exponential never arrives; from here
 
 
 def fold(angle_rad: float) -> float:
-    """Fold an angle to [-pi, pi), as turtlesim does; an infinite one is no angle.
+    """Fold an angle to [-pi, pi), as turtlesim does; NaN for an infinite one.
 
     An angle that lies there already keeps its bits.
     """

@@ -41,7 +41,7 @@ from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
 
 ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
-"""A script that has gone so far without a question runs ahead. Whoever listens asks every 16 ms."""
+"""A script that has gone this long without ADVANCE runs ahead. One that subscribes sends it every 16 ms."""
 NEVER_NS: Final = 1 << 62
 # Within a second, as any program starts: who counts whole seconds only is wrong here as at home. Five eighths, so
 # that floating point rounds times as it would from a whole second on.
@@ -252,14 +252,14 @@ class Episode:
             self._connect(entity)
 
     def _log(self, t_ns: int, payload: bytes) -> None:
-        """Take a log record; see `_command` for one that is none."""
+        """Take a log record; bytes that are not one are dropped, as in `_command`."""
         try:
             self._journal.log(t_ns, payload)
         except ProtocolError:
             self._journal.note("unreadable_message", ROSOUT)
 
     def _command(self, topic: str, t_ns: int, payload: bytes) -> None:
-        """Take a Twist. A script may publish raw bytes: those that are none are dropped, as DDS does."""
+        """Take a Twist. A script may publish raw bytes; those that are not a Twist are dropped, as DDS does."""
         if len(payload) != _TWIST.size or payload[:4] != HEADER:
             self._journal.note("unreadable_message", topic)
             return
@@ -278,7 +278,7 @@ class Episode:
         while not outbox and not self._run_to_next(limit_ns):
             pass
         due_ns, events = outbox.take(together_ns) if outbox else (t_ns, [])
-        # What became due while the script was computing is told now, not in its past.
+        # What became due while the script was computing is sent with the present time, not one in its past.
         self._asked_ns = self._now_ns = min(max(due_ns, self._now_ns), t_ns)
         left_ns = outbox.first_ns
         quiet_ns = self._next_due() if left_ns is None else left_ns

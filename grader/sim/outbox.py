@@ -1,4 +1,4 @@
-"""What the world has to say to the script: queued events and who listens to which topic."""
+"""Events of the world that wait for the script, and the script's subscriptions to the world's topics."""
 
 from collections import deque
 from typing import Final
@@ -24,7 +24,7 @@ class Outbox:
         self._listeners.setdefault(topic, []).append(identity)
 
     def unsubscribe(self, identity: int) -> None:
-        """Forget a subscription; one that is not known is no matter."""
+        """Forget a subscription, if it is known."""
         for topic, listeners in tuple(self._listeners.items()):
             if identity in listeners:
                 listeners.remove(identity)
@@ -45,13 +45,13 @@ class Outbox:
         self.add(Event(RESPONSE_EVENT, request.id, request.sequence, t_ns, payload))
 
     def add(self, event: Event) -> None:
-        """Queue `event`, or drop it when the queue is full: the script never fetches what is due."""
+        """Queue `event`. Drop it if the queue is full: then the script never fetches what is due."""
         if len(self._queue) < MAX_QUEUED:
             self._queue.append(event)
 
     @property
     def full(self) -> bool:
-        """Whether one answer could not hold more than what is queued."""
+        """Whether the queued events fill one answer."""
         return len(self._queue) >= MAX_EVENTS
 
     @property
@@ -60,7 +60,7 @@ class Outbox:
         return self._queue[0].t_ns if self._queue else None
 
     def take(self, together_ns: int = 0) -> tuple[int, list[Event]]:
-        """Return what is queued for the first instant, or up to `together_ns` if that is later, and its instant.
+        """Return an instant and the events queued up to it: the first event's, or `together_ns` if that is later.
 
         These are at most `MAX_EVENTS`. The instant is that of the last event if some are left for the next answer.
         """

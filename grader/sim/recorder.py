@@ -1,4 +1,4 @@
-"""Collects what the car did while it happens; memory is bounded by the horizon, not by the traffic."""
+"""Records what the car does. The memory it takes is bounded by the horizon, whatever the script publishes."""
 
 from typing import Final
 
@@ -27,13 +27,13 @@ class Recorder:
         self._touching: dict[str, tuple[int, int]] = {}
 
     def sample(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
-        """Add the state at `t_ns`, its heading folded or not. An instant seen before is skipped."""
+        """Add the state at `t_ns`, unless that instant has a sample. The heading may be folded."""
         if t_ns > self._t_ns:
             self._t_ns = t_ns
             self._samples.append((t_ns, *pose, v_mps, w_radps))
 
     def jump(self, t_ns: int, pose: PlanarPose, v_mps: float, w_radps: float) -> None:
-        """Add the pose into which the car was put after `t_ns`; the pose it left has been sampled before."""
+        """Add the pose that the car was put into after `t_ns`. The pose it left must have been sampled."""
         if self._t_ns > t_ns:  # put down twice between two updates: only the last place counts
             self._samples.pop()
         else:
@@ -49,7 +49,7 @@ class Recorder:
         self._commands.append(command)
 
     def contact(self, start_ns: int, end_ns: int, wall: str) -> None:
-        """Note that the car was held by `wall` from `start_ns` to `end_ns`, not before what was noted last."""
+        """Note that `wall` held the car from `start_ns` to `end_ns`. Calls come in order of time."""
         start, last = self._touching.get(wall, (start_ns, end_ns))
         if start_ns > last:
             self._close(wall)

@@ -66,7 +66,7 @@ class RotateAction:
 
     @property
     def busy(self) -> bool:
-        """Whether the next tick has something to do."""
+        """Whether there is something to do in the next tick."""
         return self._active is not None or self._changed
 
     def handle(self, service: str, request: Request, t_ns: int) -> None:
@@ -145,7 +145,7 @@ class RotateAction:
         self._changed = True
 
     def _announce(self, t_ns: int) -> None:
-        """Tell the present statuses, and their results to those who wait."""
+        """Publish the statuses of all goals, and send results to the clients that wait for them."""
         self._changed = False
         statuses = [{"goal_info": self._info(goal), "status": goal.status} for goal in self._goals.values()]
         self._publish("status", t_ns, {"status_list": statuses})

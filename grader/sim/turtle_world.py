@@ -77,11 +77,11 @@ class Presence:
 
 
 class TurtleWorld:
-    """Everything that is not the script: turtles, of which one is graded and a car, and turtlesim's interface.
+    """Everything that is not the script: the turtles and turtlesim's interface. One turtle, a car, is graded.
 
-    All happens in turtlesim's updates, every 16 ms: each serves the requests that came since the one before,
-    moves the turtles and publishes. A turtle that the script spawns has topics, services and the action of its
-    own, of which the script is told when they come and go.
+    All happens in turtlesim's updates, every 16 ms. An update serves the requests that came since the last one,
+    moves the turtles and publishes. A turtle that the script spawns has topics, services and an action of its own;
+    the script is told when they come and go.
 
     Attributes:
         turtle: the graded one.
@@ -161,7 +161,7 @@ class TurtleWorld:
         return True
 
     def forget_requests(self) -> None:
-        """Leave every waiting request unserved: their sender is not believed any more."""
+        """Drop every waiting request: a script that broke the protocol is served no more."""
         self._pending.clear()
 
     def next_due(self) -> int | None:
@@ -228,7 +228,7 @@ class TurtleWorld:
         self.outbox.reply(request, t_ns, encode(f"{kind}_Response", answer))
 
     def _index(self) -> None:
-        """Note what is where on the graph."""
+        """Collect the services and topics of all turtles that are present."""
         self.services = dict(_WINDOW_SERVICES)
         self._topics, self._commands = {}, {}
         for each in self._present.values():
@@ -251,7 +251,7 @@ class TurtleWorld:
         self._tell(self._present[name], t_ns, gone=False)
 
     def _vanish(self, name: str, t_ns: int) -> None:
-        """Take a spawned turtle away; one that is not there is no matter."""
+        """Take a spawned turtle away, if it is there."""
         self._nameless.discard(name)
         if name in self._others:
             gone = self._present.pop(name)
@@ -317,7 +317,7 @@ class TurtleWorld:
         self._jump(of, (x + reach * math.cos(heading), y + reach * math.sin(heading), heading))
 
     def _jump(self, of: Presence, pose: PlanarPose, *, revive: bool = False) -> None:
-        """Put a turtle into `pose`; a place that is no number, or a dead turtle, is left alone."""
+        """Put a turtle into `pose`, unless the turtle is dead or the pose is not finite."""
         if not all(map(math.isfinite, pose)) or not (of.turtle.alive or revive):
             return
         before = of.turtle.pose

@@ -27,7 +27,7 @@ class BufferCore:
     """Poses of frames in their parents, and the transforms that follow from them.
 
     Args:
-        cache_time: how long a moving frame's past is remembered (10 s when left out).
+        cache_time: how long the poses of a moving frame are kept (10 s when left out).
     """
 
     def __init__(self, cache_time: Any = None) -> None:
@@ -37,11 +37,11 @@ class BufferCore:
         self._authorities: dict[str, str] = {}
 
     def set_transform(self, transform: Any, authority: str) -> None:
-        """Take in the pose of a moving frame; a malformed one is ignored with a line on stderr."""
+        """Add a pose of a moving frame. A malformed one is ignored, with a line on stderr."""
         self._insert(transform, authority, static=False)
 
     def set_transform_static(self, transform: Any, authority: str) -> None:
-        """Take in the pose of a fixed frame."""
+        """Set the pose of a fixed frame."""
         self._insert(transform, authority, static=True)
 
     def lookup_transform_core(self, target_frame: str, source_frame: str, time: Any) -> Any:
@@ -94,7 +94,7 @@ class BufferCore:
         return Time(nanoseconds=self._latest_common_ns(target_frame, source_frame))
 
     def clear(self) -> None:
-        """Forget all moving frames' pasts and all fixed frames."""
+        """Forget the poses of all frames, moving and fixed."""
         self._caches.clear()
 
     def all_frames_as_string(self) -> str:
@@ -181,7 +181,7 @@ class BufferCore:
     def _walk(
         self, frame: str, time_ns: int, stops: set[str]
     ) -> tuple[list[Rigid], str, ExtrapolationException | None]:
-        """Climb from `frame` until a stop, the root, or a frame unknown at that time (and why it is)."""
+        """Climb from `frame` to a stop, the root, or a frame without a pose at that time, with the reason."""
         rigids: list[Rigid] = []
         while frame not in stops and frame in self._caches:
             try:
@@ -195,7 +195,7 @@ class BufferCore:
         return rigids, frame, None
 
     def _latest_common_ns(self, target: str, source: str) -> int:
-        """Return the newest time known everywhere between the frames; 0 when nothing there moves."""
+        """Return the newest time at which every frame on the way is known; 0 when none of them moves."""
         ancestors = self._ancestors(source, target)
         stamps: list[int] = []
         if target not in ancestors:

@@ -75,7 +75,7 @@ class VirtualDate(_real_date, metaclass=_DateMeta):
 
 
 def patch_datetime(datetime: ModuleType) -> None:
-    """Put the subclasses in the classes' places."""
+    """Replace the classes by their virtual subclasses."""
     module: Any = datetime
     for name, replacement in (("datetime", VirtualDatetime), ("date", VirtualDate)):
         replacement.__name__ = replacement.__qualname__ = name

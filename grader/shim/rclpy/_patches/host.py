@@ -1,4 +1,4 @@
-"""What a script can learn of its host: randomness, process ids, processors. The same in each run."""
+"""What a script can learn about its host (randomness, process ids, processors): the same in each run."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def uname() -> os.uname_result:
 
 
 def get_terminal_size(fd: int = 1, /) -> os.terminal_size:
-    """The script's own streams count as a terminal of the usual size, though they are none."""
+    """Answer for the script's own streams as for a terminal of the usual size, which they are not."""
     return os.terminal_size(TERMINAL) if fd in (0, 1, 2) else _get_terminal_size(fd)
 
 
@@ -122,7 +122,7 @@ def getloadavg() -> tuple[float, float, float]:
 
 
 def kill(pid: int, number: int, /) -> None:
-    """A signal to the script itself is virtual, any other is refused by the sandbox."""
+    """Send the script itself a virtual signal; the sandbox refuses any other target."""
     if pid not in (PID, 0):
         _kill(pid, number)
     elif number:
@@ -150,7 +150,7 @@ REPLACED: dict[str, object] = {
     "times": times,
     "kill": kill,
 }
-"""Names of `os` and what stands in for them."""
+"""What replaces the functions of `os`, by name."""
 
 
 def patch_random(random: ModuleType) -> None:
@@ -171,12 +171,12 @@ def patch_random(random: ModuleType) -> None:
 
 
 def patch_resource(resource: ModuleType) -> None:
-    """Let `getrusage` count the virtual time, as `times` does, and the same memory always."""
+    """Let `getrusage` count virtual time, as `times` does, and always give the same memory."""
     module: Any = resource
     real = module.getrusage
 
     def getrusage(who: int, /) -> Any:
-        real(who)  # refuses what it does not know
+        real(who)  # raises what the real call raises for an unknown `who`
         return module.struct_rusage((kernel.clock_ns() / 1e9, 0.0, RESIDENT_KIB, *[0] * 13))
 
     module.getrusage = getrusage
@@ -196,7 +196,7 @@ def patch_socket(socket: ModuleType) -> None:
 
 
 def patch_tkinter(tkinter: ModuleType) -> None:
-    """Let a window fail as it does without a screen, whatever of Tcl can be read on this host."""
+    """Let a window fail as it does without a screen, whether or not Tcl can be read on this host."""
     module: Any = tkinter
 
     def create(*args: Any, **options: Any) -> None:
@@ -206,13 +206,13 @@ def patch_tkinter(tkinter: ModuleType) -> None:
 
 
 def patch_dbm(dbm: ModuleType) -> None:
-    """Leave `shelve` the one database that is written in Python, through `open`."""
+    """Let `shelve` use only the database that is written in Python, because that one goes through `open`."""
     module: Any = dbm
     module._names = ["dbm.dumb"]
 
 
 def patch_curses(curses: ModuleType) -> None:
-    """Let a full-screen program fail alike whatever this host knows of terminals."""
+    """Let a full-screen program fail in the same way, whatever terminals this host knows."""
     module: Any = curses
 
     def setupterm(*args: Any, **options: Any) -> None:

@@ -51,11 +51,11 @@ LAZY = {
 """Module -> (our module, function called with it once it is there)."""
 
 PICTURES = ("matplotlib", "mpl_toolkits")
-"""Packages that draw, which `pictures` stands in for."""
+"""Packages that draw; `pictures` replaces them."""
 
 _OURS = ("rclpy._kernel", "rclpy._link", "rclpy._patches", "rclpy._process", "rclpy._storage")
 _SYSTEM = ("posix", "_io")
-"""What the import system works with keeps the real files: it reads the shim and the standard library."""
+"""Modules of the import system, which keep the real files: they read the shim and the standard library."""
 
 
 def install() -> None:

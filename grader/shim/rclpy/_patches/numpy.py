@@ -23,6 +23,6 @@ def patch_format(module: ModuleType) -> None:
 
 
 def patch_datasource(module: ModuleType) -> None:
-    """Renew the `open` that numpy took if it was imported ahead of the script."""
+    """Replace the `open` that numpy took if it was imported before the script."""
     target: Any = module
     target._file_openers._file_openers[None] = open_file

@@ -66,12 +66,12 @@ def _never() -> bool:
 
 
 _programs: dict[int, Any] = {}
-"""What is said to run, by number; each leads a group of its own."""
+"""Programs that the script believes to run, by process id; each leads a group of its own."""
 _numbers = itertools.count(FIRST_PID + 1)
 
 
 def kill(pid: int, number: int, /) -> None:
-    """`os.kill`, which also reaches a program that is only said to run."""
+    """`os.kill`, also for a program that the script only believes to run."""
     if pid not in _programs:
         host.kill(pid, number)
     elif number:
@@ -83,11 +83,11 @@ def getpgid(pid: int, /) -> int:
 
 
 REPLACED: dict[str, object] = {"getpgid": getpgid, "kill": kill, "killpg": kill, "system": system}
-"""Names of `os` and what stands in for them."""
+"""What replaces the functions of `os`, by name."""
 
 
 def patch_subprocess(subprocess: ModuleType) -> None:
-    """Let `Popen` "start" what needs not be started."""
+    """Let `Popen` accept the programs that need not be started."""
     module: Any = subprocess
     real: Any = module.Popen
 

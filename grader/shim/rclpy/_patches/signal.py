@@ -55,7 +55,7 @@ class Signals:
             kernel.end(f"signal {number}")
 
     def _rearm(self) -> None:
-        """Keep to the timer's own raster, whatever the time of delivery."""
+        """Set the next deadline on the timer's own grid of intervals, however late the last one was delivered."""
         if self.interval_ns and self.alarm_ns is not None:
             late_ns = kernel.now_ns - self.alarm_ns
             self.set_timer(self.interval_ns - late_ns % self.interval_ns, self.interval_ns)

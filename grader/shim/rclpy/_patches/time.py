@@ -130,4 +130,4 @@ REPLACED: dict[str, object] = {
     "ctime": ctime,
     "asctime": asctime,
 }
-"""Names of `time` and what stands in for them."""
+"""What replaces the functions of `time`, by name."""

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 _print_by_python = sys.__excepthook__
-"""Python's own printer, which alone adds a suggestion; taken before `sys` gets ours."""
+"""Python's own printer: only it adds a suggestion. Taken before ours replaces it in `sys`."""
 
 _BARE_MODULES = ("builtins", "__main__")
-"""Whose exceptions are named without their module."""
+"""Modules whose exceptions are named without the module."""
 
 
 class Script:
@@ -53,7 +53,7 @@ def prime_linecache(linecache: Any) -> None:
 
 
 def patch_traceback(traceback: Any) -> None:
-    """Let tracebacks that a script prints or logs show its own frames only: no other is the same on each host."""
+    """Let tracebacks that a script prints or logs show only its own frames: others differ between hosts."""
     summary = traceback.StackSummary
     extract = summary._extract_from_extended_frame_gen.__func__
 
