@@ -12,7 +12,7 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 from zoneinfo import ZoneInfo
 
-from sqlalchemy import ColumnElement, Select, and_, bindparam, delete, insert, select, update
+from sqlalchemy import ColumnElement, Select, and_, bindparam, delete, insert, or_, select, update
 from sqlmodel import Session, col
 
 from grader.contracts.errors import RefusedError
@@ -24,6 +24,9 @@ from grader.store.rules import ABOUT, ABOUT_FROM, rules_about
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, UtcDateTime, table_of
 from grader.store.work import Announcer, announcement_of
 
+_LATELY = timedelta(minutes=10)
+"""Far longer than anybody waits, so that whoever waits for a first grading goes before anybody's second."""
+_COST_WEIGHT = 10
 _KEY_LIFE = timedelta(days=7)
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _SMALLEST_STEP = timedelta(microseconds=1)
@@ -71,6 +74,14 @@ _SET_TURN = (
 )
 
 
+def _lately(of_course: ColumnElement[bool]) -> Select[Any]:
+    """Return the query for what a person has in the queue, in grading or graded since an instant."""
+    busy = _row.state.in_((SubmissionState.QUEUED.value, SubmissionState.RUNNING.value))
+    recent = or_(busy, _row.finished_at >= bindparam("since", type_=UtcDateTime()))
+    own = and_(of_course, _row.student == bindparam("student"), _row.priority == 0)
+    return select(_row.state, _row.started_at, _row.finished_at).where(own, recent)
+
+
 def _question(of_course: ColumnElement[bool]) -> Select[Any]:
     """Return the query that reads all of `_Known` at once, because each query is a round trip to PostgreSQL.
 
@@ -87,6 +98,7 @@ def _question(of_course: ColumnElement[bool]) -> Select[Any]:
     return asked.order_by(_row.received_at, _row.id)
 
 
+_LATELY_IN_COURSE, _LATELY_ALONE = _lately(_row.course == bindparam("course")), _lately(_row.course.is_(None))
 _IN_COURSE, _WITHOUT_COURSE = _question(_row.course == bindparam("course")), _question(_row.course.is_(None))
 
 
@@ -238,10 +250,11 @@ def _turn(session: Session, upload: NewSubmission, earlier: Sequence[_Earlier], 
     """Return the new upload's turn in the queue, and move the student's uploads that wait for the same assignment.
 
     The new upload takes the first turn of those that wait, each of them the turn of the next, and the last one
-    the end of the queue. So the newest upload is graded first, and no other student waits longer for it.
+    the end of the student's own. So the newest upload is graded first, and no other student waits longer for it.
     """
+    last = now + _handicap(session, upload, now)
     if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in earlier):
-        return now
+        return last
     statement = select(_row.id, _row.turn_at).where(
         _row.assignment == upload.assignment,
         _row.student == upload.student,
@@ -254,13 +267,30 @@ def _turn(session: Session, upload: NewSubmission, earlier: Sequence[_Earlier], 
     waiting = connection.execute(
         in_order.with_for_update()
     ).all()  # locked, so that none is claimed meanwhile
-    turns: list[datetime] = [*(row.turn_at for row in waiting), now]
+    turns: list[datetime] = [*(row.turn_at for row in waiting), last]
     for index, (before, after) in enumerate(pairwise(turns), start=1):
         turns[index] = max(after, before + _SMALLEST_STEP)
     moves = [{"moved": row.id, "turn": turn} for row, turn in zip(waiting, turns[1:], strict=True)]
     if moves:
         connection.execute(_SET_TURN, moves)
     return turns[0]
+
+
+def _handicap(session: Session, upload: NewSubmission, now: datetime) -> timedelta:
+    """Return how far behind its arrival an upload is placed, so that people take turns and not uploads.
+
+    Each further upload of a person who waits goes behind what others bring within the next ten minutes, and
+    so does that of a person whose gradings took a minute in the last ten.
+    """
+    asked = {"course": upload.course, "student": upload.student, "since": now - _LATELY}
+    rows = session.connection().execute(_LATELY_ALONE if upload.course is None else _LATELY_IN_COURSE, asked)
+    handicap = timedelta()
+    for state, started_at, finished_at in rows:
+        if state == SubmissionState.QUEUED.value:
+            handicap += _LATELY
+        elif started_at is not None:
+            handicap += _COST_WEIGHT * max((finished_at or now) - started_at, timedelta())
+    return handicap
 
 
 def _owner(course: str | None, student: str) -> str:

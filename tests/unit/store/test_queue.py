@@ -39,8 +39,47 @@ def test_of_quick_uploads_the_newest_goes_first_and_nobody_else_waits_longer(
         ids.append(submissions.add(upload(student)).id)
         clock.advance(0.5)
     first, other, second, third, newest = ids
-    assert [queue.position(id_) for id_ in (newest, other, second, third, first)] == [0, 1, 2, 3, 4]
-    assert [claimed(queue).submission_id for _ in ids] == [newest, other, second, third, first]
+    assert [queue.position(id_) for id_ in (newest, other, third, second, first)] == [0, 1, 2, 3, 4]
+    assert [claimed(queue).submission_id for _ in ids] == [newest, other, third, second, first]
+
+
+def test_students_take_turns_however_much_one_of_them_hands_in(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    assignments = [f"a{number}" for number in range(25)]
+    for source in (GOOD, GOOD + b"good"):
+        for name in assignments:
+            submissions.add(NewSubmission(student="a", assignment=name, file_name="f.py", source=source))
+            clock.advance(1)
+    others = []
+    for student in ("b", "c", "d"):
+        others.append(submissions.add(upload(student)).id)
+        clock.advance(1)
+    claims = [claimed(queue) for _ in range(4)]
+    assert [claim.submission_id for claim in claims[1:]] == others
+    assert sum(1 for _ in iter(lambda: queue.claim("w"), None)) == 49
+
+
+def test_whose_gradings_took_long_lately_goes_behind_others(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    def hand_in_again() -> list[str]:
+        costly = submissions.add(upload("a", GOOD + str(clock()).encode())).id
+        clock.advance(5)
+        return [costly, submissions.add(upload("b", GOOD + str(clock()).encode())).id]
+
+    submissions.add(upload("a"))
+    claim = claimed(queue)
+    clock.advance(30)
+    queue.finish(claim, result_of(claim))
+    costly, other = hand_in_again()
+    claims = [claimed(queue) for _ in range(2)]
+    assert [claim.submission_id for claim in claims] == [other, costly]
+    for claim in claims:
+        queue.finish(claim, result_of(claim))
+    clock.advance(3600)
+    ids = hand_in_again()
+    assert [claimed(queue).submission_id for _ in ids] == ids
 
 
 def test_quick_uploads_at_one_instant_keep_their_order(queue: Queue, submissions: Submissions) -> None:
