@@ -27,6 +27,7 @@ from grader.store.work import Announcer, announcement_of
 _LATELY = timedelta(minutes=10)
 """Far longer than anybody waits, so that whoever waits for a first grading goes before anybody's second."""
 _COST_WEIGHT = 10
+_BUSY = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
 _KEY_LIFE = timedelta(days=7)
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _SMALLEST_STEP = timedelta(microseconds=1)
@@ -35,7 +36,7 @@ _UUID_VARIANT = 0b10 << 62
 
 
 class _Earlier(NamedTuple):
-    """An earlier submission of the student to the assignment: the columns that decide about a new one."""
+    """An earlier submission of the student: the columns that decide about a new one."""
 
     id: str
     received_at: datetime
@@ -45,6 +46,9 @@ class _Earlier(NamedTuple):
     source_sha256: str
     graded_attempt: int | None
     priority: int
+    assignment: str
+    started_at: datetime | None
+    finished_at: datetime | None
 
 
 class _Known(NamedTuple):
@@ -53,6 +57,7 @@ class _Known(NamedTuple):
     Attributes:
         keyed: digest and submission of what was sent under the upload's key before; None: nothing was.
         earlier: the student's submissions to the assignment, in order of arrival.
+        lately: the student's submissions to any assignment that wait, are graded or were graded lately.
     """
 
     keyed: tuple[str, str] | None
@@ -60,6 +65,7 @@ class _Known(NamedTuple):
     extension: Extension
     zone: ZoneInfo
     earlier: Sequence[_Earlier]
+    lately: Sequence[_Earlier]
 
 
 _row, _key = table_of(SubmissionRow).c, table_of(UploadKeyRow).c
@@ -74,14 +80,6 @@ _SET_TURN = (
 )
 
 
-def _lately(of_course: ColumnElement[bool]) -> Select[Any]:
-    """Return the query for what a person has in the queue, in grading or graded since an instant."""
-    busy = _row.state.in_((SubmissionState.QUEUED.value, SubmissionState.RUNNING.value))
-    recent = or_(busy, _row.finished_at >= bindparam("since", type_=UtcDateTime()))
-    own = and_(of_course, _row.student == bindparam("student"), _row.priority == 0)
-    return select(_row.state, _row.started_at, _row.finished_at).where(own, recent)
-
-
 def _question(of_course: ColumnElement[bool]) -> Select[Any]:
     """Return the query that reads all of `_Known` at once, because each query is a round trip to PostgreSQL.
 
@@ -92,13 +90,14 @@ def _question(of_course: ColumnElement[bool]) -> Select[Any]:
         _key.key == bindparam("key"),
         _key.at >= bindparam("since", type_=UtcDateTime()),
     )
-    own = and_(of_course, _row.student == bindparam("student"), _row.assignment == bindparam("assignment"))
+    asked_about = _row.assignment == bindparam("assignment")
+    lately = or_(_row.state.in_(_BUSY), _row.finished_at >= bindparam("lately", type_=UtcDateTime()))
+    own = and_(of_course, _row.student == bindparam("student"), or_(asked_about, lately))
     tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(table_of(SubmissionRow), own)
     asked = select(_key.digest, _key.submission_id, *ABOUT, *_EARLIER).select_from(tables)
     return asked.order_by(_row.received_at, _row.id)
 
 
-_LATELY_IN_COURSE, _LATELY_ALONE = _lately(_row.course == bindparam("course")), _lately(_row.course.is_(None))
 _IN_COURSE, _WITHOUT_COURSE = _question(_row.course == bindparam("course")), _question(_row.course.is_(None))
 
 
@@ -134,7 +133,7 @@ def take_in(
         state=SubmissionState.QUEUED.value,
         received_at=now,
         queued_at=now,
-        turn_at=_turn(session, upload, known.earlier, now),
+        turn_at=_turn(session, upload, known, now),
         not_before=now,
     )
     _insert(session, upload, row, announcer)
@@ -191,13 +190,17 @@ def _known(
         "owner": _owner(course, student),
         "key": key,
         "since": now - _KEY_LIFE,
+        "lately": now - _LATELY,
     }
     rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
     digest, submission_id, *about = rows[0][: -len(_EARLIER)]
+    own = [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None]
+    recent = now - _LATELY
     return _Known(
         None if digest is None else (digest, submission_id),
         *rules_about(*about),
-        [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None],
+        [one for one in own if one.assignment == assignment],
+        [one for one in own if one.finished_at is None or one.finished_at >= recent],
     )
 
 
@@ -246,14 +249,14 @@ def _same_as_latest(
     return latest.id
 
 
-def _turn(session: Session, upload: NewSubmission, earlier: Sequence[_Earlier], now: datetime) -> datetime:
+def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime) -> datetime:
     """Return the new upload's turn in the queue, and move the student's uploads that wait for the same assignment.
 
     The new upload takes the first turn of those that wait, each of them the turn of the next, and the last one
     the end of the student's own. So the newest upload is graded first, and no other student waits longer for it.
     """
-    last = now + _handicap(session, upload, now)
-    if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in earlier):
+    last = now + _handicap(known.lately, now)
+    if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in known.earlier):
         return last
     statement = select(_row.id, _row.turn_at).where(
         _row.assignment == upload.assignment,
@@ -276,20 +279,20 @@ def _turn(session: Session, upload: NewSubmission, earlier: Sequence[_Earlier], 
     return turns[0]
 
 
-def _handicap(session: Session, upload: NewSubmission, now: datetime) -> timedelta:
+def _handicap(lately: Sequence[_Earlier], now: datetime) -> timedelta:
     """Return how far behind its arrival an upload is placed, so that people take turns and not uploads.
 
     Each further upload of a person who waits goes behind what others bring within the next ten minutes, and
     so does that of a person whose gradings took a minute in the last ten.
     """
-    asked = {"course": upload.course, "student": upload.student, "since": now - _LATELY}
-    rows = session.connection().execute(_LATELY_ALONE if upload.course is None else _LATELY_IN_COURSE, asked)
     handicap = timedelta()
-    for state, started_at, finished_at in rows:
-        if state == SubmissionState.QUEUED.value:
+    for one in lately:
+        if one.priority:
+            continue  # a re-grade, which nobody asked of the student
+        if one.state == SubmissionState.QUEUED.value:
             handicap += _LATELY
-        elif started_at is not None:
-            handicap += _COST_WEIGHT * max((finished_at or now) - started_at, timedelta())
+        elif one.started_at is not None:
+            handicap += _COST_WEIGHT * max((one.finished_at or now) - one.started_at, timedelta())
     return handicap
 
 
