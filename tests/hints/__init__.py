@@ -1,0 +1,1 @@
+"""Scripts as beginners write them, and the hint that each must get."""

@@ -1,0 +1,153 @@
+# ruff: noqa: E501 - one script a line, to be compared with its neighbours
+"""Scripts as beginners write them: small edits of the course's own, with the cause that must be told first.
+
+An edit replaces a text, which must be there; one whose first half is empty puts the text before the script.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+BASES = {
+    "hello": ROOT / "lesson" / "hello_node.py",
+    "straight": ROOT / "lesson" / "straight_mover.py",
+    "square": ROOT / "lesson" / "square_mover.py",
+    "square_input": ROOT / "assignments" / "square_input" / "solution.py",
+    "spin": ROOT / "assignments" / "spin" / "solution.py",
+}
+
+Edit = tuple[str, str]
+
+
+@dataclass(frozen=True)
+class Script:
+    """One script. `cause` is the code that comes first, empty where no hint may come; `words` stand in both texts."""
+
+    name: str
+    base: str
+    cause: str
+    edits: tuple[Edit, ...]
+    words: tuple[str, ...] = ()
+    assignment: str = ""
+
+    @property
+    def source(self) -> str:
+        text = BASES[self.base].read_text(encoding="utf-8") if self.base else ""
+        for old, new in self.edits:
+            assert old in text, (self.name, old)
+            text = text.replace(old, new) if old else new + text
+        return text
+
+
+def _script(name: str, base: str, cause: str, *edits: Edit, words: str = "", to: str = "") -> Script:
+    return Script(name, base, cause, edits, tuple(words.split("|")) if words else (), to or base)
+
+
+_STOP_AT_END = "        self.stop()\n        self.get_logger().info('✓ 旋转完成')\n"
+_INIT = "    rclpy.init(args=args)\n"
+_TURN = "            self.turn(self.TURN_TIME)\n"
+_BARE = (
+    "import rclpy, time\nfrom geometry_msgs.msg import Twist\nrclpy.init()\nnode = rclpy.create_node('n')\n"
+    "pub_a = node.create_publisher(Twist, '/turtle1/cmd_vel', 10)\ntime.sleep(1)\n"
+    "def go(v, w, t):\n    m = Twist()\n    m.linear.x = v\n    m.angular.z = w\n"
+    "    for _ in range(round(t * 50)):\n        pub_a.publish(m)\n        time.sleep(0.02)\n"
+)
+
+SCRIPTS = (
+    # Right ones: no hint.
+    _script("hello as taught", "hello", ""),
+    _script("straight as taught", "straight", ""),
+    _script("square as taught", "square", ""),
+    _script("square_input as taught", "square_input", ""),
+    _script("spin as taught", "spin", ""),
+    _script("square other publisher", "square", "", ("self.cmd_vel_pub", "self.fabu")),
+    _script("square slower", "square", "", ("self.SPEED = 1.0 ", "self.SPEED = 0.5 ")),
+    _script("square to the right", "square", "", ("float(self.TURN_SPEED)", "-float(self.TURN_SPEED)")),
+    _script("square sleeps on", "square", "", ("    node.destroy_node()\n", "    time.sleep(1000)\n    node.destroy_node()\n")),
+    _script("square spins on", "square", "", ("    node.destroy_node()\n", "    rclpy.spin(node)\n    node.destroy_node()\n")),
+    _script("square without last turn", "square", "", (_TURN, "            if i < 3:\n                self.turn(self.TURN_TIME)\n")),
+    _script("words in strings", "square", "", ("'🎉 正方形走完!回到起点!'", "'i++ else if import turtle rclpy.shutdown()'")),
+    _script("strange but right", "straight", "", ("msg.angular.z = 0.0 ", "msg.angular.z = -0.0 ")),
+    _script("shutdown guarded", "straight", "", ("        rclpy.shutdown()", "        if rclpy.ok():\n            rclpy.shutdown()")),
+    # The order of causes.
+    _script("turn behind the loop", "square", "turns_behind_loop", (_TURN, "        " + _TURN.strip() + "\n"), words="90°"),
+    _script("turn commented out", "square", "no_turns", (_TURN, "            # self.turn(self.TURN_TIME)\n"), words="angular.z"),
+    _script("turn rate zero", "square", "no_turns", ("msg.angular.z = float(self.TURN_SPEED)", "msg.angular.z = 0.0"),
+            ("range(4)", "range(2)")),
+    _script("turning time zero", "square", "no_turns", ("1.5708 / self.TURN_SPEED", "1.5708 * 0")),
+    _script("turn returns at once", "square", "no_turns", ("        self.get_logger().info('↻ 旋转...')\n", "        return\n")),
+    _script("long straight", "straight", "no_turns", to="square"),
+    _script("curved", "straight", "curved", ("msg.angular.z = 0.0", "msg.angular.z = 0.5"), words="angular.z"),
+    _script("curved to the right", "straight", "curved", ("msg.angular.z = 0.0", "msg.angular.z = -1.0"), words="angular.z"),
+    _script("backward", "straight", "drove_backward", ("msg.linear.x = 1.0", "msg.linear.x = -1.0"), words="linear.x"),
+    _script("sides too long", "square", "wall_hit", ("self.SIDE_LENGTH = 2.0 ", "self.SIDE_LENGTH = 8.0 ")),
+    _script("no stop, then spin", "", "no_final_stop",
+            ("", _BARE + "go(1.0, 0.0, 2)\nfor _ in range(3):\n    go(0.0, 1.5708, 1)\n    go(1.0, 0.0, 2)\nrclpy.spin(node)\n"),
+            words="pub_a.publish(Twist())", to="square"),
+    _script("no stop, then over", "", "no_final_stop",
+            ("", _BARE + "for _ in range(4):\n    go(1.0, 0.0, 2)\n    go(0.0, 1.5708, 1)\n"),
+            words="pub_a.publish(Twist())", to="square"),
+    _script("message reused", "", "kept_driving",
+            ("", _BARE + "for _ in range(4):\n    go(0.8, 0.0, 2)\n    go(0.8, 1.5708, 1)\npub_a.publish(Twist())\n"),
+            words="linear.x|0.8", to="square"),
+    _script("published once each", "", "published_once",
+            ("", _BARE + "for _ in range(4):\n    m = Twist()\n    m.linear.x = 1.0\n    pub_a.publish(m)\n    time.sleep(2)\n"
+             "    m = Twist()\n    m.angular.z = 1.0\n    pub_a.publish(m)\n    time.sleep(1.57)\n"), to="square"),
+    _script("too slow", "square", "too_slow", ("self.SPEED = 1.0 ", "self.SPEED = 0.1 ")),
+    _script("still on the first side", "square", "too_slow", ("self.SPEED = 1.0 ", "self.SPEED = 0.024 ")),
+    _script("degrees", "square", "degrees_as_radians", ("float(self.TURN_SPEED)", "90.0")),
+    _script("spin first", "square", "behind_spin", ("    node.move_square()\n", "    rclpy.spin(node)\n    node.move_square()\n"), words="spin"),
+    _script("executor spins first", "square", "behind_spin",
+            ("    node.move_square()\n",
+             "    ex = rclpy.executors.SingleThreadedExecutor()\n    ex.add_node(node)\n    ex.spin()\n    node.move_square()\n"),
+            ("import time\n", "import time\nimport rclpy.executors\n")),
+    _script("milliseconds", "square", "sleeps_too_long", ("    time.sleep(1)\n", "    time.sleep(1000)\n"), words="1000 s"),
+    _script("milliseconds in the loop", "square", "sleeps_too_long", ("time.sleep(0.01)", "time.sleep(100)")),
+    _script("callback without publish", "straight", "never_published", ("        self.cmd_vel_pub.publish(msg)\n", "")),
+    # What Python says, in the student's language.
+    _script("init twice", "square", "init_twice", (_INIT, _INIT + _INIT)),
+    _script("init in the node", "straight", "init_twice", ("        # 节点名\n", "        rclpy.init()\n")),
+    _script("a string published", "straight", "wrong_message", ("publish(msg)", "publish('go')"), words="Twist|str"),
+    _script("a vector published", "square", "wrong_message", ("        self.cmd_vel_pub.publish(msg)\n        time", "        self.cmd_vel_pub.publish(msg.linear)\n        time"), words="Vector3"),
+    _script("a number published", "straight", "wrong_message", ("publish(msg)", "publish(1.0)"), words="float"),
+    _script("no base class", "straight", "no_base_class", ("StraightMover(Node)", "StraightMover")),
+    _script("no base class, no super", "square", "no_base_class", ("SquareMover(Node)", "SquareMover()"), ("        super().__init__('square_mover')\n", "")),
+    _script("int of a decimal", "square_input", "int_of_decimal", ("float(input", "int(input"), words="float("),
+    _script("unit read along", "square_input", "not_a_number", ("float(input('请输入边长（米）：'))", "float(input() + 'm')")),
+    _script("unbound", "square", "assigned_later", ("        for i in range(4):\n", "        n = n + 1\n        for i in range(4):\n"), words="n"),
+    _script("shutdown early", "square", "shutdown_early", ("    node.move_square()\n", "    rclpy.shutdown()\n    node.move_square()\n"), words="shutdown"),
+    _script("destroyed early", "square", "destroyed_early", ("    node.move_square()\n", "    node.destroy_node()\n    node.move_square()\n")),
+    _script("method outside", "square", "method_outside", ("    def move_square(self)", "def move_square(self)")),
+    _script("self forgotten", "square", "missing_self", ("self.move_straight(self", "move_straight(self"), words="self.move_straight("),
+    _script("self no parameter", "square", "wrong_parameters", ("def stop(self)", "def stop()")),
+    _script("misspelt method", "straight", "misspelt", ("self.create_timer", "self.creat_timer"), words="create_timer"),
+    _script("misspelt name", "square", "misspelt", ("        msg = Twist()\n        msg.linear.x = 0.0\n        msg.angular.z = 0.0", "        msg = Twsit()\n        msg.linear.x = 0.0\n        msg.angular.z = 0.0"), words="'Twist'"),
+    _script("misspelt module", "hello", "misspelt", ("import rclpy\n", "import rclpyy\n"), words="rclpy"),
+    _script("capital module", "square", "misspelt", ("import time\n", "import Time\n"), words="time"),
+    _script("no import of time", "square", "missing_import", ("import time\n", ""), words="import time"),
+    _script("no import of Node", "hello", "missing_import", ("from rclpy.node import Node\n", ""), words="from rclpy.node import Node"),
+    _script("small twist", "straight", "missing_import", ("import Twist", "import twist"), words="from geometry_msgs.msg import Twist"),
+    _script("pandas", "square", "library_not_here", ("", "import pandas as pd\n"), words="pandas"),
+    _script("scipy", "square", "library_not_here", ("", "from scipy.spatial import transform\n"), words="scipy"),
+    _script("turtle graphics", "", "turtle_graphics", ("", "import turtle\nt = turtle.Turtle()\nt.forward(100)\n"), words="turtlesim", to="square"),
+    _script("only prints", "", "only_printed", ("", "print('Hello ROS2!')\n"), words="rclpy.init()", to="hello"),
+    _script("only comments", "", "no_code", ("", "# 作业\n# rclpy.init()\n'''\n明天写\n'''\n"), to="straight"),
+    _script("retry loop", "square_input", "asks_again",
+            ("    node.side = float(input('请输入边长（米）：'))\n",
+             "    while True:\n        try:\n            node.side = int(input('边长：'))\n            break\n"
+             "        except:\n            print('请输入数字')\n"), words="float(input())"),
+    _script("endless printing", "hello", "output_limit", ("        rclpy.spin(node)\n", "        while True:\n            node.get_logger().info('在')\n"), words="4194304"),
+    # What is no Python.
+    _script("else if", "hello", "else_if", (_INIT, _INIT + "    if args:\n        pass\n    else if not args:\n        pass\n"), words="elif"),
+    _script("increment", "hello", "increment", (_INIT, "    i = 0\n    i++\n" + _INIT), words="i += 1"),
+    _script("one equals sign", "hello", "single_equals", (_INIT, "    if args = 3:\n        pass\n" + _INIT), words="=="),
+    _script("and of C", "hello", "c_operator", (_INIT, "    if args && args:\n        pass\n" + _INIT), words="and"),
+    _script("type before the name", "hello", "typed_name", (_INIT, "    int i = 0\n" + _INIT)),
+    _script("colon forgotten", "square", "missing_colon", ("for i in range(4):", "for i in range(4)")),
+    _script("bracket forgotten", "square", "unbalanced", ("super().__init__('square_mover')", "super().__init__('square_mover'")),
+    _script("Python 2", "hello", "print_statement", (_INIT, "    print 'hello'\n" + _INIT), words="print('...')"),
+    _script("terminal commands", "hello", "shell_line", ("", "cd ~/ros2_ws\npython3 hello_node.py\n")),
+    _script("a command in between", "hello", "shell_line", ("import rclpy\n", "ros2 run turtlesim turtlesim_node\nimport rclpy\n")),
+    _script("line numbers", "", "line_numbers", ("", "1  import rclpy\n2  from rclpy.node import Node\n"), to="hello"),
+    _script("degrees on the spot", "spin", "", ("TURN_SPEED = 1.0", "TURN_SPEED = 57.3"), ("(2.0 * math.pi + 0.05) / TURN_SPEED", "7.0")),
+)  # fmt: skip

@@ -1,0 +1,48 @@
+"""Each script of a beginner gets the hint that names its cause; a right one gets none."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from grader.contracts.grading import Grader
+from grader.contracts.text import EMPTY
+from grader.grading.slot import Slot, SlotConfig
+from tests.e2e.grading_slot import grade
+from tests.hints.scripts import SCRIPTS, Script
+
+
+@pytest.fixture(scope="module")
+def grader() -> Iterator[Grader]:
+    with Slot(SlotConfig()) as slot:
+        yield slot
+
+
+def test_there_are_enough_scripts_of_either_sort() -> None:
+    assert len({script.name for script in SCRIPTS}) == len(SCRIPTS) >= 70
+    assert sum(not script.cause for script in SCRIPTS) >= 12
+
+
+@pytest.mark.parametrize("script", SCRIPTS, ids=lambda script: script.name.replace(" ", "-"))
+def test_the_cause_is_told_first(grader: Grader, script: Script) -> None:
+    report = grade(grader, script.assignment, script.source)
+    assert report.mistakes[:1] == ((script.cause,) if script.cause else ()), report.hint.en
+    for word in script.words:
+        assert word in report.hint.zh
+        assert word in report.hint.en
+    if not script.cause:
+        assert report.hint == EMPTY
+        assert report.score == report.max_score
+
+
+def test_degrees_on_the_spot_are_told_beside_full_marks(grader: Grader) -> None:
+    script = next(script for script in SCRIPTS if script.name == "degrees on the spot")
+    summary = grade(grader, script.assignment, script.source).summary
+    assert "57.3" in summary.zh
+    assert "radians" in summary.en
+
+
+def test_a_script_in_gbk_that_declares_it_is_graded_as_python_runs_it(grader: Grader) -> None:
+    right = next(script for script in SCRIPTS if script.name == "square as taught").source
+    plain = "".join(character for character in right if character.encode("gbk", "ignore"))
+    source = ("# -*- coding: gbk -*-\n" + plain).encode("gbk")
+    assert grade(grader, "square", source).score == 100
