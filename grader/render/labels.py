@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from grader.contracts.outcome import Note, RunStatus
+from grader.contracts.outcome import Note, RunStatus, StudentError
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language
 from grader.messages import sentence, template
@@ -22,6 +22,13 @@ ITEM_MARK: Final[Mapping[ItemStatus, str]] = {
 def word(key: str, language: Language, **values: object) -> str:
     """Return one of the labels in `language`, its fields filled in."""
     return sentence(language, f"word.{key}", **values)
+
+
+def cleanup_sentence(error: StudentError, shown: str, language: Language) -> str:
+    """Return what an exception after Ctrl+C means, and whether anything is to be done; `shown` names it."""
+    if "rcl_shutdown already called" in error.message:
+        return word("cleanup_shutdown", language, error=shown)
+    return word("cleanup_error", language, error=shown)
 
 
 def status_word(status: str, language: Language) -> str:

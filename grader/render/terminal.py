@@ -23,7 +23,14 @@ from grader.contracts.text import Text as Sentence
 from grader.messages import quantity
 from grader.messages.details import explained
 from grader.render.escape import visible, visible_line
-from grader.render.labels import ITEM_MARK, item_status_word, note_sentence, status_word, word
+from grader.render.labels import (
+    ITEM_MARK,
+    cleanup_sentence,
+    item_status_word,
+    note_sentence,
+    status_word,
+    word,
+)
 from grader.render.prose import Prose
 
 _STYLE = {
@@ -180,7 +187,7 @@ def _notes(report: GradeReport, language: Language) -> Iterator[RenderableType]:
 
 def _run_notes(outcome: RunOutcome, language: Language) -> Iterator[str]:
     if outcome.cleanup_error is not None:
-        yield word("cleanup_error", language, error=_in_short(outcome.cleanup_error, language))
+        yield cleanup_sentence(outcome.cleanup_error, _in_short(outcome.cleanup_error, language), language)
     if outcome.nonfinite_commands:
         yield word("nonfinite", language, count=outcome.nonfinite_commands)
     for note in outcome.notes:

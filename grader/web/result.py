@@ -21,7 +21,14 @@ from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.text import Language
 from grader.messages import quantity
 from grader.messages.details import explained
-from grader.render.labels import ITEM_MARK, item_status_word, note_sentence, status_word, word
+from grader.render.labels import (
+    ITEM_MARK,
+    cleanup_sentence,
+    item_status_word,
+    note_sentence,
+    status_word,
+    word,
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -182,7 +189,7 @@ def _notes(outcome: RunOutcome, language: Language) -> tuple[str, ...]:
         sentences.append(word("nonfinite", language, count=outcome.nonfinite_commands))
     if outcome.cleanup_error is not None:
         error = f"{outcome.cleanup_error.type}: {outcome.cleanup_error.message}"
-        sentences.append(word("cleanup_error", language, error=error))
+        sentences.append(cleanup_sentence(outcome.cleanup_error, error, language))
     return tuple(dict.fromkeys(sentences))
 
 

@@ -2,12 +2,19 @@
 
 import pytest
 
-from grader.contracts.outcome import Note, RunStatus
+from grader.contracts.outcome import Note, RunStatus, StudentError
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
 from grader.contracts.text import LANGUAGES, Language
-from grader.render.labels import ITEM_MARK, item_status_word, note_sentence, status_word, word
+from grader.render.labels import (
+    ITEM_MARK,
+    cleanup_sentence,
+    item_status_word,
+    note_sentence,
+    status_word,
+    word,
+)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
@@ -26,7 +33,10 @@ def test_marks_differ_without_colour() -> None:
     ("note", "zh"),
     [
         (Note(code="wall", text="right"), "小车撞到了右墙"),
-        (Note(code="type_mismatch", text="/turtle1/cmd_vel"), "/turtle1/cmd_vel 上的消息类型不对，连接不上"),
+        (
+            Note(code="type_mismatch", text="/turtle1/cmd_vel"),
+            "/turtle1/cmd_vel 上的消息类型不对，连接不上：检查 import 和创建时的第一个参数",
+        ),
         (Note(code="forbidden", text="{0} {evil}"), "不允许的操作：{0} {evil}"),
         (Note(code="new_code", text="said so"), "said so"),
         (Note(code="new_code"), "new_code"),
@@ -39,3 +49,13 @@ def test_notes(note: Note, zh: str) -> None:
 def test_values_are_filled_in() -> None:
     assert word("gap", "en", length="0.29 m") == "gap 0.29 m"
     assert word("gap", "zh", length="0.29 m") == "缺口 0.29 m"
+
+
+def test_the_lessons_own_ending_does_not_frighten() -> None:
+    twice = StudentError(
+        type="RCLError", message="failed to shutdown: rcl_shutdown already called", line=53, traceback=""
+    )
+    assert cleanup_sentence(twice, "RCLError", "en").startswith("nothing to be done")
+    assert cleanup_sentence(twice, "RCLError", "zh").startswith("不用处理")
+    other = StudentError(type="ValueError", message="?", line=3, traceback="")
+    assert "mend that line" in cleanup_sentence(other, "ValueError", "en")

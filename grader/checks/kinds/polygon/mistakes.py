@@ -99,12 +99,7 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
     if not turning:
         if math.degrees(float(np.ptp(seen.driven.drive.path.heading_rad))) > SAME_DEG:
             return  # turned by turtlesim's own action
-        stuck = (
-            seen.driven.drive.cut_short
-            and not contacts
-            and float(seen.driven.drive.path.along_m[-1]) < _SLOW_M
-        )
-        if not stuck:
+        if not _on_first_side(seen):
             yield mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
@@ -112,6 +107,12 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
         yield mistake(
             "turns_behind_loop", _SHAPE, count=drives, ideal=_degree(seen.ideal_deg), sides=seen.sides
         )
+
+
+def _on_first_side(seen: _Seen) -> bool:
+    """Whether the car was so slow that the first side, and no turn, was all it had time for."""
+    drive = seen.driven.drive
+    return drive.cut_short and not seen.run.trajectory.contacts and float(drive.path.along_m[-1]) < _SLOW_M
 
 
 def _straight_drives(commands: list[Command]) -> int:
@@ -261,7 +262,8 @@ def _other_figure(seen: _Seen, figure: PolygonFigure) -> Mistake:
 def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     """Tell of missing or extra sides where the corners are right."""
     count, corners = len(figure.sides_m), seen.driven.corners_deg
-    right = len(corners) > 0 and bool((np.abs(corners - seen.ideal_deg) <= NEAR_DEG).all())
+    near = bool((np.abs(corners - seen.ideal_deg) <= NEAR_DEG).all())
+    right = near if len(corners) else _on_first_side(seen)
     if not right or count == seen.sides:
         return
     code = (
