@@ -1,6 +1,7 @@
 """Whether the service can do its work."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import asdict
 from datetime import datetime
 from typing import Literal
 
@@ -28,7 +29,11 @@ class QueueView(BaseModel):
 
     queued: int = Field(examples=[0])
     running: int = Field(examples=[1])
-    infrastructure_error: int = Field(description="Given up by the service's own fault.", examples=[0])
+    infrastructure_error: int = Field(
+        validation_alias="infrastructure_errors",
+        description="Given up by the service's own fault.",
+        examples=[0],
+    )
 
 
 class WorkerView(BaseModel):
@@ -81,25 +86,12 @@ def read(services: ServicesDep, response: Response) -> Health:
 
 def queue_view(state: QueueState) -> QueueView:
     """Return how much is waiting, as the interface shows it."""
-    return QueueView(
-        queued=state.queued, running=state.running, infrastructure_error=state.infrastructure_errors
-    )
+    return QueueView.model_validate(state, from_attributes=True)
 
 
 def worker_views(workers: Iterable[WorkerState]) -> list[WorkerView]:
     """Return workers as the interface shows them."""
-    return [_worker(one) for one in workers]
-
-
-def _worker(state: WorkerState) -> WorkerView:
-    return WorkerView(
-        id=state.id,
-        slots=state.slots,
-        busy=state.busy,
-        sandbox=_sandbox((state,)),
-        started_at=state.started_at,
-        seen_at=state.seen_at,
-    )
+    return [WorkerView.model_validate({**asdict(one), "sandbox": _sandbox((one,))}) for one in workers]
 
 
 def _sandbox(workers: Sequence[WorkerState]) -> SandboxView:
