@@ -229,6 +229,17 @@ _NODE_NAMES: Final = frozenset(
     ]
 )
 
+_LISTS_OF_NODE: Final = (
+    "clients",
+    "guards",
+    "publishers",
+    "services",
+    "subscriptions",
+    "timers",
+    "waitables",
+)
+"""What Python suggests for `self.publisher`: who wrote that had a variable of their own in mind."""
+
 
 def suggested(error: StudentError) -> str | None:
     """Return the name that Python suggests in the place of an unknown one."""
@@ -266,9 +277,12 @@ def _name(error: StudentError) -> Closer:
         return "shell_line", {}
     if name in _IMPORTS:
         return "missing_import", {"name": name, "statement": _IMPORTS[name]}
-    if (suggestion := suggested(error)) is not None:
-        return "misspelt", {"suggestion": suggestion}
-    return None
+    suggestion = suggested(error)
+    if suggestion is None:
+        return None
+    if suggestion.lower() == name and re.search(rf"\b{name}[ \t]*\(", written) is None:
+        return None  # `node`, which nobody made, is not the class `Node`
+    return "misspelt", {"suggestion": suggestion}
 
 
 def _own_name(error: StudentError, script: ScriptText) -> Closer:
@@ -285,9 +299,10 @@ def _attribute(error: StudentError, script: ScriptText) -> Closer:
     found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
     if found is not None and (closer := _own_attribute(found[1], found[2], script)) is not None:
         return closer
-    if (suggestion := suggested(error)) is not None:
-        return "misspelt", {"suggestion": suggestion}
-    return None
+    suggestion = suggested(error)
+    if suggestion is None or suggestion in _LISTS_OF_NODE:
+        return None
+    return "misspelt", {"suggestion": suggestion}
 
 
 def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:

@@ -57,6 +57,9 @@ def test_right_answers(text: str) -> None:
         ("12 m", 0, ("other_unit",)),
         ("12 m/s", 0, ("other_unit",)),
         ("十二秒", 0, ("number_in_words",)),
+        ("面积是9平方米", 0, ("other_unit",)),
+        ("9 m²", 0, ("other_unit",)),
+        ("一共要一百二十秒", 0, ("number_in_words",)),
         ("", 0, ("no_number",)),
         ("nan s inf s 1e309 s", 0, ()),
         ("12 s 13 s", 20, ()),
@@ -155,3 +158,10 @@ def test_a_question_needs_a_right_answer_and_a_known_unit() -> None:
     assert "right" in dict(problems(replace(TASK, answers=wrong)))["answers"].en
     assert "options.unit" in dict(problems(replace(TASK, options={"unit": "furlong"})))
     assert "answers" in dict(problems(replace(assignment("square"), answers=wrong)))
+
+
+@pytest.mark.parametrize("text", ["答案是12秒", "１２秒", "总时间为12s。", "时间＝１２ 秒", "第1题：12秒"])
+def test_a_number_needs_no_space_before_or_behind_it(text: str) -> None:
+    given = given_answer(text, "s")
+    assert given is not None
+    assert (given.value, given.unit) == (12.0, "s")
