@@ -34,7 +34,7 @@ from grader.routes.dependencies import (
     SubmissionId,
 )
 from grader.routes.problems import responses
-from grader.use_cases.following import Subject, Watcher
+from grader.use_cases.following import Subject, SubjectWatch
 from grader.use_cases.services import Services
 
 submission = APIRouter(prefix="/api/v1/submissions", tags=["submissions"], dependencies=[SIGHT])
@@ -126,7 +126,7 @@ def install(app: FastAPI) -> None:
 @asynccontextmanager
 async def watched(
     request: Request, services: Services, subject: Subject, owner: Owner, last_event_id: str | None
-) -> AsyncIterator[Watcher]:
+) -> AsyncIterator[SubjectWatch]:
     """Yield a watch that knows where `subject` stands; it counts as a stream until the answer is over.
 
     Raises:
@@ -143,7 +143,7 @@ async def watched(
 
 
 async def events(
-    watch: Watcher,
+    watch: SubjectWatch,
     last_event_id: str | None,
     life_s: float,
     event: Callable[[Any], ServerSentEvent],
@@ -185,7 +185,7 @@ async def _watched_submission(
     caller: CallerDep,
     submission_id: SubmissionId,
     last_event_id: LastEventId = None,
-) -> AsyncIterator[Watcher]:
+) -> AsyncIterator[SubjectWatch]:
     owner = owner_of(caller, f"submission {submission_id}")
     async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
         yield watch
@@ -193,7 +193,7 @@ async def _watched_submission(
 
 async def _watched_class(
     request: Request, services: ServicesDep, caller: StaffDep, last_event_id: LastEventId = None
-) -> AsyncIterator[Watcher]:
+) -> AsyncIterator[SubjectWatch]:
     owner = owner_of(caller, "")
     async with watched(request, services, ("class", caller.course), owner, last_event_id) as watch:
         yield watch
@@ -211,7 +211,7 @@ async def _watched_class(
 )
 async def follow_submission(
     services: ServicesDep,
-    watch: Annotated[Watcher, Depends(_watched_submission)],
+    watch: Annotated[SubjectWatch, Depends(_watched_submission)],
     language: LanguageDep,
     last_event_id: LastEventId = None,
 ) -> AsyncIterator[ServerSentEvent]:
@@ -232,7 +232,7 @@ async def follow_submission(
 )
 async def follow_class(
     services: ServicesDep,
-    watch: Annotated[Watcher, Depends(_watched_class)],
+    watch: Annotated[SubjectWatch, Depends(_watched_class)],
     last_event_id: LastEventId = None,
 ) -> AsyncIterator[ServerSentEvent]:
     """Send how many submissions are in which state whenever the dashboard may have changed."""

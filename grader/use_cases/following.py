@@ -91,8 +91,8 @@ class WatchLimits:
     poll_s: float = 0.5
 
 
-class Watcher:
-    """One watcher. Belongs to the event loop it was made in."""
+class SubjectWatch:
+    """One client's watch over a subject. It belongs to the event loop in which it was made."""
 
     def __init__(self, subject: Subject) -> None:
         self.subject = subject
@@ -146,7 +146,7 @@ class Watching:
         self.estimates = estimates
         self.doorbell = doorbell
         self._lock = threading.Lock()
-        self._watches: dict[Watcher, tuple[str, ...]] = {}
+        self._watches: dict[SubjectWatch, tuple[str, ...]] = {}
         self._taken: Counter[str] = Counter()  # by owner and by address
         self._thread: threading.Thread | None = None
         self._closing = threading.Event()
@@ -158,7 +158,7 @@ class Watching:
             return len(self._watches)
 
     @contextmanager
-    def watch(self, subject: Subject, owner: str, address: str | None = None) -> Iterator[Watcher]:
+    def watch(self, subject: Subject, owner: str, address: str | None = None) -> Iterator[SubjectWatch]:
         """Watch `subject` in the running event loop, counted as one of `owner`'s streams.
 
         Args:
@@ -169,7 +169,7 @@ class Watching:
         Raises:
             RefusedError: too many watch, or the service stops.
         """
-        watch, shares = Watcher(subject), {owner: self.limits.most_each}
+        watch, shares = SubjectWatch(subject), {owner: self.limits.most_each}
         if address is not None:
             shares[f"from {address}"] = max(self.limits.most // 2, 1)
         self._add(watch, shares)
@@ -198,7 +198,7 @@ class Watching:
         if thread is not None:
             thread.join()
 
-    def _add(self, watch: Watcher, shares: Mapping[str, int]) -> None:
+    def _add(self, watch: SubjectWatch, shares: Mapping[str, int]) -> None:
         with self._lock:
             if self._closing.is_set():
                 raise RefusedError("unavailable")
@@ -212,7 +212,7 @@ class Watching:
                 self._thread = threading.Thread(target=self._run, name="grader-watching", daemon=True)
                 self._thread.start()
 
-    def _remove(self, watch: Watcher) -> None:
+    def _remove(self, watch: SubjectWatch) -> None:
         with self._lock:
             for name in self._watches.pop(watch):
                 self._taken[name] -= 1
@@ -234,7 +234,7 @@ class Watching:
             self.doorbell.wait(heard, self.limits.poll_s)
             self._closing.wait(_PAUSE_S)
 
-    def _tell(self, watches: list[Watcher]) -> None:
+    def _tell(self, watches: list[SubjectWatch]) -> None:
         try:
             standings = self._look({one.subject for one in watches})
         except InfrastructureError as error:

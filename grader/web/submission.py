@@ -21,7 +21,7 @@ from grader.render.labels import status_word
 from grader.routes.events import LastEventId, events, owner_of, progress_event, watched
 from grader.use_cases import recordings, submissions
 from grader.use_cases.assignments import published
-from grader.use_cases.following import Watcher
+from grader.use_cases.following import SubjectWatch
 from grader.use_cases.judging import judged_items
 from grader.use_cases.services import Services
 from grader.web import access
@@ -84,7 +84,7 @@ async def _watched(
     visitor: VisitorDep,
     submission_id: SubmissionId,
     last_event_id: LastEventId = None,
-) -> AsyncIterator[Watcher]:
+) -> AsyncIterator[SubjectWatch]:
     await run_in_threadpool(access.require_sight, services, visitor, submission_id)
     owner = owner_of(visitor.caller, f"visitor {visitor.student}")
     async with watched(request, services, ("submission", submission_id), owner, last_event_id) as watch:
@@ -95,7 +95,7 @@ async def _watched(
 async def follow(
     request: Request,
     services: ServicesDep,
-    watch: Annotated[Watcher, Depends(_watched)],
+    watch: Annotated[SubjectWatch, Depends(_watched)],
     last_event_id: LastEventId = None,
 ) -> AsyncIterator[ServerSentEvent]:
     """Send where the submission stands whenever that changes; ends when it is graded."""

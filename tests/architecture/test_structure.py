@@ -4,6 +4,7 @@ import ast
 import pkgutil
 import sys
 import tomllib
+from collections import Counter
 from pathlib import Path
 
 from grader.checks import kinds
@@ -34,6 +35,19 @@ def test_functions_can_be_seen_whole() -> None:
 
 def test_no_module_is_a_drawer() -> None:
     assert not [_name(path) for path in MODULES if BANNED_WORDS & set(path.stem.split("_"))]
+
+
+def test_a_class_has_its_name_alone() -> None:
+    """The shim follows upstream's names, and mirrors the wire; a module's private classes are its own affair."""
+    own = [path for path in MODULES if "shim" not in path.parts]
+    names = Counter(
+        node.name
+        for path in own
+        for node in ast.parse(path.read_text()).body
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_")
+    )
+    assert {"Submission", "RunEnd"} <= set(names)
+    assert [name for name, times in names.items() if times > 1] == []
 
 
 def test_every_check_is_registered_and_under_the_contract_that_keeps_checks_apart() -> None:
