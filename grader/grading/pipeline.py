@@ -20,6 +20,7 @@ from grader.contracts.rubric import summed
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.trajectory import encode_trajectory
 from grader.contracts.upload import decoded
+from grader.grading.budget import within_budget
 from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
@@ -135,6 +136,7 @@ def _report(
 ) -> GradeReport:
     assignment: Assignment = job.assignment
     status = status_of(scoring.items, [run.outcome for run in runs])
+    outcomes = within_budget(run.outcome for run in runs)  # scored as a whole, shown in part
     score = summed(item.earned for item in scoring.items)
     return GradeReport(
         submission_sha256=hashlib.sha256(job.source).hexdigest(),
@@ -150,10 +152,10 @@ def _report(
         runs=tuple(
             CaseRun(
                 case=run.case,
-                outcome=run.outcome,
+                outcome=outcome,
                 trajectory_sha256=hashlib.sha256(trajectories[run.case]).hexdigest(),
             )
-            for run in runs
+            for run, outcome in zip(runs, outcomes, strict=True)
         ),
         summary=scoring.summary,
         hint=scoring.hint,

@@ -7,10 +7,12 @@ frames (which id is a publisher, whether time goes on) are the episode's to chec
 """
 
 import json
+import re
 import struct
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
+from grader.contracts.assignment import TOPIC_PATTERN
 from grader.contracts.errors import ProtocolError
 from grader.sim.frames import (
     CLIENT,
@@ -31,11 +33,16 @@ from grader.sim.frames import (
 
 PROTOCOL: Final = 3
 MAX_NAME_BYTES: Final = 1_024
+MAX_ENTITY_NAME_BYTES: Final = 255  # as in rmw, the middleware's interface
+MAX_NODE_NAME_BYTES: Final = 501  # a namespace of 245, a slash and a name of 255, as in rmw
 MAX_MESSAGE_BYTES: Final = 4_096
 MAX_DETAIL_BYTES: Final = 16_384
 
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
 START, EVENTS = 0x80, 0x81
+
+_NAME: Final = re.compile(TOPIC_PATTERN, re.ASCII)
+_TYPE: Final = re.compile(r"[A-Za-z]\w*(/[A-Za-z]\w*){1,2}", re.ASCII)
 
 _U8, _U16, _U32, _I32, _I64 = (struct.Struct("<" + code) for code in "BHIiq")
 _PUBLISH_HEAD: Final = struct.Struct("<BHq")
@@ -113,6 +120,13 @@ class _Cursor:
         except UnicodeDecodeError:
             raise self._error(field, "is not UTF-8") from None
 
+    def name(self, field: str, pattern: re.Pattern[str], most: int = MAX_ENTITY_NAME_BYTES) -> str:
+        """Read a name that goes into the report for each entity: by the rules of ROS, or empty."""
+        name = self.text(field, most)
+        if name and not pattern.fullmatch(name):
+            raise self._error(field, "is not a name by the rules of ROS")
+        return name
+
     def end(self) -> None:
         if self._at != len(self._body):
             raise self._error("end", f"is followed by {len(self._body) - self._at} bytes")
@@ -127,9 +141,9 @@ def _read_entity(body: bytes) -> Entity:
         id=cursor.number("id", _U16),
         what=cursor.choice("what", range(NODE, CLIENT + 1)),
         t_ns=cursor.time(),
-        node=cursor.text("node"),
-        name=cursor.text("name"),
-        type=cursor.text("type"),
+        node=cursor.name("node", _NAME, MAX_NODE_NAME_BYTES),
+        name=cursor.name("name", _NAME),
+        type=cursor.name("type", _TYPE),
         reliable=cursor.choice("reliability", range(1, 3)) == 1,
         transient_local=cursor.choice("durability", range(1, 3)) == 1,
         depth=cursor.number("depth", _U16),

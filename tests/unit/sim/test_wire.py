@@ -65,7 +65,13 @@ def test_nothing_may_follow_the_last_field(body: bytes, fields: dict[str, Any]) 
         (b"\x80", "unknown frame kind 0x80"),
         (jail.entity(1, 6), "ENTITY.what is 6"),
         (jail.entity(1, 1, -1), "ENTITY.t is negative"),
-        (jail.entity(1, 1, node="x" * 1_025), "ENTITY.node has 1025 bytes, 1024 allowed"),
+        (jail.entity(1, 1, node="/" + "x" * 501), "ENTITY.node has 502 bytes, 501 allowed"),
+        (jail.entity(1, 2, name="/" + "x" * 255), "ENTITY.name has 256 bytes, 255 allowed"),
+        (jail.entity(1, 1, node="/\x01"), "ENTITY.node is not a name"),
+        (jail.entity(1, 1, node="student"), "ENTITY.node is not a name"),
+        (jail.entity(1, 2, name="/2d"), "ENTITY.name is not a name"),
+        (jail.entity(1, 2, name="/a\n"), "ENTITY.name is not a name"),
+        (jail.entity(1, 2, name="/a", type="Twist"), "ENTITY.type is not a name"),
         (jail.entity(1, 2, reliability=0), "ENTITY.reliability is 0"),
         (jail.entity(1, 2, durability=3), "ENTITY.durability is 3"),
         (jail.publish(1, -1, b""), "PUBLISH.t is negative"),
@@ -112,7 +118,11 @@ def test_a_frame_with_wrong_bytes_is_a_frame_or_a_protocol_error(
 NAMES = st.text(st.characters(exclude_categories=["Cs"]), max_size=60)
 
 
-@given(st.integers(0, 65_535), st.integers(1, 5), st.integers(0, 2**63 - 1), NAMES, NAMES, NAMES)
+ROS_NAMES = st.from_regex(r"(/[A-Za-z_][A-Za-z0-9_]{0,9}){0,5}", fullmatch=True)
+TYPES = st.from_regex(r"([a-z][a-z0-9_]{0,9}/msg/[A-Z][A-Za-z0-9]{0,9})?", fullmatch=True)
+
+
+@given(st.integers(0, 65_535), st.integers(1, 5), st.integers(0, 2**63 - 1), ROS_NAMES, ROS_NAMES, TYPES)
 def test_an_entity_comes_through(
     identity: int, what: int, t_ns: int, node: str, name: str, kind: str
 ) -> None:
