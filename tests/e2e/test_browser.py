@@ -103,7 +103,7 @@ def test_the_replay(browser: Browser) -> None:
     end, finish = shown(), place()
     assert end > 10.0
     assert len(browser.all("[data-graphs] svg")) == 2
-    assert "✗ 57.3°" in browser.one("[data-plan]").text
+    assert "✗ 57.8°" in browser.one("[data-plan]").text
     assert apart(
         browser.js(
             "return [...document.querySelectorAll('.remark')].map((one) => one.getBoundingClientRect().toJSON())"

@@ -36,7 +36,7 @@ def test_who_reads_no_further_gets_no_traceback(tmp_path: Path) -> None:
     os.close(reads)
     done = subprocess.run(command, cwd=tmp_path, stdout=writes, stderr=subprocess.PIPE, check=False)
     os.close(writes)
-    assert (done.returncode, done.stderr) == (cli.EXIT_UNREAD, b"")
+    assert (done.returncode, done.stderr) == (cli.EXIT_BROKEN_PIPE, b"")
 
 
 def test_less_than_full_marks_ends_with_1_and_the_next_step(tmp_path: Path) -> None:
