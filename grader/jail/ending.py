@@ -34,7 +34,7 @@ class RunEnd(StrEnum):
     OUTPUT_LIMIT = "output_limit"
     STALLED = "stalled"  # every thread slept in the kernel while the episode waited for it
     PROTOCOL = "protocol"  # a frame of impossible length, or half a frame at the end
-    FORBIDDEN = "forbidden"  # ended by the system call filter
+    FORBIDDEN = "forbidden"  # ended by the system call filter, or for its number of threads
     INFRASTRUCTURE = "infrastructure"
 
 
@@ -91,6 +91,7 @@ class Clocks:
         self._half_ns = self._start_ns + self._wall_grant_ns // 2
         self._cpu_grant_ns = int(limits.cpu_s * 1e9)
         self._cpu_deadline_ns = process.cpu_ns() + self._cpu_grant_ns
+        self._next_count_ns = 0
         self._progress = (0, 0)  # beyond the wall limit: when CPU time last grew, and to what
         self._work_ns: int | None = None  # CPU time of the thread that serves the script
         self._work_start_ns = 0
@@ -143,6 +144,11 @@ class Clocks:
             return Ending(
                 RunEnd.CPU_LIMIT, "answering its messages took too much of the simulator's CPU time"
             )
+        if now_ns >= self._next_count_ns:
+            self._next_count_ns = now_ns + TICK_NS
+            # Where the kernel counts them, it has refused one before. Elsewhere the host would run out of them.
+            if self._process.threads() > self._limits.threads + 1:
+                return Ending(RunEnd.FORBIDDEN, f"more than {self._limits.threads} threads ran at once")
         if now_ns > self._half_ns and self._pressed_ns is None:
             self._pressed_ns = disk_pressure_ns()
         return self._at_wall_limit(now_ns, cpu_ns) if now_ns > self._wall_deadline_ns else None

@@ -60,6 +60,13 @@ class ProcessHandle:
             return False
         return bool(states) and all(state in _SLEEPING for state in states)
 
+    def threads(self) -> int:
+        """Return how many threads it has; 0 where that is unknown."""
+        try:
+            return max(os.stat(f"/proc/{self.pid}/task").st_nlink - 2, 0)  # a directory per thread
+        except OSError:
+            return 0
+
     def waited_ns(self) -> int | None:
         """Return how long its threads were ready and got no processor; None where that is unknown."""
         return run_queue_delay_ns(f"/proc/{self.pid}/task")

@@ -1,6 +1,6 @@
 """Attack: start threads without end.
 
-Expected: finished
+Expected: finished or forbidden
 """
 
 import threading

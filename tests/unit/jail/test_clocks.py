@@ -1,5 +1,6 @@
 """When a run's time is up, and whether it had fallen silent by then."""
 
+import time
 from collections.abc import Callable
 
 import pytest
@@ -19,6 +20,10 @@ class Process:
         self.now_ns = 7 * S
         self.asleep = False
         self.waited: int | None = 0
+        self.count = 1
+
+    def threads(self) -> int:
+        return self.count
 
     def waited_ns(self) -> int | None:
         return self.waited
@@ -57,6 +62,15 @@ def test_a_grace_shortens_and_never_lengthens(process: Process) -> None:
     later.limit_cpu(0.5)
     process.now_ns += S // 2 + 1
     assert later.passed_limit() is not None
+
+
+def test_threads_are_counted_whether_or_not_the_kernel_does(process: Process) -> None:
+    clocks = make(process, threads=8)
+    process.count = 9  # with the main thread
+    assert clocks.passed_limit() is None
+    process.count = 10
+    time.sleep(module.TICK_NS / 1e9)
+    assert clocks.passed_limit() == Ending(RunEnd.FORBIDDEN, "more than 8 threads ran at once")
 
 
 @pytest.fixture
