@@ -1,5 +1,6 @@
 """One episode: the script's frames and the simulated world in lockstep, from START to the last sample."""
 
+import hashlib
 import struct
 from collections.abc import Callable
 from functools import partial
@@ -160,11 +161,17 @@ class Episode:
             "stdin": spec.stdin,
             "horizon_ns": spec.horizon_ns,
             "epoch_ns": spec.epoch_ns,
-            "seed": spec.world.seed,
+            "seed": self._script_seed(),
             "output_bytes": spec.output_bytes,
             "steps": spec.steps,
             "world": {**self._world.graph(), "calls": [[call.service, call.type] for call in spec.calls]},
         }
+
+    def _script_seed(self) -> int:
+        """Return the seed of the script's randomness: not that of the rough noise, which it could foresee."""
+        if self._spec.world.profile == "rough":
+            return int.from_bytes(hashlib.sha256(self._spec.source).digest()[:4])
+        return self._spec.world.seed
 
     def _take(self, frame: Frame, link: Link) -> None:
         """Act on one frame; its time must not be earlier than that of the one before."""

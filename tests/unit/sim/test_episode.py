@@ -143,6 +143,21 @@ def test_broken_rules_end_the_belief(car: BulletCar, frames: list[bytes], words:
     assert result.exit is None
 
 
+def test_the_seed_of_the_rough_cars_noise_is_not_told(car: BulletCar) -> None:
+    def told(world: World) -> int:
+        link = FakeLink([jail.ended(0)])
+        Episode(EpisodeSpec(world=world, horizon_ns=SECOND, source=b"print()", file_name="a.py"), car).run(
+            link
+        )
+        seed = link.start["seed"]
+        assert isinstance(seed, int)
+        return seed
+
+    assert told(World(seed=5)) == 5
+    rough = [told(World(profile="rough", seed=seed)) for seed in (5, 6)]
+    assert rough[0] == rough[1]
+
+
 def test_a_syntax_error_is_believed_as_the_first_frame(car: BulletCar) -> None:
     result = play(car, [jail.ended(0, reason=3)])
     assert result.violation is None
