@@ -249,7 +249,9 @@ def suggested(error: StudentError) -> str | None:
 
 def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT) -> tuple[str, Text]:
     """Return the code that fits an exception, else `otherwise`, and its sentence; `script` raised it."""
-    shown = "\n".join(line[:_LONGEST] for line in error.traceback.split("\n"))  # a long line makes patterns slow
+    shown = "\n".join(
+        line[:_LONGEST] for line in error.traceback.split("\n")
+    )  # a long line makes patterns slow
     told = f"{error.type}: {error.message}\n{shown}"
     known = ((code, sign.match(told)) for sign, code in _SIGNS)
     code, values = next(((code, found.groupdict()) for code, found in known if found), (otherwise, {}))
