@@ -13,6 +13,8 @@ _PROSE: Final = re.compile(
     re.DOTALL,
 )
 _INDENT: Final = re.compile(r"[ \t]*")
+_BLANKS: Final = re.compile(r"(?<=[^ \t])[ \t]+")
+_LONGEST_LINE: Final = 500
 _TAB: Final = 8
 _ENDS: Final = re.compile(
     r"(\w+\.)*(destroy_\w+|shutdown|try_shutdown|info|print|exit|join)\(|(except|finally|else|pass|return|raise)\b"
@@ -36,8 +38,12 @@ class ScriptText:
 
     @cached_property
     def lines(self) -> list[str]:
-        """The lines; strings are ``""``, comments nothing."""
-        return _PROSE.sub(_blank, self._source.replace("\r\n", "\n")).split("\n")
+        """The lines; strings are ``""``, comments nothing, blanks behind the indentation single.
+
+        Patterns try blanks in several ways, and a hostile line of blanks would take them a minute.
+        """
+        code = _PROSE.sub(_blank, self._source.replace("\r\n", "\n"))
+        return [_BLANKS.sub(" ", line)[:_LONGEST_LINE] for line in code.split("\n")]
 
     @property
     def has_code(self) -> bool:
