@@ -143,9 +143,8 @@ class Slot:
             SandboxUnavailableError: this host cannot isolate a submission as the mode demands.
         """
         self.start()
-        runs = 2 * len(job.assignment.cases)  # one that a clock ends is tried once more
-        longest_s = bounds.WALL_STRETCH * job.assignment.limits.wall_s  # of one run, on a busy host
-        budget_s = runs * longest_s + _SPARE_S
+        # From one answer to the next, not for all runs: the child says when each of them begins.
+        budget_s = bounds.longest_run_s(job.assignment.limits.wall_s) + _SPARE_S
         self._send(_request(job), budget_s)
         while (answer := self._receive(budget_s)).get("kind") == "running":
             on_run()

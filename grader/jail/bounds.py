@@ -104,8 +104,11 @@ IDLE_LIMIT_NS: Final = 3_000_000_000
 
 The shim never sleeps in real time. A thread that an overloaded host keeps waiting is not asleep but ready."""
 WALL_STRETCH: Final = 15
-"""So many times its wall limit a run may last on a busy host. Beside eight busy processes on two cores a run of
-the service, which gives way to them, gets a fortieth of a core: 10 s of CPU time take seven times 60 s."""
+"""So many times its wall limit a run may last on a busy host."""
+WALL_STRETCH_S: Final = 480.0
+"""And so much longer than its wall limit, so that nothing holds a slot for half an hour. Beside eight busy
+processes on two cores a run of the service, which gives way to them, gets a fortieth of a core: 10 s of CPU time,
+which all the steps that are granted take, are 400 s there."""
 STARVED_NS: Final = 10_000_000_000
 """Beyond its wall limit a run must use some CPU time as often as this, or the host is at fault."""
 WORK_PER_CPU: Final = 3.0
@@ -113,3 +116,8 @@ WORK_PER_CPU: Final = 3.0
 script's excess. The longest honest runs of the course need a tenth of what is granted."""
 DRAIN_LIMIT_NS: Final = 50_000_000
 """How long output is read after the end: a pipe that another process still holds must not delay the report."""
+
+
+def longest_run_s(wall_s: float) -> float:
+    """Return how long a run whose wall limit is `wall_s` may last on a busy host."""
+    return min(WALL_STRETCH * wall_s, wall_s + WALL_STRETCH_S)

@@ -88,6 +88,7 @@ class Clocks:
         self._start_ns = self._last_ns = time.monotonic_ns()
         self._wall_grant_ns = int(limits.wall_s * 1e9)
         self._wall_deadline_ns = self._start_ns + self._wall_grant_ns
+        self._longest_ns = int(bounds.longest_run_s(limits.wall_s) * 1e9)
         self._half_ns = self._start_ns + self._wall_grant_ns // 2
         self._cpu_grant_ns = int(limits.cpu_s * 1e9)
         self._cpu_deadline_ns = process.cpu_ns() + self._cpu_grant_ns
@@ -170,7 +171,7 @@ class Clocks:
             self._progress = (now_ns, cpu_ns)
         starved = now_ns - self._progress[0] > bounds.STARVED_NS
         left_ns = self._wall_grant_ns + host_ns - elapsed_ns
-        if left_ns > 0 and not starved and elapsed_ns < bounds.WALL_STRETCH * self._wall_grant_ns:
+        if left_ns > 0 and not starved and elapsed_ns < self._longest_ns:
             self._wall_deadline_ns = now_ns + min(max(left_ns, TICK_NS), bounds.STARVED_NS // 2)
             return None
         if left_ns > 0:

@@ -4,6 +4,7 @@ import os
 import re
 import signal
 import time
+from contextlib import suppress
 
 from grader.contracts.errors import SandboxError
 
@@ -68,8 +69,16 @@ class ProcessHandle:
             return 0
 
     def waited_ns(self) -> int | None:
-        """Return how long its threads were ready and got no processor; None where that is unknown."""
-        return run_queue_delay_ns(f"/proc/{self.pid}/task")
+        """Return how long its threads were ready and got no processor; None where that is unknown.
+
+        A thread may have waited for the others of its process, which is the script's own doing. So what they
+        computed does not count: many threads that compute at once would otherwise save up time.
+        """
+        cpu_ns = self.cpu_ns()
+        threads = _schedules(f"/proc/{self.pid}/task")
+        if threads is None:
+            return None
+        return sum(max(delay_ns - max(cpu_ns - own_ns, 0), 0) for own_ns, delay_ns in threads)
 
     def close(self) -> None:
         """Release the pidfd."""
@@ -78,16 +87,21 @@ class ProcessHandle:
             self.pidfd = None
 
 
-def run_queue_delay_ns(tasks: str) -> int | None:
-    """Return how long the threads in the directory `tasks` waited for a processor; None where it is unknown."""
-    total_ns = 0
+def _schedules(tasks: str) -> list[tuple[int, int]] | None:
+    """Return of each thread in the directory `tasks` how long it computed and how long it waited for a processor.
+
+    None where that is unknown.
+    """
+    found = []
     try:
         for thread in os.listdir(tasks):
-            with open(f"{tasks}/{thread}/schedstat", "rb") as file:
-                total_ns += int(file.read().split()[1])
-    except (OSError, IndexError, ValueError):
+            with suppress(FileNotFoundError, ProcessLookupError):  # it has ended meanwhile
+                with open(f"{tasks}/{thread}/schedstat", "rb") as file:
+                    own_ns, delay_ns = file.read().split()[:2]
+                found.append((int(own_ns), int(delay_ns)))
+    except (OSError, ValueError):
         return None
-    return total_ns
+    return found if any(own_ns for own_ns, _ in found) else None  # zeros: this kernel keeps no account
 
 
 def _state(path: str) -> int:

@@ -188,6 +188,24 @@ def test_a_child_that_hangs_is_ended(
         assert process.exit_code() == -signal.SIGKILL
 
 
+def test_a_child_has_the_time_of_one_run_from_one_answer_to_the_next(
+    children: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    budgets = []
+    receive = slot.Channel.receive
+
+    def noting(self: slot.Channel, budget_s: float | None = None) -> object:
+        budgets.append(budget_s)
+        return receive(self, budget_s)
+
+    monkeypatch.setattr(slot.Channel, "receive", noting)
+    children.append("receive(); send({'kind': 'running'}); send(RESULT)")
+    cases = tuple(Case(id=f"case{number}") for number in range(20))
+    with Slot(SlotConfig()) as one:
+        one.grade(replace(JOB, assignment=replace(ASSIGNMENT, limits=Limits(wall_s=120.0), cases=cases)))
+    assert budgets == [630.0, 630.0]
+
+
 @pytest.mark.parametrize(
     "program",
     [

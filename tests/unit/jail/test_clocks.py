@@ -148,6 +148,18 @@ def test_no_run_lasts_for_ever_on_a_busy_host(process: Process, wall: Wall) -> N
     assert ending == Ending(RunEnd.INFRASTRUCTURE, "no end after 15 s on a busy host")
 
 
+def test_a_long_wall_limit_moves_by_eight_minutes_at_most(process: Process, wall: Wall) -> None:
+    clocks = make(process, wall_s=120.0, cpu_s=60.0)
+    process.waited = 3600 * S
+    ending = None
+    while ending is None:
+        wall(1.0)
+        process.now_ns += S // 100_000
+        ending = clocks.passed_limit()
+    assert ending.end is RunEnd.INFRASTRUCTURE
+    assert 600 * S <= clocks.wall_ns <= 600 * S + bounds.STARVED_NS
+
+
 def test_a_host_whose_disk_is_slow_is_at_fault(
     process: Process, wall: Wall, monkeypatch: pytest.MonkeyPatch
 ) -> None:
