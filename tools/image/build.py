@@ -20,6 +20,10 @@ ROOT: Final = Path(__file__).resolve().parents[2]
 _SUITE: Final = "bookworm"
 _BASE: Final = "localhost/debian:bookworm-slim"
 _IMAGE: Final = "localhost/grader"
+_INDEX_SETTINGS: Final = (
+    "cert", "default-timeout", "extra-index-url", "index-url", "no-index", "proxy", "retries", "timeout",
+    "trusted-host",
+)  # fmt: skip
 _SOURCES: Final = Path("/etc/apt/sources.list")
 _SOURCES_FOLDER: Final = Path("/etc/apt/sources.list.d")
 _CONTEXT: Final = (
@@ -136,7 +140,10 @@ def _build_image(work: Path) -> None:
 
 
 def _pip_settings(work: Path) -> dict[str, Path]:
-    """Write what pip goes by on this machine into one file, so that the build reaches the same index."""
+    """Write how pip reaches its index on this machine into one file, so that the build reaches the same.
+
+    Nothing else is taken over: other settings name files of this machine, and the lock files say what to install.
+    """
     listed = subprocess.run(
         [sys.executable, "-m", "pip", "config", "list"], stdout=subprocess.PIPE, text=True, check=True
     )
@@ -144,7 +151,8 @@ def _pip_settings(work: Path) -> dict[str, Path]:
     settings["global"] = {}
     for line in listed.stdout.splitlines():
         key, _, quoted = line.partition("=")
-        settings["global"][key.rpartition(".")[2]] = quoted.strip("'\"")
+        if (name := key.rpartition(".")[2]) in _INDEX_SETTINGS:
+            settings["global"][name] = quoted.strip("'\"")
     given = {"pip.conf": work / "pip.conf"}
     if "cert" in settings["global"]:
         given["ca.crt"] = work / "ca.crt"
