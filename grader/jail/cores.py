@@ -66,4 +66,5 @@ class SharedCore:
     def _move(self, pid: int, cores: set[int]) -> None:
         """Let every thread of `pid` run on `cores`; those it starts later take after them."""
         for thread in os.listdir(f"/proc/{pid}/task"):
-            os.sched_setaffinity(int(thread), cores)
+            with suppress(ProcessLookupError):  # it has ended meanwhile; the others must move all the same
+                os.sched_setaffinity(int(thread), cores)

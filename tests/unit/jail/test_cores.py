@@ -112,3 +112,19 @@ def test_a_process_that_has_ended_is_no_matter() -> None:
         process.wait()
     with sharing(process.pid):
         assert os.sched_getaffinity(0) == ALL
+
+
+@several
+def test_a_thread_that_ends_meanwhile_keeps_no_other_where_it_is(
+    other: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with subprocess.Popen([sys.executable, "-c", ""]) as gone:
+        gone.wait()
+    threads = os.listdir(f"/proc/{other}/task")
+    with monkeypatch.context() as patch:
+        patch.setattr(cores.os, "listdir", lambda _: [str(gone.pid), *threads])
+        with sharing(other):
+            ours = os.sched_getaffinity(0)
+            assert len(ours) == 1
+            assert [os.sched_getaffinity(int(thread)) for thread in threads] == [ours, ours]
+    assert cores_of(other) == [ALL, ALL]
