@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from grader.checks.drive import MOVING_MPS, is_motion
-from grader.checks.measure import Mistake, mistake
+from grader.checks.measure import Measure, Mistake, mistake
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
@@ -180,18 +180,24 @@ def _behind_spin(run: Run) -> Mistake | None:
     return mistake("behind_spin", line=place["line"])
 
 
-_DISCOVERY_NS = 500_000_000
+_DISCOVERY_NS = 50_000_000  # the shortest it takes at home
 
 
 def lost_at_home(run: Run) -> Iterator[Mistake]:
-    """Recognise a script that is over before, at home, its publisher and turtlesim have found each other.
+    """Recognise a script all of whose motions were published before turtlesim, at home, has found its publisher.
 
-    That takes 50 to 500 ms there. Whatever was published up to then reached nobody.
+    That takes 50 to 500 ms there: such messages reach nobody. Who asked first whether somebody listens has no
+    note of it.
     """
-    outcome = run.outcome
-    over = outcome.status is RunStatus.FINISHED and outcome.duration_ns <= _DISCOVERY_NS
-    if over and outcome.command_count:
-        yield mistake("lost_at_home", ended=number(outcome.duration_ns / 1e6, "ms"))
+    moves = [command.t_ns for command in run.trajectory.commands if is_motion(command)]
+    if moves and moves[-1] <= _DISCOVERY_NS and noted(run.outcome, "discovery") is not None:
+        yield mistake("lost_at_home", last=number(moves[-1] / 1e6, "ms"))
+
+
+def unheard(run: Run, measure: str) -> dict[str, Measure]:
+    """Return that `measure` cannot count, if at home nobody would have heard the commands."""
+    lost = any(lost_at_home(run))
+    return {measure: Measure(math.nan, {"why": say("item.unheard")})} if lost else {}
 
 
 def without_node(run: Run) -> Mistake:

@@ -10,9 +10,6 @@ from grader.contracts.text import EMPTY, Text
 from grader.messages import enumerated, say
 from grader.messages.quantity import points
 
-_REMARKS = ("degrees_as_radians", "lost_at_home")
-"""Mistakes that may cost nothing here."""
-
 _NOTHING_LOST = (ItemStatus.PASSED, ItemStatus.NEEDS_MANUAL)
 
 
@@ -24,7 +21,7 @@ def summarise(
     if not wrong and _waits(items):
         return Scoring(items=tuple(items), summary=say("summary.waiting"))
     if not wrong:
-        return Scoring(items=tuple(items), summary=_all_passed(outcomes, findings))
+        return Scoring(items=tuple(items), summary=_all_passed(outcomes))
     mistakes = _distinct(findings)
     hint = mistakes[0].text if mistakes else next((item.hint for item in wrong if item.hint != EMPTY), EMPTY)
     return Scoring(
@@ -49,11 +46,8 @@ def _waits(items: Sequence[RubricItem]) -> bool:
     return any(item.status is ItemStatus.NEEDS_MANUAL for item in items)
 
 
-def _all_passed(outcomes: Sequence[RunOutcome], findings: Sequence[Findings]) -> Text:
-    """Return praise, with what to mend although it costs nothing, or the error that ended the script later."""
-    remark = next((each for each in _distinct(findings) if each.code in _REMARKS), None)
-    if remark is not None:
-        return say("summary.full_but", remark=remark.text)
+def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
+    """Return praise, or the error that ended the script later."""
     error = next((each.error for each in outcomes if each.status is RunStatus.CRASHED and each.error), None)
     if error is None:
         return say("summary.full")

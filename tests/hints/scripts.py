@@ -155,5 +155,5 @@ SCRIPTS = (
     _script("terminal commands", "hello", "shell_line", ("", "cd ~/ros2_ws\npython3 hello_node.py\n")),
     _script("a command in between", "hello", "shell_line", ("import rclpy\n", "ros2 run turtlesim turtlesim_node\nimport rclpy\n")),
     _script("line numbers", "", "line_numbers", ("", "1  import rclpy\n2  from rclpy.node import Node\n"), to="hello"),
-    _script("degrees on the spot", "spin", "", ("TURN_SPEED = 1.0", "TURN_SPEED = 57.3"), ("(2.0 * math.pi + 0.05) / TURN_SPEED", "7.0")),
+    _script("degrees on the spot", "spin", "degrees_as_radians", ("TURN_SPEED = 1.0", "TURN_SPEED = 57.3"), ("(2.0 * math.pi + 0.05) / TURN_SPEED", "7.0"), words="57.3"),
 )  # fmt: skip

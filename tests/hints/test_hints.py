@@ -34,13 +34,6 @@ def test_the_cause_is_told_first(grader: Grader, script: Script) -> None:
         assert report.score == report.max_score
 
 
-def test_degrees_on_the_spot_are_told_beside_full_marks(grader: Grader) -> None:
-    script = next(script for script in SCRIPTS if script.name == "degrees on the spot")
-    summary = grade(grader, script.assignment, script.source).summary
-    assert "57.3" in summary.zh
-    assert "radians" in summary.en
-
-
 def test_a_script_in_gbk_that_declares_it_is_graded_as_python_runs_it(grader: Grader) -> None:
     right = next(script for script in SCRIPTS if script.name == "square as taught").source
     plain = "".join(character for character in right if character.encode("gbk", "ignore"))

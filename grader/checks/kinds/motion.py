@@ -18,7 +18,7 @@ from grader.checks.measure import (
     mistake,
     one_of,
 )
-from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
+from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes, unheard
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchLabel, SketchSide
@@ -47,7 +47,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     if drive is not None:
         measures |= _motion(drive, backward=backward)
     mistakes = motion_mistakes(assignment, run, drive, measures, backward=backward)
-    return Findings(measures, mistakes)
+    return Findings(measures | unheard(run, "advance_m"), mistakes)
 
 
 def _frame(drive: Drive) -> tuple[Floats, Floats]:

@@ -6,7 +6,7 @@ import random
 import pytest
 
 from grader.checks import sketch
-from grader.contracts.outcome import RunStatus
+from grader.contracts.outcome import Note, RunStatus
 from grader.contracts.rubric import ItemStatus
 from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, item, score
@@ -104,3 +104,27 @@ def test_sketch_of_a_circle() -> None:
     shown = sketch(assignment("spin"), run_of(drive([(FULL_S, 1.0, -1.0)])))
     assert shown.corners[0].angle_deg == pytest.approx(-11.5, abs=0.1)
     assert shown.labels[0].text.en == "2 m aside"
+
+
+def test_credit_falls_with_a_turn_rate_that_nobody_means() -> None:
+    rates = (1.0, 12.0, 13.0, 16.0, 20.0, 24.0, 57.3, 360.0)
+    scorings = [graded("spin", drive([(7.0, 0.0, rate)])) for rate in rates]
+    earned = [score(scoring) for scoring in scorings]
+    assert earned[:2] == [100, 100]
+    assert earned == sorted(earned, reverse=True)
+    assert len(set(earned)) == 5
+    assert earned[-3:] == [80, 80, 80]
+    assert {scoring.mistakes for scoring in scorings[2:]} == {("degrees_as_radians",)}
+
+
+def test_the_points_for_the_rate_need_a_turn() -> None:
+    assert score(graded("spin", drive([(2.0, 1.0, 0.0)]))) == 10
+
+
+def test_a_turn_that_nobody_hears_at_home_does_not_count() -> None:
+    early = (Note(code="discovery", text="/turtle1/cmd_vel"),)
+    once = graded("spin", drive([(0.05, 0.0, 10.0)]), notes=early)
+    assert item(once, "turn").measured is None
+    assert (score(once), once.mistakes[-1]) == (10, "lost_at_home")
+    kept_on = graded("spin", drive([(FULL_S, 0.0, 1.0)]), notes=early)
+    assert score(kept_on) == 100

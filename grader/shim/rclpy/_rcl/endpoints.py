@@ -180,6 +180,7 @@ class PublisherHandle(EndpointHandle):
     def get_subscription_count(self) -> int:
         """Return how many subscriptions are matched."""
         self._require_context("failed to get subscription count")
+        self._fresh = False  # who asks waits for the first one, and then loses nothing
         return len(self.readers) + len(self._world)
 
     def assert_liveliness(self) -> None:
