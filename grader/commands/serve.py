@@ -18,12 +18,12 @@ import uvicorn
 from fastapi import FastAPI
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
+from grader.commands.cli import EXIT_NOT_DONE
 from grader.commands.options import add_language_option
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import trouble
 
 _log = logging.getLogger(__name__)
-EXIT_NOT_DONE = 2
 _BACKLOG = 512  # a class that hands in within the same second
 _SWITCH_S = 0.0005
 """How long a thread that computes keeps Python's interpreter lock. A request gives the lock up some thirty times;
