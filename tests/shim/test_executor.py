@@ -329,3 +329,51 @@ def test_a_future_awaited_in_asyncio_costs_no_question_per_microsecond(run_scrip
         "print(100 < turns < 10_000, round(node.get_clock().now().nanoseconds / 1e9 - 1.7e9, 1))\n"
     )
     assert run.stdout == "1\nTrue 5.0\n"
+
+
+LONG_WAY = (
+    "import rclpy.executors\n"
+    "rclpy.executors.SingleThreadedExecutor._wait_for_lone_timer = lambda self, timeout_sec: None\n"
+)
+TIMERS = """
+import rclpy, random, time
+from rclpy._kernel import kernel
+from std_msgs.msg import Int32
+rclpy.init()
+node = rclpy.create_node('n')
+out = node.create_publisher(Int32, 'heard', 10)
+node.create_subscription(Int32, 'heard', lambda m: said('heard', m.data), 10)
+chance, count, shown = random.Random(1), [0], []
+def said(*what): shown.append((kernel.now_ns, kernel.steps, *what))
+def act(name):
+    count[0] += 1
+    dice = chance.randrange(40)
+    said(name, dice)
+    if dice == 0: out.publish(Int32(data=count[0]))
+    elif dice == 1: timers[chance.randrange(1, 3)].cancel()
+    elif dice == 2: timers[chance.randrange(3)].reset()
+    elif dice == 3: node.get_clock().now()
+    elif dice == 4: time.sleep(chance.choice((0.0001, 0.002)))
+    elif dice == 5: rclpy.spin_once(node, timeout_sec=0.0005)
+    elif dice == 6: rclpy.get_global_executor().create_task(lambda: said('task'))
+    elif dice == 7: node.destroy_timer(node.create_timer(0.001, lambda: None))
+    elif dice == 8: raise ValueError(name)
+    elif dice == 9: raise StopIteration
+timers = [node.create_timer(period_s, lambda name=period_s: act(name)) for period_s in (0.0003, 0.001, 0.007)]
+while count[0] < 3000:
+    try:
+        for _ in range(30): rclpy.spin_once(node)
+        for _ in range(30): rclpy.spin_once(node, timeout_sec=0.0004)
+        done = rclpy.Future()
+        rclpy.spin_until_future_complete(node, done, timeout_sec=0.01)
+    except (ValueError, RuntimeError) as error:
+        said(repr(error))
+print(*shown, sep='\\n')
+"""
+
+
+def test_the_short_way_to_a_lone_timer_comes_to_the_same(run_script):
+    """Timers that are cancelled, reset, destroyed, late, raise or spin: each call at the same instant and step."""
+    short = run_script(TIMERS)
+    assert short.stdout.count("\n") > 3000
+    assert run_script(LONG_WAY + TIMERS).stdout == short.stdout

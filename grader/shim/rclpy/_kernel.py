@@ -309,6 +309,17 @@ class Kernel:
             # A destructor run by the garbage collector may wait inside another wait.
             me.ready, me.deadline_ns, me.why, me.idle = before
 
+    def skip_to(self, target_ns: int, quiet_ns: int) -> bool:
+        """Let a wait pass at once that ends at `target_ns`, if nothing else can happen up to `quiet_ns`.
+
+        Returns:
+            False, and nothing was done: the caller has to `wait`.
+        """
+        if self.now_ns < target_ns and quiet_ns < self._quiet_until_ns:
+            self._skip_to(target_ns)
+            return True
+        return False
+
     def on_interrupt(self, callback: Callable[[], None]) -> None:
         """Have `callback` run at each Ctrl+C, before KeyboardInterrupt."""
         self._on_interrupt.append(callback)

@@ -25,6 +25,10 @@ _PLAIN_GROUPS = (MutuallyExclusiveCallbackGroup, ReentrantCallbackGroup)
 """A group of another class may say at any time whether its callbacks may run."""
 
 
+MAX_LATENESS_NS = 5_000_000
+"""Latest that a timer is called after it is due while nothing else keeps the executor busy."""
+
+
 class Watch:
     """The entities of some nodes that may execute now.
 
@@ -36,6 +40,7 @@ class Watch:
         deadline_ns: earliest virtual instant at which a timer is due, None when none is running.
         period_ns: that timer's period.
         open: whether something may come from outside unasked: waiting for it for ever is no deadlock.
+        lasting: whether it may serve a further wait.
     """
 
     def __init__(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> None:
@@ -48,7 +53,7 @@ class Watch:
         )
         self._nodes = list(nodes)
         self._seen = changes.count
-        self._lasting = not changes.executing
+        self.lasting = not changes.executing
         self._can_execute = can_execute
         self._backlogs: list[Any] = []
         self._reset: list[Any] = []  # backlogs of timers, which a reset before the wait has filled
@@ -85,14 +90,14 @@ class Watch:
                 self._add_waitable(waitable, node)
 
     def _counts(self, entity: Any) -> bool:
-        self._lasting = self._lasting and type(entity.callback_group) in _PLAIN_GROUPS
+        self.lasting = self.lasting and type(entity.callback_group) in _PLAIN_GROUPS
         return self._can_execute(entity) and not entity.handle.doomed
 
     def _add_timer(self, handle: Any, place: Place | None) -> None:
         self._reset.append(handle.backlog)
         due_ns = handle.clock.kernel_deadline_ns(handle.due_ns)
         if due_ns is None:
-            self._lasting = False
+            self.lasting = False
             self._checked.append((handle, place))
         else:
             self._heap.append((due_ns, len(self._clockwork)))
@@ -110,7 +115,7 @@ class Watch:
             return
         from rclpy.exceptions import InvalidHandle
 
-        self._lasting = False
+        self.lasting = False
         waits = WaitSet()
         try:
             waitable.__enter__()
@@ -126,7 +131,7 @@ class Watch:
 
     def holds(self, can_execute: Callable[[Any], bool], nodes: Sequence[Node]) -> bool:
         """Whether the next wait would count the same entities; if so, it is ready for that wait."""
-        if not self._lasting or changes.executing or changes.count != self._seen:
+        if not self.lasting or changes.executing or changes.count != self._seen:
             return False
         if can_execute != self._can_execute or nodes != self._nodes:
             return False
@@ -153,6 +158,18 @@ class Watch:
         if any(self._backlogs) or (self._reset and any(self._reset)):
             return True
         return bool(self._checked) and any(handle.is_timer_ready() for handle, _ in self._checked)
+
+    def lone_timer(self) -> Any:
+        """Return the timer that is due next; None when anything else may be ready by then, or soon after it."""
+        heap = self._heap
+        if not heap or self._reset or self._guards or any(self._backlogs):
+            return None
+        due_ns, number = heap[0]
+        soon_ns = due_ns + MAX_LATENESS_NS
+        if len(heap) > 1 and (heap[1][0] <= soon_ns or (len(heap) > 2 and heap[2][0] <= soon_ns)):
+            return None
+        place = self._clockwork[number][2]
+        return None if place is None else place[3]
 
     def settle(self) -> None:
         """Note what is ready now, consuming triggers."""
