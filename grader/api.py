@@ -28,7 +28,7 @@ from grader.routes import (
     submissions,
 )
 from grader.routes.events import told_to_stop
-from grader.routes.middleware import BoundedBodies, Observed, SafeHeaders
+from grader.routes.middleware import BoundedBodies, HeldToTheEnd, Observed, SafeHeaders
 from grader.use_cases.services import Services
 from grader.web import routing as pages
 
@@ -78,6 +78,7 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
         title=documentation.TITLE, version=__version__, docs_url=None, redoc_url=None, lifespan=lifespan
     )
     app.add_middleware(BoundedBodies)
+    app.add_middleware(HeldToTheEnd)
     app.add_middleware(SafeHeaders)
     app.add_middleware(Observed)  # added last, so around everything else
     problems.install(app)

@@ -75,6 +75,22 @@ class Settings(BaseSettings):
     uploads_per_minute: int = Field(
         default=60, ge=1, description="Most uploads under one student's name in a minute."
     )
+    requests_at_once: int = Field(
+        default=12,
+        ge=1,
+        description="Most requests of one person of a course under way at once, besides streams of events.",
+    )
+    costly_at_once: int = Field(
+        default=6,  # as many as a browser sends at once to one host
+        ge=1,
+        description="Of these, most of one student for results, plots and exports.",
+    )
+    costly_per_minute: int = Field(
+        default=120,
+        ge=1,
+        description="Most requests of one student for results, plots and exports in a minute; a plot counts "
+        "as four.",
+    )
     pass_fraction: float = Field(
         default=0.6, ge=0.0, le=1.0, description="Share of the points from which the dashboard says passed."
     )

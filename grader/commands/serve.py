@@ -34,6 +34,9 @@ HEADERS_S: Final = 15.0
 BODY_S: Final = 60.0
 """A file of the usual limit arrives in time at 5 KB a second."""
 
+ANSWER_S: Final = 180.0
+"""The largest report is read in time at 5 KB a second."""
+
 HEADER_BYTES: Final = 16 * 1024
 _REQUESTS: Final = 1_500  # connections besides streams: browsers keep some open after each page
 _OTHER_FILES: Final = 256  # the database, the log, gradings
@@ -140,7 +143,9 @@ def _url(listener: socket.socket) -> str:
 
 
 class BoundedConnection(H11Protocol):
-    """uvicorn's connection; it ends when a request takes too long to arrive, or when there are too many.
+    """uvicorn's connection; it ends when a request takes too long to arrive or its answer too long to be read.
+
+    It also ends when there are too many.
 
     uvicorn itself waits for ever for a request that never ends: a client that opens connections and sends a byte
     now and then would take every file descriptor of the process, and the gradings with them. A proxy in front does
@@ -149,12 +154,14 @@ class BoundedConnection(H11Protocol):
 
     headers_s = HEADERS_S
     body_s = BODY_S
+    answer_s = ANSWER_S
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
         """Begin to wait for a request."""
         super().connection_made(transport)
         self._awaited: str | None = None
         self._deadline: asyncio.TimerHandle | None = None
+        self._unread: asyncio.TimerHandle | None = None
         if self.limit_concurrency is not None and len(self.connections) > self.limit_concurrency:
             transport.abort()
             return
@@ -170,6 +177,17 @@ class BoundedConnection(H11Protocol):
         super().on_response_complete()
         self._look()
 
+    def pause_writing(self) -> None:
+        """Wait for the client to read what was sent."""
+        super().pause_writing()
+        if self._unread is None:
+            self._unread = self.loop.call_later(self.answer_s, self.transport.abort)
+
+    def resume_writing(self) -> None:
+        """Go on to send."""
+        super().resume_writing()
+        self._read()
+
     def shutdown(self) -> None:
         """Stop without waiting for requests that have not arrived completely: the time belongs to the gradings."""
         if self._awaited is None:
@@ -180,7 +198,13 @@ class BoundedConnection(H11Protocol):
     def connection_lost(self, exc: Exception | None) -> None:
         """Wait for nothing more."""
         self._await(None)
+        self._read()
         super().connection_lost(exc)
+
+    def _read(self) -> None:
+        if self._unread is not None:
+            self._unread.cancel()
+            self._unread = None
 
     def _look(self) -> None:
         """See what the client still has to send."""

@@ -5,10 +5,13 @@ that ``Accept-Language`` weighs most, else the service's default.
 """
 
 import re
-from typing import Annotated
+from collections.abc import AsyncIterator, Iterator
+from contextlib import contextmanager, nullcontext
+from typing import Annotated, Any
 
 from fastapi import Depends, Header, Path, Query, Request
 from fastapi.security import HTTPAuthorizationCredentials, HTTPBearer
+from fastapi.sse import EventSourceResponse
 from pydantic import BeforeValidator
 from pydantic_core import PydanticCustomError
 
@@ -16,7 +19,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role, Seen
 from grader.contracts.notation import decimal, whole
 from grader.contracts.text import LANGUAGES, Language
-from grader.use_cases.callers import require_instructor, require_staff
+from grader.use_cases.callers import PLOT_WEIGHT, name_of, require_instructor, require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
 
@@ -29,7 +32,7 @@ SUBMISSIONS = "/api/v1/submissions/"
 Address = Annotated[str, BeforeValidator(lambda submission: SUBMISSIONS + submission)]
 """Address of a submission, from its id."""
 
-ENTRY_PROBLEMS = ("unauthorized", "too_many_requests")
+ENTRY_PROBLEMS = ("unauthorized", "too_many_requests", "too_many_at_once")
 """Problems of every endpoint that asks who it is."""
 
 bearer = HTTPBearer(
@@ -48,20 +51,41 @@ async def _services(request: Request) -> Services:
 ServicesDep = Annotated[Services, Depends(_services)]
 
 
-def caller_of(
+def _identified(
     services: ServicesDep, credentials: Annotated[HTTPAuthorizationCredentials | None, Depends(bearer)]
 ) -> Caller:
-    """Dependency of every endpoint that shows or changes something of somebody.
-
-    Raises:
-        RefusedError: a token is needed and missing, unknown, expired or revoked; or a student asks too often.
-    """
     caller = services.callers.identify(None if credentials is None else credentials.credentials)
     if caller is None:
         raise RefusedError("unauthorized")
     if caller.role is Role.STUDENT:
-        services.request_limit.take(f"{caller.course}/{caller.person}")
+        services.allowances.requests.take(f"{caller.course}/{caller.person}")
     return caller
+
+
+@contextmanager
+def under_way(request: Request, services: Services, caller: Caller) -> Iterator[None]:
+    """Count `request` as one that the caller has under way; streams of events are counted elsewhere.
+
+    Raises:
+        RefusedError: the caller has too many.
+    """
+    name = name_of(caller)
+    is_stream = getattr(request.scope["route"], "response_class", None) is EventSourceResponse
+    with nullcontext() if name is None or is_stream else services.allowances.requests_at_once.one_more(name):
+        yield
+
+
+async def caller_of(
+    request: Request, services: ServicesDep, caller: Annotated[Caller, Depends(_identified)]
+) -> AsyncIterator[Caller]:
+    """Dependency of every endpoint that shows or changes something of somebody.
+
+    Raises:
+        RefusedError: a token is needed and missing, unknown, expired or revoked; a student asks too often, or
+            somebody for too much at once.
+    """
+    with under_way(request, services, caller):
+        yield caller
 
 
 CallerDep = Annotated[Caller, Depends(caller_of)]
@@ -142,6 +166,18 @@ def _in_digits(value: object) -> object:
     except ValueError:
         raise PydanticCustomError("int_parsing", "Input should be a whole number in digits") from None
 
+
+def _costly(weight: int) -> Any:
+    async def counted(request: Request, services: ServicesDep, caller: CallerDep) -> AsyncIterator[None]:
+        otherwise = f"submission {request.path_params.get('submission_id')}"
+        with services.allowances.costly.one_more(caller, otherwise, weight):
+            yield
+
+    return Depends(counted)
+
+
+COSTLY, DRAWN = _costly(1), _costly(PLOT_WEIGHT)
+"""Of endpoints whose answers take time to make, and of plots: students have few under way, and few in a minute."""
 
 AssignmentId = Annotated[str, Path(max_length=64, examples=["square"])]
 RegradeId = Annotated[str, Path(max_length=16, examples=["9f2c01aa77be"])]

@@ -34,6 +34,7 @@ from grader.routes.dependencies import (
     SubmissionId,
 )
 from grader.routes.problems import responses
+from grader.use_cases.callers import name_of
 from grader.use_cases.following import Subject, SubjectWatch
 from grader.use_cases.services import Services
 
@@ -174,9 +175,8 @@ def progress_event(standing: Standing, language: Language) -> ServerSentEvent:
 
 def owner_of(caller: Caller, otherwise: str) -> Owner:
     """Return who the caller's streams count for; `otherwise` names a caller without a token."""
-    if caller.person is not None:
-        return Owner(name=f"{caller.course}/{caller.person}", is_known=True)
-    return Owner(name="operator" if caller.is_staff else otherwise, is_known=caller.is_staff)
+    name = name_of(caller)
+    return Owner(name=name or otherwise, is_known=name is not None)
 
 
 async def _watched_submission(

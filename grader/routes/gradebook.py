@@ -6,6 +6,7 @@ from fastapi import APIRouter, Query, Response
 from fastapi.responses import JSONResponse
 
 from grader.routes.dependencies import (
+    COSTLY,
     ENTRY_PROBLEMS,
     SIGHT,
     CallerDep,
@@ -18,7 +19,7 @@ from grader.routes.problems import responses
 from grader.use_cases.gradebook import Format, exported, gradebook_csv
 
 router = APIRouter(prefix="/api/v1", tags=["gradebook"])
-exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT])
+exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT, COSTLY])
 _JSON = {"application/json": {"schema": {"type": "object"}}}
 _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
 

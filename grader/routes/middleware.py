@@ -30,6 +30,7 @@ HEADER = "X-Request-ID"
 _UNBOUNDED = "unbounded_receive"
 _ENVELOPE_BYTES = 16 * 1024  # boundaries, part headers and the short fields beside a file
 _DRAINED_BYTES = 8 * 1024 * 1024
+_SMALL_BYTES = 64 * 1024  # uvicorn keeps as much for a client that does not read, before it waits
 _HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
@@ -64,6 +65,31 @@ class SafeHeaders:
             await send(message)
 
         await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
+
+
+class HeldToTheEnd:
+    """ASGI middleware that ends a large answer only when almost all of it has been read.
+
+    uvicorn takes any amount in one part and returns at once. Whoever asked and does not read would then no longer
+    count as having a request under way, and could have as many answers kept in memory as there may be connections.
+    Before it takes the next part, uvicorn waits until the client has read most of those before.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+
+        async def send_in_two(message: Message) -> None:
+            is_last = message["type"] == "http.response.body" and not message.get("more_body", False)
+            if not is_last or len(message.get("body", b"")) <= _SMALL_BYTES:
+                await send(message)
+                return
+            await send({**message, "more_body": True})
+            await send({"type": "http.response.body", "body": b"", "more_body": False})
+
+        await self._app(scope, receive, send_in_two if scope["type"] == "http" else send)
 
 
 class BoundedBodies:

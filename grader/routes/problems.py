@@ -112,6 +112,7 @@ _STATUS = {
     "key_reused": 422,
     "too_many_open": 429,
     "too_many_requests": 429,
+    "too_many_at_once": 429,
     "too_many_streams": 429,
     "streams_full": 503,
     "internal_error": 500,

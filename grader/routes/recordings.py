@@ -3,12 +3,15 @@
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
+from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.figure import PictureForm
 from grader.contracts.identity import Caller
 from grader.contracts.text import Language
 from grader.routes.dependencies import (
+    COSTLY,
+    DRAWN,
     ENTRY_PROBLEMS,
     CallerDep,
     LanguageDep,
@@ -69,6 +72,7 @@ class TrajectoryView(BaseModel):
 
 @router.get(
     "/{submission_id}/trajectory",
+    dependencies=[COSTLY],
     summary="The trajectory as columns",
     response_class=Response,
     responses={
@@ -89,13 +93,14 @@ def read_trajectory(
     recording = recordings.trajectory(services, caller, submission_id, case)
     headers = {"ETag": f'"{recording.sha256}"', "Vary": "Accept-Encoding"}
     if "gzip" not in (accept_encoding or "").lower():
-        return Response(recording.content, media_type="application/json", headers=headers)
+        return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
     headers["Content-Encoding"] = "gzip"  # sent as it is stored
     return Response(recording.compressed, media_type="application/json", headers=headers)
 
 
 @router.get(
     "/{submission_id}/plot.png",
+    dependencies=[DRAWN],
     summary="The trajectory as a picture",
     response_class=Response,
     responses={200: _described("image/png", "binary"), **responses(*_PLOT_PROBLEMS)},
@@ -114,6 +119,7 @@ async def read_plot(
 
 @router.get(
     "/{submission_id}/plot.svg",
+    dependencies=[DRAWN],
     summary="The trajectory as a drawing that scales",
     response_class=Response,
     responses={200: _described("image/svg+xml", "xml"), **responses(*_PLOT_PROBLEMS)},

@@ -20,6 +20,7 @@ from grader.contracts.submission import StoredReport, Submission, SubmissionStat
 from grader.contracts.text import Language
 from grader.render.escape import visible
 from grader.routes.dependencies import (
+    COSTLY,
     ENTRY_PROBLEMS,
     SUBMISSIONS,
     CallerDep,
@@ -307,6 +308,7 @@ def read(
 
 @router.get(
     "/{submission_id}/report",
+    dependencies=[COSTLY],
     summary="The graded report, byte for byte",
     response_class=Response,
     responses={

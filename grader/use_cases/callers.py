@@ -1,4 +1,4 @@
-"""Who asks, and how often they may.
+"""Who asks, how often they may, and how much at once.
 
 While no course exists the service is open: nobody is asked who they are, a submission's unguessable id is what
 opens it, and the instructor token opens the class. As soon as there is a course, everything personal needs the
@@ -10,17 +10,27 @@ import hmac
 import math
 import secrets
 import threading
+from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Self
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, OPERATOR, Caller
+from grader.settings import Settings
 from grader.store.clock import Clock
 from grader.store.courses import Courses
 from grader.store.tokens import Tokens
 
 _TOKEN_BYTES = 24
 _FORGET_ABOVE = 10_000
+PLOT_WEIGHT = 4
+"""As how many costly requests a plot counts: drawing one takes a fifth of a second."""
+
+_UPLOADS_AT_ONCE = 2  # a file, and the same once more by a client that got no answer
+_SOON_S = 1  # until one of the answers under way has probably been sent
 
 
 class Callers:
@@ -72,6 +82,13 @@ def new_token() -> str:
     return secrets.token_urlsafe(_TOKEN_BYTES)
 
 
+def name_of(caller: Caller) -> str | None:
+    """Return under which name a caller's requests are counted; None where a token does not say who it is."""
+    if caller.person is not None:
+        return f"{caller.course}/{caller.person}"
+    return "operator" if caller.is_staff else None
+
+
 @dataclass(slots=True)
 class _Bucket:
     left: float
@@ -105,6 +122,15 @@ class RateLimit:
             wait_s = (1.0 - bucket.left) / self._per_s
         raise RefusedError("too_many_requests", retry_after_s=math.ceil(wait_s))
 
+    def charge(self, key: str, requests: float) -> None:
+        """Count a request that `take` let through as so many more, because it cost more than others do.
+
+        What `key` owes at most is what it gets in a minute.
+        """
+        with self._lock:
+            bucket = self._refilled(key)
+            bucket.left = max(bucket.left - requests, -self._most)
+
     def _refilled(self, key: str) -> _Bucket:
         now = self._clock()
         if len(self._buckets) > _FORGET_ABOVE:
@@ -119,6 +145,100 @@ class RateLimit:
         self._buckets = {
             key: bucket for key, bucket in self._buckets.items() if (now - bucket.at).total_seconds() < full_s
         }
+
+
+class AtOnce:
+    """Lets each key have at most `most` requests under way. It counts in the memory of this process.
+
+    Safe to share between threads.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._lock = threading.Lock()
+        self._under_way: Counter[str] = Counter()
+
+    @contextmanager
+    def one_more(self, key: str) -> Iterator[None]:
+        """Count a request of `key` as under way until the context ends.
+
+        Raises:
+            RefusedError: `key` has as many under way as it may.
+        """
+        with self._lock:
+            if self._under_way[key] >= self._most:
+                raise RefusedError("too_many_at_once", retry_after_s=_SOON_S)
+            self._under_way[key] += 1
+        try:
+            yield
+        finally:
+            with self._lock:
+                self._under_way[key] -= 1
+                if not self._under_way[key]:
+                    del self._under_way[key]
+
+
+class Costly:
+    """Bounds the requests of students whose answers take much time to make.
+
+    Without courses nobody says who they are; then a request is counted under the name that the door gives it.
+
+    Args:
+        at_once: how many each may have under way. per_minute: how many each may send in a minute.
+    """
+
+    def __init__(self, at_once: int, per_minute: int, clock: Clock) -> None:
+        self._at_once = AtOnce(at_once)
+        self._rate = RateLimit(per_minute, clock)
+
+    @contextmanager
+    def one_more(self, caller: Caller, otherwise: str, weight: int = 1) -> Iterator[None]:
+        """Count a request until the context ends.
+
+        Args:
+            caller: whose it is.
+            otherwise: names a caller without a token.
+            weight: as how many it counts in its minute.
+
+        Raises:
+            RefusedError: there are too many, at once or in the last minute.
+        """
+        if caller.is_staff:
+            yield
+            return
+        key = name_of(caller) or otherwise
+        with self._at_once.one_more(key):
+            self._rate.take(key)
+            self._rate.charge(key, weight - 1)
+            yield
+
+
+@dataclass(frozen=True, slots=True)
+class Allowances:
+    """How much one person may ask for, so that nobody takes the service from others.
+
+    Attributes:
+        requests: of each student. uploads: under each student's name.
+        requests_at_once: of each person, streams of events apart. uploads_at_once: under each student's name.
+        costly: of each student's requests whose answers take much time to make.
+    """
+
+    requests: RateLimit
+    uploads: RateLimit
+    requests_at_once: AtOnce
+    uploads_at_once: AtOnce
+    costly: Costly
+
+    @classmethod
+    def of(cls, settings: Settings, clock: Clock) -> Self:
+        """Return the limits that the operator has set."""
+        return cls(
+            requests=RateLimit(settings.requests_per_minute, clock),
+            uploads=RateLimit(settings.uploads_per_minute, clock),
+            requests_at_once=AtOnce(settings.requests_at_once),
+            uploads_at_once=AtOnce(_UPLOADS_AT_ONCE),
+            costly=Costly(settings.costly_at_once, settings.costly_per_minute, clock),
+        )
 
 
 def _digest(token: str) -> bytes:

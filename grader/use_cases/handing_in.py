@@ -2,6 +2,7 @@
 
 import logging
 import re
+import time
 from dataclasses import dataclass, replace
 from datetime import datetime
 
@@ -24,6 +25,7 @@ _log = logging.getLogger(__name__)
 _LONGEST_NAME = 100
 _LONGEST_LINE = 200
 _RETRY_AFTER_S = 5
+_USUAL_S = 0.25  # what takes longer to check counts as several uploads
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,7 +56,8 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
         RefusedError: it is not accepted, and nothing was stored.
     """
     student = _submitter(services, caller, upload.student)
-    services.upload_limit.take(f"{caller.course}/{student}")
+    owner = f"{caller.course}/{student}"
+    services.allowances.uploads.take(owner)
     new = NewSubmission(
         course=caller.course,
         student=student,
@@ -66,7 +69,8 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
         ruled=caller.role is Role.STUDENT,
         by=None if student == caller.person or caller.course is None else caller.signature,
     )
-    submission, repeated = services.submissions.accept(_checked(services, new))
+    with services.allowances.uploads_at_once.one_more(owner):
+        submission, repeated = services.submissions.accept(_checked(services, new, owner))
     note(
         submission=submission.id,
         assignment=submission.assignment,
@@ -76,13 +80,20 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
     return submission, repeated
 
 
-def _checked(services: Services, new: NewSubmission) -> NewSubmission:
-    """Return `new` as it is stored: for a published assignment, its name and content checked."""
+def _checked(services: Services, new: NewSubmission, owner: str) -> NewSubmission:
+    """Return `new` as it is stored: for a published assignment, its name and content checked.
+
+    A check that takes long counts as several uploads of `owner`.
+    """
     published = require_published(services, new.assignment, "unknown_assignment", field="assignment")
     if new.key is None and (refusal := services.submissions.refusal(new)) is not None:
         raise refusal.error()  # one with a key may be an upload that was accepted before
     name = _checked_name(new.file_name, published.input)
-    _check_content(services, new.source, name, published.input)
+    begun_s = time.monotonic()
+    try:
+        _check_content(services, new.source, name, published.input)
+    finally:
+        services.allowances.uploads.charge(owner, (time.monotonic() - begun_s) // _USUAL_S)
     if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
         raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
     return replace(new, file_name=name, assignment_version=published.version)

@@ -2,6 +2,8 @@
 
 import asyncio
 import gzip
+import io
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from grader.checks import sketch
@@ -20,6 +22,8 @@ from grader.use_cases.pictures import PlotSpec
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, shown_assignment
 
+_PART_BYTES = 256 * 1024
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Recording:
@@ -32,6 +36,12 @@ class Recording:
     def content(self) -> bytes:
         """Return the JSON itself."""
         return gzip.decompress(self.compressed)
+
+    def parts(self) -> Iterator[bytes]:
+        """Yield the JSON in parts, so that it is never held as a whole."""
+        with gzip.open(io.BytesIO(self.compressed)) as plain:
+            while part := plain.read(_PART_BYTES):
+                yield part
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

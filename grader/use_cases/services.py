@@ -23,7 +23,7 @@ from grader.store.tokens import Tokens
 from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from grader.telemetry.metrics import Metrics
-from grader.use_cases.callers import Callers, RateLimit
+from grader.use_cases.callers import Allowances, Callers
 from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
 
@@ -47,7 +47,7 @@ class Services:
 
     Attributes:
         callers: recognises who asks, by token.
-        request_limit: of each student's requests. upload_limit: of each student's uploads.
+        allowances: how much each of them may ask for.
     """
 
     settings: Settings
@@ -57,8 +57,7 @@ class Services:
 
     # who asks, and how often
     callers: Callers
-    request_limit: RateLimit
-    upload_limit: RateLimit
+    allowances: Allowances
 
     # the database, by subject
     submissions: Submissions
@@ -110,8 +109,7 @@ class Services:
             assignments=assignments,
             preflight=preflight,
             callers=Callers(courses, tokens, instructor_token),
-            request_limit=RateLimit(settings.requests_per_minute, clock),
-            upload_limit=RateLimit(settings.uploads_per_minute, clock),
+            allowances=Allowances.of(settings, clock),
             submissions=Submissions(database, clock),
             queue=queue,
             workers=workers,

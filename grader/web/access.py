@@ -5,8 +5,9 @@ long as the browser is open. While the service has no courses, a student says th
 the JSON interface.
 """
 
+from collections.abc import AsyncIterator
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Any
 from urllib.parse import urlencode
 
 from fastapi import Depends, Request, Response
@@ -15,7 +16,15 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
-from grader.routes.dependencies import AssignmentId, QueryWhole, RegradeId, ServicesDep, SubmissionId
+from grader.routes.dependencies import (
+    AssignmentId,
+    QueryWhole,
+    RegradeId,
+    ServicesDep,
+    SubmissionId,
+    under_way,
+)
+from grader.use_cases.callers import PLOT_WEIGHT
 from grader.use_cases.handing_in import checked_student
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found, visible_submission
@@ -72,19 +81,38 @@ def visitor_of(request: Request) -> Visitor:
     return known
 
 
-def present(request: Request) -> Visitor:
-    """Dependency of every page: the visitor.
-
-    Raises:
-        RefusedError: a student of a course asks too often.
-    """
+def _identified(request: Request) -> Visitor:
     visitor, services = visitor_of(request), _services(request)
     if visitor.caller.course is not None and not visitor.staff:
-        services.request_limit.take(f"{visitor.caller.course}/{visitor.caller.person}")
+        services.allowances.requests.take(f"{visitor.caller.course}/{visitor.caller.person}")
     return visitor
 
 
+async def present(
+    request: Request, visitor: Annotated[Visitor, Depends(_identified)]
+) -> AsyncIterator[Visitor]:
+    """Dependency of every page: the visitor.
+
+    Raises:
+        RefusedError: a student of a course asks too often, or somebody for too much at once.
+    """
+    with under_way(request, _services(request), visitor.caller):
+        yield visitor
+
+
 VisitorDep = Annotated[Visitor, Depends(present)]
+
+
+def _costly(weight: int) -> Any:
+    async def counted(services: ServicesDep, visitor: VisitorDep) -> AsyncIterator[None]:
+        with services.allowances.costly.one_more(visitor.caller, f"visitor {visitor.student}", weight):
+            yield
+
+    return Depends(counted)
+
+
+COSTLY, DRAWN = _costly(1), _costly(PLOT_WEIGHT)
+"""Of pages that take time to make, and of plots: a student has few under way, and few in a minute."""
 
 
 def require_staff(visitor: VisitorDep) -> Visitor:

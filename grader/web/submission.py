@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import JSONResponse
+from fastapi.responses import JSONResponse, StreamingResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from grader.contracts.assignment import Assignment
@@ -25,7 +25,7 @@ from grader.use_cases.following import SubjectWatch
 from grader.use_cases.judging import judged_items
 from grader.use_cases.services import Services
 from grader.web import access
-from grader.web.access import ServicesDep, SubmissionId, Visitor, VisitorDep
+from grader.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor, VisitorDep
 from grader.web.pages import language_of, page
 from grader.web.result import StreamText, figure_parts, result_page, stream_text
 
@@ -34,7 +34,7 @@ _REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "
 Case = Annotated[str | None, Query(max_length=64)]
 
 
-@router.get("")
+@router.get("", dependencies=[COSTLY])
 def read(
     request: Request,
     services: ServicesDep,
@@ -104,7 +104,7 @@ async def follow(
         yield event
 
 
-@router.get("/trajectory.json")
+@router.get("/trajectory.json", dependencies=[COSTLY])
 def read_trajectory(
     services: ServicesDep,
     visitor: VisitorDep,
@@ -121,12 +121,12 @@ def read_trajectory(
         "Cache-Control": "private, no-cache",
     }
     if "gzip" not in (accept_encoding or "").lower():
-        return Response(recording.content, media_type="application/json", headers=headers)
+        return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
     headers["Content-Encoding"] = "gzip"  # sent as it is stored
     return Response(recording.compressed, media_type="application/json", headers=headers)
 
 
-@router.get("/sketch.json")
+@router.get("/sketch.json", dependencies=[COSTLY])
 def read_sketch(
     request: Request,
     services: ServicesDep,
@@ -146,7 +146,7 @@ def read_sketch(
     return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
 
 
-@router.get("/plot.png")
+@router.get("/plot.png", dependencies=[DRAWN])
 async def read_plot(
     request: Request,
     services: ServicesDep,

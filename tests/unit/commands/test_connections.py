@@ -13,6 +13,8 @@ from grader.commands.serve import BoundedConnection, most_connections
 from grader.contracts.errors import SettingsError
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
+LARGE = 16 << 20  # more than a system takes for a client that does not read
+
 
 async def application(scope, receive, send) -> None:
     """Read the body and say how long it was."""
@@ -24,7 +26,7 @@ async def application(scope, receive, send) -> None:
         if message["type"] == "http.disconnect":
             return
         length, more = length + len(message["body"]), message.get("more_body", False)
-    body = b"%d" % length
+    body = b"%d" % length + b" " * (LARGE if scope["path"] == "/large" else 0)
     headers = [(b"content-length", b"%d" % len(body))]
     await send({"type": "http.response.start", "status": 200, "headers": headers})
     await send({"type": "http.response.body", "body": body})
@@ -86,6 +88,16 @@ def test_a_body_that_never_ends_ends_the_connection() -> None:
     with serving(body_s=0.05) as address, socket.create_connection(address) as client:
         client.sendall(b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 10\r\n\r\n12")
         assert is_closed(client)
+
+
+def test_an_answer_that_nobody_reads_ends_the_connection() -> None:
+    with (
+        server_of(None, {"answer_s": 0.05}) as server,
+        socket.create_connection(address_of(server)) as client,
+    ):
+        client.sendall(b"GET /large HTTP/1.1\r\nHost: x\r\n\r\n")
+        wait_until(lambda: server.server_state.total_requests)
+        wait_until(lambda: not server.server_state.connections)
 
 
 def test_a_stop_does_not_wait_for_a_request_that_is_still_arriving() -> None:

@@ -1,14 +1,17 @@
 """Every endpoint of the OpenAPI document as every role: a new endpoint without a line here fails."""
 
 from collections.abc import Callable
+from contextlib import AbstractContextManager
 from datetime import timedelta
 from typing import Any
 
 import httpx
 import pytest
 
+from grader.contracts.identity import ANYBODY
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
+from tests.fakes.places import all_taken
 from tests.fakes.server import TOKEN, openapi_document
 
 OPERATIONS = sorted(
@@ -250,9 +253,69 @@ def test_a_students_requests_are_limited_and_nobody_elses(
     client: httpx.Client, school: Any, services: Services
 ) -> None:
     for _ in range(services.settings.requests_per_minute):
-        services.request_limit.take("ros/li")
+        services.allowances.requests.take("ros/li")
     assert client.get("/api/v1/me", headers=school.as_("li")).status_code == 429
     assert client.get("/api/v1/me", headers=school.as_("han")).status_code == 200
+
+
+def busy(services: Services, person: str) -> AbstractContextManager[None]:
+    """Have `person` of the course as many requests under way as may be."""
+    places = services.allowances.requests_at_once
+    return all_taken(services.settings.requests_at_once, lambda: places.one_more(f"ros/{person}"))
+
+
+def test_whoever_has_too_much_under_way_waits_and_nobody_else(
+    client: httpx.Client, school: Any, services: Services, graded: Callable[..., str]
+) -> None:
+    submission = graded(student="", headers=school.as_("li")).rpartition("/")[2]
+    others = ("/events", "/metrics")  # streams have a limit of their own, and machines ask for measurements
+    personal = {one for one in LOOKS if IN_COURSES[one][0] == 401 and not one.endswith(others)}
+    with busy(services, "wang"):
+        for operation in personal:
+            assert send(client, operation, submission, school.as_("wang")) == 429, operation
+            assert send(client, operation, submission, school.as_("ta")) == IN_COURSES[operation][4]
+        assert send(client, "post /api/v1/submissions", submission, school.as_("wang")) == 429
+    assert send(client, "get /api/v1/me", submission, school.as_("wang")) == 200
+
+
+@pytest.mark.parametrize(
+    ("language", "title"), [("zh", "同时发出的请求太多"), ("en", "Too many requests at once")]
+)
+def test_too_much_at_once_is_said_in_the_readers_language(
+    client: httpx.Client, school: Any, services: Services, language: str, title: str
+) -> None:
+    with busy(services, "li"):
+        response = client.get("/api/v1/me", headers={**school.as_("li"), "Accept-Language": language})
+    assert (response.status_code, response.headers["Retry-After"]) == (429, "1")
+    problem = response.json()
+    assert (problem["code"], problem["title"]) == ("too_many_at_once", title)
+
+
+def test_what_takes_time_to_make_is_rationed_for_students(
+    client: httpx.Client, school: Any, services: Services, graded: Callable[..., str], clock: FakeClock
+) -> None:
+    url = graded(student="", headers=school.as_("li"))
+    plots = services.settings.costly_per_minute // 4
+    codes = [client.get(f"{url}/plot.png", headers=school.as_("li")).status_code for _ in range(plots + 1)]
+    assert codes == [200] * plots + [429]
+    for costly in ("report", "trajectory", "plot.svg", "gradescope.json", "prairielearn.json"):
+        response = client.get(f"{url}/{costly}", headers=school.as_("li"))
+        assert (response.status_code, response.json()["code"]) == (429, "too_many_requests"), costly
+        assert client.get(f"{url}/{costly}", headers=school.as_("ta")).status_code == 200
+    assert client.get(url, headers=school.as_("li")).status_code == 200
+    clock.advance(int(response.headers["Retry-After"]))
+    assert client.get(f"{url}/report", headers=school.as_("li")).status_code == 200
+
+
+def test_without_courses_the_plots_of_one_submission_are_rationed(
+    client: httpx.Client, services: Services, graded: Callable[..., str]
+) -> None:
+    first, second = graded(student="s1"), graded(student="s2")
+    costly = services.allowances.costly
+    owner = f"submission {first[-36:]}"
+    with all_taken(services.settings.costly_at_once, lambda: costly.one_more(ANYBODY, owner)):
+        assert client.get(f"{first}/plot.png").json()["code"] == "too_many_at_once"
+        assert client.get(f"{second}/plot.png").status_code == 200
 
 
 def test_changes_are_written_down_without_secrets(client: httpx.Client, school: Any) -> None:

@@ -1,10 +1,12 @@
 """Bodies of requests that are too long, broken, or none at all."""
 
+import asyncio
 from collections.abc import Callable
 
 import httpx
 import pytest
 
+from grader.routes.middleware import HeldToTheEnd
 from grader.use_cases.services import Services
 from tests.fakes.refusals import nothing_stored, problem
 
@@ -82,3 +84,19 @@ def test_a_body_that_cannot_be_parsed(client: httpx.Client, services: Services, 
 def test_a_boundary_that_is_missing(client: httpx.Client) -> None:
     headers = {"Content-Type": "multipart/form-data"}
     problem(client.post("/api/v1/submissions", content=b"x", headers=headers), 400, "malformed_body")
+
+
+def test_a_large_answer_ends_only_after_its_body_was_taken() -> None:
+    sent: list[tuple[int, bool]] = []
+
+    async def answer(scope, receive, send) -> None:
+        await send({"type": "http.response.start", "status": 200, "headers": []})
+        await send({"type": "http.response.body", "body": b"a" * 100_000})
+        await send({"type": "http.response.body", "body": b"a"})
+
+    async def take(message) -> None:
+        if "body" in message:
+            sent.append((len(message["body"]), message.get("more_body", False)))
+
+    asyncio.run(HeldToTheEnd(answer)({"type": "http"}, None, take))
+    assert sent == [(100_000, True), (0, False), (1, False)]

@@ -86,6 +86,25 @@ def test_a_limit_of_uploads_says_when_to_come_back(services: Services) -> None:
     assert (error.value.code, error.value.retry_after_s) == ("too_many_requests", 15)
 
 
+def test_uploads_that_are_slow_to_check_count_as_several(services: Services) -> None:
+    services.allowances.uploads.take("ros/li")
+    services.allowances.uploads.charge("ros/li", 100)
+    with pytest.raises(RefusedError) as error:
+        handed_in(services, LI, b"good\n")
+    assert error.value.retry_after_s == 75  # all of a minute's four, and one more
+    assert handed_in(services, HAN, b"good\n").student == "han"
+
+
+def test_a_student_hands_in_few_files_at_once(services: Services) -> None:
+    with (
+        services.allowances.uploads_at_once.one_more("ros/li"),
+        services.allowances.uploads_at_once.one_more("ros/li"),
+    ):
+        assert refused(handed_in, services, LI, b"good\n") == "too_many_at_once"
+        assert handed_in(services, HAN, b"good\n").student == "han"
+    assert handed_in(services, LI, b"good\n").student == "li"
+
+
 @pytest.mark.parametrize("stranger", [HAN, ELSEWHERE])
 def test_whatever_reads_a_submission_refuses_strangers_as_if_there_were_none(
     services: Services, stranger: Caller

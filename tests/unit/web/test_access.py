@@ -6,12 +6,14 @@ import httpx
 import pytest
 from fastapi import Request, Response
 
+from grader.contracts.identity import Caller, Role
 from grader.contracts.rules import Rules
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from grader.web.entrance import own_address
 from grader.web.forms import COOKIE, set_private_cookie
 from tests.fakes import server
+from tests.fakes.places import all_taken
 from tests.unit.web.conftest import PAGE, Browser
 
 CLASS_PAGES = (
@@ -21,6 +23,7 @@ CLASS_PAGES = (
     "/class/service",
     "/class/compare",
 )
+LI = Caller(course="ros", person="li", role=Role.STUDENT)
 OWN_DATA = ("", "/state.json", "/trajectory.json", "/sketch.json", "/plot.png")
 
 
@@ -208,7 +211,23 @@ def test_a_members_pages_are_limited_as_their_requests_are(
     sent = browser.get("/assignments/square")
     assert sent.status_code == 200
     for _ in range(services.settings.requests_per_minute - 1):
-        services.request_limit.take("ros/li")
+        services.allowances.requests.take("ros/li")
     for answer in (browser.get("/assignments/square"), browser.hand_in("square", b"good")):
         assert (answer.status_code, "请求太频繁" in answer.text) == (429, True)
         assert int(answer.headers["Retry-After"]) >= 1
+
+
+def test_a_members_pages_are_made_one_after_the_other(
+    browser: Browser, services: Services, tokens: dict[str, str], put: Callable[..., str]
+) -> None:
+    own = put(student="li", course="ros")
+    browser.enter(token=tokens["li"])
+    costly, places = services.allowances.costly, services.allowances.requests_at_once
+    with all_taken(services.settings.costly_at_once, lambda: costly.one_more(LI, "")):
+        for path in (own, f"{own}/plot.png", f"{own}/sketch.json", f"{own}/trajectory.json"):
+            assert browser.get(path).status_code == 429, path
+        assert browser.get("/submissions").status_code == 200
+    with all_taken(services.settings.requests_at_once, lambda: places.one_more("ros/li")):
+        answer = browser.get("/submissions")
+        assert (answer.status_code, "同时发出的请求太多" in answer.text) == (429, True)
+    assert browser.get(own).status_code == 200
