@@ -10,13 +10,12 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
 from grader.catalog.cache import AssignmentCache, AssignmentMemory
+from grader.catalog.files import SPEC_NAME, content
 from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 
 if TYPE_CHECKING:  # imports pydantic and yaml, which a remembered assignment does without
     from grader.catalog.document import Document
-
-SPEC_NAME = "assignment.yaml"
 
 
 def default_root() -> Path:
@@ -161,13 +160,21 @@ class Catalog:
         remembered = None if self._cache is None else self._cache.find(path)
         if remembered is not None:
             return remembered
-        document = self._document(folder)
-        assignment = document.assignment()
-        if self._cache is not None:
-            self._cache.keep(path, document.text.encode(), assignment)
+        source = _content(path)
+        assignment = self._document(folder).assignment()
+        if self._cache is not None and source is not None and source == _content(path):
+            self._cache.keep(path, source, assignment)
         return assignment
 
     def _document(self, folder: Path) -> "Document":
         from grader.catalog.document import Document
 
         return Document.read(folder / SPEC_NAME)
+
+
+def _content(path: Path) -> bytes | None:
+    """Return what an assignment's files say, None if they cannot be read: whoever reads them next says why."""
+    try:
+        return content(path)
+    except OSError:
+        return None

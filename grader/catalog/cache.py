@@ -1,9 +1,9 @@
 """Validated assignments, kept on disk from one command to the next, and in the memory of a service.
 
 Validating a file needs pydantic and a YAML parser, and importing these takes longer than a whole grading. An entry
-on disk holds for exactly the bytes of the file and of the code that validated it, as a ``.pyc`` file does for its
-source: nothing ever has to be cleared. A damaged entry, or one that cannot be written, costs only the time that
-it would have saved.
+on disk holds for exactly the bytes of the assignment's files and of the code that validated them, as a ``.pyc``
+file does for its source: nothing ever has to be cleared. A damaged entry, or one that cannot be written, costs
+only the time that it would have saved.
 """
 
 import hashlib
@@ -15,11 +15,21 @@ from pathlib import Path
 from typing import Any, Final
 
 from grader import __version__, contracts
+from grader.catalog.files import content
 from grader.contracts.assignment import Assignment
 from grader.contracts.record import from_plain, to_plain
 
+_MODULES: Final = (
+    "schema.py",
+    "misfits.py",
+    "document.py",
+    "cache.py",
+    "files.py",
+    "interfaces.py",
+    "definitions.py",
+)
 _VALIDATORS: Final = (
-    *(Path(__file__).with_name(name) for name in ("schema.py", "misfits.py", "document.py", "cache.py")),
+    *(Path(__file__).with_name(name) for name in _MODULES),
     *(Path(contracts.__path__[0], name) for name in ("assignment.py", "text.py")),
 )
 
@@ -40,15 +50,15 @@ class AssignmentMemory:
         self._known: dict[Path, tuple[bytes, Assignment]] = {}
 
     def find(self, path: Path) -> Assignment | None:
-        """Return the assignment that was kept for `path`; None if there is none or the file has changed since."""
+        """Return the assignment that was kept for `path`; None if there is none or a file has changed since."""
         known = self._known.get(path)
         try:
-            return known[1] if known is not None and known[0] == path.read_bytes() else None
+            return known[1] if known is not None and known[0] == content(path) else None
         except OSError:
             return None
 
     def keep(self, path: Path, source: bytes, assignment: Assignment) -> None:
-        """Keep `assignment`, which is what validating `source`, the content of `path`, gave."""
+        """Keep `assignment`, which is what validating `source`, the content of the files at `path`, gave."""
         self._known[path] = source, assignment
 
 
@@ -59,7 +69,7 @@ class AssignmentCache:
         self._folder = folder
 
     def find(self, path: Path) -> Assignment | None:
-        """Return the assignment that was kept for `path`; None if there is none or the file has changed since."""
+        """Return the assignment that was kept for `path`; None if there is none or a file has changed since."""
         try:
             entry = json.loads(self._file(path).read_bytes())
             if entry["key"] != self._key(path):
@@ -69,7 +79,7 @@ class AssignmentCache:
             return None
 
     def keep(self, path: Path, source: bytes, assignment: Assignment) -> None:
-        """Keep `assignment`, which is what validating `source`, the content of `path`, gave."""
+        """Keep `assignment`, which is what validating `source`, the content of the files at `path`, gave."""
         file = self._file(path)
         draft = file.with_name(f"{file.name}.{os.getpid()}")  # renamed when whole: others may read meanwhile
         with suppress(OSError):
@@ -86,7 +96,7 @@ class AssignmentCache:
         return self._folder / f"{path.parent.name}-{place}.json"
 
     def _key(self, path: Path) -> str:
-        return self._digest(path, path.read_bytes())
+        return self._digest(path, content(path))
 
     def _digest(self, path: Path, source: bytes) -> str:
         digest = self._code.copy()

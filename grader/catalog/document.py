@@ -1,15 +1,23 @@
 """One ``assignment.yaml``: parsed safely, validated strictly, with errors that name line, field and fix."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import yaml
 from pydantic import ValidationError
 
-from grader.catalog.misfits import WrongKeyError, misfit, refusals, unparsable
+from grader.catalog.interfaces import read_interfaces, standard_types, types_of
+from grader.catalog.misfits import (
+    WrongKeyError,
+    misfit,
+    refusals,
+    unknown_field,
+    unknown_service,
+    unparsable,
+)
 from grader.catalog.schema import AssignmentModel
-from grader.contracts.assignment import Assignment, WrongAttempt
+from grader.contracts.assignment import Assignment, InterfaceDefinition, WrongAttempt
 from grader.contracts.text import Text, trouble
 
 _Loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # ten times faster where libyaml is there
@@ -89,12 +97,15 @@ class Document:
         return tuple(map(str, patterns)) if isinstance(patterns, list) else ()
 
     def assignment(self) -> Assignment:
-        """Return the validated assignment.
+        """Return the validated assignment, with the interfaces that it brings along.
 
         Raises:
             AssignmentError: naming file, line, field and fix of every problem.
         """
-        return self._validated().to_contract()
+        assignment = self._validated().to_contract()
+        interfaces = read_interfaces(self.path.parent)
+        self._check_calls(assignment, interfaces)
+        return replace(assignment, interfaces=interfaces)
 
     def wrong_attempts(self) -> tuple[WrongAttempt, ...]:
         """Return the validated expectations for the wrong scripts.
@@ -133,6 +144,20 @@ class Document:
             )
             raise refusals([(self.place("id"), told)])
         return model
+
+    def _check_calls(self, assignment: Assignment, interfaces: tuple[InterfaceDefinition, ...]) -> None:
+        """Refuse calls of services of an unknown type, and values for fields that their requests do not have."""
+        known = {**standard_types(), **types_of(interfaces)}
+        found = []
+        for i, call in enumerate(assignment.calls):
+            request = known.get(f"{call.type}_Request")
+            if request is None:
+                found.append((self.place(f"calls.{i}.type"), unknown_service(call.type)))
+            elif missing := sorted(call.values.keys() - request.keys()):
+                told = unknown_field(missing[0], request)
+                found.append((self.place(f"calls.{i}.values.{missing[0]}"), told))
+        if found:
+            raise refusals(found)
 
     def place(self, field: str) -> str:
         """Return where `field` (``items.2.measure``) stands: file, line and field."""

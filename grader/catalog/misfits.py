@@ -93,6 +93,23 @@ def no_other_measure(name: str) -> Text:
     )
 
 
+def unknown_service(name: str) -> Text:
+    """Say that there is no such type of service."""
+    package, _, short = name.split("/")
+    return Text(
+        zh=f"没有服务类型 {name!r}：检查拼写，或者补上 interfaces/{package}/srv/{short}.srv",
+        en=f"there is no service {name!r}; check its spelling or add interfaces/{package}/srv/{short}.srv",
+    )
+
+
+def unknown_field(name: str, known: Iterable[str]) -> Text:
+    """Say that a request has no such field."""
+    names = ", ".join(known) or "—"
+    return Text(
+        zh=f"请求没有字段 {name!r}；有：{names}", en=f"the request has no field {name!r}; it has: {names}"
+    )
+
+
 def wrong_ending(input_: str, endings: tuple[str, ...]) -> Text:
     """Say that an assignment with this input does not take such a file."""
     return Text(

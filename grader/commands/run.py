@@ -6,9 +6,11 @@ import re
 import sys
 from pathlib import Path
 
+from grader.catalog.files import interface_files
 from grader.commands.check import faults_explained, read_source
 from grader.commands.options import add_grading_options, add_language_option
-from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, World
+from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, InterfaceDefinition, World
+from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.notation import decimal
 from grader.contracts.outcome import Blame
@@ -42,6 +44,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-walls", action="store_true", help="an open world instead of turtlesim's window / 没有墙"
     )
+    parser.add_argument("--interfaces", type=Path, metavar="DIR",
+                        help="import the interfaces of this assignment's folder / 用这个作业的接口")  # fmt: skip
     add_language_option(parser)
     add_grading_options(parser)
 
@@ -69,8 +73,22 @@ def _sandpit(arguments: argparse.Namespace) -> Assignment:
         items=(),
         horizon_s=arguments.horizon_s,
         world=World(cmd_vel_topic=arguments.topic, walls=not arguments.no_walls),
+        interfaces=_interfaces(arguments.interfaces),
         cases=(Case(stdin=arguments.input.replace("\\n", "\n"), args=tuple(arguments.args)),),
     )
+
+
+def _interfaces(folder: Path | None) -> tuple[InterfaceDefinition, ...]:
+    if folder is None:
+        return ()
+    from grader.catalog.interfaces import read_interfaces
+
+    if not interface_files(folder):
+        raise AssignmentError(
+            f"{folder} brings no interfaces; name an assignment's folder, such as assignments/rosclaw",
+            f"{folder} 里没有 interfaces：指明一个作业文件夹，例如 assignments/rosclaw",
+        )
+    return read_interfaces(folder)
 
 
 def _show(arguments: argparse.Namespace, result: GradingResult) -> None:

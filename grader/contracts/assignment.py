@@ -93,6 +93,18 @@ class ServiceCall(Record):
     values: dict[str, Scalar] = field(default_factory=dict)
 
 
+class InterfaceDefinition(Record):
+    """A message, service or action that an assignment brings along.
+
+    Attributes:
+        name: e.g. ``rosclaw_msgs/srv/GetCapabilities``.
+        lines: what it consists of, in the form of an entry of `grader/shim/rosidl_data`.
+    """
+
+    name: str
+    lines: str
+
+
 class Case(Record):
     """One run of the script: what it is given. Most assignments have the single case ``default``.
 
@@ -163,6 +175,7 @@ class Assignment(Record):
         order: position on the checklist.
         calls: requests sent to the script's services in every run.
         answers: of a question whose answer is a number.
+        interfaces: which the script can import besides ROS's own.
     """
 
     id: str
@@ -181,6 +194,7 @@ class Assignment(Record):
     input: Input = "script"
     calls: tuple[ServiceCall, ...] = ()
     answers: tuple[Answer, ...] = ()
+    interfaces: tuple[InterfaceDefinition, ...] = ()
 
     @property
     def max_score(self) -> float:

@@ -126,6 +126,7 @@ def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
         args=case.args,
         stdin=case.stdin,
         calls=job.assignment.calls,
+        interfaces=job.assignment.interfaces,
         output_bytes=job.assignment.limits.output_bytes,
         steps=job.assignment.limits.steps,
     )

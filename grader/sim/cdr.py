@@ -1,4 +1,4 @@
-"""Strict reader and writer of CDR for the interfaces in `grader.sim.interfaces`.
+"""Strict reader and writer of CDR for the types of `grader.sim.interfaces`.
 
 The jailed process writes what is read here, so nothing is believed: every length is checked against the bytes
 that are left before anything is allocated, text is strict UTF-8 without NUL, a bool is 0 or 1, and a message
@@ -12,10 +12,10 @@ which pads nothing before the elements of an empty sequence). An empty structure
 import struct
 from collections.abc import Callable, Iterator, Mapping
 from functools import cache
-from typing import Any, Final, TypeAlias
+from typing import Any, Final, NamedTuple, TypeAlias
 
 from grader.contracts.errors import ProtocolError
-from grader.sim.interfaces import DEFAULTS, FIELDS
+from grader.sim.interfaces import FIELDS, WORLD, Types
 
 Values: TypeAlias = dict[str, Any]
 """A message as plain data: nested dicts, lists, str, int, float, bool; ``uint8`` sequences are bytes."""
@@ -28,6 +28,8 @@ _FORMATS: Final = {
     "bool": "B",
     "int8": "b",
     "uint8": "B",
+    "int16": "h",
+    "uint16": "H",
     "int32": "i",
     "uint32": "I",
     "int64": "q",
@@ -37,14 +39,16 @@ _FORMATS: Final = {
 }
 _SCALARS: Final = {name: struct.Struct("<" + code) for name, code in _FORMATS.items()}
 _LENGTH: Final = _SCALARS["uint32"]
+_TEXTS: Final = ("string", "wstring")
 
 
-def decode(type_name: str, data: bytes) -> Values:
+def decode(type_name: str, data: bytes, types: Types = WORLD) -> Values:
     """Read one message.
 
     Args:
-        type_name: key of `grader.sim.interfaces.FIELDS`, e.g. ``geometry_msgs/msg/Twist``.
+        type_name: e.g. ``geometry_msgs/msg/Twist``.
         data: CDR with its encapsulation header.
+        types: where `type_name` is looked up.
 
     Raises:
         ProtocolError: the bytes are not exactly one message of that type.
@@ -54,11 +58,11 @@ def decode(type_name: str, data: bytes) -> Values:
     if data[:4] != HEADER:
         raise ProtocolError(f"{type_name}: not little-endian CDR")
     body = memoryview(data)[4:]
-    flat = _flat_layout(type_name)
+    flat = _flat_layout(type_name) if types is WORLD else None
     try:
         if flat is not None:
             return _nest(type_name, iter(flat.unpack(body)))
-        reader = _Reader(body)
+        reader = _Reader(body, types)
         values = reader.structure(type_name)
     except (struct.error, UnicodeDecodeError) as error:
         raise ProtocolError(f"{type_name}: malformed CDR: {error}") from None
@@ -67,13 +71,13 @@ def decode(type_name: str, data: bytes) -> Values:
     return values
 
 
-def encode(type_name: str, values: Mapping[str, Any] | None = None) -> bytes:
+def encode(type_name: str, values: Mapping[str, Any] | None = None, types: Types = WORLD) -> bytes:
     """Write one message; fields left out have their ROS default.
 
     Raises:
         ProtocolError: an unknown field, or a value that its field cannot hold.
     """
-    writer = _Writer()
+    writer = _Writer(types)
     try:
         writer.structure(type_name, values or {})
     except (struct.error, UnicodeEncodeError, TypeError, OverflowError, AttributeError) as error:
@@ -81,36 +85,74 @@ def encode(type_name: str, values: Mapping[str, Any] | None = None) -> bytes:
     return HEADER + bytes(writer.data)
 
 
+class _FieldType(NamedTuple):
+    """What a field's type says.
+
+    Attributes:
+        bound: most characters of a text.
+        size: elements of an array, or the most of a sequence; None: it is a single value.
+    """
+
+    base: str
+    bound: int
+    size: int | None
+    is_sequence: bool
+
+
+@cache
+def _parse(text: str) -> _FieldType:
+    """Take a type apart, e.g. ``float64[36]`` or ``string<10>[<=3]``."""
+    base, bracket, number = text.partition("[")
+    base, _, bound = base.partition("<")
+    count = number.strip("<=]")
+    is_sequence = bracket != "" and (not count or number[0] == "<")
+    most = min(int(count or MAX_SEQUENCE_LENGTH), MAX_SEQUENCE_LENGTH) if is_sequence else int(count or 0)
+    return _FieldType(base, int(bound[:-1] or MAX_MESSAGE_BYTES), most if bracket else None, is_sequence)
+
+
 class _Reader:
     """A position in the body of a message."""
 
-    def __init__(self, body: memoryview) -> None:
+    def __init__(self, body: memoryview, types: Types) -> None:
         self._body = body
+        self._types = types
         self.position = 0
 
     def structure(self, type_name: str) -> Values:
-        fields = _fields(type_name)
+        fields = _fields(type_name, self._types)
         if not fields:
             self._take(1)
-        return {name: self._field(*_parse(text)) for name, text in fields}
+        return {name: self._field(_parse(text)) for name, text in fields}
 
-    def _field(self, base: str, count: int | None) -> Any:
+    def _field(self, kind: _FieldType) -> Any:
+        count = kind.size
         if count is None:
-            return self._value(base)
-        if count < 0:
-            count = self._scalar(_LENGTH)
-            if count > MAX_SEQUENCE_LENGTH:
-                raise ProtocolError(f"sequence of {count} elements")
-        if base == "uint8":
+            return self._value(kind)
+        if kind.is_sequence:
+            most, count = count, self._scalar(_LENGTH)
+            if count > most:
+                raise ProtocolError(f"sequence of {count} elements, {most} allowed")
+        if kind.base == "uint8":
             return bytes(self._take(count))
-        return [self._value(base) for _ in range(count)]
+        return [self._value(kind) for _ in range(count)]
 
-    def _value(self, base: str) -> Any:
-        scalar = _SCALARS.get(base)
-        if scalar is None:
-            return self._text() if base == "string" else self.structure(base)
-        value = self._scalar(scalar)
-        return _to_bool(value) if base == "bool" else value
+    def _value(self, kind: _FieldType) -> Any:
+        scalar = _SCALARS.get(kind.base)
+        if scalar is not None:
+            value = self._scalar(scalar)
+            return _to_bool(value) if kind.base == "bool" else value
+        if kind.base not in _TEXTS:
+            return self.structure(kind.base)
+        text = self._text() if kind.base == "string" else self._wide_text()
+        if len(text) > kind.bound:
+            raise ProtocolError(f"text of {len(text)} characters, {kind.bound} allowed")
+        return text
+
+    def _wide_text(self) -> str:
+        """Read a wide string as Fast CDR writes it: four bytes for each UTF-16 unit, no terminator."""
+        count = self._scalar(_LENGTH)
+        units = struct.unpack(f"<{count}I", self._take(4 * count))
+        return struct.pack(f"<{count}H", *units).decode("utf-16-le")
 
     def _text(self) -> str:
         length = self._scalar(_LENGTH)
@@ -140,40 +182,52 @@ class _Reader:
 class _Writer:
     """The growing body of a message."""
 
-    def __init__(self) -> None:
+    def __init__(self, types: Types) -> None:
         self.data = bytearray()
+        self._types = types
 
     def structure(self, type_name: str, values: Mapping[str, Any]) -> None:
-        fields = _fields(type_name)
+        fields = _fields(type_name, self._types)
         unknown = values.keys() - {name for name, _ in fields}
         if unknown:
             raise ProtocolError(f"{type_name} has no field {min(unknown)!r}")
         if not fields:
             self.data.append(0)
         for name, text in fields:
-            base, count = _parse(text)
-            value = values[name] if name in values else _default(type_name, name, base, count)
-            self._field(base, count, value)
+            kind = _parse(text)
+            if name in values:
+                value = values[name]
+            else:
+                value = self._types.defaults.get(type_name, {}).get(name, _default(kind))
+            self._field(kind, value)
 
-    def _field(self, base: str, count: int | None, value: Any) -> None:
-        if count is None:
-            self._value(base, value)
+    def _field(self, kind: _FieldType, value: Any) -> None:
+        if kind.size is None:
+            self._value(kind, value)
             return
-        if count < 0:
+        if kind.is_sequence:
+            if len(value) > kind.size:
+                raise ProtocolError(f"{len(value)} elements, {kind.size} allowed")
             self._scalar(_LENGTH, len(value))
-        elif len(value) != count:
-            raise ProtocolError(f"{len(value)} elements instead of {count}")
+        elif len(value) != kind.size:
+            raise ProtocolError(f"{len(value)} elements instead of {kind.size}")
         for element in value:
-            self._value(base, element)
+            self._value(kind, element)
 
-    def _value(self, base: str, value: Any) -> None:
-        scalar = _SCALARS.get(base)
+    def _value(self, kind: _FieldType, value: Any) -> None:
+        scalar = _SCALARS.get(kind.base)
         if scalar is not None:
             self._scalar(scalar, value)
-        elif base == "string":
+        elif kind.base not in _TEXTS:
+            self.structure(kind.base, value)
+        elif len(value) > kind.bound:
+            raise ProtocolError(f"text of {len(value)} characters, {kind.bound} allowed")
+        elif kind.base == "string":
             self._text(value)
         else:
-            self.structure(base, value)
+            units = memoryview(value.encode("utf-16-le")).cast("H")
+            self._scalar(_LENGTH, len(units))
+            self.data += struct.pack(f"<{len(units)}I", *units)
 
     def _text(self, value: str) -> None:
         raw = value.encode("utf-8")
@@ -188,20 +242,11 @@ class _Writer:
         self.data += scalar.pack(value)
 
 
-def _fields(type_name: str) -> tuple[tuple[str, str], ...]:
+def _fields(type_name: str, types: Types = WORLD) -> tuple[tuple[str, str], ...]:
     try:
-        return FIELDS[type_name]
+        return types.fields[type_name]
     except KeyError:
         raise ProtocolError(f"unknown type {type_name!r}") from None
-
-
-@cache
-def _parse(text: str) -> tuple[str, int | None]:
-    """Split ``float64[36]`` into base and count: None for a single value, -1 for any number."""
-    if not text.endswith("]"):
-        return text, None
-    base, _, count = text[:-1].rpartition("[")
-    return base, int(count) if count else -1
 
 
 def _to_bool(value: int) -> bool:
@@ -215,15 +260,16 @@ _ZEROS: Final[dict[str, Callable[[], Any]]] = {
     "float32": float,
     "float64": float,
     "string": str,
+    "wstring": str,
 }
 
 
-def _default(type_name: str, name: str, base: str, count: int | None) -> Any:
-    if base in _SCALARS or base == "string":
-        value = DEFAULTS.get(type_name, {}).get(name, _ZEROS.get(base, int)())
-    else:
-        value = {}
-    return value if count is None else [value] * max(count, 0)
+def _default(kind: _FieldType) -> Any:
+    is_structure = kind.base not in _SCALARS and kind.base not in _TEXTS
+    value = {} if is_structure else _ZEROS.get(kind.base, int)()
+    if kind.size is None:
+        return value
+    return [] if kind.is_sequence else [value] * kind.size
 
 
 @cache

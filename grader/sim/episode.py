@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
 
-from grader.contracts.assignment import ServiceCall, World
+from grader.contracts.assignment import InterfaceDefinition, ServiceCall, World
 from grader.contracts.errors import ProtocolError
 from grader.contracts.outcome import Endpoint, LogRecord, Note, ServiceResult
 from grader.contracts.record import Record
@@ -60,6 +60,7 @@ class EpisodeSpec(Record):
         args: of the command line, without the file. stdin: text for `input()`.
         epoch_ns: wall clock the script reads at virtual time 0.
         calls: requests the assignment sends to the script's services.
+        interfaces: what the script can import besides ROS's own.
         output_bytes: what the script may print before the shim ends it; None: no bound.
         steps: what it may do before the shim ends it (`Limits.steps`); None: no bound.
     """
@@ -72,6 +73,7 @@ class EpisodeSpec(Record):
     stdin: str = ""
     epoch_ns: int = DEFAULT_EPOCH_NS
     calls: tuple[ServiceCall, ...] = ()
+    interfaces: tuple[InterfaceDefinition, ...] = ()
     output_bytes: int | None = None
     steps: int | None = None
 
@@ -116,7 +118,7 @@ class Episode:
         self._world.on_change = self._reconnect
         self._graph = ScriptGraph()
         self._journal = Journal()
-        self._calls = ServiceCalls(spec.calls, self._graph)
+        self._calls = ServiceCalls(spec.calls, self._graph, spec.interfaces)
         self._sinks: dict[int, Callable[[int, bytes], None]] = {}
         self._now_ns = 0
         self._asked_ns: int | None = None  # the last time, while script and world take turns
@@ -164,6 +166,7 @@ class Episode:
             "seed": self._script_seed(),
             "output_bytes": spec.output_bytes,
             "steps": spec.steps,
+            "interfaces": [each.lines for each in spec.interfaces],
             "world": {**self._world.graph(), "calls": [[call.service, call.type] for call in spec.calls]},
         }
 

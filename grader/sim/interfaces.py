@@ -2,12 +2,22 @@
 
 These descriptions are the trusted side's own copy (ROS 2 Humble definitions; services and actions expanded
 as rosidl does it). The student's side is generated from `interfaces/`; a test holds the two together.
-A field is ``(name, type)``; a type is a primitive, a key of this table, or either with ``[]`` or ``[n]``.
+A field is ``(name, type)``; a type is a primitive, a key of this table, or either with ``[]``, ``[n]`` or
+``[<=n]``; ``string<n>`` has at most n characters. Only calls of a script's services may have other types than
+these: those of its assignment's own interfaces, and of all that ROS has (`with_interfaces`).
 """
 
-from typing import Final, TypeAlias
+import ast
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Final, TypeAlias
+
+from grader.contracts.assignment import InterfaceDefinition
 
 Fields: TypeAlias = tuple[tuple[str, str], ...]
+
+_STANDARD: Final = Path(__file__).resolve().parents[1] / "shim" / "rosidl_data" / "humble.txt"
+_NAMES: Final = {"boolean": "bool", "octet": "uint8", "float": "float32", "double": "float64"}
 
 _TIME = "builtin_interfaces/msg/Time"
 _HEADER = "std_msgs/msg/Header"
@@ -162,27 +172,55 @@ FIELDS: Final[dict[str, Fields]] = {
     f"{_ROTATE}_GetResult_Request": (("goal_id", _UUID),),
     f"{_ROTATE}_GetResult_Response": (("status", "int8"), ("result", f"{_ROTATE}_Result")),
     f"{_ROTATE}_FeedbackMessage": (("goal_id", _UUID), ("feedback", f"{_ROTATE}_Feedback")),
-    # rosclaw_msgs (the course's own service)
-    "rosclaw_msgs/msg/CapabilityManifest": (
-        ("robot_name", "string"),
-        ("robot_namespace", "string"),
-        ("topic_names", "string[]"),
-        ("topic_types", "string[]"),
-        ("service_names", "string[]"),
-        ("service_types", "string[]"),
-        ("action_names", "string[]"),
-        ("action_types", "string[]"),
-        ("stamp", _TIME),
-    ),
-    "rosclaw_msgs/srv/GetCapabilities_Request": (("robot_namespace", "string"),),
-    "rosclaw_msgs/srv/GetCapabilities_Response": (
-        ("capabilities", "string[]"),
-        ("manifest", "rosclaw_msgs/msg/CapabilityManifest"),
-        ("success", "bool"),
-        ("error_message", "string"),
-    ),
 }
 """Every type the world can read or write. An empty tuple is an empty structure (one byte on the wire)."""
 
-DEFAULTS: Final[dict[str, dict[str, float]]] = {_QUATERNION: {"w": 1.0}}
+DEFAULTS: Final[dict[str, dict[str, Any]]] = {_QUATERNION: {"w": 1.0}}
 """Field defaults other than zero, empty and False."""
+
+
+class Types:
+    """The types that the trusted side reads and writes: by the full name, fields and defaults."""
+
+    def __init__(self, fields: Mapping[str, Fields], defaults: Mapping[str, Mapping[str, Any]]) -> None:
+        self.fields = fields
+        self.defaults = defaults
+
+
+WORLD: Final = Types(FIELDS, DEFAULTS)
+"""What the world itself speaks."""
+
+
+def with_interfaces(own: Iterable[InterfaceDefinition]) -> Types:
+    """Return the types that an assignment's calls may have: its own interfaces, and all of ROS's."""
+    fields, defaults = dict(FIELDS), dict(DEFAULTS)
+    entries = _STANDARD.read_text("utf-8").split("\n@")[1:]
+    for entry in (*entries, *(each.lines for each in own)):
+        for name, members in _structures(entry):
+            fields[name] = tuple((field[0], _trusted(field[1])) for field in members)
+            literals = {field[0]: ast.literal_eval(field[2]) for field in members if len(field) > 2}
+            if literals:
+                defaults[name] = {field: _plain(value) for field, value in literals.items()}
+    return Types({**fields, **FIELDS}, {**defaults, **DEFAULTS})
+
+
+def _structures(entry: str) -> Iterator[tuple[str, list[list[str]]]]:
+    """Yield the structures of an entry of the data file: full name, and name, type and default of each field."""
+    head, *parts = entry.split("\n=")
+    namespace = head.partition(" ")[0].rpartition("/")[0]
+    for part in parts:
+        name, *members = part.rstrip("\n").split("\n")
+        yield f"{namespace}/{name}", [each.split(" ", 2) for each in members if each[0] != "!"]
+
+
+def _trusted(idl: str) -> str:
+    """Return the name that this table has for a type of the data file: ``double[3]`` -> ``float64[3]``."""
+    base, bracket, count = idl.partition("[")
+    return _NAMES.get(base, base) + bracket + count
+
+
+def _plain(value: Any) -> Any:
+    """Return a default as plain data; an octet is a number."""
+    if isinstance(value, list):
+        return [_plain(each) for each in value]
+    return value[0] if isinstance(value, bytes) else value

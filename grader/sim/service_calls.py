@@ -1,10 +1,11 @@
 """Requests that an assignment sends to the script's own services, as `ros2 service call` would."""
 
-from grader.contracts.assignment import ServiceCall
+from grader.contracts.assignment import InterfaceDefinition, ServiceCall
 from grader.contracts.errors import AssignmentError, ProtocolError
 from grader.contracts.outcome import ServiceResult
 from grader.sim.cdr import decode, encode
 from grader.sim.frames import REQUEST_EVENT, Event, Response
+from grader.sim.interfaces import WORLD, Types, with_interfaces
 from grader.sim.script_graph import ScriptGraph
 
 
@@ -15,9 +16,15 @@ class ServiceCalls:
         AssignmentError: a call has an unknown type or values that do not fit it.
     """
 
-    def __init__(self, calls: tuple[ServiceCall, ...], graph: ScriptGraph) -> None:
+    def __init__(
+        self,
+        calls: tuple[ServiceCall, ...],
+        graph: ScriptGraph,
+        interfaces: tuple[InterfaceDefinition, ...] = (),
+    ) -> None:
+        self._types = with_interfaces(interfaces) if calls else WORLD
         self._results = [ServiceResult(call=call) for call in calls]
-        self._requests = [_request(call) for call in calls]
+        self._requests = [_request(call, self._types) for call in calls]
         self._graph = graph
 
     @property
@@ -55,7 +62,7 @@ class ServiceCalls:
             call=result.call,
             sent_ns=result.sent_ns,
             answered_ns=response.t_ns,
-            values=decode(f"{result.call.type}_Response", response.payload),
+            values=decode(f"{result.call.type}_Response", response.payload, self._types),
         )
 
     def _ready(self) -> list[tuple[ServiceResult, int]]:
@@ -69,8 +76,8 @@ class ServiceCalls:
         return ready
 
 
-def _request(call: ServiceCall) -> bytes:
+def _request(call: ServiceCall, types: Types) -> bytes:
     try:
-        return encode(f"{call.type}_Request", call.values)
+        return encode(f"{call.type}_Request", call.values, types)
     except ProtocolError as error:
         raise AssignmentError(f"call of {call.service}: {error}") from None

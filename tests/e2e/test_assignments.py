@@ -9,7 +9,7 @@ from grader.catalog import Catalog
 from grader.catalog.authoring import create
 from grader.commands import sensitivity
 from grader.commands.validation import examine
-from grader.contracts.grading import Grader
+from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.text import EMPTY
 from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
@@ -205,3 +205,58 @@ def test_a_new_assignment_validates_and_mistakes_in_it_are_found(
     spec.write_text(text.replace("low: 87\n    high: 93", "low: 117\n    high: 123"), encoding="utf-8")
     problems = {found.script: found.problem.en for found in examine(authored, "heptagon", grader).findings}
     assert "false fail" in problems["solution.py"]
+
+
+ADDER = """
+import rclpy
+from course_msgs.msg import Mark, Path
+from course_msgs.srv import Add
+from course_msgs.action import Go
+
+def answer(request, response):
+    response.path.marks = [Mark(name="one"), Mark(name="two")]
+    response.sum = request.a + request.b
+    response.names = [mark.name for mark in response.path.marks] * (request.a + Path.OPEN)
+    return response
+
+rclpy.init()
+node = rclpy.create_node("adder")
+node.create_service(Add, "/add", answer)
+node.create_publisher(Path, "/path", 1).publish(Path(marks=[Mark(name="far", at=Go.Goal().to.at)]))
+rclpy.spin(node)
+"""
+FILES = {
+    "assignment.yaml": """\
+id: adder
+version: 1
+order: 1
+title: {zh: 加法, en: Adder}
+brief: {zh: 做, en: Do}
+check: service
+options: {list_field: names}
+horizon_s: 5.0
+calls:
+  - {service: /add, type: course_msgs/srv/Add, values: {a: 1}}
+items:
+  - {id: names, title: {zh: 名字, en: Names}, points: 100, measure: entries, low: 2}
+""",
+    "interfaces/course_msgs/msg/Mark.msg": "string<=8 name\ngeometry_msgs/Point at\n",
+    "interfaces/course_msgs/msg/Path.msg": "Mark[<=4] marks\nuint8 OPEN=1\n",
+    "interfaces/course_msgs/srv/Add.srv": "int16 a\nint16 b 2\n---\nint64 sum\nPath path\nstring[] names\n",
+    "interfaces/course_msgs/action/Go.action": "Mark to\n---\n---\nfloat64 left_m\n",
+}
+
+
+def test_a_courses_own_interfaces_are_imported_and_spoken(grader: Grader, tmp_path: Path) -> None:
+    for name, text in FILES.items():
+        path = tmp_path / "adder" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, "utf-8")
+    assignment = Catalog(tmp_path).get("adder")
+    right = grader.grade(GradingJob(file_name="a.py", source=ADDER.encode(), assignment=assignment)).report
+    assert right.score == 100, right.runs[0].outcome.stderr.text
+    wrong = ADDER.replace("mark.name for", "1 for").encode()
+    report = grader.grade(GradingJob(file_name="a.py", source=wrong, assignment=assignment)).report
+    assert "The 'names' field must be a set or sequence" in report.runs[0].outcome.stderr.text
+    report = grade(grader, "hello", ADDER.encode())
+    assert "No module named 'course_msgs'" in report.runs[0].outcome.stderr.text

@@ -16,10 +16,11 @@ from test_msgs.msg import Arrays, BoundedSequences, MultiNested, Strings, WStrin
 
 from grader.contracts.errors import ProtocolError
 from grader.sim import cdr as trusted
-from grader.sim.interfaces import DEFAULTS, FIELDS
+from grader.sim.interfaces import DEFAULTS, FIELDS, with_interfaces
 from tests.shim.interfaces import messages as random_messages
 
 ORACLE = get_typestore(Stores.ROS2_HUMBLE)
+ALL = with_interfaces(())
 SPOKEN_BY_BOTH = sorted(FIELDS)
 HEADER = b"\x00\x01\x00\x00"
 
@@ -55,6 +56,18 @@ def test_trusted_side_reads_what_the_student_side_writes(message: Any) -> None:
     name = STRUCTURES[type(message)].full_name
     data = serialize(message)
     assert trusted.encode(name, trusted.decode(name, data)) == data
+
+
+@given(random_messages.messages())
+def test_trusted_side_reads_what_any_service_answers(message: Any) -> None:
+    name = STRUCTURES[type(message)].full_name
+    data = serialize(message)
+    assert trusted.encode(name, trusted.decode(name, data, ALL), ALL) == data
+
+
+def test_defaults_of_both_sides_agree_for_all_of_ros() -> None:
+    for name in random_messages.NAMES:
+        assert trusted.encode(name, types=ALL) == serialize(CLASSES[name]()), name
 
 
 @pytest.mark.parametrize("name", SPOKEN_BY_BOTH)

@@ -122,7 +122,11 @@ class Interface:
 
 def _load() -> dict[str, Interface]:
     with open(_DATA_FILE, encoding="utf-8") as file:
-        entries = file.read().split("\n@")[1:]
+        return parsed(file.read().split("\n@")[1:])
+
+
+def parsed(entries: list[str]) -> dict[str, Interface]:
+    """Return the interfaces of the data file's entries by their full names."""
     interfaces = {}
     for entry in entries:
         full_name = entry[: entry.index(" ")]

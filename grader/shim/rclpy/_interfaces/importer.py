@@ -11,7 +11,7 @@ from __future__ import annotations
 import sys
 from _frozen_importlib import ModuleSpec  # importlib.machinery has it from here
 
-from rclpy._interfaces.definitions import INTERFACES, SITE_PACKAGES, Interface
+from rclpy._interfaces.definitions import INTERFACES, SITE_PACKAGES, Interface, parsed
 from rclpy._interfaces.messages import define, interface_class
 
 TYPE_CHECKING = False
@@ -41,6 +41,14 @@ def _interface(module: str) -> Interface | None:
     """Return the interface whose module has this name."""
     namespace = module.rpartition(".")[0]
     return _interfaces_of(namespace).get(module) if namespace in _NAMESPACES else None
+
+
+def add(entries: list[str]) -> None:
+    """Make the interfaces that an assignment brings along importable like ROS's own."""
+    found = parsed(entries)
+    INTERFACES.update(found)
+    PACKAGES.update(name.partition("/")[0] for name in found)
+    _NAMESPACES.update(name.rpartition("/")[0].replace("/", ".") for name in found)
 
 
 class InterfaceFinder:

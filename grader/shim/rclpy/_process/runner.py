@@ -12,8 +12,8 @@ import os
 import sys
 from types import CodeType, ModuleType
 
-import rclpy._interfaces.importer  # noqa: F401 - the interface packages can be imported from now on
 from rclpy import _wire
+from rclpy._interfaces import importer  # the interface packages can be imported from now on
 from rclpy._kernel import kernel
 from rclpy._link import Descriptor, link
 from rclpy._patches import install, output, tracebacks
@@ -84,6 +84,7 @@ def run(channel: int = 3) -> NoReturn:
     tracebacks.script.source = source
     kernel.start_episode(start["horizon_ns"], start["epoch_ns"], start.get("steps"))
     link.connect_world(start["world"])
+    importer.add(start.get("interfaces", []))
     module = _prepare(start, source)
     kernel.at_horizon = _tell_interrupt
     code = _compile(source)

@@ -1,0 +1,199 @@
+"""The interfaces that an assignment brings along: ``interfaces/<package>/{msg,srv,action}/Name.*`` in its folder.
+
+They are read when the assignment is, so that a script can import them and the world can speak them. What would not
+build at home is refused here, with file, line and fix; so is what is too large to be a message.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
+from pathlib import Path
+from typing import Final
+
+from grader.catalog.definitions import INTERFACE, PACKAGE, PARTS, DefinitionError, meant_type, translated
+from grader.catalog.files import INTERFACES, interface_files
+from grader.catalog.misfits import refusals
+from grader.contracts.assignment import InterfaceDefinition
+from grader.contracts.text import Text, trouble
+
+STANDARD: Final = Path(__file__).resolve().parents[1] / "shim" / "rosidl_data" / "humble.txt"
+MAX_FILES: Final = 64
+MAX_FILE_BYTES: Final = 16_384
+MAX_MESSAGE_BYTES: Final = 60_000
+"""What a message may take at least, its texts and sequences empty; larger ones fit in no frame."""
+
+_WIDTHS: Final = {"boolean": 1, "octet": 1, "float": 4, "double": 8, "string": 4, "wstring": 4}
+_FORM: Final = Text(
+    zh="只放 <包>/msg/Name.msg、<包>/srv/Name.srv、<包>/action/Name.action：改名或移走",
+    en="only <package>/msg/Name.msg, <package>/srv/Name.srv and <package>/action/Name.action belong here; "
+    "rename or move it",
+)
+_TOO_MANY: Final = Text(
+    zh=f"接口文件超过 {MAX_FILES} 个：删掉不用的", en=f"more than {MAX_FILES} interfaces; remove unused ones"
+)
+_TOO_LARGE: Final = Text(
+    zh=f"文件超过 {MAX_FILE_BYTES} 字节：缩短",
+    en=f"the file has more than {MAX_FILE_BYTES} bytes; shorten it",
+)
+_NOT_UTF8: Final = Text(zh="不是 UTF-8 编码：请另存为 UTF-8", en="this is not UTF-8; save it as UTF-8")
+_OF_ROS: Final = Text(
+    zh="这个包是 ROS 自带的，不能改：换一个包名",
+    en="this package is one of ROS's own and stays as it is; choose another name",
+)
+
+
+def read_interfaces(folder: Path) -> tuple[InterfaceDefinition, ...]:
+    """Return the interfaces that the assignment in `folder` brings along.
+
+    Raises:
+        AssignmentError: naming file, line and fix of the first problem of each file.
+    """
+    files = interface_files(folder)
+    if not files:
+        return ()
+    if len(files) > MAX_FILES:
+        raise refusals([(str(folder / INTERFACES), _TOO_MANY)])
+    found, problems = {}, []
+    for path in files:
+        try:
+            definition = _definition(path, folder / INTERFACES)
+            found[definition.name] = path, definition
+        except DefinitionError as error:
+            problems.append((f"{path}:{error.line}", error.told))
+    if not problems:
+        problems = list(_misfits(found))
+    if problems:
+        raise refusals(problems)
+    return tuple(definition for _, definition in found.values())
+
+
+def _definition(path: Path, root: Path) -> InterfaceDefinition:
+    try:
+        package, kind, _ = path.relative_to(root).parts
+    except ValueError:
+        raise DefinitionError(1, _FORM) from None
+    fits = PACKAGE.fullmatch(package) and INTERFACE.fullmatch(path.stem)
+    if not fits or kind not in PARTS or path.suffix != f".{kind}":
+        raise DefinitionError(1, _FORM)
+    if any(name.startswith(f"{package}/") for name in standard_types()):
+        raise DefinitionError(1, _OF_ROS)
+    try:
+        if path.stat().st_size > MAX_FILE_BYTES:
+            raise DefinitionError(1, _TOO_LARGE)
+        text = path.read_text("utf-8")
+    except OSError as error:
+        raise DefinitionError(1, trouble(error)) from None
+    except UnicodeDecodeError:
+        raise DefinitionError(1, _NOT_UTF8) from None
+    lines = translated(package, kind, path.stem, text)
+    return InterfaceDefinition(name=f"{package}/{kind}/{path.stem}", lines=lines)
+
+
+Fields = Mapping[str, str]
+"""The fields of a structure: name -> type."""
+
+
+@cache
+def standard_types() -> Mapping[str, Fields]:
+    """Return the structures of ROS's own interfaces by their full names."""
+    entries = STANDARD.read_text("utf-8").split("\n@")[1:]
+    return {name: fields for entry in entries for name, fields in _structures(entry)}
+
+
+def types_of(interfaces: Iterable[InterfaceDefinition]) -> Mapping[str, Fields]:
+    """Return the structures of `interfaces` by their full names."""
+    return {name: fields for each in interfaces for name, fields in _structures(each.lines)}
+
+
+def _structures(entry: str) -> Iterator[tuple[str, Fields]]:
+    """Yield the structures of one interface: full name, fields."""
+    head, *parts = re.split(r"\n=", entry)
+    namespace = head.partition(" ")[0].rpartition("/")[0]
+    for part in parts:
+        name, *members = part.rstrip().split("\n")
+        fields = (each.split(" ") for each in members if not each.startswith("!"))
+        yield f"{namespace}/{name}", {field[0]: field[1] for field in fields}
+
+
+_Found = Mapping[str, tuple[Path, InterfaceDefinition]]
+
+
+def _misfits(found: _Found) -> Iterator[tuple[str, Text]]:
+    """Yield what is wrong with the interfaces as a whole: unknown types, recursion, size."""
+    known = {**standard_types(), **types_of(definition for _, definition in found.values())}
+    sizes: dict[str, int] = {}
+    for path, definition in found.values():
+        for name, fields in _structures(definition.lines):
+            told = _unknown(fields, known) or _recursion(name, known) or _size(name, known, sizes)
+            if told is not None:
+                yield f"{path}:{_line(path, told[0])}", told[1]
+
+
+def _line(path: Path, field: str) -> int:
+    """Return the line of a definition on which a field of that name stands first."""
+    wanted = re.compile(rf"\s*\S+\s+{field}\b")
+    lines = path.read_text("utf-8").splitlines()
+    return next((number for number, line in enumerate(lines, 1) if wanted.match(line)), 1)
+
+
+_Misfit = tuple[str, Text]  # the field it is about, and what is wrong
+
+
+def _unknown(fields: Fields, known: Mapping[str, object]) -> _Misfit | None:
+    for name, base in ((name, each.partition("[")[0]) for name, each in fields.items()):
+        if "/" in base and base not in known:
+            shown = base.replace("/msg/", "/")
+            meant = meant_type(base)
+            return name, Text(
+                zh=f"没有消息 {shown}：" + (f"写成 {meant}" if meant else "检查拼写，或者补上它的 .msg 文件"),
+                en=f"there is no message {shown}; "
+                + (f"write {meant}" if meant else "check its spelling or add its .msg file"),
+            )
+    return None
+
+
+def _recursion(name: str, known: Mapping[str, Fields]) -> _Misfit | None:
+    """Return the field by which a structure comes to hold itself."""
+    for field, first in known[name].items():
+        seen, waiting = set(), [first.partition("[")[0]]
+        while waiting:
+            base = waiting.pop()
+            if base == name:
+                shown = name.replace("/msg/", "/")
+                return field, Text(
+                    zh=f"{shown} 通过这个字段包含它自己：删掉这个字段",
+                    en=f"by this field {shown} contains itself; remove the field",
+                )
+            if base not in seen:
+                seen.add(base)
+                waiting += [each.partition("[")[0] for each in known.get(base, {}).values()]
+    return None
+
+
+def _size(name: str, known: Mapping[str, Fields], sizes: dict[str, int]) -> _Misfit | None:
+    """Return the largest field of a structure that is too large, unless a field's own type is that already."""
+    fields = known[name]
+    below = (_least_bytes(each.partition("[")[0], known, sizes) for each in fields.values() if "/" in each)
+    if _least_bytes(name, known, sizes) <= MAX_MESSAGE_BYTES or max(below, default=0) > MAX_MESSAGE_BYTES:
+        return None
+    return max(fields, key=lambda field: _field_bytes(fields[field], known, sizes)), Text(
+        zh=f"一条消息至少要 {MAX_MESSAGE_BYTES} 字节以上：把定长数组改短，或改成变长数组 []",
+        en=f"a message takes more than {MAX_MESSAGE_BYTES} bytes at least; shorten its arrays or write []",
+    )
+
+
+def _least_bytes(name: str, known: Mapping[str, Fields], sizes: dict[str, int]) -> int:
+    """Return about how many bytes a message without recursion takes at least, padding left out."""
+    if name not in sizes:
+        sizes[name] = 1  # for what contains itself, which is told on its own
+        sizes[name] = sum(_field_bytes(each, known, sizes) for each in known.get(name, {}).values()) or 1
+    return sizes[name]
+
+
+def _field_bytes(field: str, known: Mapping[str, Fields], sizes: dict[str, int]) -> int:
+    base, bracket, count = field.partition("[")
+    if bracket and not count[:-1].isdigit():
+        return _WIDTHS["string"]  # its length
+    base = base.partition("<")[0]
+    width = _WIDTHS.get(base) or (1 if "/" in base else int(base.strip("uint")) // 8)
+    return (_least_bytes(base, known, sizes) if "/" in base else width) * int(count[:-1] or 1)
