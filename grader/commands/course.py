@@ -17,7 +17,9 @@ from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
 from grader.contracts.text import trouble
-from grader.store.roster import MAX_ROSTER_BYTES, is_utf8, read_roster
+from grader.sheets.reading import MAX_FILE_BYTES
+from grader.sheets.roster import read_roster
+from grader.store.courses import RosterChange
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -35,15 +37,21 @@ def configure(parser: argparse.ArgumentParser) -> None:
     create.add_argument(
         "--roster",
         type=Path,
-        metavar="FILE.csv",
+        metavar="FILE",
         help="its people, each of whom gets a token / 名单，每人得到一个令牌",
     )
     add_days_option(create)
     roster = actions.add_parser(
-        "roster", help="import people from CSV: id,name,role / 导入名单：学号,姓名,角色"
+        "roster", help="import people from a spreadsheet or CSV: id,name,... / 导入名单：学号,姓名,……"
     )
     roster.add_argument("verb", choices=("import",))
-    roster.add_argument("file", type=Path, metavar="FILE.csv")
+    roster.add_argument("file", type=Path, metavar="FILE", help=".xlsx, .xls, .ods, .csv")
+    roster.add_argument(
+        "--dry-run", action="store_true", help="show what would change, change nothing / 只预览，不导入"
+    )
+    roster.add_argument(
+        "--skip", action="store_true", help="import the others if rows are wrong / 跳过有错的行"
+    )
     roster.add_argument(
         "--tokens", action="store_true", help="print a token for each new member / 为新成员打印令牌"
     )
@@ -84,6 +92,9 @@ def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
 def _import(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     course = chosen_course(storage, arguments.course)
     entries = _read(arguments.file, arguments)
+    if arguments.dry_run:
+        _show(storage.courses.preview_roster(course, entries), arguments)
+        return
     change = storage.courses.import_roster(course, entries, actor())
     added, changed, same = len(change.added), len(change.changed), change.unchanged
     tell(
@@ -92,7 +103,25 @@ def _import(storage: OpenedStore, arguments: argparse.Namespace) -> None:
         en=f"course {course}: {added} added, {changed} changed, {same} as they were",
     )
     if arguments.tokens:
-        write_tokens(storage, course, change.added, arguments.days)
+        write_tokens(storage, course, [one.id for one in change.added], arguments.days)
+
+
+def _show(change: RosterChange, arguments: argparse.Namespace) -> None:
+    """Print what an import would do: a line for each member who would be added, changed, or is not in the file."""
+    chinese = arguments.lang == "zh"
+    for word, members in (
+        ("新增" if chinese else "new", change.added),
+        ("修改" if chinese else "change", [one.after for one in change.changed]),
+        ("名单里没有" if chinese else "not listed", change.gone),
+    ):
+        for one in members:
+            parts = (word, one.id, one.name, one.role.value, one.email, ",".join(one.sections))
+            sys.stdout.write("\t".join(parts).rstrip() + "\n")
+    tell(
+        arguments,
+        zh=f"{change.unchanged} 人不变；没有改动任何东西",
+        en=f"{change.unchanged} as they were; nothing was changed",
+    )
 
 
 def _list(storage: OpenedStore, arguments: argparse.Namespace) -> None:
@@ -108,9 +137,18 @@ def _members(count: int) -> str:
 
 def _read(path: Path, arguments: argparse.Namespace) -> tuple[RosterEntry, ...]:
     """Return a roster's entries; of one that is not UTF-8 show a name, which tells whether it was read rightly."""
-    content = _content(path)
-    entries = read_roster(content)
-    if not is_utf8(content):
+    roster = read_roster(_content(path))
+    if getattr(arguments, "skip", False) or getattr(arguments, "dry_run", False):
+        for row in roster.skipped:
+            tell(
+                arguments,
+                zh=f"跳过第 {row.number} 行：{row.reason.zh}",
+                en=f"line {row.number} is skipped: {row.reason.en}",
+            )
+        entries = roster.entries
+    else:
+        entries = roster.checked()
+    if roster.encoding == "gb18030" and entries:
         named = next((one for one in entries if not one.name.isascii()), entries[0])
         tell(
             arguments,
@@ -123,7 +161,7 @@ def _read(path: Path, arguments: argparse.Namespace) -> tuple[RosterEntry, ...]:
 def _content(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
-            return file.read(MAX_ROSTER_BYTES + 1)
+            return file.read(MAX_FILE_BYTES + 1)
     except OSError as error:
         told = trouble(error)
         raise CourseError(f"{path}: {told.en}", f"{path}：{told.zh}") from error

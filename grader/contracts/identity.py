@@ -9,6 +9,7 @@ from grader.contracts.errors import CourseError
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")
 _LONGEST_NAME = 200
+LONGEST_SECTION = 64
 
 
 class Role(StrEnum):
@@ -35,21 +36,37 @@ class Course:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Member:
-    """Somebody in a course. `id` is the student id, or the name an instructor signs with."""
+    """Somebody in a course.
+
+    Attributes:
+        id: the student id, or the name an instructor signs with.
+        email: may be empty.
+        sections: the groups of the course that a student is in, or that an assistant looks after, sorted.
+    """
 
     course: str
     id: str
     name: str
     role: Role
+    email: str = ""
+    sections: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosterEntry:
-    """One line of a roster. `role` None: the role that the person has, student for a new one."""
+    """One line of a roster: what a person shall be. What it leaves out stays as it is.
+
+    Attributes:
+        name: empty: the name that the person has.
+        role: None: the role that the person has, student for a new one.
+        email, sections: None: those that the person has. Sections replace those.
+    """
 
     id: str
     name: str
     role: Role | None = None
+    email: str | None = None
+    sections: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -189,6 +206,21 @@ def checked_name(text: str) -> str:
             f"{name[:40]!r} 不能用作名字：最多 {_LONGEST_NAME} 个可显示的字符",
         )
     return name
+
+
+def checked_section(text: str) -> str:
+    """Return the name of a section without space around it.
+
+    Raises:
+        CourseError: it is empty, too long or cannot be printed.
+    """
+    section = text.strip()
+    if not 0 < len(section) <= LONGEST_SECTION or not section.isprintable():
+        raise CourseError(
+            f"{section[:40]!r} is no section: use 1 to {LONGEST_SECTION} printable characters",
+            f"{section[:40]!r} 不能用作班级名：1 到 {LONGEST_SECTION} 个可显示的字符",
+        )
+    return section
 
 
 def no_course(where: str = "") -> CourseError:

@@ -1,10 +1,10 @@
 """Courses and their people."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
-from sqlalchemy import ColumnElement, and_, select
+from sqlalchemy import ColumnElement, and_, delete, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import CourseError
@@ -16,20 +16,42 @@ from grader.contracts.identity import (
     checked_id,
     checked_name,
     unknown_course,
+    unknown_members,
 )
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.database import Database, one_at_a_time
-from grader.store.tables import CourseRow, MemberRow, SubmissionRow
+from grader.store.tables import (
+    CourseRow,
+    ExtensionRow,
+    MemberRow,
+    SectionRow,
+    SubmissionRow,
+    TokenRow,
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MemberChange:
+    """One member before and after an import."""
+
+    before: Member
+    after: Member
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RosterChange:
-    """What an import did: ids of new members, of changed ones, and how many stayed as they were."""
+    """What an import does.
 
-    added: tuple[str, ...]
-    changed: tuple[str, ...]
+    Attributes:
+        unchanged: how many of the roster are in the course as it says.
+        gone: students of the course whom the roster does not name; an import leaves them where they are.
+    """
+
+    added: tuple[Member, ...]
+    changed: tuple[MemberChange, ...]
     unchanged: int
+    gone: tuple[Member, ...]
 
 
 class Courses:
@@ -92,43 +114,64 @@ class Courses:
         """Return the people of a course, nobody of None, in order of their ids; only those of `role` if given."""
         if course_id is None:
             return ()
-        statement = select(MemberRow).where(col(MemberRow.course) == course_id)
-        if role is not None:
-            statement = statement.where(col(MemberRow.role) == role.value)
         with self._database.reading() as session:
-            rows = session.execute(statement.order_by(col(MemberRow.person))).scalars()
-            return tuple(_member(row) for row in rows)
+            return tuple(_members(session, course_id, role).values())
 
     def member(self, course_id: str, person: str) -> Member | None:
         """Return one member, or None."""
         with self._database.reading() as session:
-            row = session.get(MemberRow, (course_id, person))
-            return None if row is None else _member(row)
+            return _one_member(session, course_id, person)
+
+    def preview_roster(self, course_id: str, entries: Sequence[RosterEntry]) -> RosterChange:
+        """Return what `import_roster` would do now.
+
+        Raises:
+            CourseError: as `import_roster`.
+        """
+        with self._database.reading() as session:
+            return _roster_change(session, course_id, entries)
 
     def import_roster(self, course_id: str, entries: Sequence[RosterEntry], actor: str) -> RosterChange:
         """Add and change members as `entries` say, all of them or none. Nobody is removed.
 
         Raises:
-            CourseError: there is no such course.
+            CourseError: there is no such course; an id differs from a member's only in upper and lower case; or no
+                instructor would be left.
         """
         signed = Signature(self._clock(), course_id, actor)
-        added: list[str] = []
-        changed: list[str] = []
         with self._database.writing() as session:
             one_at_a_time(session, "course", course_id)
-            if session.get(CourseRow, course_id) is None:
-                raise unknown_course(course_id)
-            for entry in entries:
-                known = session.get(MemberRow, (course_id, entry.id))
-                if known is None:
-                    added.append(entry.id)
-                elif (known.name, known.role) != (entry.name, _role(entry, known)):
-                    changed.append(entry.id)
-                else:
-                    continue
-                _put(session, signed, course_id, entry, known)
-        kept = len(entries) - len(added) - len(changed)
-        return RosterChange(added=tuple(added), changed=tuple(changed), unchanged=kept)
+            change = _roster_change(session, course_id, entries)
+            _add(session, signed, change.added)
+            for one in change.changed:
+                _change(session, signed, one)
+            if any(one.before.role is Role.INSTRUCTOR for one in change.changed):
+                _check_instructor(session, course_id)
+            return change
+
+    def remove(self, course_id: str, people: Sequence[str], actor: str, reason: str = "") -> None:
+        """Take people out of a course, all of them or none, with their tokens, extensions and sections.
+
+        What they handed in stays stored, and belongs to the class again if they come back.
+
+        Raises:
+            CourseError: one of them is no member, or no instructor would be left.
+        """
+        signed = Signature(self._clock(), course_id, actor)
+        with self._database.writing() as session:
+            one_at_a_time(session, "course", course_id)
+            known = _members(session, course_id)
+            unknown = [one for one in people if one not in known]
+            if unknown:
+                raise unknown_members(course_id, *unknown)
+            for table in (TokenRow, ExtensionRow, SectionRow, MemberRow):
+                theirs = col(table.course) == course_id, col(table.person).in_(people)
+                session.execute(delete(table).where(*theirs))
+            for person in people:
+                before = _audited(known[person])
+                record(session, signed, "member.remove", f"member {person}", before=before, reason=reason)
+            if any(known[one].role is Role.INSTRUCTOR for one in people):
+                _check_instructor(session, course_id)
 
 
 def in_class(course: str | None) -> ColumnElement[bool]:
@@ -141,24 +184,124 @@ def in_class(course: str | None) -> ColumnElement[bool]:
     return and_(col(SubmissionRow.course) == course, col(SubmissionRow.student).in_(students))
 
 
-def _role(entry: RosterEntry, known: MemberRow | None) -> str:
-    if entry.role is not None:
-        return entry.role.value
-    return Role.STUDENT.value if known is None else known.role
+def _members(session: Session, course: str, role: Role | None = None) -> dict[str, Member]:
+    """Return the people of a course by id, in order of their ids."""
+    statement = select(MemberRow).where(col(MemberRow.course) == course)
+    if role is not None:
+        statement = statement.where(col(MemberRow.role) == role.value)
+    rows = session.execute(statement.order_by(col(MemberRow.person))).scalars().all()
+    sections: dict[str, list[str]] = {}
+    for one in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
+        sections.setdefault(one.person, []).append(one.section)
+    return {row.person: _member(row, sections.get(row.person, ())) for row in rows}
 
 
-def _put(
-    session: Session, signed: Signature, course: str, entry: RosterEntry, known: MemberRow | None
-) -> None:
-    after = {"name": entry.name, "role": _role(entry, known)}
-    subject = f"member {entry.id}"
-    if known is None:
-        session.add(MemberRow(course=course, person=entry.id, created_at=signed.at, **after))
-        record(session, signed, "member.add", subject, after=after)
-    else:
-        before = {"name": known.name, "role": known.role}
-        known.name, known.role = after["name"], after["role"]
-        record(session, signed, "member.change", subject, before=before, after=after)
+def _one_member(session: Session, course: str, person: str) -> Member | None:
+    row = session.get(MemberRow, (course, person))
+    if row is None:
+        return None
+    theirs = select(col(SectionRow.section)).where(
+        col(SectionRow.course) == course, col(SectionRow.person) == person
+    )
+    return _member(row, session.execute(theirs).scalars())
+
+
+def _roster_change(session: Session, course: str, entries: Sequence[RosterEntry]) -> RosterChange:
+    if session.get(CourseRow, course) is None:
+        raise unknown_course(course)
+    known = _members(session, course)
+    _check_case(entries, known)
+    after = [_put_into(known.get(one.id), course, one) for one in entries]
+    listed = {one.id for one in entries}
+    return RosterChange(
+        added=tuple(one for one in after if one.id not in known),
+        changed=tuple(
+            MemberChange(before=known[one.id], after=one)
+            for one in after
+            if one.id in known and known[one.id] != one
+        ),
+        unchanged=sum(known.get(one.id) == one for one in after),
+        gone=tuple(one for one in known.values() if one.role is Role.STUDENT and one.id not in listed),
+    )
+
+
+def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
+    """Return the member that `entry` makes of the one who is there, if anybody is."""
+    before = known or Member(course=course, id=entry.id, name="", role=Role.STUDENT)
+    return replace(
+        before,
+        name=entry.name or before.name,
+        role=entry.role or before.role,
+        email=before.email if entry.email is None else entry.email,
+        sections=before.sections if entry.sections is None else tuple(sorted(set(entry.sections))),
+    )
+
+
+def _check_case(entries: Sequence[RosterEntry], known: Mapping[str, Member]) -> None:
+    """Refuse ids that are likely a member's, written in another case."""
+    folded = {one.casefold(): one for one in known}
+    clashes = [
+        (one.id, folded[one.id.casefold()])
+        for one in entries
+        if one.id not in known and one.id.casefold() in folded
+    ]
+    if clashes:
+        en = "\n".join(
+            f"{new} differs from the member {old} only in upper and lower case" for new, old in clashes
+        )
+        zh = "\n".join(f"{new} 和已有的成员 {old} 只有大小写不同" for new, old in clashes)
+        raise CourseError(f"nothing was imported:\n{en}", f"没有导入任何人：\n{zh}")
+
+
+def _check_instructor(session: Session, course: str) -> None:
+    session.flush()
+    if not _members(session, course, Role.INSTRUCTOR):
+        raise CourseError(
+            "the course would have no instructor: make somebody else one first",
+            "这样课程就没有教师了：请先让另一个人当教师",
+        )
+
+
+def _audited(member: Member) -> dict[str, object]:
+    """Return what the audit log says of a member; an address or sections only where there are any."""
+    said: dict[str, object] = {"name": member.name, "role": member.role.value}
+    if member.email:
+        said["email"] = member.email
+    if member.sections:
+        said["sections"] = list(member.sections)
+    return said
+
+
+def _add(session: Session, signed: Signature, members: Sequence[Member]) -> None:
+    for one in members:
+        row = MemberRow(
+            course=one.course,
+            person=one.id,
+            name=one.name,
+            role=one.role.value,
+            email=one.email,
+            created_at=signed.at,
+        )
+        session.add(row)
+        record(session, signed, "member.add", f"member {one.id}", after=_audited(one))
+    session.flush()  # before what refers to them
+    session.add_all(section for one in members for section in _sections(one))
+
+
+def _change(session: Session, signed: Signature, change: MemberChange) -> None:
+    member = change.after
+    row = session.get_one(MemberRow, (member.course, member.id))
+    row.name, row.role, row.email = member.name, member.role.value, member.email
+    if change.before.sections != member.sections:
+        theirs = col(SectionRow.course) == member.course, col(SectionRow.person) == member.id
+        session.execute(delete(SectionRow).where(*theirs))
+        session.add_all(_sections(member))
+    before, after = _audited(change.before), _audited(member)
+    record(session, signed, "member.change", f"member {member.id}", before=before, after=after)
+
+
+def _sections(member: Member) -> list[SectionRow]:
+    return [SectionRow(course=member.course, person=member.id, section=one) for one in member.sections]
 
 
 def _checked_zone(name: str) -> str:
@@ -176,5 +319,12 @@ def _course(row: CourseRow) -> Course:
     return Course(id=row.id, title=row.title, time_zone=row.time_zone, created_at=row.created_at)
 
 
-def _member(row: MemberRow) -> Member:
-    return Member(course=row.course, id=row.person, name=row.name, role=Role(row.role))
+def _member(row: MemberRow, sections: Iterable[str]) -> Member:
+    return Member(
+        course=row.course,
+        id=row.person,
+        name=row.name,
+        role=Role(row.role),
+        email=row.email,
+        sections=tuple(sorted(sections)),
+    )

@@ -109,6 +109,18 @@ class MemberRow(SQLModel, table=True):
     name: str = Field(max_length=200)
     role: str = Field(max_length=32)
     created_at: datetime = Field(sa_column=instant_column())
+    email: str = Field(default="", max_length=254, sa_column_kwargs={"server_default": ""})
+
+
+class SectionRow(SQLModel, table=True):
+    """A section of a course that a student is in, or that an assistant looks after."""
+
+    __tablename__: ClassVar[str] = "section"
+    __table_args__ = (_of_member(),)
+
+    course: str = Field(primary_key=True, max_length=64)
+    person: str = Field(primary_key=True, max_length=64)
+    section: str = Field(primary_key=True, max_length=64)
 
 
 class TokenRow(SQLModel, table=True):

@@ -1,21 +1,19 @@
 import hashlib
+from collections.abc import Iterable
 from datetime import timedelta
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from sqlmodel import SQLModel
 
 from grader.contracts.errors import CourseError
-from grader.contracts.identity import Role, RosterEntry
-from grader.store.audit import AuditLog
+from grader.contracts.identity import Member, Role, RosterEntry
+from grader.contracts.rules import Extension
+from grader.store.audit import AuditLog, Signature
 from grader.store.courses import Courses
 from grader.store.database import Database
-from grader.store.roster import read_roster
+from grader.store.rules import ANY_STATE, StoredRules
 from grader.store.tokens import PREFIX, Tokens
 from tests.fakes.clock import FakeClock
-
-ROSTER = "id,name,role\n20260001,李雷,\n20260002,韩梅梅,student\nta,助教,assistant\n".encode()
 
 
 @pytest.fixture
@@ -29,21 +27,15 @@ def entry(person: str, name: str = "x", role: Role | None = Role.STUDENT) -> Ros
     return RosterEntry(id=person, name=name, role=role)
 
 
-def test_a_roster_may_have_its_chinese_names() -> None:
-    content = "学号,姓名,角色\n1,李雷,学生\n2,助教一,助教\n3,王,\n4,赵,老师\n".encode()
-    assert [(one.id, one.role) for one in read_roster(content)] == [
-        ("1", Role.STUDENT),
-        ("2", Role.ASSISTANT),
-        ("3", None),
-        ("4", Role.INSTRUCTOR),
-    ]
-    with pytest.raises(CourseError, match="two columns 'id'"):
-        read_roster("学号,id,姓名\n1,2,a\n".encode())
+LISTED = [
+    entry("20260001", "李雷", None),
+    entry("20260002", "韩梅梅"),
+    entry("ta", "助教", Role.ASSISTANT),
+]
 
 
-def test_what_a_spreadsheet_did_to_an_id_is_told() -> None:
-    with pytest.raises(CourseError, match="spreadsheet shortened"):
-        read_roster(b"id,name\n2.02601E+07,a\n")
+def ids(members: Iterable[Member]) -> list[str]:
+    return [one.id for one in members]
 
 
 def test_a_database_begins_without_courses(database: Database, clock: FakeClock) -> None:
@@ -71,75 +63,14 @@ def test_a_course_that_cannot_be(courses: Courses, course: str, title: str, zone
     assert len(courses.all()) == 1
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "gbk"])
-def test_a_roster_comes_from_a_spreadsheet(encoding: str) -> None:
-    entries = read_roster(ROSTER.replace(b"\n", b"\r\n").decode().encode(encoding))
-    assert [(one.id, one.name, one.role) for one in entries] == [
-        ("20260001", "李雷", None),
-        ("20260002", "韩梅梅", "student"),
-        ("ta", "助教", "assistant"),
-    ]
-
-
-def test_a_roster_needs_no_roles_and_minds_no_other_columns() -> None:
-    assert read_roster(b'Name , ID,class\n"Li, Lei",1,3\n') == (entry("1", "Li, Lei", None),)
-
-
-def test_lines_without_anybody_are_skipped() -> None:
-    content = b"id,name,role\r\n,,\r\n\r\n1,a,\r\n , ,\r\n,,,,\r\n"
-    assert read_roster(content) == (entry("1", "a", None),)
-
-
-def test_what_is_wrong_with_a_roster_is_told_in_its_own_words() -> None:
-    with pytest.raises(CourseError) as caught:
-        read_roster("姓名\n李雷\n".encode())
-    assert "“学号”列" in caught.value.told("zh")
-    with pytest.raises(CourseError) as caught:
-        read_roster("学号,姓名,角色\n1,李雷,班长\n".encode())
-    assert "学生、助教、教师" in caught.value.told("zh")
-
-
-def test_every_wrong_line_is_named() -> None:
-    with pytest.raises(CourseError) as caught:
-        read_roster("id,name,role\n1,a,\n,b,\n2,c,king\n1,d,\n学号,e,\n3,f\n".encode())
-    lines = str(caught.value).splitlines()
-    assert lines[0] == "nothing was imported:"
-    assert [line.split(":")[0] for line in lines[1:]] == ["line 3", "line 4", "line 5", "line 6"]
-    assert "line 2 already" in lines[3]
-
-
-@pytest.mark.parametrize(
-    ("content", "why"),
-    [
-        (b"", "no column"),
-        (b"id\n1\n", "no column 'name'"),
-        (b"id,name,id\n1,a,2\n", "two columns"),
-        (b"id,name\n", "nobody"),
-        ("id,name\n1,李".encode("utf-16"), "line 1: neither UTF-8 nor GBK"),
-        (b'id,name\n1,"a\n', "line"),
-    ],
-)
-def test_a_file_that_is_no_roster(content: bytes, why: str) -> None:
-    with pytest.raises(CourseError, match=why):
-        read_roster(content)
-
-
-@given(st.binary(max_size=200) | st.text(max_size=200).map(lambda text: ("id,name\n" + text).encode()))
-def test_any_roster_is_read_or_refused(content: bytes) -> None:
-    try:
-        entries = read_roster(content)
-    except CourseError:
-        return
-    assert len({one.id for one in entries}) == len(entries) > 0
-
-
 def test_importing_again_changes_only_what_changed(courses: Courses, database: Database) -> None:
-    first = courses.import_roster("ros", read_roster(ROSTER), "wang")
+    first = courses.import_roster("ros", LISTED, "wang")
     assert (len(first.added), len(first.changed), first.unchanged) == (3, 0, 0)
     later = courses.import_roster(
         "ros", [entry("ta", "助教", Role.INSTRUCTOR), entry("20260001", "李雷")], "wang"
     )
-    assert (later.added, later.changed, later.unchanged) == ((), ("ta",), 1)
+    assert (ids(later.added), ids(one.after for one in later.changed), later.unchanged) == ([], ["ta"], 1)
+    assert ids(later.gone) == ["20260002"]
     assert [one.id for one in courses.members("ros", Role.INSTRUCTOR)] == ["ta"]
     newest = AuditLog(database).entries("ros", 1)[0]
     assert (newest.actor, newest.action, newest.subject) == ("wang", "member.change", "member ta")
@@ -148,15 +79,74 @@ def test_importing_again_changes_only_what_changed(courses: Courses, database: D
 
 
 def test_who_is_in_the_course_keeps_the_role_unless_the_roster_names_one(courses: Courses) -> None:
-    courses.import_roster("ros", read_roster(ROSTER), "wang")
-    later = courses.import_roster(
-        "ros", read_roster("学号,姓名\nta,韩\n3,新\n20260001,李雷\n".encode()), "wang"
-    )
-    assert (later.added, later.changed, later.unchanged) == (("3",), ("ta",), 1)
+    courses.import_roster("ros", LISTED, "wang")
+    entries = [entry("ta", "韩", None), entry("3", "新", None), entry("20260001", "", None)]
+    later = courses.import_roster("ros", entries, "wang")
+    assert (ids(later.added), ids(one.after for one in later.changed), later.unchanged) == (["3"], ["ta"], 1)
     assert [(one.id, one.name) for one in courses.members("ros", Role.ASSISTANT)] == [("ta", "韩")]
     assert [one.id for one in courses.members("ros", Role.STUDENT)] == ["20260001", "20260002", "3"]
-    courses.import_roster("ros", read_roster("学号,姓名,角色\nta,韩,学生\n".encode()), "wang")
+    assert courses.member("ros", "20260001").name == "李雷"  # an empty name takes none away
+    courses.import_roster("ros", [entry("ta", "韩")], "wang")
     assert courses.member("ros", "ta").role is Role.STUDENT
+
+
+def test_a_preview_changes_nothing(courses: Courses, database: Database) -> None:
+    courses.import_roster("ros", LISTED, "wang")
+    before, logged = courses.members("ros"), len(AuditLog(database).entries("ros", 100))
+    entries = [entry("20260001", "李磊"), entry("new")]
+    seen = courses.preview_roster("ros", entries)
+    assert courses.members("ros") == before
+    assert len(AuditLog(database).entries("ros", 100)) == logged
+    assert seen == courses.import_roster("ros", entries, "wang")
+    assert [(one.before.name, one.after.name) for one in seen.changed] == [("李雷", "李磊")]
+
+
+def test_addresses_and_sections_stay_unless_the_roster_has_others(courses: Courses) -> None:
+    first = RosterEntry(id="li", name="李", email="li@a.cn", sections=("b", "a"))
+    courses.import_roster("ros", [first], "wang")
+    courses.import_roster("ros", [entry("li", "李雷")], "wang")
+    li = courses.member("ros", "li")
+    assert (li.name, li.email, li.sections) == ("李雷", "li@a.cn", ("a", "b"))
+    courses.import_roster("ros", [RosterEntry(id="li", name="", sections=("c",))], "wang")
+    assert courses.members("ros")[0].sections == ("c",)
+
+
+def test_an_id_in_another_case_is_nobody_new(courses: Courses) -> None:
+    courses.import_roster("ros", [entry("S001")], "wang")
+    with pytest.raises(CourseError, match="s001 differs from the member S001"):
+        courses.import_roster("ros", [entry("2"), entry("s001")], "wang")
+    assert ids(courses.members("ros")) == ["S001"]
+
+
+def test_somebody_removed_is_out_at_once(tokens: Tokens, courses: Courses, database: Database) -> None:
+    courses.import_roster("ros", [RosterEntry(id="li", name="李", sections=("a",))], "me")
+    StoredRules(database).extend(
+        "square",
+        "li",
+        Extension(extra_attempts=1),
+        Signature(FakeClock()(), "ros", "me"),
+        "ill",
+        seen=ANY_STATE,
+    )
+    _, secret = tokens.issue("ros", "li", timedelta(days=1), "me")
+    courses.remove("ros", ["li"], "wang", "left the course")
+    assert tokens.caller(secret) is None
+    assert courses.member("ros", "li") is None
+    newest = AuditLog(database).entries("ros", 1)[0]
+    assert (newest.action, newest.subject, newest.reason) == ("member.remove", "member li", "left the course")
+    assert newest.before == {"name": "李", "role": "student", "sections": ["a"]}
+    courses.import_roster("ros", [entry("li")], "wang")
+    assert courses.member("ros", "li").sections == ()
+
+
+def test_a_course_keeps_an_instructor(tokens: Tokens, courses: Courses) -> None:
+    with pytest.raises(CourseError, match="no instructor"):
+        courses.remove("ros", ["li", "wang"], "me")
+    with pytest.raises(CourseError, match="no instructor"):
+        courses.import_roster("ros", [entry("wang", role=Role.STUDENT)], "me")
+    with pytest.raises(CourseError, match="no member nobody"):
+        courses.remove("ros", ["li", "nobody"], "me")
+    assert ids(courses.members("ros")) == ["li", "wang"]
 
 
 def test_an_import_into_no_course_changes_nothing(courses: Courses, database: Database) -> None:
@@ -198,7 +188,7 @@ def test_a_token_is_for_members_only(tokens: Tokens) -> None:
 
 def test_a_role_taken_away_is_gone_at_once(tokens: Tokens, courses: Courses) -> None:
     _, secret = tokens.issue("ros", "wang", timedelta(days=1), "me")
-    courses.import_roster("ros", [entry("wang", role=Role.STUDENT)], "me")
+    courses.import_roster("ros", [entry("han", role=Role.INSTRUCTOR), entry("wang")], "me")
     assert tokens.caller(secret).role is Role.STUDENT
 
 

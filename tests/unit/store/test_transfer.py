@@ -11,7 +11,7 @@ from sqlmodel import SQLModel
 
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.grading import GradingJob
-from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.identity import RosterEntry
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Extension, Rules
 from grader.contracts.submission import NewSubmission, WorkerState
@@ -41,7 +41,7 @@ def fill(database: Database) -> str:
     courses, submissions = Courses(database, clock), Submissions(database, clock)
     queue, signed = Queue(database, clock, Retries()), Signature(clock(), "ros", "wang")
     courses.create("ros", "ROS 2 入门", "Asia/Shanghai", "me")
-    courses.import_roster("ros", [RosterEntry(id="li", name="李雷", role=Role.STUDENT)], "me")
+    courses.import_roster("ros", [RosterEntry(id="li", name="李雷", sections=("1",))], "me")
     _, token = Tokens(database, clock).issue("ros", "li", timedelta(days=1), "me")
     rules = StoredRules(database)
     rules.set("square", Rules(attempts=9), signed)
@@ -170,8 +170,8 @@ def test_another_schema_is_not_copied(full: Database, blank_url: str) -> None:
         transfer(blank, full)
     migrate(blank)
     with blank.writing() as session:
-        session.execute(text("UPDATE alembic_version SET version_num = '0002'"))
-    with pytest.raises(SettingsError, match=r"0002.*grader db migrate"):
+        session.execute(text("UPDATE alembic_version SET version_num = '9999'"))
+    with pytest.raises(SettingsError, match=r"9999.*grader db migrate"):
         transfer(blank, full)
     blank.close()
 
