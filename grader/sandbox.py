@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Final, Self
 
 from grader.contracts.assignment import Limits
-from grader.contracts.errors import SandboxError, SandboxUnavailableError, SettingsError
+from grader.contracts.errors import NoRoomError, SandboxError, SandboxUnavailableError, SettingsError
 from grader.contracts.record import Record
 from grader.jail.ending import JailReport, RunEnd
 from grader.jail.jail import Jail
@@ -244,6 +244,9 @@ class Sandbox:
             self.restart()
         try:
             self._zygote.wait_ready()
+        except NoRoomError:  # says nothing about what the host offers
+            self.restart()
+            raise
         except SandboxError:
             if not self._config.namespaces:
                 raise

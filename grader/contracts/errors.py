@@ -11,11 +11,13 @@ GraderError
 ├── SettingsError          the operator's configuration is wrong
 ├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
 │   └── SandboxUnavailableError   a required layer is missing: the service refuses to grade
+│   └── NoRoomError               the host has no process, thread or memory to spare; also an InfrastructureError
 ├── ProtocolError          the jailed process sent something outside the wire format
 └── InfrastructureError    anything else on the grader's side; retried
 """
 
-from typing import TYPE_CHECKING, Any
+import errno
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from grader.contracts.text import Language, Text
@@ -128,3 +130,18 @@ class ProtocolError(GraderError):
 
 class InfrastructureError(GraderError):
     """A fault of the grader or its host; the submission is graded again."""
+
+
+class NoRoomError(SandboxError, InfrastructureError):
+    """The host has no process, thread or memory to spare now, so that nothing of a script has run."""
+
+
+_NO_ROOM: Final = (errno.EAGAIN, errno.ENOMEM)
+_SIGNS: Final = (*(f"[Errno {number}]" for number in _NO_ROOM), "MemoryError", "can't start new thread")
+
+
+def lacks_room(error: BaseException | str) -> bool:
+    """Return whether an error, or what a trusted process says of one, means that the host has nothing to spare."""
+    if isinstance(error, OSError):
+        return error.errno in _NO_ROOM
+    return any(sign in (error if isinstance(error, str) else repr(error)) for sign in _SIGNS)

@@ -13,15 +13,24 @@ from contextlib import suppress
 from typing import Any
 
 from grader.contracts.assignment import Limits
-from grader.contracts.errors import GraderError, SandboxUnavailableError
+from grader.contracts.errors import GraderError, NoRoomError, SandboxUnavailableError, lacks_room
 from grader.contracts.grading import GradingJob
-from grader.grading.slot import Channel, SlotConfig, job_from_message, result_message
+from grader.grading.slot import NO_ROOM_CODE, Channel, SlotConfig, job_from_message, result_message
 from grader.jail.supervisor import yield_session
 from grader.sandbox import Sandbox, script_sandbox
 
 
 def main(arguments: list[str]) -> int:
     """Serve the parent on the inherited descriptors `arguments` (requests, answers) until it closes."""
+    try:
+        return _main(arguments)
+    except (MemoryError, OSError, RuntimeError) as error:
+        if not lacks_room(error):
+            raise
+        return NO_ROOM_CODE
+
+
+def _main(arguments: list[str]) -> int:
     channel = Channel(*map(int, arguments))
     told = channel.receive()
     if told is None:
@@ -92,5 +101,5 @@ def _refuse(channel: Channel, error: GraderError) -> int:
 
 
 def _fault(error: GraderError) -> dict[str, Any]:
-    kind = "unavailable" if isinstance(error, SandboxUnavailableError) else "fault"
-    return {"kind": kind, "message": str(error)}
+    kinds: dict[type[GraderError], str] = {SandboxUnavailableError: "unavailable", NoRoomError: "no_room"}
+    return {"kind": kinds.get(type(error), "fault"), "message": str(error)}

@@ -17,12 +17,16 @@ from dataclasses import asdict, dataclass
 from types import TracebackType
 from typing import Any, Final, Self
 
-from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
+from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError, lacks_room
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.record import from_plain, to_plain
 from grader.contracts.report import GradeReport, Measurements
 from grader.grading.launch import Child, launch
 from grader.jail import bounds
+
+NO_ROOM_CODE: Final = 75
+"""Exit code of a grading process that the host refused memory or a thread. One that the kernel ended for lack of
+memory was killed; nobody else kills it."""
 
 _SPARE_S: Final = 30.0  # for importing the physics on a loaded machine, the checks and encoding
 _EXIT_S: Final = 1.0  # a child that has closed its pipe is about to end
@@ -130,7 +134,8 @@ class Slot:
         try:
             child = launch()
         except OSError as error:
-            raise InfrastructureError(f"the grading process could not be started: {error}") from error
+            kind = NoRoomError if lacks_room(error) else InfrastructureError
+            raise kind(f"the grading process could not be started: {error}") from error
         self._process = _Process(child)
         self._channel = Channel(child.answers, child.requests)
         self._send(asdict(self._config), _SPARE_S)
@@ -139,7 +144,8 @@ class Slot:
         """Grade `job` in the child; call `on_run` here whenever a run of the script has begun there.
 
         Raises:
-            InfrastructureError: the child died, did not answer in time or reported a fault of its own.
+            InfrastructureError: the child died, did not answer in time or reported a fault of its own; a
+                `NoRoomError` if the host had no process, thread or memory to spare.
             SandboxUnavailableError: this host cannot isolate a submission as the mode demands.
         """
         self.start()
@@ -153,6 +159,8 @@ class Slot:
                 return self._result(answer)
             case "unavailable":
                 raise SandboxUnavailableError(str(answer.get("message")))
+            case "no_room":
+                raise NoRoomError(str(answer.get("message")))
             case _:
                 raise InfrastructureError(answer.get("message", "the grading process answered nonsense"))
 
@@ -199,7 +207,8 @@ class Slot:
         if answer is None:
             code = self._process.wait(_EXIT_S)
             self.close()
-            raise InfrastructureError(f"the grading process ended unexpectedly (exit code {code})")
+            kind = NoRoomError if code in (NO_ROOM_CODE, -signal.SIGKILL) else InfrastructureError
+            raise kind(f"the grading process ended unexpectedly (exit code {code})")
         return answer
 
     def _result(self, answer: dict[str, Any]) -> GradingResult:

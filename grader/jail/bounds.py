@@ -102,7 +102,8 @@ STREAM_TAIL_BYTES: Final = 64 * 1024
 IDLE_LIMIT_NS: Final = 3_000_000_000
 """A process whose every thread sleeps in the kernel that long in all, while it owes a frame, is stalled.
 
-The shim never sleeps in real time. A thread that an overloaded host keeps waiting is not asleep but ready."""
+The shim sleeps in real time only for a moment, while the host has no thread to spare. A thread that an overloaded
+host keeps waiting is not asleep but ready."""
 WALL_STRETCH: Final = 15
 """So many times its wall limit a run may last on a busy host."""
 WALL_STRETCH_S: Final = 480.0

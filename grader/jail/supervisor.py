@@ -19,7 +19,7 @@ from dataclasses import asdict
 from typing import Final
 
 from grader.contracts.assignment import Limits
-from grader.contracts.errors import SandboxError
+from grader.contracts.errors import NoRoomError, SandboxError, lacks_room
 from grader.contracts.record import Record
 from grader.jail import bounds, libc, syscalls
 from grader.jail.jail import Capture, Jail
@@ -73,7 +73,7 @@ class Zygote:
         try:
             self._process = start_interpreter()
         except OSError as error:
-            raise SandboxError(f"the sandbox's process could not be started: {error}") from error
+            raise _failed(f"the sandbox's process could not be started: {error}") from error
         self._control = self._process.control
         self._control.settimeout(_ANSWER_LIMIT_S)
         self._request(asdict(config))
@@ -151,7 +151,7 @@ class Zygote:
             raise SandboxError(f"the sandbox's process did not answer: {error}") from error
         self._broken = False
         if "error" in answer:
-            raise SandboxError(f"the sandbox's process could not do its part: {answer['error']}")
+            raise _failed(f"the sandbox's process could not do its part: {answer['error']}")
         return answer, descriptors
 
     def _header(self) -> tuple[bytes, list[int]]:
@@ -264,7 +264,11 @@ def _await_start(channel: _socket.socket, timeout_s: float) -> None:
         reason = str(error)
     finally:
         channel.settimeout(None)
-    raise SandboxError(f"the process could not be confined: {reason}")
+    raise _failed(f"the process could not be confined: {reason}")
+
+
+def _failed(message: str) -> SandboxError:
+    return NoRoomError(message) if lacks_room(message) else SandboxError(message)
 
 
 # --------------------------------------------------------------------------------------- the interpreter

@@ -215,15 +215,20 @@ class Queue:
         }
         return state if self._release(claim, values, now) else None
 
-    def hand_back(self, claim: Claim) -> bool:
-        """Return an unfinished submission to its place in the queue; the try does not count."""
+    def hand_back(self, claim: Claim, trouble: str = "", pause_s: float = 0.0) -> bool:
+        """Return an unfinished submission to its place in the queue; the try does not count.
+
+        It is not claimed again for `pause_s`. `trouble` says why it could not be graded yet.
+        """
         now = self._clock()
         values = {
             "state": SubmissionState.QUEUED.value,
             "tries": max(claim.tries - 1, 0),
-            "not_before": now,
+            "not_before": now + timedelta(seconds=pause_s),
             "lease_until": None,
         }
+        if trouble:
+            values["trouble"] = trouble[:_TROUBLE_CHARACTERS]
         return self._release(claim, values, now)
 
     def hand_back_all(self, workers: Collection[str]) -> list[str]:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from itertools import repeat
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
+from grader.contracts.errors import GraderError, InfrastructureError, NoRoomError, SandboxUnavailableError
 from grader.contracts.grading import (
     AssignmentSource,
     GradingJob,
@@ -32,6 +32,9 @@ _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
 """Before each next try to store a result: often at first, then for ten minutes."""
 _STEP_S = 60.0
+_ROOM_PAUSE_S = (
+    1.0  # who holds every process id is ended within milliseconds; what the kernel frees takes longer
+)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,6 +164,8 @@ class GradingSlot:
         except SandboxUnavailableError as error:
             self._sandbox.failed(error)
             self._parts.queue.hand_back(claim)
+        except NoRoomError as error:
+            self._wait_for_room(claim, error, had_run=running.is_set())
         except Exception as error:
             # no fault of the student, whatever it is: the child is replaced and the submission tried again
             self._fail(claim, error, had_run=running.is_set())
@@ -198,6 +203,19 @@ class GradingSlot:
             self._parts.queue.hand_back(following)
             following = None
         return stored, following
+
+    def _wait_for_room(self, claim: Claim, error: NoRoomError, *, had_run: bool) -> None:
+        """Put a submission back that could not be started: it waits, which is no try.
+
+        One whose script had run may be what took the room: that counts.
+        """
+        if had_run or self._abandoned is claim:
+            self._fail(claim, error, had_run=had_run)
+            return
+        self._grader.close()
+        self._parts.queue.hand_back(claim, f"{type(error).__name__}: {error}", _ROOM_PAUSE_S)
+        _log.warning("%s waits for room: %s", claim.submission_id, error)
+        self._stopping.wait(_ROOM_PAUSE_S)  # what is due next would find no room either
 
     def _fail(self, claim: Claim, error: Exception, *, had_run: bool) -> None:
         self._grader.close()

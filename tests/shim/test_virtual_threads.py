@@ -27,6 +27,24 @@ def test_threads_sleep_at_the_same_time(run_bare: RunScript, preload: tuple[str,
     assert lines(run) == ["1 1.0", "2 2.0", "3 3.0", "end 3.0"]
 
 
+@pytest.mark.parametrize(("failures", "ends"), [(3, "ran 1.0"), (99, "RuntimeError")])
+def test_a_thread_that_the_host_cannot_spare_is_asked_for_again(
+    run_bare: RunScript, failures: int, ends: str
+) -> None:
+    run = run_bare(
+        CLOCK
+        + "from rclpy._patches import threads\nstart, left = threads._start_os_thread, FAILURES\n"
+        "def refuse(*given):\n    global left\n    left -= 1\n"
+        '    if left >= 0: raise RuntimeError("can\'t start new thread")\n    return start(*given)\n'
+        "threads._start_os_thread, threads._PAUSE_S = refuse, 0.001\n"
+        "def work():\n    time.sleep(1)\n    print('ran', now())\n"
+        "try: threading.Thread(target=work).start()\nexcept RuntimeError: print('RuntimeError')\n".replace(
+            "FAILURES", str(failures)
+        )
+    )
+    assert lines(run) == [ends]
+
+
 def test_equal_deadlines_run_in_order_of_creation(run_bare: RunScript) -> None:
     run = run_bare(
         CLOCK + "def work(n):\n    for _ in range(2):\n        time.sleep(1)\n        print(n, end=' ')\n"

@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 from grader.contracts.assignment import Assignment, Case, Limits
-from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
+from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob
 from grader.contracts.text import EMPTY
-from grader.grading import launch, slot
+from grader.grading import child, launch, slot
 from grader.grading.launch import Child
-from grader.grading.slot import Slot, SlotConfig
+from grader.grading.slot import Channel, Slot, SlotConfig
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
 ASSIGNMENT = Assignment(
@@ -239,6 +239,34 @@ def test_a_host_that_cannot_isolate_is_told_apart(children: list[str]) -> None:
     children.append("receive(); send({'kind': 'unavailable', 'message': 'no landlock'}); serve()")
     with Slot(SlotConfig()) as one, pytest.raises(SandboxUnavailableError, match="no landlock"):
         one.grade(JOB)
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        pytest.param("send({'kind': 'no_room', 'message': '[Errno 11]'}); serve()", id="told"),
+        pytest.param("sys.exit(75)", id="no thread for the grading process itself"),
+        pytest.param("os.kill(os.getpid(), signal.SIGKILL)", id="killed by the kernel"),
+    ],
+)
+def test_a_host_that_has_nothing_to_spare_is_told_apart(children: list[str], program: str) -> None:
+    children.append(f"receive(); {program}")
+    with Slot(SlotConfig()) as one, pytest.raises(NoRoomError):
+        one.grade(JOB)
+
+
+def test_a_grading_process_that_finds_no_room_for_itself_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(_: object) -> None:
+        raise RuntimeError("can't start new thread")
+
+    requests, answers = os.pipe()
+    channel = Channel(*map(os.dup, (requests, answers)))
+    channel.send({})
+    monkeypatch.setattr(child, "script_sandbox", refuse)
+    assert child.main([str(requests), str(answers)]) == 75
+    for descriptor in (requests, answers):
+        os.close(descriptor)
+    channel.close()
 
 
 def test_abort_from_another_thread_ends_a_grading_under_way(children: list[str]) -> None:

@@ -1,5 +1,7 @@
 """The sandbox as the episode uses it."""
 
+import errno
+import json
 import os
 import select
 import subprocess
@@ -10,8 +12,8 @@ from pathlib import Path
 import pytest
 
 from grader.contracts.assignment import MIB, Limits
-from grader.contracts.errors import SandboxError
-from grader.jail import bounds, landlock
+from grader.contracts.errors import NoRoomError, SandboxError
+from grader.jail import bounds, landlock, supervisor
 from grader.sandbox import RunEnd, Sandbox
 from tests.fakes.processes import process_of, spare_of, zygote_of
 from tests.fakes.waiting import wait_until
@@ -212,6 +214,23 @@ def is_alive(pid: str) -> bool:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
     except OSError:
         return False
+
+
+@pytest.mark.parametrize("told", [OSError(errno.EAGAIN, "…"), OSError(errno.ENOMEM, "…"), MemoryError()])
+def test_a_host_that_has_nothing_to_spare_for_a_moment_loses_no_layer(
+    monkeypatch: pytest.MonkeyPatch, told: Exception
+) -> None:
+    with make() as sandbox:
+        before = sandbox.isolation
+        sandbox.restart()
+        with monkeypatch.context() as full:
+            answer = json.dumps({"error": f"{type(told).__name__}: {told}"}).encode()
+            full.setattr(supervisor.Zygote, "_header", lambda _: (len(answer).to_bytes(4, "little"), []))
+            full.setattr(supervisor.Zygote, "_exactly", lambda _, size: answer[:size])
+            with pytest.raises(NoRoomError):
+                sandbox.open(Limits())
+        assert run(sandbox, "print(1)")[1].end is RunEnd.FINISHED
+        assert sandbox.isolation == before
 
 
 def test_the_zygote_is_recycled(monkeypatch: pytest.MonkeyPatch) -> None:

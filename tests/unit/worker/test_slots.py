@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
+from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Claim, SubmissionState
@@ -53,6 +53,31 @@ def test_a_try_that_fails_while_the_script_runs_is_repeated_once(
     for _ in range(2):
         assert bench.slot().step()
     assert bench.row(id_).state is state
+
+
+def test_what_cannot_be_started_for_lack_of_room_waits_and_uses_no_try(
+    bench: Bench, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grader.worker.slots._ROOM_PAUSE_S", 0.001)
+    id_ = bench.upload()
+    bench.grader.faults = [NoRoomError("[Errno 11]") for _ in range(10)]
+    slot = bench.slot()
+    for _ in range(10):
+        assert slot.step()
+        assert (bench.row(id_).state, bench.row(id_).tries) == (SubmissionState.QUEUED, 0)
+        assert not slot.step()  # for a moment it is not due
+        bench.clock.advance(1.0)
+    assert slot.step()
+    assert (bench.row(id_).state, bench.row(id_).tries) == (SubmissionState.GRADED, 1)
+
+
+def test_lack_of_room_while_the_script_ran_counts_as_a_try(bench: Bench) -> None:
+    id_ = bench.upload()
+    bench.grader.runs = True
+    bench.grader.faults = [NoRoomError("killed") for _ in range(2)]
+    for _ in range(2):
+        assert bench.slot().step()
+    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
 
 
 def test_a_claim_abandoned_while_its_result_is_stored_costs_the_next_no_try(

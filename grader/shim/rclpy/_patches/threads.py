@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import _thread
 import sys
+import time
 
 from rclpy._kernel import Thread, kernel
 from rclpy._patches.locks import Lock, RLock, deadline_after
@@ -21,6 +22,13 @@ if TYPE_CHECKING:
 
 _start_os_thread = _thread.start_new_thread
 _os_ident = _thread.get_ident
+_count_os_threads = _thread._count
+_pause = time.sleep  # in real time
+# The host may have no thread to spare for some milliseconds, because of a script beside this one. One that has
+# many threads itself has met its own limit.
+_FEW_THREADS = 32
+_TRIES = 20
+_PAUSE_S = 0.02
 
 
 class ThreadHandle:
@@ -91,7 +99,17 @@ def start_joinable_thread(
 def _start(
     thread: Thread, function: Callable[..., object], args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> None:
-    _start_os_thread(_run, (thread, [(function, args, kwargs)]))
+    work = (thread, [(function, args, kwargs)])
+    for _ in range(_TRIES):
+        try:
+            _start_os_thread(_run, work)
+            break
+        except RuntimeError:
+            if _count_os_threads() > _FEW_THREADS:
+                raise
+            _pause(_PAUSE_S)
+    else:
+        _start_os_thread(_run, work)
     kernel.start_thread(thread)
 
 
