@@ -11,14 +11,20 @@ if TYPE_CHECKING:
     from typing import NoReturn
 
 
+_EXIT_INTERRUPTED = 130  # as a shell reports SIGINT
+
+
 def main() -> None:
     """Run the command line and exit with its code."""
     arguments = sys.argv[1:]
-    if arguments[:1] == ["check"]:
-        _check(arguments)
-    from grader.commands.cli import run
+    try:
+        if arguments[:1] == ["check"]:
+            _check(arguments)
+        from grader.commands.cli import run
 
-    sys.exit(run(arguments))
+        sys.exit(run(arguments))
+    except KeyboardInterrupt:  # before the command line was there to take it
+        os._exit(_EXIT_INTERRUPTED)
 
 
 def _check(arguments: list[str]) -> "NoReturn":

@@ -17,6 +17,11 @@ def summarise(
     items: Sequence[RubricItem], findings: Sequence[Findings], outcomes: Sequence[RunOutcome]
 ) -> Scoring:
     """Return the items with summary, hint and recognised mistakes; without mistakes where nothing was lost."""
+    if not items:  # nothing is asked, as in a mere run: what went wrong is told all the same
+        mistakes = _distinct(findings)
+        hint = mistakes[0].text if mistakes else EMPTY
+        codes = tuple(mistake.code for mistake in mistakes)
+        return Scoring(items=(), summary=EMPTY, hint=hint, mistakes=codes)
     wrong = [item for item in items if item.status not in _NOTHING_LOST]
     if not wrong and _waits(items):
         return Scoring(items=tuple(items), summary=say("summary.waiting"))

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_grading_options, add_language_option, tell
+from grader.commands.plots import check_plot_path, file_error, form_of, write_plot
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import (
     InfrastructureError,
@@ -16,12 +17,11 @@ from grader.contracts.errors import (
     UnknownAssignmentError,
 )
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.text import Language, Text, trouble
+from grader.contracts.text import Language, Text
 from grader.grading.slot import Slot, SlotConfig
 
 if TYPE_CHECKING:
     from grader.catalog import Catalog
-    from grader.contracts.figure import PictureForm
 
 EXIT_FULL_MARKS = 0
 EXIT_NOT_FULL = 1
@@ -48,7 +48,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Grade the file; 0 full marks, 1 not, 2 could not be graded (raised as GraderError)."""
     if arguments.plot is not None:
-        _check_plot_path(arguments.plot)
+        check_plot_path(arguments.plot)
     source = read_source(arguments.file)
     with Slot(SlotConfig(mode=arguments.isolation)) as slot:  # warms up while the assignment is read
         assignment, result = _grade(slot, arguments, source)
@@ -69,7 +69,7 @@ def read_source(path: Path) -> bytes:
         with path.open("rb") as file:
             source = file.read(MAX_SOURCE_BYTES + 1)  # no more: it may be a device that never ends
     except OSError as error:
-        raise _file_error("unreadable", str(path), error) from error
+        raise file_error("unreadable", str(path), error) from error
     if len(source) > MAX_SOURCE_BYTES:
         raise RefusedError(
             "too_large",
@@ -80,12 +80,6 @@ def read_source(path: Path) -> bytes:
         )
     check_source(source)
     return source
-
-
-def _file_error(code: str, name: str, error: OSError) -> RefusedError:
-    """Return the operating system's error about a file, in both languages."""
-    told = trouble(error)
-    return RefusedError(code, Text(zh=f"{name}：{told.zh}", en=f"{name}: {told.en}"))
 
 
 def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[Assignment, GradingResult]:
@@ -196,42 +190,15 @@ def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: 
         )
 
 
-def _check_plot_path(path: Path) -> None:
-    if path.suffix.lower() not in (".png", ".svg"):
-        raise RefusedError(
-            "plot_format",
-            Text(
-                zh=f"--plot {path}：文件名要以 .png 或 .svg 结尾",
-                en=f"--plot {path}: the name must end in .png or .svg",
-            ),
-        )
-    if not path.resolve().parent.is_dir():
-        raise RefusedError(
-            "plot_folder",
-            Text(
-                zh=f"--plot {path}：没有文件夹 {path.resolve().parent}",
-                en=f"--plot {path}: the folder {path.resolve().parent} does not exist",
-            ),
-        )
-
-
 def _plot(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
-    import logging
-
-    # On a new machine matplotlib logs its search for fonts, none of which is used.
-    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     from grader.use_cases.pictures import draw
 
     out: Path = arguments.plot
-    form: PictureForm = "png" if out.suffix.lower() == ".png" else "svg"
+    form = form_of(out)
     cases = [run.case for run in result.report.runs]
     for case in cases:
         file = out if len(cases) == 1 else out.with_stem(f"{out.stem}-{case}")
         trajectory = result.trajectories[case]
-        drawing = draw(assignment, result.report, trajectory, arguments.lang, form, case=case)
-        try:
-            file.write_bytes(drawing)
-        except OSError as error:
-            raise _file_error("plot_file", f"--plot {file}", error) from error
+        write_plot(file, draw(assignment, result.report, trajectory, arguments.lang, form, case=case))
         if not arguments.json:
             sys.stdout.write(f"→ {file}\n")

@@ -11,10 +11,13 @@ import os
 import re
 import sys
 from collections.abc import Sequence
+from types import ModuleType
 from typing import NoReturn
 
 from grader import __version__
+from grader.commands.options import told_value
 from grader.contracts.errors import GraderError
+from grader.contracts.text import Language, Text
 
 COMMANDS: dict[str, str] = {
     "check": "grade one file here, as the service would / 本地预检",
@@ -40,23 +43,70 @@ _IN_CHINESE = (  # a message of argparse, as a pattern, and its Chinese wording
     (r"the following arguments are required: (.*)", r"缺少参数：\1"),
     (r"one of the arguments (.*) is required", r"要写其中一个：\1"),
     (r"unrecognized arguments: (.*)", r"没有这样的参数：\1"),
+    (r"argument (.*): expected at most one argument", r"\1 后面最多写一个值"),
+    (r"argument (.*): expected at least one argument", r"\1 后面至少写一个值"),
     (r"argument (.*): expected one argument", r"\1 后面缺少一个值"),
+    (r"argument (.*): expected (\d+) arguments?", r"\1 后面要写 \2 个值"),
     (r"argument (.*): invalid choice: (.*) \(choose from (.*)\)", r"\1 不能是 \2，可选：\3"),
+    (r"argument (.*): invalid int value: (.*)", r"\1 要写整数，不能是 \2"),
     (r"argument (.*): invalid \w+ value: (.*)", r"\1 的值不对：\2"),
+    (r"argument (.*): not allowed with argument (.*)", r"\1 和 \2 不能一起写"),
+    (r"argument (.*): ignored explicit argument (.*)", r"\1 后面不写值，多了 \2"),
+    (r"ambiguous option: (.*) could match (.*)", r"\1 写得不完整，可能是：\2"),
 )
+_OF_A_VALUE = re.compile(r"argument (.*?): (.*)", re.DOTALL)
+_LANGUAGE = re.compile(r"--lang(?:=|\0)(zh|en)")
+_LEAST_LIKENESS = 0.6
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose errors are in both languages: it fails before it has read which one is wanted."""
+    """A parser whose errors are one message, in the language that the command line asks for; else in Chinese."""
+
+    language: Language = "zh"
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong and how to get help, and exit."""
-        chinese = "".join(
-            re.sub(en, zh, message) for en, zh in _IN_CHINESE if re.fullmatch(en, message, re.DOTALL)
-        )
-        self.print_usage(sys.stderr)
-        lines = [chinese, message, f"→ {self.prog} --help"]
-        self.exit(EXIT_NOT_DONE, "".join(f"{self.prog}: {line}\n" for line in lines if line))
+        from grader.render.escape import visible
+
+        told = _in_chinese(message) if self.language == "zh" else _in_english(message)
+        line = visible(f"{self.prog}: {told}{_meant(message, self.language)}")
+        self.exit(EXIT_NOT_DONE, f"{line}\n→ {self.prog} --help\n")
+
+
+def _in_chinese(message: str) -> str:
+    value = _OF_A_VALUE.fullmatch(message)
+    if value is not None and (told := told_value(value[2])) is not None:
+        return f"{value[1]}：{told.zh}"
+    for english, chinese in _IN_CHINESE:
+        if (found := re.fullmatch(english, message, re.DOTALL)) is not None:
+            return found.expand(chinese)
+    return f"命令写得不对（{message}）"
+
+
+def _in_english(message: str) -> str:
+    value = _OF_A_VALUE.fullmatch(message)
+    told = None if value is None else told_value(value[2])
+    return message if value is None or told is None else f"{value[1]}: {told.en}"
+
+
+def _meant(message: str, language: Language) -> str:
+    """Return the choice that a wrong one is like, as a question."""
+    found = re.fullmatch(r".*: invalid choice: '(.*)' \(choose from (.*)\)", message, re.DOTALL)
+    if found is None:
+        return ""
+    import difflib
+
+    choices = [choice.strip("' ") for choice in found[2].split(",")]
+    likely = difflib.get_close_matches(found[1], choices, 1, _LEAST_LIKENESS)
+    question = Text(zh="（是不是 {}？）", en=" (did you mean {}?)").get(language)
+    return question.format(likely[0]) if likely else ""
+
+
+def _language(argv: Sequence[str]) -> Language:
+    """Return the language that the arguments ask for, before they are parsed."""
+    own = argv[: argv.index("--")] if "--" in argv else argv
+    found = _LANGUAGE.findall("\0".join(own))
+    return found[-1] if found else "zh"
 
 
 def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespace:
@@ -71,8 +121,17 @@ def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespac
     return arguments
 
 
+def _prepared(command: str, argv: list[str]) -> tuple[ModuleType, argparse.Namespace]:
+    """Import the command and parse its arguments."""
+    module = importlib.import_module(f"grader.commands.{command}")
+    parser = Parser(prog=f"grader {command}", description=COMMANDS[command])
+    module.configure(parser)
+    return module, _parse(parser, argv, getattr(module, "PASSES_ON", ""))
+
+
 def run(argv: Sequence[str]) -> int:
     """Run one command and return the process's exit code. Bad input is told in one line, without a traceback."""
+    Parser.language = _language(argv)
     parser = Parser(
         prog="grader",
         description="Auto-grader for introductory ROS 2 (rclpy) motion exercises / ROS 2 运动练习自动评分",
@@ -85,19 +144,16 @@ def run(argv: Sequence[str]) -> int:
     if not argv:
         parser.print_help(sys.stderr)
         return EXIT_NOT_DONE
-    chosen = parser.parse_args(argv)
-    module = importlib.import_module(f"grader.commands.{chosen.command}")
-    command_parser = Parser(prog=f"grader {chosen.command}", description=COMMANDS[chosen.command])
-    module.configure(command_parser)
-    arguments = _parse(command_parser, chosen.arguments, getattr(module, "PASSES_ON", ""))
     try:
+        chosen = parser.parse_args(argv)
+        module, arguments = _prepared(chosen.command, chosen.arguments)
         code = int(module.run(arguments))
         sys.stdout.flush()
         return code
     except GraderError as error:
         from grader.render.escape import visible
 
-        sys.stderr.write(f"grader: {visible(error.told(getattr(arguments, 'lang', 'zh')))}\n")
+        sys.stderr.write(f"grader: {visible(error.told(Parser.language))}\n")
         return EXIT_NOT_DONE
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED

@@ -35,3 +35,17 @@ def add_grading_options(parser: argparse.ArgumentParser) -> None:
 def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:
     """Say on standard error what was done, in the language of `add_language_option`."""
     sys.stderr.write(Text(zh=zh, en=en).get(arguments.lang) + "\n")
+
+
+_OTHER_LANGUAGE = "\0"
+
+
+def wrong_value(*, zh: str, en: str) -> argparse.ArgumentTypeError:
+    """Return what the type of an option raises at a value it cannot take."""
+    return argparse.ArgumentTypeError(f"{zh}{_OTHER_LANGUAGE}{en}")
+
+
+def told_value(message: str) -> Text | None:
+    """Return what `wrong_value` was given, None when `message` is argparse's own."""
+    zh, separator, en = message.partition(_OTHER_LANGUAGE)
+    return Text(zh=zh, en=en) if separator else None

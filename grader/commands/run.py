@@ -4,23 +4,36 @@ import argparse
 import math
 import re
 import sys
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from grader.catalog.files import interface_files
 from grader.commands.check import faults_explained, read_source
-from grader.commands.options import add_grading_options, add_language_option
+from grader.commands.options import add_grading_options, add_language_option, wrong_value
+from grader.commands.plots import check_plot_path, form_of, write_plot
 from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, InterfaceDefinition, World
 from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.notation import decimal
-from grader.contracts.outcome import Blame
-from grader.contracts.text import EMPTY
-from grader.contracts.trajectory import decode_trajectory
+from grader.contracts.outcome import Blame, RunOutcome
+from grader.contracts.report import GradeReport
+from grader.contracts.text import EMPTY, Text
+from grader.contracts.trajectory import Trajectory, decode_trajectory
 from grader.grading.slot import Slot, SlotConfig
+from grader.messages.quantity import number
+from grader.render.labels import word
+
+if TYPE_CHECKING:
+    from rich.console import Console
 
 PASSES_ON = "args"
 """The option that takes everything after the first ``--``, further ``--`` included: the script's arguments."""
 
+_NOT_ASKED = ("no_publisher", "teleported")
+"""Mistakes in an exercise about driving that are none in a mere run."""
+
+_MOST_SPEED = 100.0
 _LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
 
 
@@ -46,12 +59,25 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--interfaces", type=Path, metavar="DIR",
                         help="import the interfaces of this assignment's folder / 用这个作业的接口")  # fmt: skip
+    parser.add_argument(
+        "--watch",
+        action="store_true",
+        help="show the drive as it goes, in the terminal / 在终端里播放行驶过程",
+    )
+    parser.add_argument(
+        "--speed", type=_factor, default=1.0, metavar="FACTOR", help="of --watch (1) / 播放速度的倍数（1）"
+    )
+    parser.add_argument(
+        "--plot", type=Path, metavar="OUT", help="draw the drive to OUT, .png or .svg / 把轨迹画到 OUT"
+    )
     add_language_option(parser)
     add_grading_options(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the script; 0 when it ended well, 1 when it failed."""
+    if arguments.plot is not None:
+        check_plot_path(arguments.plot)
     job = GradingJob(
         file_name=arguments.file.name, source=read_source(arguments.file), assignment=_sandpit(arguments)
     )
@@ -63,13 +89,15 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _sandpit(arguments: argparse.Namespace) -> Assignment:
     """Return an assignment that asks for nothing."""
+    name = arguments.file.name
     return Assignment(
         id="run",
         version=1,
         order=0,
-        title=EMPTY,
+        title=Text(zh=name, en=name),
         brief=EMPTY,
-        check="node",
+        check="motion",
+        options={"direction": "forward"},
         items=(),
         horizon_s=arguments.horizon_s,
         world=World(cmd_vel_topic=arguments.topic, walls=not arguments.no_walls),
@@ -96,32 +124,87 @@ def _show(arguments: argparse.Namespace, result: GradingResult) -> None:
     from grader.render.terminal import console
     from grader.render.timeline import render_timeline
 
-    outcome = result.report.runs[0].outcome
-    trajectory = decode_trajectory(result.trajectories[result.report.runs[0].case])
-    for stream, target in ((outcome.stdout, sys.stdout), (outcome.stderr, sys.stderr)):
-        target.write(visible(stream.text))
+    run = result.report.runs[0]
+    trajectory = decode_trajectory(result.trajectories[run.case])
+    requests = result.requests.get(run.case, ())
     output = console()
-    output.print(render_timeline(outcome, trajectory, language=arguments.lang))
-    x_m, y_m = trajectory.x_m[-1], trajectory.y_m[-1]
-    heading_deg = math.degrees(math.remainder(trajectory.heading_rad[-1], math.tau))
-    output.print(
-        f"x = {x_m:.3f} m   y = {y_m:.3f} m   θ = {heading_deg:.1f}°   t = {outcome.duration_ns / 1e9:.3f} s"
+    if arguments.watch:
+        from grader.render.live import watch
+
+        watch(output, trajectory, run.outcome.logs, speed=arguments.speed)
+    for stream, target in ((run.outcome.stdout, sys.stdout), (run.outcome.stderr, sys.stderr)):
+        text = visible(stream.text)
+        target.write(text if not text or text.endswith("\n") else f"{text}\n")
+        target.flush()
+    output.print(render_timeline(run.outcome, trajectory, language=arguments.lang, requests=requests))
+    output.print(_end(run.outcome, trajectory))
+    _advise(arguments, result.report, output)
+    if arguments.plot is not None:
+        _plot(arguments, result.report, trajectory)
+
+
+def _end(outcome: RunOutcome, track: Trajectory) -> str:
+    heading_deg = math.degrees(math.remainder(float(track.heading_rad[-1]), math.tau))
+    return (
+        f"x = {track.x_m[-1]:.3f} m   y = {track.y_m[-1]:.3f} m   θ = {number(heading_deg, 'deg')}"
+        f"   t = {outcome.duration_ns / 1e9:.3f} s"
     )
+
+
+def _advise(arguments: argparse.Namespace, report: GradeReport, output: "Console") -> None:
+    """Print what `grader check` would call the next step, unless it is about an exercise."""
+    from grader.render.escape import visible
+    from grader.render.terminal import next_steps
+
+    if not report.mistakes or report.mistakes[0] in _NOT_ASKED:
+        return
+    said = []
+    if report.mistakes[0] != "no_input":  # its hint speaks of an exercise
+        said.append(visible(report.hint.get(arguments.lang)))
+    if report.mistakes[0] in ("no_input", "asks_again"):
+        command = f"grader run {visible(str(arguments.file))} --input '2.0'"
+        said.append(word("give_input", arguments.lang, command=command))
+    output.print()
+    output.print(next_steps(said, arguments.lang))
+
+
+def _plot(arguments: argparse.Namespace, report: GradeReport, trajectory: Trajectory) -> None:
+    form = form_of(arguments.plot)
+    from grader.render.plot import plot
+
+    end = _end(report.runs[0].outcome, trajectory)
+    told = replace(report, summary=Text(zh=end, en=end))
+    picture = plot(_sandpit(arguments), told, trajectory, None, arguments.lang, form=form)
+    write_plot(arguments.plot, picture)
+    sys.stdout.write(f"→ {arguments.plot}\n")
 
 
 def _topic(text: str) -> str:
     if not re.fullmatch(TOPIC_PATTERN, text) or len(text) > _LONGEST_TOPIC:
-        raise argparse.ArgumentTypeError(
-            f"{text!r} is no name of a topic: / and letters, digits, _, such as /turtle1/cmd_vel"
+        raise wrong_value(
+            zh=f"{text!r} 不是话题名：用 /、字母、数字和 _，例如 /turtle1/cmd_vel",
+            en=f"{text!r} is no name of a topic: / and letters, digits, _, such as /turtle1/cmd_vel",
         )
     return text
 
 
 def _seconds(text: str) -> float:
+    return _between(text, 600.0, zh="要写虚拟秒数", en="write virtual seconds")
+
+
+def _factor(text: str) -> float:
+    return _between(text, _MOST_SPEED, zh="要写倍数", en="write a factor")
+
+
+def _between(text: str, most: float, *, zh: str, en: str) -> float:
+    """Return a number above 0 and up to `most`."""
     try:
         value = decimal(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number of seconds") from None
-    if not 0.0 < value <= 600.0:
-        raise argparse.ArgumentTypeError(f"{text}: must be more than 0 and at most 600 virtual seconds")
+        value = math.nan
+    if not 0.0 < value <= most:
+        raise wrong_value(
+            zh=f"{text!r} 不行：{zh}，大于 0，最大 {most:g}",
+            en=f"{text!r} will not do: {en} above 0 and up to {most:g}",
+        )
     return value

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from datetime import timedelta
 from io import TextIOWrapper
 
-from grader.commands.options import add_language_option, tell
+from grader.commands.options import add_language_option, tell, wrong_value
 from grader.commands.storage import (
     OpenedStore,
     actor,
@@ -132,5 +132,7 @@ def _days(text: str) -> int:
     except ValueError:
         days = 0
     if not 1 <= days <= _MOST_DAYS:
-        raise argparse.ArgumentTypeError(f"{text}: must be from 1 to {_MOST_DAYS} days")
+        raise wrong_value(
+            zh=f"{text!r} 不行：天数从 1 到 {_MOST_DAYS}", en=f"{text!r} will not do: 1 to {_MOST_DAYS} days"
+        )
     return days

@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping
 from typing import Protocol
 
 from grader.contracts.assignment import Assignment
-from grader.contracts.record import Record
+from grader.contracts.record import Record, field
 from grader.contracts.report import GradeReport, Measurements
 
 
@@ -21,16 +21,26 @@ class GradingJob(Record):
     assignment: Assignment
 
 
+class WorldRequest(Record):
+    """A call of one of turtlesim's services by the script; `values` are the fields of the request."""
+
+    t_ns: int
+    service: str
+    values: str = ""
+
+
 class GradingResult(Record):
     """A finished grading.
 
     Attributes:
         trajectories: per case id, the bytes of `grader.contracts.encode_trajectory`.
+        requests: per case id, the first calls of the world's services; not stored.
     """
 
     report: GradeReport
     trajectories: Mapping[str, bytes]
     measurements: Measurements
+    requests: Mapping[str, tuple[WorldRequest, ...]] = field(default_factory=dict)
 
 
 class SyntaxProblem(Record):

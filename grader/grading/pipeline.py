@@ -82,7 +82,13 @@ class Pipeline:
             if not is_repeatable(episode, jail)
         )
         return GradingResult(
-            report=report, trajectories=trajectories, measurements=replace(measurements, cut_output=cut)
+            report=report,
+            trajectories=trajectories,
+            measurements=replace(measurements, cut_output=cut),
+            requests={
+                case.id: episode.requests
+                for case, (episode, _) in zip(job.assignment.cases, accounts, strict=True)
+            },
         )
 
     def _run_repeatably(self, job: GradingJob, case: Case, on_run: Callable[[], None]) -> Account:

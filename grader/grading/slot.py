@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError, lacks_room
-from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.grading import GradingJob, GradingResult, WorldRequest
 from grader.contracts.record import from_plain, to_plain
 from grader.contracts.report import GradeReport, Measurements
 from grader.grading.launch import Child, launch
@@ -217,6 +217,10 @@ class Slot:
                 report=from_plain(GradeReport, answer["report"]),
                 trajectories={case: text.encode() for case, text in answer["trajectories"].items()},
                 measurements=from_plain(Measurements, answer["measurements"]),
+                requests={
+                    case: tuple(from_plain(WorldRequest, one) for one in made)
+                    for case, made in answer["requests"].items()
+                },
             )
         except (KeyError, AttributeError, ValueError) as error:
             raise self._failed(error) from error
@@ -277,6 +281,7 @@ def result_message(result: GradingResult) -> dict[str, Any]:
         "report": result.report,
         "trajectories": {case: data.decode() for case, data in result.trajectories.items()},
         "measurements": result.measurements,
+        "requests": result.requests,
     }
 
 

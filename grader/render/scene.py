@@ -20,7 +20,7 @@ class Scene:
     """One run of a submission, ready to be drawn.
 
     Attributes:
-        score: the score line, e.g. ``得分 8 / 10``. full: whether that is full marks.
+        score: the score line, e.g. ``得分 8 / 10``; empty where nothing is scored. full: full marks.
         walls: whether turtlesim's window has walls.
         trajectory: None when nothing was recorded.
     """
@@ -83,8 +83,8 @@ def compose(  # noqa: PLR0913, PLR0917
     return Scene(
         language=language,
         title=title,
-        score=_points(earned, points, language),
-        full=earned is not None and earned >= points,
+        score=_points(earned, points, language) if points else "",
+        full=points > 0.0 and earned is not None and earned >= points,
         summary=report.summary.get(language),
         outcome=run.outcome,
         trajectory=trajectory,

@@ -4,7 +4,7 @@ Text from a submission passes `grader.render.escape.visible` and enters rich onl
 content is never read as markup.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import chain
 from typing import TextIO
 
@@ -136,15 +136,18 @@ def _next_steps(report: GradeReport, language: Language) -> Iterator[RenderableT
         hint = visible(sentence.get(language))
         if hint and hint not in said:
             said.append(hint)
-    if not said:
-        return
+    if said:
+        yield next_steps(said, language)
+
+
+def next_steps(said: Iterable[str], language: Language) -> RenderableType:
+    """Return what to do next, one line behind the other; each must be safe to show."""
     steps = Table.grid(padding=(0, 1))
     steps.add_column(no_wrap=True)
     steps.add_column(overflow="fold")
     for hint in said:
         steps.add_row(Text("→", style="bold cyan"), Prose(hint))
-    yield Text(word("next_step", language), style="bold cyan")
-    yield Padding(steps, (0, 0, 1, 1))
+    return Group(Text(word("next_step", language), style="bold cyan"), Padding(steps, (0, 0, 1, 1)))
 
 
 def _case_name(run: CaseRun, report: GradeReport, language: Language) -> str:

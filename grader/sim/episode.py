@@ -8,11 +8,13 @@ from typing import Any, Final
 
 from grader.contracts.assignment import InterfaceDefinition, ServiceCall, World
 from grader.contracts.errors import ProtocolError
+from grader.contracts.grading import WorldRequest
 from grader.contracts.outcome import Endpoint, LogRecord, Note, ServiceResult
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import HEADER
+from grader.sim.cdr import decode as read
 from grader.sim.frames import (
     CLIENT,
     INTERRUPTED_NOTE,
@@ -43,6 +45,7 @@ from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
 ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
 """A script that has gone this long without ADVANCE runs ahead. One that subscribes sends it every 16 ms."""
+MAX_REQUESTS: Final = 200  # whose values are kept
 NEVER_NS: Final = 1 << 62
 # Within a second, as any program starts: who counts whole seconds only is wrong here as at home. Five eighths, so
 # that floating point rounds times as it would from a whole second on.
@@ -87,6 +90,7 @@ class EpisodeResult(Record):
         duration_ns: virtual time at which the script ended, at most the horizon.
         sim_steps: physics steps computed.
         most_steps: what the script was allowed to do.
+        requests: the first calls of the world's services.
     """
 
     trajectory: Trajectory
@@ -105,6 +109,7 @@ class EpisodeResult(Record):
     sim_steps: int
     calls: tuple[ServiceResult, ...] = ()
     most_steps: int | None = None
+    requests: tuple[WorldRequest, ...] = ()
 
 
 class Episode:
@@ -121,6 +126,7 @@ class Episode:
         self._calls = ServiceCalls(spec.calls, self._graph, spec.interfaces)
         self._sinks: dict[int, Callable[[int, bytes], None]] = {}
         self._now_ns = 0
+        self._requests: list[WorldRequest] = []
         self._asked_ns: int | None = None  # the last time, while script and world take turns
         self._exit: Exit | None = None
         self._has_started = False
@@ -228,14 +234,19 @@ class Episode:
             self._sinks.pop(frame.id, None)
             self._world.outbox.unsubscribe(frame.id)
         elif isinstance(frame, Request):
-            client = self._graph.get(frame.id, CLIENT)
-            if self._world.services.get(client.name) == client.type and not self._world.request(
-                client.name, frame
-            ):
-                self._journal.note("too_many_requests", client.name)
+            self._request(self._graph.get(frame.id, CLIENT), frame)
         else:
             self._graph.get(frame.id, SERVICE)
             self._calls.answer(frame)
+
+    def _request(self, client: Entity, frame: Request) -> None:
+        """Hand a request to the world, if it offers the service."""
+        if self._world.services.get(client.name) != client.type:
+            return
+        if len(self._requests) < MAX_REQUESTS and (values := _asked(client.type, frame.payload)) is not None:
+            self._requests.append(WorldRequest(t_ns=frame.t_ns, service=client.name, values=values))
+        if not self._world.request(client.name, frame):
+            self._journal.note("too_many_requests", client.name)
 
     def _connect(self, entity: Entity) -> None:
         """Connect a publisher or subscription with the world where topic, type and QoS agree."""
@@ -338,6 +349,7 @@ class Episode:
             sim_steps=turtle.steps_run,
             calls=self._calls.results,
             most_steps=self._spec.steps,
+            requests=tuple(self._requests),
         )
 
     def _come_to_rest(self, violation: str | None) -> tuple[int, str | None]:
@@ -350,3 +362,25 @@ class Episode:
                 violation = str(error)
         self._world.forget_requests()
         return self._world.settle(self._now_ns, horizon_ns), violation
+
+
+_LONGEST_VALUES: Final = 200
+
+
+def _asked(service_type: str, payload: bytes) -> str | None:
+    """Return a request's fields as the script wrote them; None of a request that is no call of the student's.
+
+    Of an action, only the goal is; asking for its result and its state is rclpy's own doing.
+    """
+    if service_type.endswith(("_GetResult", "_CancelGoal")) or service_type.startswith("rcl_interfaces/"):
+        return None
+    try:
+        values = read(f"{service_type}_Request", payload)
+    except ProtocolError:  # the world finds it, too, when it serves the request
+        return None
+    shown = ", ".join(f"{name}={_written(value)}" for name, value in values.get("goal", values).items())
+    return shown[:_LONGEST_VALUES]
+
+
+def _written(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else repr(value)  # a float32 has six digits

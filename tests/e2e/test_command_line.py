@@ -141,7 +141,7 @@ def test_no_name_of_a_topic_is_refused(capsys: pytest.CaptureFixture[str], topic
     with pytest.raises(SystemExit) as ended:
         cli.run(["run", "mystery.py", "--topic", topic])
     assert ended.value.code == 2
-    assert "is no name of a topic" in capsys.readouterr().err
+    assert "不是话题名" in capsys.readouterr().err
 
 
 def test_run_shows_logs_timeline_and_end_pose_without_grading(tmp_path: Path) -> None:
@@ -149,6 +149,18 @@ def test_run_shows_logs_timeline_and_end_pose_without_grading(tmp_path: Path) ->
     assert done.returncode == 0, done.stderr
     assert "[INFO] [1700000001.625000000] [square_mover]: 🏁 开始走正方形!" in done.stderr
     assert "t = 16.123 s" in done.stdout
+
+
+def test_run_tells_what_to_do_about_a_crash_and_draws_what_was_driven(tmp_path: Path) -> None:
+    source = (LESSON / "square_mover.py").read_text(encoding="utf-8")
+    asks = source.replace("    node.destroy_node()\n", "    input('? ')\n")
+    (tmp_path / "asks.py").write_text(asks, encoding="utf-8")
+    done = grader("run", "asks.py", "--watch", "--plot", "drive.svg", cwd=tmp_path)
+    assert (done.returncode, "\x1b" in done.stdout) == (1, False)
+    assert "t = 16.12 s" in done.stdout  # the last picture, as a pipe gets it
+    assert "grader run asks.py --input" in " ".join(done.stdout.split())
+    assert b"<svg" in (tmp_path / "drive.svg").read_bytes()
+    assert "EOFError" in done.stderr
 
 
 @pytest.mark.parametrize("name", [assignment.id for assignment in catalog().all()])

@@ -1,6 +1,7 @@
 """What the command line itself says."""
 
 import argparse
+import re
 from pathlib import Path
 
 import pytest
@@ -16,21 +17,55 @@ from grader.commands import run as run_command
         (["check"], "grader check: 缺少参数：file", "are required: file"),
         (["check", "a.py", "b.py"], "没有这样的参数：b.py", "unrecognized arguments: b.py"),
         (["check", "a.py", "--plot"], "--plot 后面缺少一个值", "expected one argument"),
+        (["check", "a.py", "--isolation", "stict"], "（是不是 strict？）", "(did you mean strict?)"),
+        (["check", "a.py", "--json=1"], "--json 后面不写值，多了 '1'", "ignored explicit argument"),
+        (["check", "a.py", "--a", "x"], "--a 写得不完整", "ambiguous option"),
         (["token", "revoke"], "要写其中一个：person --token", "is required"),
-        (["serve", "--port", "x"], "--port 的值不对：'x'", "invalid int value"),
-        (["run", "a.py", "--for", "x"], "", "is not a number of seconds"),
+        (["token", "issue", "li", "--days", "0"], "天数从 1 到", "1 to 3660 days"),
+        (["serve", "--port", "x"], "--port 要写整数，不能是 'x'", "invalid int value"),
+        (["run", "a.py", "--for", "x"], "--for：'x' 不行：要写虚拟秒数", "write virtual seconds"),
+        (["run", "a.py", "--speed", "0"], "--speed：'0' 不行：要写倍数", "write a factor"),
+        (["run", "a.py", "--topic", "a b"], "不是话题名", "no name of a topic"),
     ],
 )
-def test_wrong_arguments_are_told_in_both_languages(
-    arguments: list[str], chinese: str, english: str, capsys: pytest.CaptureFixture[str]
+@pytest.mark.parametrize("language", ["zh", "en"])
+def test_a_wrong_argument_is_one_message_in_one_language(
+    arguments: list[str], chinese: str, english: str, language: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     with pytest.raises(SystemExit) as left:
-        cli.run(arguments)
+        cli.run([*arguments, f"--lang={language}"] if language == "en" else arguments)
     assert left.value.code == cli.EXIT_NOT_DONE
-    said = capsys.readouterr().err
-    assert chinese in said
-    assert english in said
-    assert "--help" in said.splitlines()[-1]
+    said, help_line = capsys.readouterr().err.splitlines()
+    wanted, other = (chinese, english) if language == "zh" else (english, chinese)
+    assert wanted in said
+    assert other not in said
+    assert help_line.endswith("--help")
+
+
+def test_every_error_of_argparse_has_its_chinese_words() -> None:
+    source = Path(argparse.__file__).read_text(encoding="utf-8")
+    wordings = set(re.findall(r"_\(\s*'([^']*)'\s*\)", source)) & set(EXPECTED_WORDINGS)
+    for wording in wordings:
+        message = re.sub(r"%(\(\w+\))?[rs]", "int", wording)
+        message = message if message.startswith(OF_NO_OPTION) else f"argument --x: {message}"
+        assert "（" not in cli._in_chinese(message), message
+    assert len(wordings) >= 8
+
+
+OF_NO_OPTION = ("the following", "one of", "unrecognized", "ambiguous")
+EXPECTED_WORDINGS = (
+    "the following arguments are required: %s",
+    "one of the arguments %s is required",
+    "unrecognized arguments: %s",
+    "expected one argument",
+    "expected at most one argument",
+    "expected at least one argument",
+    "invalid choice: %(value)r (choose from %(choices)s)",
+    "invalid %(type)s value: %(value)r",
+    "not allowed with argument %s",
+    "ignored explicit argument %r",
+    "ambiguous option: %(option)s could match %(matches)s",
+)
 
 
 @pytest.mark.parametrize(

@@ -65,7 +65,7 @@ def send(message):
     write(len(data).to_bytes(4, "little") + data)
 config = receive()
 RESULT = {{"kind": "result", "report": {REPORT!r}, "trajectories": {{"default": "t" * 200_000}},
-          "measurements": dict({MEASUREMENTS!r}, isolation=config["mode"])}}
+          "measurements": dict({MEASUREMENTS!r}, isolation=config["mode"]), "requests": {{}}}}
 def serve():
     while True:
         receive()
