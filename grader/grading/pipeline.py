@@ -61,15 +61,8 @@ class Pipeline:
         accounts = [self._run_repeatably(job, case, on_run) for case in job.assignment.cases]
         source = decoded(job.source)
         runs = [
-            Run(
-                case=case.id,
-                trajectory=episode.trajectory,
-                outcome=merge(episode, jail),
-                calls=episode.calls,
-                source=source,
-                at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
-            )
-            for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
+            _scored_run(case, source, *account)
+            for case, account in zip(job.assignment.cases, accounts, strict=True)
         ]
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
         from grader.checks import evaluate
@@ -120,6 +113,17 @@ class Pipeline:
             isolation=self._sandbox.isolation,
             missing_layers=tuple(self._sandbox.missing_layers),
         )
+
+
+def _scored_run(case: Case, source: str, episode: EpisodeResult, jail: JailReport) -> Run:
+    return Run(
+        case=case.id,
+        trajectory=episode.trajectory,
+        outcome=merge(episode, jail),
+        calls=episode.calls,
+        source=source,
+        at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
+    )
 
 
 def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
