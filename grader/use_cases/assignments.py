@@ -1,5 +1,6 @@
 """Published assignments, and what they are to one student: what is shown, the dates, what is left."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from zoneinfo import ZoneInfo
@@ -7,8 +8,10 @@ from zoneinfo import ZoneInfo
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError, UnknownAssignmentError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.rules import NO_EXTENSION, Counted, Refusal, Rules
+from grader.contracts.rules import NO_EXTENSION, Attempt, Counted, Refusal, Rules
 from grader.contracts.text import Language
+from grader.store.intake import as_attempts
+from grader.store.rules import CourseRules
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import shown_assignment, shown_assignments
 
@@ -22,6 +25,8 @@ class Terms:
         attempts_left: in all; None: any number.
         counted: the attempt that counts; None while there is none, or while it would tell about hidden items.
         refusal: why the rules would accept no file from this student now; None: they would.
+        kept_share: of the points of what is handed in now, after lateness.
+        hides: whether students do not see some of the items now.
     """
 
     rules: Rules
@@ -31,6 +36,8 @@ class Terms:
     attempts_left: int | None
     counted: Counted | None
     refusal: Refusal | None
+    kept_share: float
+    hides: bool
 
 
 def published(services: Services, assignment_id: str) -> Assignment | None:
@@ -71,32 +78,46 @@ def checklist(services: Services, caller: Caller) -> tuple[Assignment, ...]:
 
 def terms_of(services: Services, caller: Caller, assignment_id: str) -> Terms:
     """Return the rules of an assignment as they hold for the caller; without courses nothing is ruled."""
-    known, person = services.rules.of(caller.course), caller.person
-    rules = known.of(assignment_id)
-    extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
+    person = caller.person
     attempts = () if person is None else services.submissions.attempts(person, assignment_id, caller.course)
-    now, is_student = services.clock(), caller.role is Role.STUDENT
-    is_hiding = is_student and bool(rules.hidden_at(now))
+    return _terms(services.rules.of(caller.course), caller, assignment_id, attempts, services.clock())
+
+
+def all_terms(services: Services, caller: Caller) -> dict[str, Terms]:
+    """Return by published assignment the rules as they hold for a member of a course; nothing without courses."""
+    if caller.course is None:
+        return {}
+    known, now = services.rules.of(caller.course), services.clock()
+    own = (
+        () if caller.person is None else services.submissions.of_student(caller.person, course=caller.course)
+    )
+    in_order = as_attempts(sorted(own, key=lambda one: (one.received_at, one.id)))
+    of = {one.id: one.assignment for one in own}
+    return {
+        published.id: _terms(
+            known, caller, published.id, [one for one in in_order if of[one.id] == published.id], now
+        )
+        for published in services.assignments.all()
+    }
+
+
+def _terms(
+    known: CourseRules, caller: Caller, assignment_id: str, attempts: Sequence[Attempt], now: datetime
+) -> Terms:
+    rules, person = known.of(assignment_id), caller.person
+    extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
+    is_student, hides = caller.role is Role.STUDENT, bool(rules.hidden_at(now))
     return Terms(
         rules=rules,
         zone=known.zone,
         due=rules.due_for(extension),
         attempts_used=sum(one.costs for one in attempts),
         attempts_left=rules.attempts_left(extension, attempts),
-        counted=None if is_hiding else rules.counting(extension, attempts),
+        counted=None if is_student and hides else rules.counting(extension, attempts),
         refusal=rules.refusal(extension, attempts, now, known.zone) if is_student else None,
+        kept_share=rules.kept_share(extension, now),
+        hides=hides,
     )
-
-
-def due_dates(services: Services, caller: Caller) -> dict[str, datetime | None]:
-    """Return by assignment when it is due for a member of a course; nothing without courses."""
-    if caller.course is None:
-        return {}
-    known, person = services.rules.of(caller.course), caller.person or ""
-    return {
-        assignment: rules.due_for(known.extension(assignment, person))
-        for assignment, rules in known.by_assignment.items()
-    }
 
 
 def item_title(assignment: Assignment | None, item_id: str, language: Language) -> str:

@@ -1,5 +1,6 @@
 """Reading a submission: where it stands, how it was graded, the file itself, and the attempts beside it."""
 
+from collections import defaultdict
 from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
@@ -7,6 +8,7 @@ from datetime import datetime
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
+from grader.store.intake import as_attempts
 from grader.store.rules import CourseRules
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found, shown_list, visible_submission
@@ -43,6 +45,15 @@ class ShownSubmission:
     position: int | None
     estimated_finish_at: datetime | None
     lateness: Lateness
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PastAttempt:
+    """A submission in a list of its student's: what lateness costs it, and whether it is the one that counts."""
+
+    submission: Submission
+    lateness: Lateness
+    counts: bool
 
 
 def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmission:
@@ -98,6 +109,35 @@ def attempts(
         raise RefusedError("forbidden")
     own = services.submissions.of_student(student, assignment, course=caller.course)
     return shown_list(services, caller, own)
+
+
+def history(
+    services: Services, caller: Caller, student: str, assignment: str | None = None
+) -> tuple[PastAttempt, ...]:
+    """Return a student's submissions as `attempts` does, each with what the rules make of it.
+
+    Raises:
+        RefusedError: the student's work is not the caller's to see.
+    """
+    listed, known = attempts(services, caller, student, assignment), services.rules.of(caller.course)
+    counted = set() if caller.course is None else _counted(listed, known, caller, services.clock())
+    return tuple(
+        PastAttempt(submission=one, lateness=_lateness(one, known), counts=one.id in counted)
+        for one in listed
+    )
+
+
+def _counted(listed: Iterable[Submission], known: CourseRules, caller: Caller, now: datetime) -> set[str]:
+    """Return the ids of the attempts that count; of none with items that are hidden from the caller."""
+    own: dict[str, list[Submission]] = defaultdict(list)
+    for one in listed:
+        if caller.is_staff or not known.of(one.assignment).hidden_at(now):
+            own[one.assignment].append(one)
+    found = (
+        known.of(assignment).counting(known.extension(assignment, some[0].student), as_attempts(some))
+        for assignment, some in own.items()
+    )
+    return {one.attempt.id for one in found if one is not None}
 
 
 def best_of(submissions: Iterable[Submission]) -> dict[str, Submission]:

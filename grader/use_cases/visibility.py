@@ -8,7 +8,8 @@ its own.
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from datetime import datetime
 from typing import Any
 
 from grader.contracts.assignment import Assignment
@@ -25,6 +26,20 @@ from grader.use_cases.services import Services
 
 _RETRY_AFTER_S = 5
 _EMPTY = {"zh": "", "en": ""}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Hiding:
+    """Which items of an assignment students do not see now, and until when; None: for ever."""
+
+    items: frozenset[str]
+    until: datetime | None
+
+
+def hiding(services: Services, submission: Submission) -> Hiding:
+    """Return what students do not see of a submission now; which items that are is for staff alone."""
+    rules = services.rules.of(submission.course).of(submission.assignment)
+    return Hiding(items=rules.hidden_at(services.clock()), until=rules.hidden_until)
 
 
 def visible_submission(services: Services, caller: Caller, submission_id: str) -> Submission:
@@ -84,7 +99,12 @@ def shown(
     services: Services, caller: Caller, submission: Submission, stored: StoredReport | None
 ) -> tuple[Submission, StoredReport | None]:
     """Return a submission and its grading as the caller may see them."""
-    hidden = _hidden(services, caller, submission.assignment)[submission.assignment]
+    return _shown(submission, stored, _hidden(services, caller, submission.assignment)[submission.assignment])
+
+
+def _shown(
+    submission: Submission, stored: StoredReport | None, hidden: frozenset[str]
+) -> tuple[Submission, StoredReport | None]:
     if not hidden or stored is None:
         return submission, stored
     report = _without(json.loads(stored.content), hidden)
@@ -107,10 +127,16 @@ def shown(
 def shown_list(
     services: Services, caller: Caller, submissions: Iterable[Submission]
 ) -> tuple[Submission, ...]:
-    """Return submissions without what hidden items are part of: scores, and that somebody has to judge one."""
+    """Return submissions as the caller may see them: scores are those of the items that are shown."""
     listed = tuple(submissions)
     hidden = _hidden(services, caller, *{one.assignment for one in listed})
-    return tuple(_without_score(one) if hidden[one.assignment] else one for one in listed)
+    return tuple(_listed(services, one, hidden[one.assignment]) for one in listed)
+
+
+def _listed(services: Services, submission: Submission, hidden: frozenset[str]) -> Submission:
+    if not hidden or submission.report_sha256 is None:
+        return submission
+    return _shown(submission, services.submissions.report(submission.id), hidden)[0]
 
 
 def _hidden(services: Services, caller: Caller, *assignments: str) -> dict[str, frozenset[str]]:
@@ -134,12 +160,6 @@ def _without_items(assignment: Assignment, hidden: frozenset[str]) -> Assignment
         if item.id not in hidden
     )
     return replace(assignment, items=items)
-
-
-def _without_score(submission: Submission) -> Submission:
-    waits = submission.verdict is GradeStatus.NEEDS_MANUAL
-    verdict = None if waits else submission.verdict
-    return replace(submission, score=None, max_score=None, report_sha256=None, verdict=verdict, to_judge=None)
 
 
 def _without(report: dict[str, Any], hidden: frozenset[str]) -> dict[str, Any]:

@@ -3,7 +3,9 @@
 Everything here is still raw text; the templates escape it.
 """
 
-from dataclasses import dataclass
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchSide
@@ -17,9 +19,9 @@ from grader.contracts.outcome import (
     StudentError,
 )
 from grader.contracts.report import CaseRun, GradeReport, GradeStatus
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.text import Language
-from grader.messages import quantity
+from grader.messages import on_page, quantity
 from grader.messages.details import explained
 from grader.render.labels import (
     ITEM_MARK,
@@ -30,11 +32,19 @@ from grader.render.labels import (
     word,
 )
 
+_LOGGED = re.compile(r"\[([A-Z]+)\] \[\d+\.\d{9}\] \[(.*?)\]: (.*)")
+"""A log message as rclpy writes it to the console: level, instant, name, text."""
+
+_LONGEST_LOG_LINES = 20
+"""A message of more lines is not looked for in the output: it is shown twice."""
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ItemLine:
-    """One rubric item. `mark` tells the status without colour."""
+    """One rubric item, of one case where there are several. `mark` tells the status without colour."""
 
+    id: str
+    case: str
     title: str
     status: str
     mark: str
@@ -45,6 +55,28 @@ class ItemLine:
     wanted: str
     message: str
     hint: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ItemGroup:
+    """One rubric item in all cases: its points together, and a line for each case."""
+
+    id: str
+    title: str
+    status: str
+    mark: str
+    status_text: str
+    earned: str
+    points: str
+    lines: tuple[ItemLine, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RunError:
+    """What ended the script, and in which runs."""
+
+    error: StudentError
+    cases: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -107,12 +139,16 @@ class ResultPage:
     summary: str
     hint: str
     items: tuple[ItemLine, ...]
+    groups: tuple[ItemGroup, ...]
     runs: tuple[RunPart, ...]
+    errors: tuple[RunError, ...]
 
 
 def result_page(report: GradeReport, assignment: Assignment | None, language: Language) -> ResultPage:
     """Return `report` in `language`; `assignment` names the cases, if it is still published."""
     share = 0.0 if report.score is None or report.max_score <= 0.0 else report.score / report.max_score
+    runs = tuple(_run(run, assignment, language) for run in report.runs)
+    titles = {part.case: part.title for part in runs} if len(runs) > 1 else {}
     return ResultPage(
         score=word("not_yet", language) if report.score is None else quantity.points(report.score),
         max_score=quantity.points(report.max_score),
@@ -121,16 +157,70 @@ def result_page(report: GradeReport, assignment: Assignment | None, language: La
         pending=report.score is None,
         status=status_word(report.status, language),
         normal=report.status in (GradeStatus.GRADED, GradeStatus.NEEDS_MANUAL),
-        summary=report.summary.get(language),
+        summary=_waiting(report, language) if report.score is None else report.summary.get(language),
         hint=report.hint.get(language),
         items=tuple(item_line(item, language) for item in report.items),
-        runs=tuple(_run(run, assignment, language) for run in report.runs),
+        groups=_groups(report.items, titles, language),
+        runs=runs,
+        errors=_errors(runs),
     )
 
 
-def item_line(item: RubricItem, language: Language) -> ItemLine:
-    """Return one rubric item."""
+def _waiting(report: GradeReport, language: Language) -> str:
+    """Return how much a person has still to judge, and what the rest has earned: that is no score yet."""
+    known = [item for item in report.items if item.status is not ItemStatus.NEEDS_MANUAL]
+    told = on_page(language, "result.waiting", count=len(report.items) - len(known))
+    if not known:
+        return told
+    earned, most = (
+        quantity.points(summed(getattr(one, name) for one in known)) for name in ("earned", "points")
+    )
+    return told + on_page(language, "result.so_far", earned=earned, points=most)
+
+
+def _groups(
+    items: Sequence[RubricItem], titles: Mapping[str, str], language: Language
+) -> tuple[ItemGroup, ...]:
+    """Return the items with those of several cases, which share their points, together."""
+    together: dict[str, list[RubricItem]] = {}
+    for item in items:
+        together.setdefault(item.id.rpartition("/")[2] if titles else item.id, []).append(item)
+    return tuple(_group(id_, some, titles, language) for id_, some in together.items())
+
+
+def _group(
+    item_id: str, items: Sequence[RubricItem], titles: Mapping[str, str], language: Language
+) -> ItemGroup:
+    states = {item.status for item in items}
+    status = states.pop() if len(states) == 1 else ItemStatus.PARTIAL
+    status = ItemStatus.NEEDS_MANUAL if ItemStatus.NEEDS_MANUAL in states else status
+    waits = status is ItemStatus.NEEDS_MANUAL
+    return ItemGroup(
+        id=item_id,
+        title=items[0].title.get(language),
+        status=status.value,
+        mark=ITEM_MARK[status].replace("-", "–"),
+        status_text=item_status_word(status, language),
+        earned=quantity.NOTHING if waits else quantity.points(summed(item.earned for item in items)),
+        points=quantity.points(summed(item.points for item in items)),
+        lines=tuple(item_line(item, language, titles.get(item.id.rpartition("/")[0], "")) for item in items),
+    )
+
+
+def _errors(runs: Sequence[RunPart]) -> tuple[RunError, ...]:
+    """Return what ended the script, the same in several runs once."""
+    found: dict[StudentError, list[str]] = {}
+    for part in runs:
+        if part.error is not None:
+            found.setdefault(part.error, []).append(part.title)
+    return tuple(RunError(error=error, cases=tuple(cases)) for error, cases in found.items())
+
+
+def item_line(item: RubricItem, language: Language, case: str = "") -> ItemLine:
+    """Return one rubric item, in the case of that title."""
     return ItemLine(
+        id=item.id,
+        case=case,
         title=item.title.get(language),
         status=item.status.value,
         mark=ITEM_MARK[item.status].replace("-", "–"),
@@ -177,9 +267,24 @@ def _run(run: CaseRun, assignment: Assignment | None, language: Language) -> Run
         notes=_notes(outcome, language),
         logs=tuple(_log(record) for record in outcome.logs[:SHOWN_LOGS]),
         logs_dropped=outcome.logs_dropped + max(0, len(outcome.logs) - SHOWN_LOGS),
-        stdout=stream_text(outcome.stdout),
-        stderr=stream_text(outcome.stderr),
+        stdout=stream_text(_without_logs(outcome.stdout, outcome.logs[:SHOWN_LOGS])),
+        stderr=stream_text(_without_logs(outcome.stderr, outcome.logs[:SHOWN_LOGS])),
     )
+
+
+def _without_logs(stream: Stream, logs: Sequence[LogRecord]) -> Stream:
+    """Return captured output without the log messages that the page shows by themselves."""
+    shown = {(one.level_name, one.name, *one.message.split("\n")) for one in logs}
+    lines = stream.text.split("\n")
+    kept, at = [], 0
+    while at < len(lines):
+        head = _LOGGED.fullmatch(lines[at])
+        sizes = () if head is None else range(1, _LONGEST_LOG_LINES + 1)
+        size = next((n for n in sizes if head and (*head.groups(), *lines[at + 1 : at + n]) in shown), 0)
+        if size == 0:
+            kept.append(lines[at])
+        at += max(size, 1)
+    return replace(stream, text="\n".join(kept))
 
 
 def _notes(outcome: RunOutcome, language: Language) -> tuple[str, ...]:

@@ -9,16 +9,15 @@ from fastapi.responses import RedirectResponse
 from grader.checks import published_rubric
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import RefusedError
-from grader.contracts.submission import Submission
 from grader.contracts.text import Language
 from grader.messages import on_page, quantity
 from grader.render.audit_lines import Teller
 from grader.routes.middleware import UploadRoute, arrival_of
 from grader.telemetry.context import note
-from grader.use_cases.assignments import Terms, checklist, due_dates, terms_of, visible_assignment
+from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
 from grader.use_cases.handing_in import Upload, hand_in
 from grader.use_cases.services import Services
-from grader.use_cases.submissions import attempts, best_of
+from grader.use_cases.submissions import PastAttempt, best_of, history
 from grader.web import access
 from grader.web.access import ServicesDep, Visitor, VisitorDep
 from grader.web.errors import form_problem
@@ -33,12 +32,14 @@ _MOST_ATTEMPTS = 50
 @router.get("/")
 def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
     """Show the checklist, with what the student reached so far."""
+    own = [one.submission for one in _attempts(services, visitor)]
     return page(
         request,
         "assignments.html",
         assignments=checklist(services, visitor.caller),
-        best=best_of(_attempts(services, visitor)),
-        due=due_dates(services, visitor.caller),
+        best=best_of(own),
+        latest={one.assignment: one for one in reversed(own)},
+        terms=all_terms(services, visitor.caller),
         now=services.clock(),
     )
 
@@ -73,11 +74,12 @@ def take_file(  # noqa: PLR0913, PLR0917
         arrived_at=arrival_of(request),
     )
     try:
-        submission, _ = hand_in(services, visitor.caller, upload)
+        submission, repeated = hand_in(services, visitor.caller, upload)
     except RefusedError as problem:
         note(code=problem.code)
         return _assignment_page(request, assignment, problem, student)
-    response = RedirectResponse(f"/submissions/{submission.id}", status_code=303)
+    same = "?same=true" if repeated else ""
+    response = RedirectResponse(f"/submissions/{submission.id}{same}", status_code=303)
     if visitor.open:
         access.enter_student(request, response, given)
     return response
@@ -88,11 +90,19 @@ def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) 
     """Show the student's earlier attempts, newest first."""
     access.require_known(visitor)
     titles = {one.id: one.title for one in services.assignments.all()}
-    return page(request, "attempts.html", attempts=_attempts(services, visitor), titles=titles)
+    own = _attempts(services, visitor)
+    return page(
+        request,
+        "attempts.html",
+        attempts=own,
+        titles=titles,
+        terms=all_terms(services, visitor.caller),
+        newest={one.submission.assignment: one.submission.id for one in reversed(own)},
+    )
 
 
-def _attempts(services: Services, visitor: Visitor, assignment: str | None = None) -> tuple[Submission, ...]:
-    return () if visitor.student is None else attempts(services, visitor.caller, visitor.student, assignment)
+def _attempts(services: Services, visitor: Visitor, assignment: str | None = None) -> tuple[PastAttempt, ...]:
+    return () if visitor.student is None else history(services, visitor.caller, visitor.student, assignment)
 
 
 def _assignment_page(

@@ -1,8 +1,9 @@
 """The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
 
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator
 from dataclasses import asdict
 from typing import Annotated, Any
+from urllib.parse import quote
 
 from fastapi import APIRouter, Depends, Header, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
@@ -13,53 +14,81 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import JudgedItem, judged
-from grader.contracts.report import CaseRun, GradeReport
-from grader.contracts.submission import StoredReport
+from grader.contracts.progress import Standing
+from grader.contracts.report import CaseRun, GradeReport, report_from
+from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Language
 from grader.messages import on_page
-from grader.render.labels import status_word
-from grader.routes.events import LastEventId, events, owner_of, progress_event, watched
+from grader.routes.events import LastEventId, events, owner_of, watched
 from grader.use_cases import recordings, submissions
-from grader.use_cases.assignments import published
+from grader.use_cases.assignments import published, terms_of
 from grader.use_cases.following import SubjectWatch
 from grader.use_cases.judging import judged_items
 from grader.use_cases.services import Services
+from grader.use_cases.visibility import hiding
 from grader.web import access
 from grader.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor, VisitorDep
 from grader.web.pages import language_of, page
 from grader.web.result import StreamText, figure_parts, result_page, stream_text
+from grader.web.source import SourceView, failing_lines, source_view
+from grader.web.waiting import left_s, progress
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
-_REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading")
+_REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "command", "times")
 Case = Annotated[str | None, Query(max_length=64)]
 
 
 @router.get("", dependencies=[COSTLY])
-def read(
+def read(  # noqa: PLR0913
     request: Request,
     services: ServicesDep,
     visitor: VisitorDep,
     submission_id: SubmissionId,
     case: Case = None,
+    *,
+    same: bool = False,
 ) -> Response:
-    """Show where a submission stands, and its grading once there is one."""
+    """Show where a submission stands, and its grading once there is one. `same`: the file was sent again."""
     access.require_known(visitor)
     found = submissions.read(services, visitor.caller, submission_id)
     submission = found.submission
     access.require_own(visitor, submission)
     assignment = published(services, submission.assignment)
+    own = visitor.caller.course is not None and visitor.student == submission.student
     return page(
         request,
         "submission.html",
         submission=submission,
         assignment=assignment,
-        open=submissions.is_open(submission),
-        position=found.position,
-        attempts=submissions.attempts(services, visitor.caller, submission.student, submission.assignment),
+        progress=progress(
+            submission.state,
+            found.position,
+            left_s(found.estimated_finish_at, services.clock()),
+            language_of(request),
+            is_open=submissions.is_open(submission),
+        ),
+        attempts=submissions.history(services, visitor.caller, submission.student, submission.assignment),
         late=found.lateness,
+        terms=terms_of(services, visitor.caller, submission.assignment) if own else None,
+        hiding=hiding(services, submission),
+        same=same,
         corrections=_corrections(visitor, found.grading),
+        source=_source(services, submission, found.grading),
         **_result(request, services, assignment, found.grading, case),
     )
+
+
+@router.get("/source")
+def download_source(services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId) -> Response:
+    """Send the file as it was handed in, to be kept: a browser must not show what a student wrote."""
+    submission = access.require_sight(services, visitor, submission_id)
+    headers = {
+        "Content-Disposition": f"attachment; filename*=UTF-8''{quote(submission.file_name, safe='')}",
+        "X-Content-Type-Options": "nosniff",
+        "Cache-Control": "private, no-cache",
+    }
+    content = services.submissions.source(submission.id) or b""
+    return Response(content, media_type="application/octet-stream", headers=headers)
 
 
 @router.get("/state.json")
@@ -68,13 +97,14 @@ def read_state(
 ) -> Response:
     """Say where a submission stands: what the progress display asks for again and again."""
     submission = access.require_sight(services, visitor, submission_id)
-    state = status_word(submission.state, language_of(request))
-    document = {
-        "open": submissions.is_open(submission),
-        "state": submission.state.value,
-        "text": state,
-        "position": submissions.place(services, submission)[0],
-    }
+    position, estimated_at = submissions.place(services, submission)
+    document = progress(
+        submission.state,
+        position,
+        left_s(estimated_at, services.clock()),
+        language_of(request),
+        is_open=submissions.is_open(submission),
+    )
     return JSONResponse(document, headers={"Cache-Control": "no-store"})
 
 
@@ -100,7 +130,13 @@ async def follow(
 ) -> AsyncIterator[ServerSentEvent]:
     """Send where the submission stands whenever that changes; ends when it is graded."""
     language, life_s = language_of(request), services.watching.limits.life_s
-    async for event in events(watch, last_event_id, life_s, lambda one: progress_event(one, language)):
+
+    def event_of(one: Standing) -> ServerSentEvent:
+        left = left_s(one.estimated_at, services.clock())
+        data = progress(one.state, one.position, left, language, is_open=not one.is_final)
+        return ServerSentEvent(data=data, event="progress", id=one.mark)
+
+    async for event in events(watch, last_event_id, life_s, event_of):
         yield event
 
 
@@ -167,11 +203,16 @@ async def read_plot(
     return Response(drawn.content, media_type="image/png", headers=headers)
 
 
-def _corrections(visitor: Visitor, stored: StoredReport | None) -> Sequence[JudgedItem]:
-    """Return the items in the order of the report, for whoever may correct what the machine gave; else none."""
+def _corrections(visitor: Visitor, stored: StoredReport | None) -> dict[str, JudgedItem]:
+    """Return the items by id, for whoever may correct what the machine gave; else none."""
     if stored is None or not visitor.caller.is_instructor:
-        return ()
-    return judged_items(stored)
+        return {}
+    return {one.id: one for one in judged_items(stored)}
+
+
+def _source(services: Services, submission: Submission, stored: StoredReport | None) -> SourceView:
+    runs = () if stored is None else report_from(stored.content).runs
+    return source_view(services.submissions.source(submission.id) or b"", failing_lines(runs))
 
 
 def _only_talks(figure: FigureSketch | None) -> bool:

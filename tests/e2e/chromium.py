@@ -14,6 +14,7 @@ FLAGS = (
     "--disable-background-networking", "--disable-component-update", "--disable-sync",
     "--disable-dev-shm-usage",  # a container has little of it, and a page that finds none crashes
     "--enable-blink-features=ComputedAccessibilityInfo",  # what `nameless` asks for
+    "--force-prefers-reduced-motion",  # a replay stands still until a test plays it
     # less work for the same pages
     "--in-process-gpu", "--renderer-process-limit=1", "--disable-extensions", "--disable-default-apps",
     "--disable-features=Translate,OptimizationHints,MediaRouter,AutofillServerCommunication,BackForwardCache",

@@ -19,6 +19,7 @@ from tests.e2e.chromium import PHONE, Browser
 pytestmark = pytest.mark.browser
 
 HOME, ARROW_RIGHT = "\ue011", "\ue014"  # as WebDriver spells these keys
+MOTION = {"name": "prefers-reduced-motion", "value": "no-preference"}
 CLOCK = """
 let now = 0, step = null;
 performance.now = () => now;
@@ -109,6 +110,11 @@ def test_the_replay(browser: Browser) -> None:
             "return [...document.querySelectorAll('.remark')].map((one) => one.getBoundingClientRect().toJSON())"
         )
     )
+    moments = browser.all(".log button")
+    moments[1].click()
+    assert shown() == pytest.approx(float(moments[1].text.split()[0]), abs=0.01)
+    assert browser.one(".log [aria-current]").text == moments[1].text
+    assert browser.all(".remark.later")  # of sides that are not finished yet
     browser.one("[data-scrub]").send_keys(HOME)
     assert shown() == 0.0
     assert place() != finish
@@ -135,6 +141,16 @@ def test_the_replay(browser: Browser) -> None:
     cursor = float(browser.one("[data-graphs] .cursor").get_attribute("x1"))
     browser.one("[data-scrub]").send_keys(HOME)
     assert float(browser.one("[data-graphs] .cursor").get_attribute("x1")) < cursor
+
+
+def test_the_replay_plays_by_itself(browser: Browser) -> None:
+    browser.enter("student", "bo")
+    browser.command("Emulation.setEmulatedMedia", features=[MOTION])
+    browser.click("tbody a")
+    browser.until(lambda: browser.one("[data-play]").text == "暂停")
+    browser.one("[data-scrub]").send_keys(HOME)
+    assert browser.one("[data-play]").text == "播放"  # who does something is left alone
+    browser.command("Emulation.setEmulatedMedia", features=[])
 
 
 def test_a_file_is_dropped(browser: Browser) -> None:

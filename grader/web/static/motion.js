@@ -1,5 +1,7 @@
 // A recorded trajectory as a function of time.
 const NANO = 1e-9;
+const NEAR_M = 0.15;
+const AWAY_M = 0.03;
 
 export class Motion {
   /** `columns` as the service sends them: one array per quantity, times in virtual nanoseconds. */
@@ -49,6 +51,30 @@ export class Motion {
       }
     }
     return low;
+  }
+
+  /** Index at which the car comes nearest to a point: the first time after index `from`, if it comes near at all. */
+  reach([x, y], from) {
+    let best = from;
+    let least = Infinity;
+    for (let i = from; i < this.length; i += 1) {
+      const distance = Math.hypot(this.x[i] - x, this.y[i] - y);
+      if (distance < least) {
+        [best, least] = [i, distance];
+      } else if (least < NEAR_M && distance > least + AWAY_M) {
+        break;
+      }
+    }
+    return best;
+  }
+
+  /** Index at which the car leaves a point where it is at index `from`; the last one when it stays. */
+  leave([x, y], from) {
+    let i = from;
+    while (i < this.length - 1 && Math.hypot(this.x[i] - x, this.y[i] - y) < Math.hypot(this.x[from] - x, this.y[from] - y) + AWAY_M) {
+      i += 1;
+    }
+    return i;
   }
 
   /** Pose and speeds at `time`, between two samples on the line between them. */

@@ -43,6 +43,7 @@ export class Plan {
     this.board.line(points, (i) => motion.jumps.has(i));
     this.board.block(...points[0], 7);
     this.board.block(...points.at(-1), CAR_PX);
+    this.finished = []; // what is shown only from a moment on
     this.measures();
     this.turned = add(this.svg, "path", { class: "turned" });
     add(this.svg, "circle", { class: "start", cx: points[0][0], cy: points[0][1], r: 4.5 });
@@ -57,6 +58,9 @@ export class Plan {
     this.driven.setAttribute("d", `${this.track.path.slice(0, end)}L${x.toFixed(1)} ${y.toFixed(1)}`);
     if (this.sketch.view === "heading") {
       this.turned.setAttribute("d", this.arc(x, y, state.heading));
+    }
+    for (const { index, element } of this.finished) {
+      element.classList.toggle("later", index > state.index);
     }
     const degrees = (-state.heading * 180) / Math.PI;
     this.car.setAttribute("transform", `translate(${x.toFixed(2)} ${y.toFixed(2)}) rotate(${degrees.toFixed(2)})`);
@@ -120,29 +124,62 @@ export class Plan {
 
   measures() {
     const { corners = [], labels = [], gap } = this.sketch;
-    const sides = (this.sketch.sides ?? []).map((side) => [side, "side"]);
-    const lines = gap && gap.ok !== true ? [...sides, [gap, "gap"]] : sides;
-    for (const [{ start_m: start, end_m: end, ok }, kind] of lines) {
-      const ends = [this.place(start), this.place(end)];
-      const [[x1, y1], [x2, y2]] = ends;
-      add(this.svg, "line", { class: `${kind} ${verdict(ok)}`, x1, y1, x2, y2 });
-      this.board.line(ends);
+    const ends = this.ends();
+    const sides = (this.sketch.sides ?? []).map((side, i) => [side, "side", ends.sides[i]]);
+    const last = this.lastIndex();
+    const lines = gap && gap.ok !== true ? [...sides, [gap, "gap", last]] : sides;
+    for (const [{ start_m: start, end_m: end, ok }, kind, index] of lines) {
+      const places = [this.place(start), this.place(end)];
+      const [[x1, y1], [x2, y2]] = places;
+      this.later(index, add(this.svg, "line", { class: `${kind} ${verdict(ok)}`, x1, y1, x2, y2 }));
+      this.board.line(places);
     }
-    for (const { at_m: at, ok } of corners) {
+    corners.forEach(({ at_m: at, ok }, i) => {
       const [x, y] = this.place(at);
-      add(this.svg, "circle", { class: `corner ${verdict(ok)}`, cx: x, cy: y, r: 3.5 });
+      this.later(ends.corners[i], add(this.svg, "circle", { class: `corner ${verdict(ok)}`, cx: x, cy: y, r: 3.5 }));
       this.board.block(x, y, 5);
-    }
-    for (const corner of corners) {
+    });
+    corners.forEach((corner, i) => {
       const at = this.place(corner.at_m);
-      this.remark(at, `${Number(corner.angle_deg.toFixed(1))}°`, corner.ok, this.outward(at));
-    }
-    for (const [line] of lines) {
-      this.length(line);
+      const text = `${Number(corner.angle_deg.toFixed(1))}°`;
+      this.later(ends.corners[i], this.remark(at, text, corner.ok, this.outward(at)));
+    });
+    for (const [line, , index] of lines) {
+      this.later(index, this.length(line));
     }
     for (const label of labels) {
-      this.remark(this.place(label.at_m), label.text, label.ok, [0, 1]);
+      this.later(last, this.remark(this.place(label.at_m), label.text, label.ok, [0, 1]));
     }
+  }
+
+  /** Show an element from the sample `index` on. */
+  later(index, element) {
+    this.finished.push({ index, element });
+  }
+
+  /** Index of the last sample that is shown. */
+  lastIndex() {
+    return this.motion.at(this.motion.lastChange);
+  }
+
+  /** Indices at which each side and each corner is finished, in the order driven. */
+  ends() {
+    const { motion } = this;
+    const last = this.lastIndex();
+    const found = { sides: [], corners: [] };
+    let at = 0;
+    (this.sketch.sides ?? []).forEach((side, i) => {
+      at = motion.reach(side.end_m, motion.reach(side.start_m, at));
+      found.sides.push(Math.min(at, last));
+      const corner = this.sketch.corners?.[i];
+      if (corner !== undefined) {
+        found.corners.push(Math.min(motion.leave(corner.at_m, at), last));
+      }
+    });
+    while (found.corners.length < (this.sketch.corners?.length ?? 0)) {
+      found.corners.push(last);
+    }
+    return found;
   }
 
   /** Write how long a side or gap is beside its middle, away from the middle of the figure. */
@@ -152,7 +189,7 @@ export class Plan {
     const [ox, oy] = this.outward(middle);
     const [nx, ny] = [y1 - y2, x2 - x1];
     const away = nx * ox + ny * oy >= 0 ? [nx, ny] : [-nx, -ny];
-    this.remark(middle, `${Number(length.toFixed(2))} m`, ok, away);
+    return this.remark(middle, `${Number(length.toFixed(2))} m`, ok, away);
   }
 
   /** The direction from the middle of the figure. */
@@ -175,6 +212,7 @@ export class Plan {
     const [left, middle] = this.board.put(x, y, width, height, away);
     written.setAttribute("x", left.toFixed(1));
     written.setAttribute("y", (middle - top - height / 2).toFixed(1));
+    return written;
   }
 }
 

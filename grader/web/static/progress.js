@@ -15,26 +15,18 @@ let failures = 0;
 let patience = 0;
 let pauseMs = FIRST_MS;
 
-function show({ open, state, text: words, position }) {
+function show({ open, state, text: words }) {
   const steps = [...panel.querySelectorAll("[data-step]")];
   const now = steps.findIndex((step) => step.dataset.step === state);
   steps.forEach((step, index) => {
     step.classList.toggle("done", index < now);
     step.classList.toggle("now", index === now);
   });
-  say(open ? words + place(position) : panel.dataset.done);
+  say(open ? words : panel.dataset.done);
   if (!open) {
     stop();
     window.location.reload();
   }
-}
-
-function place(position) {
-  if (position === null) {
-    return "";
-  }
-  const colon = document.documentElement.lang.startsWith("zh") ? "：" : ": ";
-  return colon + (position > 0 ? panel.dataset.ahead.replace("{count}", String(position)) : panel.dataset.next);
 }
 
 // an unchanged sentence must not be read out again
@@ -52,8 +44,7 @@ function follow() {
   });
   source.addEventListener("progress", (event) => {
     window.clearTimeout(patience);
-    const { open, status, text: words, queue_position: position } = JSON.parse(event.data);
-    show({ open, state: status, text: words, position });
+    show(JSON.parse(event.data));
   });
   // a stream that ended is opened again by the browser itself; one that was refused is not
   source.addEventListener("error", () => {

@@ -1,5 +1,7 @@
-// Replays a recorded motion: play, pause, scrub, speed; a plan view and graphs share one point in time.
+// Replays a recorded motion: play, pause, scrub, speed; plan view, log lines and graphs share one point in time.
+// It plays by itself once it is seen, unless the reader wants less motion or does something first.
 import { Graph } from "./graph.js";
+import { Moments } from "./moments.js";
 import { Motion } from "./motion.js";
 import { Plan } from "./plan.js";
 
@@ -7,6 +9,9 @@ const section = document.getElementById("replay");
 const words = JSON.parse(section.dataset.words);
 const find = (name) => section.querySelector(`[data-${name}]`);
 const COMMAND_HELD_S = 1; // turtlesim drops a command after that
+const LONGEST_S = 15; // to be watched, where one of the offered speeds allows it
+const SEEN = 0.4; // of the plan view, or as much of it as fits on the screen
+const calm = window.matchMedia("(prefers-reduced-motion: reduce)");
 
 async function load(address) {
   const answer = await fetch(address, { headers: { Accept: "application/json" }, redirect: "error" });
@@ -37,9 +42,38 @@ class Replay {
     this.button = find("play");
     this.scrub = find("scrub");
     this.speed = find("speed");
+    this.moments = new Moments(find("moments"), motion, words, (time) => this.jump(time));
     find("legend").hidden = sketch.view !== "path"; // it explains figures
+    const speeds = [...this.speed.options].map((option) => option.value);
+    this.speed.value = speeds.find((value) => Number(value) >= 2 && this.end / Number(value) <= LONGEST_S) ?? speeds.at(-1);
     this.listen();
     this.fit();
+    this.playOnceSeen();
+  }
+
+  playOnceSeen() {
+    if (calm.matches) {
+      return;
+    }
+    const seen = new IntersectionObserver(
+      ([entry]) => {
+        if (entry.isIntersecting) {
+          this.leaveAlone();
+          this.play();
+        }
+      },
+      { threshold: SEEN },
+    );
+    this.leaveAlone = () => seen.disconnect();
+    seen.observe(find("plan"));
+  }
+
+  /** Do not play by itself any more. */
+  leaveAlone() {}
+
+  jump(time) {
+    this.pause();
+    this.show(Math.min(time, this.end));
   }
 
   makeGraphs(sketch) {
@@ -70,8 +104,7 @@ class Replay {
     this.scrub.max = String(this.end);
     this.scrub.step = String(Math.max(this.end / 1000, 0.01));
     this.scrub.addEventListener("input", () => {
-      this.pause();
-      this.show(Number(this.scrub.value));
+      this.jump(Number(this.scrub.value));
     });
     this.button.addEventListener("click", () => (this.playing ? this.pause() : this.play()));
     let width = 0;
@@ -92,6 +125,7 @@ class Replay {
   }
 
   play() {
+    this.leaveAlone();
     this.playing = true;
     this.say(words.pause);
     let time = this.time >= this.end - 1e-6 ? 0 : this.time;
@@ -113,6 +147,7 @@ class Replay {
   }
 
   pause() {
+    this.leaveAlone();
     this.playing = false;
     this.say(words.play);
   }
@@ -125,6 +160,7 @@ class Replay {
     this.time = time;
     const state = this.motion.state(time);
     this.plan.show(state);
+    this.moments.show(time);
     for (const { graph, at } of this.graphs) {
       graph.show(time, at(state));
     }
@@ -160,13 +196,14 @@ class Replay {
 function standStill() {
   const remark = document.createElement("p");
   remark.textContent = words.still;
-  find("drawing").replaceChildren(remark);
+  section.querySelectorAll("[data-drawing]").forEach((part) => part.replaceChildren());
+  find("drawing").append(remark);
 }
 
 try {
   const [columns, sketch] = await Promise.all([load(section.dataset.trajectory), load(section.dataset.sketch)]);
   const motion = new Motion(columns);
-  find("drawing").hidden = false;
+  section.querySelectorAll("[data-drawing]").forEach((part) => (part.hidden = false));
   if (motion.moves) {
     new Replay(motion, sketch);
   } else {

@@ -48,6 +48,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /submissions/{submission_id}/trajectory.json": OWN,
     "GET /submissions/{submission_id}/sketch.json": OWN,
     "GET /submissions/{submission_id}/plot.png": OWN,
+    "GET /submissions/{submission_id}/source": OWN,
     "GET /class": STAFF,
     "GET /class/assignments/{assignment_id}": STAFF,
     "GET /class/students/{student}": COURSE,

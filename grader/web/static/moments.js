@@ -1,0 +1,80 @@
+// What happened when: log lines and commands as one list, in step with the replay.
+const MOST_COMMANDS = 300;
+const SAME = 1e-9;
+const LATE_S = 5e-4; // log lines are written to the millisecond
+
+export class Moments {
+  /** `jump(seconds)` is called when somebody chooses a line. */
+  constructor(holder, motion, words, jump) {
+    this.frame = holder.querySelector(".log");
+    const list = this.frame.querySelector("ol");
+    this.now = null;
+    const logs = [...list.children].map((line) => ({ t: Number(line.dataset.t), line }));
+    const commands = stretches(motion.commands)
+      .slice(0, MOST_COMMANDS)
+      .map((stretch) => ({ t: stretch.t, line: commandLine(stretch, words) }));
+    this.lines = [...logs, ...commands].sort((one, other) => one.t - other.t);
+    for (const { t, line } of this.lines) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.append(...line.childNodes);
+      button.addEventListener("click", () => jump(t));
+      line.append(button);
+    }
+    list.replaceChildren(...this.lines.map(({ line }) => line));
+    this.frame.removeAttribute("tabindex"); // its buttons take the focus now
+    holder.querySelector("[data-drawn]").hidden = false;
+    holder.hidden = this.lines.length === 0;
+  }
+
+  /** Mark the last line at or before `time`, and keep it in sight. */
+  show(time) {
+    let found = null;
+    for (const { t, line } of this.lines) {
+      if (t > time + LATE_S) {
+        break;
+      }
+      found = line;
+    }
+    if (found === this.now) {
+      return;
+    }
+    this.now?.removeAttribute("aria-current");
+    found?.setAttribute("aria-current", "true");
+    this.now = found;
+    const top = found?.offsetTop ?? 0;
+    const bottom = top + (found?.offsetHeight ?? 0);
+    const { scrollTop, clientHeight } = this.frame;
+    if (top < scrollTop || bottom > scrollTop + clientHeight) {
+      this.frame.scrollTop = top - clientHeight / 2;
+    }
+  }
+}
+
+/** Equal commands after each other, as one. */
+function stretches(commands) {
+  const found = [];
+  for (const { t, v, w } of commands) {
+    const last = found.at(-1);
+    if (last !== undefined && Math.abs(last.v - v) < SAME && Math.abs(last.w - w) < SAME) {
+      last.count += 1;
+    } else {
+      found.push({ t, v, w, count: 1 });
+    }
+  }
+  return found;
+}
+
+function commandLine({ t, v, w, count }, words) {
+  const line = document.createElement("li");
+  line.className = "command";
+  const number = (value) => String(Number(value.toFixed(3)));
+  const text = words.command.replace("{v}", number(v)).replace("{w}", number(w));
+  const times = count > 1 ? ` ${words.times.replace("{count}", String(count))}` : "";
+  line.append(piece("t", `${t.toFixed(3)} s`), " ", piece("what", text + times));
+  return line;
+}
+
+function piece(name, text) {
+  return Object.assign(document.createElement("span"), { className: name, textContent: text });
+}
