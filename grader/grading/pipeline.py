@@ -20,7 +20,7 @@ from grader.contracts.rubric import summed
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.trajectory import encode_trajectory
 from grader.contracts.upload import decoded
-from grader.grading.budget import within_budget
+from grader.grading.budget import outputs_within_budget, within_budget
 from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_stream, merge
 from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
@@ -69,7 +69,7 @@ class Pipeline:
 
         report = _report(job, runs, evaluate(job.assignment, runs), trajectories)
         measurements = self._measurements(accounts)
-        cut = tuple(
+        cut = outputs_within_budget(
             CaseOutput(case=case.id, stdout=masked_stream(jail.stdout), stderr=masked_stream(jail.stderr))
             for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
             if not is_repeatable(episode, jail)

@@ -22,6 +22,7 @@ from grader.contracts.submission import Claim, StoredReport
 from grader.store.database import Database
 from grader.store.judgements import judgements_of
 from grader.store.tables import (
+    GZIP_LEVEL,
     GradedItemRow,
     GradedMistakeRow,
     GradingRow,
@@ -36,7 +37,6 @@ Values = dict[str, Any]
 _GRADINGS, _ITEMS, _MISTAKES, _TRAJECTORIES = (
     insert(table_of(row)) for row in (GradingRow, GradedItemRow, GradedMistakeRow, TrajectoryRow)
 )
-_GZIP_LEVEL = 1  # four and a half times smaller than plain in 0.2 ms; level 4 takes 0.5 ms and gains 6 %
 
 
 def grading_values(
@@ -132,7 +132,7 @@ def _trajectories(result: GradingResult) -> list[Values]:
             "case_id": case_id,
             "position": position,
             "sha256": hashlib.sha256(content).hexdigest(),
-            "content": gzip.compress(content, _GZIP_LEVEL, mtime=0),
+            "content": gzip.compress(content, GZIP_LEVEL, mtime=0),
         }
         for position, (case_id, content) in enumerate(result.trajectories.items())
     ]

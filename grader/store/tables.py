@@ -1,5 +1,6 @@
 """The tables. Changing one needs a migration in `grader.store.migrations.versions` (a test compares them)."""
 
+import gzip
 from dataclasses import fields
 from datetime import UTC, datetime
 from typing import Any, ClassVar, TypeVar
@@ -22,6 +23,10 @@ from grader.contracts.identity import Role
 from grader.contracts.submission import SubmissionState
 
 SHA256_LENGTH = 64
+GZIP_LEVEL = (
+    1  # a trajectory gets four and a half times smaller in 0.2 ms; level 4 takes 0.5 ms and gains 6 %
+)
+_GZIP = b"\x1f\x8b"  # which no JSON begins with
 _Contract = TypeVar("_Contract")
 
 
@@ -63,6 +68,21 @@ class PlainText(TypeDecorator[str]):
     def process_bind_param(self, value: str | None, dialect: Dialect) -> str | None:
         """Replace before storing."""
         return None if value is None else value.replace("\0", "\ufffd")
+
+
+class CompressedBytes(TypeDecorator[bytes]):
+    """Bytes that are stored compressed by gzip; rows from before are read as they are."""
+
+    impl = LargeBinary
+    cache_ok = True
+
+    def process_bind_param(self, value: bytes | None, dialect: Dialect) -> bytes | None:
+        """Compress before storing."""
+        return None if value is None else gzip.compress(value, GZIP_LEVEL, mtime=0)
+
+    def process_result_value(self, value: bytes | None, dialect: Dialect) -> bytes | None:
+        """Give back what was stored."""
+        return gzip.decompress(value) if value is not None and value.startswith(_GZIP) else value
 
 
 def instant_column(*, nullable: bool = False) -> Column[datetime]:
@@ -271,7 +291,7 @@ class GradingRow(SQLModel, table=True):
     score: float | None = None
     max_score: float
     report_sha256: str = Field(max_length=SHA256_LENGTH)
-    report: bytes = Field(sa_column=bytes_column())
+    report: bytes = Field(sa_column=Column(CompressedBytes(), nullable=False))
     measurements: str = Field(sa_column=text_column())
     assignment_sha256: str | None = Field(
         default=None, foreign_key="graded_assignment.sha256", max_length=SHA256_LENGTH

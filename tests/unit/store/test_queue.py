@@ -1,8 +1,10 @@
+import gzip
 import threading
 from collections import Counter
 from dataclasses import replace
 
 import pytest
+from sqlalchemy import text
 from sqlmodel import select
 
 from grader.contracts.grading import GradingJob
@@ -163,6 +165,11 @@ def test_a_result_is_stored_with_the_row(queue: Queue, submissions: Submissions,
     with database.reading() as session:
         assert {item.item for item in session.exec(select(GradedItemRow))} == {"sides", "closed"}
         assert len(session.exec(select(TrajectoryRow)).all()) == 1
+        kept = session.connection().execute(text("SELECT report FROM grading")).scalar_one()
+        assert gzip.decompress(bytes(kept)) == report.content
+    with database.writing() as session:  # as rows from before were stored
+        session.connection().execute(text("UPDATE grading SET report = :plain"), {"plain": report.content})
+    assert submissions.report(added.id).content == report.content
 
 
 def test_pauses_grow_to_an_hour_and_not_for_ever(
