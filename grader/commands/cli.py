@@ -30,6 +30,7 @@ COMMANDS: dict[str, str] = {
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
     "rules": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
     "db": "back the service's database up, restore, move it / 数据库的备份、恢复与迁移",
+    "completion": "print the completion script of a shell / 输出 shell 自动补全脚本",
     "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
     "demo": "grade a small class over HTTP and show the dashboard / 演示",
 }

@@ -72,7 +72,16 @@ def run(arguments: argparse.Namespace) -> int:
     headers = {"Accept-Language": arguments.lang, **_authorization(arguments)}
     with httpx.Client(base_url=arguments.server, headers=headers, timeout=_TIMEOUT_S) as client:
         url = _upload(client, arguments, source, assignment)
-        document = _await(client, url, arguments)
+        page = _page(arguments.server, url)
+        try:
+            document = _await(client, url, arguments)
+        except KeyboardInterrupt:
+            tell(
+                arguments,
+                zh=f"文件已经提交，评分会继续。在网页上看结果：{page}",
+                en=f"The file is handed in and will be graded. See the result at {page}",
+            )
+            raise
         content = _asked(client, "GET", url + "/report").content
         title = _asked(client, "GET", f"/api/v1/assignments/{document['assignment']}").json()["title"]
         left = _attempts_left(client, document["assignment"])
@@ -83,6 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
         name, heading = arguments.file.name, Text(zh=title, en=title)
         console().print(render_report(report, language=arguments.lang, file_name=name, title=heading))
     _tell_lateness(document, arguments)
+    tell(arguments, zh=f"网页上有轨迹回放：{page}", en=f"Watch the drive at {page}")
     if left is not None and not arguments.student:
         tell(arguments, zh=f"还可提交 {left} 次。", en=f"Attempts left: {left}.")
     return EXIT_FULL_MARKS if report.score == report.max_score else EXIT_NOT_FULL
@@ -105,6 +115,11 @@ def _upload(client: httpx.Client, arguments: argparse.Namespace, source: bytes, 
             en="This file was handed in before and costs no attempt; this is what became of it then.",
         )
     return str(receipt["status_url"])
+
+
+def _page(server: str, status_url: str) -> str:
+    """Return the address of a submission's page, which has the replay."""
+    return f"{server.rstrip('/')}/submissions/{status_url.rstrip('/').rpartition('/')[2]}"
 
 
 def _tell_lateness(document: dict[str, Any], arguments: argparse.Namespace) -> None:

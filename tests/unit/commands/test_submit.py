@@ -1,6 +1,7 @@
 """`grader submit` against a real server whose worker is a thread of the test."""
 
 import json
+import re
 import threading
 from collections.abc import Iterator
 from dataclasses import replace
@@ -59,9 +60,11 @@ def submit(
     worker.join()
 
 
-def test_full_marks(submit) -> None:
-    status, output, _ = submit("good good", "--student", "s1", "--lang", "en")
+def test_full_marks_and_where_the_replay_is(submit, services: Services) -> None:
+    status, output, told = submit("good good", "--student", "s1", "--lang", "en")
     assert status == 0
+    submission = services.dashboard.state().progress[0].latest_submission
+    assert re.search(rf"Watch the drive at http://\S+/submissions/{submission}\n", told)
     assert "Exercise square" in output
     assert "10" in output
 
@@ -195,3 +198,13 @@ def test_a_name_that_tells_nothing(submit) -> None:
     status, _, errors = submit("good", "--student", "s1", name="x.py")
     assert status == 2
     assert "--assignment" in errors
+
+
+def test_who_stops_waiting_is_told_where_the_result_will_be(submit, monkeypatch: pytest.MonkeyPatch) -> None:
+    def interrupt(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("grader.commands.submit._await", interrupt)
+    status, _, told = submit("good good", "--student", "s1")
+    assert status == cli.EXIT_INTERRUPTED
+    assert re.search(r"评分会继续。在网页上看结果：http://\S+/submissions/\w+", told)
