@@ -146,9 +146,10 @@ class BulletCar:
         Raises:
             InfrastructureError: PyBullet failed, or the car is not where it should be.
         """
-        with _faults():
-            while not self.resting and self.now_ns + UPDATE_NS <= t_ns:
-                self._update()
+        if not self.resting and self.now_ns + UPDATE_NS <= t_ns:
+            with _faults():
+                while not self.resting and self.now_ns + UPDATE_NS <= t_ns:
+                    self._update()
         self.now_ns = max(self.now_ns, t_ns - t_ns % UPDATE_NS)
 
     def put(self, pose: PlanarPose) -> None:

@@ -91,8 +91,10 @@ class RoughDrive:
 
     def __init__(self, seed: int) -> None:
         self._random = random.Random(seed)  # noqa: S311 - seeded noise, not a secret
-        self._gains = [1.0 + self._random.gauss(0.0, _WHEEL_GAIN_SPREAD) for _ in range(2)]
-        self._slips = [0.0, 0.0]
+        self._left_gain, self._right_gain = (
+            1.0 + self._random.gauss(0.0, _WHEEL_GAIN_SPREAD) for _ in range(2)
+        )
+        self._left_slip = self._right_slip = 0.0
         self._memory = math.exp(-STEP_S / _SLIP_TIME_S)
         self._kick = _SLIP_SPREAD * math.sqrt(1.0 - self._memory**2)
         self._blend = 1.0 - math.exp(-STEP_S / ROUGH_LAG_S)
@@ -116,11 +118,13 @@ class RoughDrive:
         The slip is an Ornstein-Uhlenbeck process, relative to the speed.
         """
         self._approach()
-        turned = []
-        for side, speed in enumerate(twist_to_wheels(self.v_mps, self.w_radps)):
-            self._slips[side] = self._slips[side] * self._memory + self._random.gauss(0.0, self._kick)
-            turned.append(speed * (self._gains[side] - self._slips[side]))
-        return wheels_to_twist(turned[0], turned[1])
+        left, right = twist_to_wheels(self.v_mps, self.w_radps)
+        gauss, memory, kick = self._random.gauss, self._memory, self._kick
+        self._left_slip = self._left_slip * memory + gauss(0.0, kick)
+        self._right_slip = self._right_slip * memory + gauss(0.0, kick)
+        return wheels_to_twist(
+            left * (self._left_gain - self._left_slip), right * (self._right_gain - self._right_slip)
+        )
 
     def _approach(self) -> None:
         """Bring the motors nearer to the target; at the bound v and w are slowed alike, which keeps the arc."""

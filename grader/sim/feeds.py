@@ -58,7 +58,7 @@ class Feeds:
     @property
     def heard(self) -> bool:
         """Whether anybody listens."""
-        return any(map(self._outbox.has_listeners, self._feeds))
+        return self._outbox.has_listener_of(self._feeds)
 
     def emit(self, t_ns: int) -> None:
         """Queue what the update of `t_ns` publishes."""

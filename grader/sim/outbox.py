@@ -1,6 +1,7 @@
 """Events of the world that wait for the script, and the script's subscriptions to the world's topics."""
 
 from collections import deque
+from collections.abc import Iterable
 from typing import Final
 
 from grader.sim.frames import MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
@@ -34,6 +35,10 @@ class Outbox:
     def has_listeners(self, topic: str) -> bool:
         """Return whether a message on `topic` would reach anyone."""
         return topic in self._listeners
+
+    def has_listener_of(self, topics: Iterable[str]) -> bool:
+        """Return whether a message on one of `topics` would reach anyone."""
+        return not self._listeners.keys().isdisjoint(topics)
 
     def publish(self, topic: str, t_ns: int, payload: bytes) -> None:
         """Queue one message for everyone who listens."""

@@ -166,8 +166,13 @@ class TurtleWorld:
 
     def next_due(self) -> int | None:
         """Return the next instant at which something may become due for the script, None when never."""
-        heard = self._busy or any(each.feeds.heard for each in self._present.values())
-        return next_update(self._now_ns) * UPDATE_NS if heard else None
+        if not self._pending:  # asked several times an update: a loop is quicker than `any`
+            for each in self._present.values():
+                if each.feeds.heard or each.action.busy:
+                    break
+            else:
+                return None
+        return next_update(self._now_ns) * UPDATE_NS
 
     def advance(self, t_ns: int) -> None:
         """Run until `t_ns`, through every update that serves or tells somebody."""

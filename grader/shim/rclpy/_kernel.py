@@ -460,7 +460,8 @@ class Kernel:
             if self._signals:
                 return self.main  # only the main thread handles signals, whatever it waits for
             # Round robin from the one after the last: the first in the list alone would starve the others.
-            for thread in (*threads[position + 1 :], *threads[: position + 1]):
+            turn = position + 1
+            for thread in threads if len(threads) == 1 else (*threads[turn:], *threads[:turn]):
                 if thread.deadline_ns <= self.now_ns or thread.ready():
                     return thread
             self._pass_time(threads)
@@ -475,12 +476,15 @@ class Kernel:
 
     def _pass_time(self, threads: Iterable[Thread]) -> None:
         """Nobody can run: move time to the next instant at which somebody may."""
-        target_ns = min(self._alarm_ns, *(thread.deadline_ns for thread in threads))
+        target_ns = self._alarm_ns
+        asleep = True  # then nobody looks at what comes before
+        for thread in threads:
+            target_ns = min(target_ns, thread.deadline_ns)
+            asleep = asleep and thread.ready is never
         # While the world is coupled something may still arrive, and a spinning node may idle until the horizon.
         if target_ns == FOREVER_NS and self._coupled() is None and not any(t.idle for t in threads):
             self.end("stalled")
         target_ns = min(target_ns, self._limit_ns)
-        asleep = all(thread.ready is never for thread in threads)  # then nobody looks at what comes before
         self._move_to(target_ns, target_ns if asleep else 0)
 
     def _coupled(self) -> World | None:
@@ -490,10 +494,13 @@ class Kernel:
 
     def _move_to(self, target_ns: int, together_ns: int = 0) -> None:
         """Let time pass up to `target_ns` or the first event before it that is later than `together_ns`."""
-        world = self._coupled()
-        if world is not None and world.quiet_ns <= max(target_ns, self.now_ns):
-            target_ns = world.advance(max(target_ns, self.now_ns), together_ns)
-        self.now_ns = max(self.now_ns, target_ns)  # charges may have gone past the instant the world reached
+        world, now_ns = self._coupled(), self.now_ns
+        if world is not None:
+            asked_ns = target_ns if target_ns > now_ns else now_ns
+            if world.quiet_ns <= asked_ns:
+                target_ns = world.advance(asked_ns, together_ns)
+        if target_ns > now_ns:  # charges may have gone past the instant the world reached
+            self.now_ns = target_ns
         self._slice_end_ns = self.now_ns + SLICE_NS
         self._on_time()
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 
 FLUSH_BYTES = 16_384
+RECEIVE_BYTES = 65_536
 MAX_ENTITIES = 512
 FLUSH_EVERY_NS = 100_000_000
 """Virtual time after which what is buffered is sent with the next frame."""
@@ -90,6 +91,7 @@ class Link:
         self._kernel = clock
         self._channel: Descriptor | None = None
         self._buffer = bytearray()
+        self._received = b""
         self._flush_ns = 0
         self._prompt = PROMPT_FLUSHES
         self._last: dict[int, bytes] = {}
@@ -299,17 +301,16 @@ class Link:
             self.flush()
 
     def _receive(self) -> bytes:
-        return self._receive_exactly(int.from_bytes(self._receive_exactly(4), "little"))
-
-    def _receive_exactly(self, size: int) -> bytes:
+        """Return the body of the next frame."""
         assert self._channel is not None
-        data = bytearray()
-        while len(data) < size:
-            piece = self._channel.recv(min(size - len(data), 1 << 20))
-            if not piece:
-                raise EOFError("the episode has closed the channel")
-            data += piece
-        return bytes(data)
+        data = self._received
+        while len(data) < 4:
+            data += self._channel.recv(RECEIVE_BYTES)
+        end = 4 + int.from_bytes(data[:4], "little")
+        while len(data) < end:
+            data += self._channel.recv(RECEIVE_BYTES)
+        self._received = data[end:]
+        return data[4:end]
 
 
 link = Link(kernel)
