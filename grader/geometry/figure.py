@@ -35,6 +35,9 @@ NEARLY_CLOSED_SHARE = 0.16
 ALIKE_RAD = math.radians(15.0)
 
 REPEAT_TOLERANCE = 0.15  # by how much a side of a later lap may differ: on a slipping car laps drift apart
+# A turn between two laps that is off by more was no attempt at the corner: the next lap lies elsewhere, and the
+# first is judged. Up to here the corner costs less than that does.
+APART_RAD = math.radians(9.0)
 SPOT_SHARE = 0.05  # a turn that goes further than this share of the path's extent is no turn on the spot
 WILD_RAD = 2.0 * FULL_TURN_RAD  # nobody means a corner this wide: what it leaves of a turn is chance
 MAX_APPROACH_STRAIGHTS = 3  # to one of its sides, perhaps round something, and along that to a corner
@@ -59,6 +62,7 @@ class PolygonFigure(PositionalRecord):
         curved_share: share of the distance travelled within corners or on bent sides instead of straight ones.
         repeated: further sides follow that continue the figure over again.
         overrun: something else follows the complete figure.
+        apart: what follows is the same figure, but turned.
     """
 
     vertices: tuple[int, ...]
@@ -74,6 +78,7 @@ class PolygonFigure(PositionalRecord):
     curved_share: float
     repeated: bool
     overrun: bool
+    apart: bool = False
 
     @property
     def perimeter_m(self) -> float:
@@ -86,6 +91,7 @@ class _Extent(PositionalRecord):
 
     Attributes:
         joined: the last and the first straight are two parts of one side.
+        apart: what follows repeats the figure, but turned against it.
     """
 
     first: int
@@ -93,6 +99,7 @@ class _Extent(PositionalRecord):
     joined: bool = False
     repeated: bool = False
     overrun: bool = False
+    apart: bool = False
 
 
 def measure_polygon(path: Path, segments: Segments, *, sides: int, cut_short: bool) -> PolygonFigure | None:
@@ -163,7 +170,16 @@ def _extent(path: Path, segments: Segments, corners: list[float], sides: int, *,
     meant = total == sides or _one_too_many(lengths[first:], corners[first:])
     if meant and not repeated and not cut_short:
         return _Extent(first, total - first)
-    return _Extent(first, count, repeated=repeated, overrun=not repeated)
+    apart = repeated and _turned_between(corners[first : first + count])
+    return _Extent(first, count, repeated=repeated and not apart, overrun=not repeated or apart, apart=apart)
+
+
+def _turned_between(lap: list[float]) -> bool:
+    """Whether the corner from a lap to the next is far off the others, which make the figure without it."""
+    inner = [bare(corner) for corner in lap[:-1]]
+    if _comes_round(inner) != len(lap) or not _alike(inner):
+        return False
+    return abs(math.remainder(lap[-1] - sum(inner) / len(inner), FULL_TURN_RAD)) > APART_RAD
 
 
 def _one_too_many(lengths: list[float], corners: list[float]) -> bool:
@@ -276,6 +292,7 @@ def _figure(
         curved_share=curved_m / driven_m if driven_m > 0.0 else 0.0,
         repeated=extent.repeated,
         overrun=extent.overrun,
+        apart=extent.apart,
     )
 
 

@@ -328,3 +328,17 @@ def test_another_figure_earns_at_most_what_its_sides_and_corners_do(name: str, l
     scoring = graded(name, drive(legs))
     assert score(scoring) <= 45
     assert {each.id for each in scoring.items if each.earned} <= {"moves", "sides", "angles"}
+
+
+@pytest.mark.parametrize("cut_s", [None, 55.0])
+def test_a_turn_between_laps_costs_no_less_the_further_it_is_off(cut_s: float | None) -> None:
+    """Up to 9 degrees it is a corner; from there on, what follows the first lap is something else."""
+    status = RunStatus.FINISHED if cut_s is None else RunStatus.INTERRUPTED
+    scores = []
+    for off_deg in (0.0, 2.0, 4.0, 6.0, 8.0, 9.5, 12.0, 15.0, 20.0, 60.0, 120.0, 170.0):
+        legs = polygon_legs(4, 1.0, corners_deg=[90, 90, 90, 90 + off_deg] * 6, laps=6)
+        scores.append(score(graded("square", drive(legs, horizon_s=cut_s), status)))
+    assert scores[:2] == [100.0, 100.0]
+    assert scores[-1] == (80.0 if cut_s is None else 95.0)
+    if cut_s is None:
+        assert scores == sorted(scores, reverse=True)

@@ -59,6 +59,9 @@ def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
         ("square", polygon_legs(4, corners_deg=[90, 80, 90, 90]), "one_corner_off"),
         ("square", polygon_legs(4, corners_deg=[60, 120, 60, 120]), "one_corner_off"),  # not "0° too far"
         ("square", polygon_legs(4, lengths_m=[2, 2, 2, 1.7]), "unequal_sides"),
+        ("square", polygon_legs(4, lengths_m=[3, 2, 3, 2]), "unequal_sides"),
+        ("hexagon", polygon_legs(6, corners_deg=[57.3] * 6), "one_radian"),  # within the band of the corners
+        ("square", polygon_legs(4, corners_deg=[90, 90, 90, 150] * 6, laps=6), "laps_apart"),
         ("square", polygon_legs(4, corners_deg=[90, -90, 90, -90]), "zigzag"),
         ("square", [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)] * 4, "kept_driving"),
         ("square", [(2.0, 1.0, 0.0), (math.pi / 2, 0.6, 1.0)] * 4, "arcs"),
@@ -85,6 +88,14 @@ def test_shapes(name: str, legs: list[tuple[float, float, float]], code: str) ->
 def test_who_publishes_stop_until_the_horizon_had_time_enough(name: str, legs: list[Leg], code: str) -> None:
     scoring = graded(name, drive([*legs, (20.0, 0.0, 0.0)]), RunStatus.INTERRUPTED)
     assert scoring.mistakes == (code,)
+
+
+def test_one_side_is_named_only_if_the_others_are_alike() -> None:
+    one = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 1.5, 2]))).hint
+    assert one.en.startswith("Side 3 is 1.5 m long, unlike the others")
+    several = graded("square", drive(polygon_legs(4, lengths_m=[3, 2, 3, 2]))).hint
+    assert several.en.startswith("The sides differ: the longest is 3 m long, the shortest 2 m")
+    assert several.zh.startswith("各边不一样长：最长 3 m，最短 2 m")
 
 
 def test_too_slow_and_never_ending() -> None:

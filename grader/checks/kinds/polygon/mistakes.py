@@ -218,7 +218,9 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
             "long_way", ("opposite_corners",), turned=listed(seen.driven.turned_deg, "deg"), **values
         )
     elif not off.any():
-        return
+        # within the corners' band, but the figure does not close
+        if uniform and _telling_angle(seen, mean) == "one_radian" and seen.loses("gap_pct", _gap_pct(figure)):
+            yield mistake("one_radian", ("gap_pct",), mean=_degree(mean), **values)
     elif figure.repeated and _telling_angle(seen, mean) == "interior_angle":
         # a hexagon's interior angle drives a triangle, as often as the loop was meant for the hexagon
         yield mistake("interior_angle", spoilt, mean=_degree(mean), **values)
@@ -234,6 +236,10 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         yield mistake(
             "one_corner_off", spoilt, number=worst + 1, angle=_degree(float(corners[worst])), **values
         )
+
+
+def _gap_pct(figure: PolygonFigure) -> float:
+    return 100.0 * figure.gap_m / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan
 
 
 def _telling_angle(seen: _Seen, mean: float) -> str | None:
@@ -287,13 +293,14 @@ def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     ):
         yield _no_final_stop(seen, number(float(sides[odd] - np.median(sides)), "m"))
         return
-    yield mistake(
-        "unequal_sides",
-        ("side_spread_pct", "gap_pct"),
-        number=odd + 1,
-        length=number(float(sides[odd]), "m"),
-        lengths=listed(sides, "m"),
-    )
+    others = np.delete(sides, odd)
+    if seen.loses("side_spread_pct", 100.0 * float(np.ptp(others)) / float(np.mean(others))):
+        longest, shortest = number(float(np.max(sides)), "m"), number(float(np.min(sides)), "m")
+        what = say("polygon.sides_differ", longest=longest, shortest=shortest)
+    else:
+        what = say("polygon.odd_side", number=odd + 1, length=number(float(sides[odd]), "m"))
+    lengths = listed(sides, "m")
+    yield mistake("unequal_sides", ("side_spread_pct", "gap_pct"), what=what, lengths=lengths)
 
 
 def _lengths(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
@@ -332,7 +339,10 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
         told = mistake("approach", ("gap_pct",), distance=number(figure.approach_m, "m"))
         yield replace(told, apart=True)
     repeated, overrun = (figure.repeated, figure.overrun) if figure is not None else (False, False)
-    if (overrun and drive.cut_short) or (not repeated and drive.moving_at_end):
+    if figure is not None and figure.apart:
+        turned = _degree(abs(math.degrees(figure.last_turned_rad)))
+        yield mistake("laps_apart", ("settled", "gap_pct"), turned=turned, ideal=_degree(seen.ideal_deg))
+    elif (overrun and drive.cut_short) or (not repeated and drive.moving_at_end):
         yield mistake("never_stops", ("settled", "sides", "gap_pct"), publisher=_publisher(seen))
     elif figure is not None and overrun:
         after_m = float(drive.path.along_m[-1] - drive.path.along_m[figure.end])
