@@ -20,6 +20,7 @@ from grader.contracts.errors import CourseError
 from grader.contracts.identity import unknown_members
 from grader.contracts.notation import whole
 from grader.contracts.text import BYTE_ORDER_MARK, Text
+from grader.sheets.writing import as_text
 from grader.store.clock import utc_now
 
 DEFAULT_DAYS = 200  # a term and the exams after it
@@ -93,7 +94,7 @@ def write_tokens(storage: OpenedStore, course: str, people: Iterable[str], days:
     for person in wanted:
         member = members[person]
         _, secret = storage.tokens.issue(course, person, timedelta(days=days), actor())
-        table.writerow((person, member.name, member.role.value, secret))
+        table.writerow((person, as_text(member.name), member.role.value, secret))
 
 
 def _issue(storage: OpenedStore, course: str, arguments: argparse.Namespace) -> None:

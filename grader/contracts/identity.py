@@ -10,6 +10,8 @@ from grader.contracts.errors import CourseError
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")
 _LONGEST_NAME = 200
 LONGEST_SECTION = 64
+_LONGEST_EMAIL = 254
+_EMAIL = re.compile(r"[^@\s]+@[^@\s]+")
 
 
 class Role(StrEnum):
@@ -221,6 +223,33 @@ def checked_section(text: str) -> str:
             f"{section[:40]!r} 不能用作班级名：1 到 {LONGEST_SECTION} 个可显示的字符",
         )
     return section
+
+
+def checked_email(text: str) -> str:
+    """Return an e-mail address without space around it; an empty one is none.
+
+    Raises:
+        CourseError: it is no address.
+    """
+    email = text.strip()
+    if email and (len(email) > _LONGEST_EMAIL or not email.isprintable() or not _EMAIL.fullmatch(email)):
+        raise CourseError(f"{email[:60]!r} is no e-mail address", f"{email[:60]!r} 不是邮箱地址")
+    return email
+
+
+def checked_entry(entry: RosterEntry) -> RosterEntry:
+    """Return an entry whose texts are fit to be stored, without space around them.
+
+    Raises:
+        CourseError: one of them is not.
+    """
+    return RosterEntry(
+        id=checked_id(entry.id, "id"),
+        name=checked_name(entry.name),
+        role=entry.role,
+        email=None if entry.email is None else checked_email(entry.email),
+        sections=None if entry.sections is None else tuple(checked_section(one) for one in entry.sections),
+    )
 
 
 def no_course(where: str = "") -> CourseError:

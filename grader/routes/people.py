@@ -3,24 +3,31 @@
 from datetime import datetime
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Query, Response
-from pydantic import BaseModel, Field
+from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
+from pydantic import BaseModel, ConfigDict, Field
 
-from grader.contracts.identity import Role
+from grader.contracts.identity import Role, RosterEntry
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     CallerDep,
     InstructorDep,
+    LanguageDep,
     QueryWhole,
     ServicesDep,
     StaffDep,
 )
+from grader.routes.middleware import MOST_BYTES
 from grader.routes.problems import responses
+from grader.use_cases import people
+from grader.use_cases.bodies import Whole
 from grader.use_cases.people import changes, members, myself
 
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100
 _LARGEST_ID = 2**63 - 1  # of a row in the database
+_CHANGING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
+PersonId = Annotated[str, Path(max_length=64, description="Id of a member.", examples=["20260123"])]
 
 
 class CourseView(BaseModel):
@@ -46,6 +53,61 @@ class MemberView(BaseModel):
     id: str = Field(examples=["20260123"])
     name: str = Field(examples=["李雷"])
     role: Role = Field(examples=["student"])
+    email: str = Field(description="May be empty.", examples=["lilei@example.edu"])
+    sections: list[str] = Field(
+        description="That a student is in, or an assistant looks after.", examples=[["A"]]
+    )
+
+
+class MemberBody(BaseModel):
+    """What somebody shall be in the course. What is left out stays as it is."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    name: str = Field(default="", max_length=200, description="Empty: stays.", examples=["李雷"])
+    role: Role | None = Field(default=None, description="A new member is a student unless this says more.")
+    email: str | None = Field(default=None, max_length=254, examples=["lilei@example.edu"])
+    sections: list[str] | None = Field(default=None, max_length=100, examples=[["A"]])
+
+
+class ChangeView(BaseModel):
+    """A member before and after an import."""
+
+    before: MemberView
+    after: MemberView
+
+
+class SkippedView(BaseModel):
+    """A row of a class list that cannot be imported."""
+
+    row: int = Field(description="As the file's own program counts it, from 1.", examples=[12])
+    reason: str = Field(examples=["20260123 stands in line 4 already"])
+
+
+class ImportView(BaseModel):
+    """What importing a class list does, or has done."""
+
+    added: list[MemberView]
+    changed: list[ChangeView]
+    unchanged: int = Field(examples=[118])
+    gone: list[MemberView] = Field(description="Students of the course who are not in the list.")
+    skipped: list[SkippedView]
+    dry_run: bool = Field(description="Nothing was changed.")
+
+
+class TokenBody(BaseModel):
+    """How long a new token works."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    days: Annotated[Whole, Field(ge=1, le=3_660)] = 200
+
+
+class TokenView(BaseModel):
+    """A new token. It is shown this once."""
+
+    person: str = Field(examples=["20260123"])
+    token: str = Field(examples=["grader_..."])
 
 
 class MemberList(BaseModel):
@@ -104,6 +166,87 @@ def read_members(
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
     found = members(services, caller, role)
     return MemberList(members=[MemberView.model_validate(one, from_attributes=True) for one in found])
+
+
+@router.post(
+    "/members/import",
+    summary="Import a class list",
+    responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
+)
+def import_members(  # noqa: PLR0913, PLR0917
+    services: ServicesDep,
+    caller: InstructorDep,
+    language: LanguageDep,
+    response: Response,
+    file: Annotated[UploadFile, File(description=".xlsx, .xls, .ods or CSV; at most 1 MiB.")],
+    dry_run: Annotated[bool, Query(description="Only tell what would change.")] = False,
+    skip: Annotated[bool, Query(description="Import the other rows if some are wrong.")] = False,
+    remove: Annotated[bool, Query(description="Remove students who are not in the list.")] = False,
+) -> ImportView:
+    """Add and change members as a class list says, all or none; what it leaves out stays as it is."""
+    response.headers.update(_PRIVATE)
+    content = file.file.read(MOST_BYTES + 1)
+    if dry_run:
+        plan = people.plan_import(services, caller, content)
+    else:
+        plan = people.import_list(services, caller, content, skip=skip, remove=remove)
+    skipped = [SkippedView(row=one.number, reason=one.reason.get(language)) for one in plan.roster.skipped]
+    return ImportView.model_validate(
+        {
+            "added": plan.change.added,
+            "changed": plan.change.changed,
+            "unchanged": plan.change.unchanged,
+            "gone": plan.change.gone,
+            "skipped": skipped,
+            "dry_run": dry_run,
+        },
+        from_attributes=True,
+    )
+
+
+@router.put(
+    "/members/{person}",
+    summary="Add or change a member",
+    responses=responses(*_CHANGING, "invalid_roster", "malformed_body", "too_large"),
+)
+def put_member(
+    services: ServicesDep, caller: InstructorDep, person: PersonId, body: MemberBody, response: Response
+) -> MemberView:
+    """Put somebody into the course, or change what the body names."""
+    response.headers.update(_PRIVATE)
+    sections = None if body.sections is None else tuple(body.sections)
+    entry = RosterEntry(id=person, name=body.name, role=body.role, email=body.email, sections=sections)
+    return MemberView.model_validate(people.set_member(services, caller, entry), from_attributes=True)
+
+
+@router.delete(
+    "/members/{person}",
+    summary="Remove a member",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=responses(*_CHANGING, "member_not_found", "invalid_roster"),
+)
+def delete_member(
+    services: ServicesDep,
+    caller: InstructorDep,
+    person: PersonId,
+    reason: Annotated[str, Query(max_length=1_000, description="Goes into the audit log.")] = "",
+) -> None:
+    """Take somebody out of the course, with their tokens; what they handed in stays stored."""
+    people.remove_member(services, caller, person, reason)
+
+
+@router.post(
+    "/members/{person}/tokens",
+    summary="Make a token for a member",
+    status_code=status.HTTP_201_CREATED,
+    responses=responses(*_CHANGING, "member_not_found", "malformed_body", "too_large"),
+)
+def make_token(
+    services: ServicesDep, caller: InstructorDep, person: PersonId, body: TokenBody, response: Response
+) -> TokenView:
+    """Return a new token, which is shown this once; older ones work on."""
+    response.headers.update(_PRIVATE)
+    return TokenView(person=person, token=people.give_token(services, caller, person, body.days))
 
 
 @router.get(

@@ -1,12 +1,8 @@
 """Grades for other systems: the gradebook, also as CSV, and single reports in other graders' formats.
 
-The CSV is a plain table, or the one that Canvas imports. Cells that a spreadsheet program would take for a formula
-are made text by an apostrophe before them (OWASP, "CSV Injection"); with an East Asian locale that includes the
-full-width signs.
+The CSV is a plain table, or the one that Canvas imports.
 """
 
-import csv
-import io
 from collections.abc import Mapping, Sequence
 from typing import Literal
 
@@ -16,13 +12,13 @@ from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
 from grader.contracts.notation import written
 from grader.contracts.rubric import summed
-from grader.contracts.text import BYTE_ORDER_MARK, Language
+from grader.contracts.text import Language
 from grader.render.documents import to_gradescope, to_prairielearn
+from grader.sheets.writing import as_text, csv_table
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded
 
-_FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠", "\t", "\r", "\n")
 Format = Literal["plain", "canvas"]
 Platform = Literal["gradescope", "prairielearn"]
 Scores = Mapping[tuple[str, str], StudentProgress]
@@ -78,13 +74,13 @@ def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: 
         head += [f"{assignment.id} ({written(assignment.max_score)})", f"{assignment.id} attempts"]
     rows: list[list[str]] = [[*head, "total"]]
     for member in members:
-        cells = [_text(member.id), _text(member.name)]
+        cells = [as_text(member.id), as_text(member.name)]
         reached = [scores.get((member.id, assignment.id)) for assignment in assignments]
         for progress in reached:
             cells += [_points(progress), "0" if progress is None else str(progress.attempts)]
         total = summed(one.counted_score or 0.0 for one in reached if one is not None)
         rows.append([*cells, written(total)])
-    return _written(rows)
+    return csv_table(rows, safe=False)
 
 
 def canvas(
@@ -100,13 +96,13 @@ def canvas(
     first cell must not be quoted, though.
     """
     head = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
-    titles = [_text(f"{one.title.get(language)} [{one.id}]") for one in assignments]
+    titles = [as_text(f"{one.title.get(language)} [{one.id}]") for one in assignments]
     possible = ["    Points Possible", "", "", "", "", *(written(one.max_score) for one in assignments)]
     rows = [[*head, *titles], possible]
     for member in members:
-        person = [_text(member.name or member.id), "", _text(member.id), _text(member.id), ""]
+        person = [as_text(member.name or member.id), "", as_text(member.id), as_text(member.id), ""]
         rows.append([*person, *(_points(scores.get((member.id, one.id))) for one in assignments)])
-    return _written(rows)
+    return csv_table(rows, safe=False)
 
 
 def _seen(students: set[str]) -> tuple[Member, ...]:
@@ -115,13 +111,3 @@ def _seen(students: set[str]) -> tuple[Member, ...]:
 
 def _points(progress: StudentProgress | None) -> str:
     return "" if progress is None or progress.counted_score is None else written(progress.counted_score)
-
-
-def _text(value: str) -> str:
-    return "'" + value if value.startswith(_FORMULA) else value
-
-
-def _written(rows: Sequence[Sequence[str]]) -> str:
-    out = io.StringIO()
-    csv.writer(out, lineterminator="\r\n").writerows(rows)
-    return BYTE_ORDER_MARK + out.getvalue()

@@ -1,10 +1,40 @@
 """Who is in the course, and what was changed by whom."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import timedelta
+from typing import Any
 
-from grader.contracts.identity import AuditEntry, Caller, Course, Member, Role
+from grader.contracts.errors import CourseError, RefusedError
+from grader.contracts.identity import (
+    AuditEntry,
+    Caller,
+    Course,
+    Member,
+    Role,
+    RosterEntry,
+    Seen,
+    checked_entry,
+)
+from grader.contracts.text import Text
+from grader.sheets.roster import Roster, read_roster
+from grader.store.courses import RosterChange
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.services import Services
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ImportPlan:
+    """A class list that was read, and what importing it does."""
+
+    roster: Roster
+    change: RosterChange
+
+    @property
+    def tag(self) -> str:
+        """Return a name of this plan that changes with the list and with the course's people."""
+        return hashlib.sha256(repr(self.change).encode()).hexdigest()[:16]
 
 
 def myself(services: Services, caller: Caller) -> tuple[Course | None, Member | None]:
@@ -22,6 +52,142 @@ def members(services: Services, caller: Caller, role: Role | None = None) -> Seq
     """
     require_staff(caller)
     return services.courses.members(caller.course, role)
+
+
+def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPlan:
+    """Read a class list and return what importing it would do; nothing is changed.
+
+    Args:
+        services: what use cases work with.
+        caller: who asks.
+        content: a workbook or CSV, as `grader.sheets.roster` reads them.
+
+    Raises:
+        RefusedError: the caller is no instructor, there is no course, or the list cannot be read or imported.
+    """
+    course = _own_course(caller)
+    try:
+        roster = read_roster(content)
+        return ImportPlan(roster=roster, change=services.courses.preview_roster(course, roster.entries))
+    except CourseError as error:
+        raise _refused(error, "file") from None
+
+
+def import_list(  # noqa: PLR0913
+    services: Services,
+    caller: Caller,
+    content: bytes,
+    *,
+    skip: bool,
+    remove: bool = False,
+    seen: Seen | None = None,
+) -> ImportPlan:
+    """Import a class list; return what that did.
+
+    Args:
+        services: what use cases work with.
+        caller: who imports it.
+        content: as for `plan_import`.
+        skip: import the other rows if some are wrong.
+        remove: take students who are not in the list out of the course.
+        seen: the plan that the caller had looked at; None: whatever it is.
+
+    Raises:
+        RefusedError: as `plan_import`; rows are wrong and shall not be skipped; or the plan has changed.
+    """
+    plan = plan_import(services, caller, content)
+    if seen is not None and not seen.includes(plan.tag):
+        raise RefusedError("changed_meanwhile")
+    course, actor = _own_course(caller), caller.signature
+    try:
+        entries = plan.roster.entries if skip else plan.roster.checked()
+        change = services.courses.import_roster(course, entries, actor)
+        if remove and change.gone:
+            services.courses.remove(course, [one.id for one in change.gone], actor)
+    except CourseError as error:
+        raise _refused(error, "file") from None
+    return ImportPlan(roster=plan.roster, change=change)
+
+
+def set_member(services: Services, caller: Caller, entry: RosterEntry) -> Member:
+    """Add somebody to the course, or change what `entry` says of them; return the member.
+
+    Raises:
+        RefusedError: the caller is no instructor, there is no course, or `entry` does not fit.
+    """
+    course = _own_course(caller)
+    try:
+        services.courses.import_roster(course, [checked_entry(entry)], caller.signature)
+    except CourseError as error:
+        raise _refused(error) from None
+    return member_of(services, caller, entry.id)
+
+
+def remove_member(services: Services, caller: Caller, person: str, reason: str) -> None:
+    """Take somebody out of the course; what they handed in stays stored.
+
+    Raises:
+        RefusedError: the caller is no instructor, there is no such member, or no instructor would be left.
+    """
+    member = member_of(services, caller, person)
+    require_instructor(caller)
+    try:
+        services.courses.remove(member.course, [person], caller.signature, reason)
+    except CourseError as error:
+        raise _refused(error) from None
+
+
+def give_token(services: Services, caller: Caller, person: str, days: int) -> str:
+    """Make a token for a member, which is shown this once. Older ones work on.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no such member.
+    """
+    member = member_of(services, caller, person)
+    require_instructor(caller)
+    return services.tokens.issue(member.course, person, timedelta(days=days), caller.signature)[1]
+
+
+def give_missing_tokens(services: Services, caller: Caller, days: int) -> list[tuple[Member, str]]:
+    """Make a token for every member who has none that works; return them in order of id.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no course.
+    """
+    course, now = _own_course(caller), services.clock()
+    served = {
+        one.person
+        for one in services.tokens.of_course(course)
+        if one.revoked_at is None and one.expires_at > now
+    }
+    without = [one for one in services.courses.members(course) if one.id not in served]
+    return [(one, give_token(services, caller, one.id, days)) for one in without]
+
+
+def member_of(services: Services, caller: Caller, person: str) -> Member:
+    """Return a member of the caller's course.
+
+    Raises:
+        RefusedError: the caller may not see the class, or there is no such member.
+    """
+    require_staff(caller)
+    member = None if caller.course is None else services.courses.member(caller.course, person)
+    if member is None:
+        raise RefusedError("member_not_found")
+    return member
+
+
+def _own_course(caller: Caller) -> str:
+    require_instructor(caller)
+    if caller.course is None:
+        raise RefusedError("no_course")
+    return caller.course
+
+
+def _refused(error: CourseError, field: str = "") -> RefusedError:
+    detail = Text(zh=error.told("zh"), en=error.told("en"))
+    members: dict[str, Any] = {"field": field} if field else {}
+    return RefusedError("invalid_roster", detail, **members)
 
 
 def changes(

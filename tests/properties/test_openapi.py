@@ -189,6 +189,7 @@ def _known(
     known = {
         "assignment_id": ["square", "straight"],
         "student": ["li", "han"],
+        "person": ["zhou", "zhu"],  # nobody whom other requests need: they are removed, too
         "item": ["sides", "closed"],
         "code": ["empty", "syntax_error"],
         "submission_id": [_handed_in(services, course, number) for number in range(3)],

@@ -69,6 +69,10 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/dashboard/events": STAFF,
     "get /api/v1/me": MEMBERS,
     "get /api/v1/members": STAFF,
+    "post /api/v1/members/import": INSTRUCTORS,
+    "put /api/v1/members/{person}": INSTRUCTORS,
+    "delete /api/v1/members/{person}": (401, 401, 403, 403, 403, 204, 403, 404),
+    "post /api/v1/members/{person}/tokens": (401, 401, 403, 403, 403, 201, 403, 404),
     "get /api/v1/audit": INSTRUCTORS,
     "get /api/v1/problems/{code}": EVERYBODY,
     "get /healthz": (503,) * 8,  # no worker lives in these tests
@@ -110,6 +114,10 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/dashboard/events": OPERATOR_ONLY,
     "get /api/v1/me": OPEN_TO_ALL,
     "get /api/v1/members": OPERATOR_ONLY,
+    "post /api/v1/members/import": (401, 401, 409),
+    "put /api/v1/members/{person}": (401, 401, 409),
+    "delete /api/v1/members/{person}": (401, 401, 404),
+    "post /api/v1/members/{person}/tokens": (401, 401, 404),
     "get /api/v1/audit": OPERATOR_ONLY,
     "get /api/v1/problems/{code}": (200, 200, 200),
     "get /healthz": (503, 503, 503),
@@ -124,6 +132,7 @@ def send(
     path = path.replace("{submission_id}", submission).replace("{assignment_id}", "square")
     path = path.replace("{code}", "empty").replace("{student}", "li")
     path = path.replace("{regrade_id}", "none").replace("{item}", "none")
+    path = path.replace("{person}", "new" if method == "put" else "han")
     body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
     if "regrades" in path and method == "post":
         body = {"json": {"reason": "x"} if "none" in path else {"assignment": "square"}}
@@ -132,6 +141,10 @@ def send(
             "files": {"file": ("a.py", b"x = 1\n")},
             "data": {"assignment": "square", "student": student},
         }
+    if operation == "post /api/v1/members/import":
+        body = {"files": {"file": ("class.csv", b"id,name\nzhou,x\n")}}
+    if operation == "post /api/v1/members/{person}/tokens":
+        body = {"json": {}}
     with client.stream(method, path, headers=headers, **body) as response:  # some answers never end
         return response.status_code
 

@@ -74,6 +74,14 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody judges a motion
     "POST /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),
     "GET /class/people": STAFF,
+    "POST /class/people": (303, 403, 403, 403, 303, 303),
+    "POST /class/people/preview": (303, 403, 403, 403, 200, 200),
+    "POST /class/people/import": (303, 403, 403, 403, 200, 200),  # another plan than the one that was seen
+    "POST /class/people/tokens": (303, 403, 403, 403, 303, 303),
+    "GET /class/people/{person}": COURSE,
+    "POST /class/people/{person}": CHANGES,
+    "POST /class/people/{person}/token": (303, 403, 403, 403, 200, 404),
+    "POST /class/people/{person}/remove": CHANGES,
     "GET /class/audit": INSTRUCTORS,
 }
 
@@ -95,6 +103,7 @@ def school(
         "regrade_id": regrade,
         "assignment_id": "square",
         "student": "li",
+        "person": "li",
         "owner": tokens["li"],
         "classmate": tokens["han"],
         "assistant": tokens["ta"],
@@ -136,7 +145,10 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
         "decision": "discard",
         "reason": "x",
         "points": "1",
+        "person": "new",
     }
+    if operation == "POST /class/people/import":
+        data |= {"entries": "id,name\nnew,x\n", "seen": "x"}
     answered = []
     for role in ROLES:
         cookies = f"{COOKIE}={FORM_TOKEN}"
@@ -146,6 +158,8 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
         kwargs = {} if method == "GET" else {"data": data}
         if operation == "POST /assignments/{assignment_id}":
             kwargs["files"] = {"file": ("square.py", role.encode())}
+        if operation == "POST /class/people/preview":
+            kwargs["files"] = {"file": ("class.csv", b"id,name\nnew,x\n")}
         answer = client.request(method, path, params=query, headers=headers, **kwargs)
         answered.append(answer.status_code)
     return tuple(answered)

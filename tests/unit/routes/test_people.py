@@ -1,0 +1,74 @@
+"""The people of a course over HTTP."""
+
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.use_cases.services import Services
+
+
+@pytest.fixture
+def headers(school: Any) -> dict[str, str]:
+    headers: dict[str, str] = school.as_("wang")
+    return headers
+
+
+def send_list(client: httpx.Client, headers: dict[str, str], content: str, **query: bool) -> httpx.Response:
+    files = {"file": ("class.csv", content.encode())}
+    return client.post("/api/v1/members/import", headers=headers, params=query, files=files)
+
+
+def test_a_dry_run_tells_and_changes_nothing(
+    client: httpx.Client, headers: dict[str, str], services: Services
+) -> None:
+    before = services.courses.members("ros")
+    seen = send_list(client, headers, "id,name,section\nli,李,A\nnew,x,\n,y,\n", dry_run=True).json()
+    assert [one["id"] for one in seen["added"]] == ["new"]
+    assert [(one["before"]["sections"], one["after"]["sections"]) for one in seen["changed"]] == [([], ["A"])]
+    assert seen["dry_run"] is True
+    assert [one["row"] for one in seen["skipped"]] == [4]
+    assert "han" in [one["id"] for one in seen["gone"]]
+    assert services.courses.members("ros") == before
+
+
+def test_wrong_rows_are_skipped_only_if_asked(
+    client: httpx.Client, headers: dict[str, str], services: Services
+) -> None:
+    content = "id,name\nnew,x\na b,y\n"
+    refused = send_list(client, headers, content)
+    assert (refused.status_code, refused.json()["code"]) == (422, "invalid_roster")
+    assert "line 3" in refused.json()["detail"] or "第 3 行" in refused.json()["detail"]
+    assert services.courses.member("ros", "new") is None
+    assert send_list(client, headers, content, skip=True).status_code == 200
+    assert services.courses.member("ros", "new") is not None
+
+
+def test_who_is_not_in_the_list_is_removed_if_asked(
+    client: httpx.Client, headers: dict[str, str], services: Services
+) -> None:
+    assert send_list(client, headers, "id,name\nli,\n", remove=True).status_code == 200
+    assert [one.id for one in services.courses.members("ros")] == ["li", "ta", "wang"]
+
+
+def test_one_member_is_put_changed_and_deleted(client: httpx.Client, headers: dict[str, str]) -> None:
+    url = "/api/v1/members/zhao"
+    made = client.put(url, headers=headers, json={"name": "赵", "role": "assistant", "sections": ["B", "A"]})
+    assert made.json()["sections"] == ["A", "B"]
+    kept = client.put(url, headers=headers, json={"email": "z@a.cn"}).json()
+    assert kept == {
+        "id": "zhao",
+        "name": "赵",
+        "role": "assistant",
+        "email": "z@a.cn",
+        "sections": ["A", "B"],
+    }
+    assert client.put(url, headers=headers, json={"email": "nowhere"}).json()["code"] == "invalid_roster"
+    token = client.post(f"{url}/tokens", headers=headers, json={"days": 1}).json()["token"]
+    theirs = {"Authorization": f"Bearer {token}"}
+    assert client.get("/api/v1/me", headers=theirs).json()["person"] == "zhao"
+    assert client.delete(url, headers=headers, params={"reason": "left"}).status_code == 204
+    assert client.get("/api/v1/me", headers=theirs).status_code == 401
+    assert client.delete(url, headers=headers).json()["code"] == "member_not_found"
+    last = client.delete("/api/v1/members/wang", headers=headers)
+    assert (last.status_code, last.json()["code"]) == (422, "invalid_roster")
