@@ -14,7 +14,7 @@ from grader.checks.drive import MOVING_MPS, is_motion
 from grader.checks.measure import Measure, Mistake, mistake
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.scoring import Run
-from grader.contracts.text import Text
+from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Floats, Trajectory
 from grader.messages import join, say
 from grader.messages.details import explained
@@ -31,7 +31,6 @@ _ENDINGS = {
     RunStatus.STALLED: "stalled",
     RunStatus.CPU_LIMIT: "cpu_limit",
     RunStatus.MEMORY_LIMIT: "memory_limit",
-    RunStatus.OUTPUT_LIMIT: "output_limit",
     RunStatus.FORBIDDEN: "forbidden",
     RunStatus.PROTOCOL: "forbidden",
 }
@@ -46,12 +45,27 @@ def script_mistakes(run: Run) -> tuple[Mistake, ...]:
         return (Mistake(*meaning(error, "syntax_error", script)),)
     if outcome.status is RunStatus.OUTPUT_LIMIT and _asks_again(outcome, script):
         return (mistake("asks_again"),)
+    if outcome.status is RunStatus.OUTPUT_LIMIT:
+        told = explained(outcome.status, outcome.detail)
+        return (mistake("output_limit", amount=_amount(outcome), detail=told),)
     if outcome.status in _ENDINGS:
         code = _ENDINGS[outcome.status]
         return (mistake(code, detail=explained(outcome.status, outcome.detail)),)
     if (thread := _crashed_thread(outcome)) is not None:
         return (Mistake("thread_crashed", _in_thread(thread, script)),)
     return ()
+
+
+def _amount(outcome: RunOutcome) -> Text:
+    """Return how many lines were printed by when; nothing where that differs from run to run."""
+    kept = outcome.stdout.text + outcome.stderr.text
+    size = len(kept.encode())
+    if not size:
+        return EMPTY
+    dropped = outcome.stdout.dropped_bytes + outcome.stderr.dropped_bytes
+    lines = kept.count("\n") * (size + dropped) / size
+    rounded = round(lines, -2) if lines >= 1_000 else round(lines)  # the middle was not kept
+    return say("detail.printed", lines=f"{rounded:.0f}", time=number(outcome.duration_ns / 1e9, "s", 3))
 
 
 def _asks_again(outcome: RunOutcome, script: ScriptText) -> bool:

@@ -25,7 +25,10 @@ class Contact(Record):
 
 
 class Command(NamedTuple):
-    """A velocity command as the car received it, at most one per update of 16 ms (the last wins)."""
+    """A velocity command as the script sent it, at most one per update of 16 ms (the last wins).
+
+    The car obeys 100 m/s and 100 rad/s at most; one with NaN or infinity in it is a stop.
+    """
 
     t_ns: int
     v_mps: float

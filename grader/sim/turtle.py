@@ -17,6 +17,14 @@ _LAG_NS: Final = 100_000_000
 0.1 s is small enough for the car to drive while the script computes, instead of after it."""
 
 
+_MOST_RECORDED: Final = 1e6
+"""Of a command's components, so that what is drawn and printed stays readable; the car obeys a hundred at most."""
+
+
+def _recorded(asked: float) -> float:
+    return min(max(asked, -_MOST_RECORDED), _MOST_RECORDED)
+
+
 class AnyTurtle(Protocol):
     """A turtle as turtlesim's topics, services and action use it: the graded one or a spawned one."""
 
@@ -115,7 +123,8 @@ class Turtle:
             self.first_command_ns = t_ns
         self.last_command_ns = t_ns
         update = next_update(t_ns)
-        self._recorder.command(update, Command(t_ns, v, w))
+        asked = (_recorded(linear_x), _recorded(angular_z)) if finite else (v, w)
+        self._recorder.command(update, Command(t_ns, *asked))
         if self.alive:
             self._obey(update, v, w)
 
