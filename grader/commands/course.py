@@ -19,12 +19,16 @@ from grader.contracts.identity import Role, RosterEntry, checked_id
 from grader.contracts.text import trouble
 from grader.sheets.reading import MAX_FILE_BYTES
 from grader.sheets.roster import read_roster
+from grader.store.clock import utc_now
+from grader.store.costs import Costs
 from grader.store.courses import RosterChange
+
+_COST_COLUMNS = ("course", "student", "in a slot", "gradings", "waiting", "tries")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    actions = parser.add_subparsers(dest="action", required=True, metavar="create | roster | list")
+    actions = parser.add_subparsers(dest="action", required=True, metavar="create | roster | list | costs")
     create = actions.add_parser(
         "create", help="create a course and print its first tokens / 创建课程并打印令牌"
     )
@@ -58,14 +62,15 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_days_option(roster)
     add_course_option(roster)
     listing = actions.add_parser("list", help="list the courses / 列出课程")
-    for one in (create, roster, listing):
+    costs = actions.add_parser("costs", help="who cost most in the last hour / 一小时内谁占用得最多")
+    for one in (create, roster, listing, costs):
         add_data_option(one)
         add_language_option(one)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Do it; what is wrong with a roster is raised as CourseError before anything is changed."""
-    action = {"create": _create, "roster": _import, "list": _list}[arguments.action]
+    action = {"create": _create, "roster": _import, "list": _list, "costs": _costs}[arguments.action]
     with opened(arguments, create=arguments.action == "create") as storage:
         action(storage, arguments)
     return 0
@@ -129,6 +134,16 @@ def _list(storage: OpenedStore, arguments: argparse.Namespace) -> None:
         count = len(storage.courses.members(course.id))
         members = f"{count} 人" if arguments.lang == "zh" else _members(count)
         sys.stdout.write(f"{course.id}\t{course.time_zone}\t{members}\t{course.title}\n")
+
+
+def _costs(storage: OpenedStore, arguments: argparse.Namespace) -> None:
+    chinese = arguments.lang == "zh"
+    head = ("课程", "学生", "占用槽位", "评分", "等待", "启动") if chinese else _COST_COLUMNS
+    sys.stdout.write("\t".join(head) + "\n")
+    for one in Costs(storage.database, utc_now).lately(None, everywhere=True):
+        counts = (one.gradings, one.waiting, one.tries)
+        cells = (one.course or "-", one.student, f"{one.slot_s:.1f} s", *map(str, counts))
+        sys.stdout.write("\t".join(cells) + "\n")
 
 
 def _members(count: int) -> str:

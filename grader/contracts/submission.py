@@ -161,6 +161,24 @@ class QueueState:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class PersonCost:
+    """What one student's gradings cost the service lately.
+
+    Attributes:
+        slot_s: for how long they held a slot. gradings: how many ended or run. waiting: how many wait.
+        tries: how often they were begun. given_up: how many ended as ``infrastructure_error``.
+    """
+
+    course: str | None
+    student: str
+    slot_s: float
+    gradings: int
+    waiting: int
+    tries: int
+    given_up: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class WorkerState:
     """What a worker process last said about itself."""
 

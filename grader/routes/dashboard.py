@@ -23,7 +23,7 @@ from grader.routes.dependencies import (
 )
 from grader.routes.health import QueueView, WorkerView, queue_view, worker_views
 from grader.routes.problems import responses
-from grader.use_cases.dashboard import Overview, Selection, class_state, overview, selected
+from grader.use_cases.dashboard import Overview, Selection, class_state, costs, overview, selected
 from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
@@ -125,6 +125,34 @@ class DashboardView(BaseModel):
     queue: QueueView
     oldest_queued_at: datetime | None
     workers: list[WorkerView]
+
+
+class CostView(BaseModel):
+    """What one student's gradings cost the service in the last hour."""
+
+    student: str = Field(examples=["20260123"])
+    slot_s: float = Field(description="For how long they held a slot.", examples=[12.5])
+    gradings: int = Field(description="That ended or run.", examples=[3])
+    waiting: int = Field(examples=[1])
+    tries: int = Field(description="How often they were begun.", examples=[3])
+    given_up: int = Field(description="That ended as `infrastructure_error`.", examples=[0])
+
+
+class CostsView(BaseModel):
+    """Who costs the service how much; whoever costs most comes first."""
+
+    students: list[CostView]
+
+
+@router.get(
+    "/costs",
+    summary="Who costs the service how much",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden"),
+)
+def read_costs(services: ServicesDep, caller: StaffDep, response: Response) -> CostsView:
+    """Return how long the gradings of each student took in the last hour, and how many wait."""
+    response.headers["Cache-Control"] = "no-store"
+    return CostsView.model_validate({"students": costs(services, caller)}, from_attributes=True)
 
 
 @router.get(

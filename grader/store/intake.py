@@ -283,17 +283,18 @@ def _handicap(lately: Sequence[_Earlier], now: datetime) -> timedelta:
     """Return how far behind its arrival an upload is placed, so that people take turns and not uploads.
 
     Each further upload of a person who waits goes behind what others bring within the next ten minutes, and
-    so does that of a person whose gradings took a minute in the last ten.
+    so does that of a person whose gradings took a minute or more in the last ten. It is never more than that: on a
+    slow host everybody's gradings take long, and then those who come back take turns in order of arrival.
     """
-    handicap = timedelta()
+    waits = cost = timedelta()
     for one in lately:
         if one.priority:
             continue  # a re-grade, which nobody asked of the student
         if one.state == SubmissionState.QUEUED.value:
-            handicap += _LATELY
+            waits += _LATELY
         elif one.started_at is not None:
-            handicap += _COST_WEIGHT * max((one.finished_at or now) - one.started_at, timedelta())
-    return handicap
+            cost += _COST_WEIGHT * max((one.finished_at or now) - one.started_at, timedelta())
+    return waits + min(cost, _LATELY)
 
 
 def _owner(course: str | None, student: str) -> str:

@@ -11,6 +11,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, StudentProgress
 from grader.contracts.identity import Caller, Role
 from grader.contracts.rubric import summed
+from grader.contracts.submission import PersonCost
 from grader.contracts.text import Language
 from grader.use_cases.assignments import item_title
 from grader.use_cases.callers import require_staff
@@ -126,6 +127,16 @@ class _Told:
     progress: list[StudentProgress]
     failures: list[ItemFailures]
     mistakes: list[MistakeCount]
+
+
+def costs(services: Services, caller: Caller) -> tuple[PersonCost, ...]:
+    """Return what the gradings of each of the class cost in the last hour, whoever cost most first.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    return services.costs.lately(caller.course)
 
 
 def overview(services: Services, caller: Caller, state: ClassState, language: Language) -> Overview:

@@ -9,6 +9,7 @@ from grader.contracts.submission import QueueState, WorkerState
 from grader.settings import Settings
 from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
+from grader.store.costs import Costs
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
@@ -67,6 +68,7 @@ class Services:
     regrades: Regrades
     judgements: Judgements
     dashboard: Dashboard
+    costs: Costs
     rules: StoredRules
     courses: Courses
     tokens: Tokens
@@ -117,6 +119,7 @@ class Services:
             regrades=Regrades(database),
             judgements=Judgements(database),
             dashboard=Dashboard(database),
+            costs=Costs(database, clock),
             rules=StoredRules(database),
             courses=courses,
             tokens=tokens,

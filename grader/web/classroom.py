@@ -9,7 +9,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.messages import outline
-from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, overview
+from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
 from grader.use_cases.people import names, person
 from grader.use_cases.services import Services
 from grader.web import access
@@ -20,6 +20,7 @@ from grader.web.pages import language_of, page
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 _Id = Annotated[str, Query(max_length=64)]
+_MOST_COSTLY = 20
 
 
 @router.get("")
@@ -101,9 +102,10 @@ def read_comparison(
 
 
 @router.get("/service")
-def read_service(request: Request, services: ServicesDep) -> Response:
-    """Show queue, workers and sandbox."""
-    return page(request, "service.html", health=services.health(), version=__version__)
+def read_service(request: Request, services: ServicesDep, visitor: StaffDep) -> Response:
+    """Show queue, workers and sandbox, and who costs the service most."""
+    costly = costs(services, visitor.caller)[:_MOST_COSTLY]
+    return page(request, "service.html", health=services.health(), costs=costly, version=__version__)
 
 
 def _overview(request: Request, services: Services, visitor: Visitor) -> Overview:

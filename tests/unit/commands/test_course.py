@@ -77,6 +77,14 @@ def test_a_wrong_roster_leaves_no_course_behind(grader, tmp_path: Path) -> None:
     _, errors = grader("course", "create", "ros", "--instructor", "w", "--roster", str(roster), status=2)
     assert "line 3: 1 stands in line 2 already" in errors
     assert grader("course", "list")[0] == ""
+    assert grader("course", "costs", lang="zh")[0].split() == [
+        "课程",
+        "学生",
+        "占用槽位",
+        "评分",
+        "等待",
+        "启动",
+    ]
 
 
 def test_a_roster_is_imported_whole_or_not_at_all(grader, tmp_path: Path) -> None:

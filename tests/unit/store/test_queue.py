@@ -9,6 +9,7 @@ from sqlmodel import select
 
 from grader.contracts.grading import GradingJob
 from grader.contracts.submission import Claim, NewSubmission, SubmissionState
+from grader.store.costs import Costs
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
@@ -82,6 +83,39 @@ def test_whose_gradings_took_long_lately_goes_behind_others(
     clock.advance(3600)
     ids = hand_in_again()
     assert [claimed(queue).submission_id for _ in ids] == ids
+
+
+def test_a_slow_host_puts_nobody_back_by_more_than_ten_minutes(
+    queue: Queue, submissions: Submissions, clock: FakeClock
+) -> None:
+    submissions.add(upload("a"))
+    claim = claimed(queue)
+    clock.advance(400)
+    queue.finish(claim, result_of(claim))
+    back = submissions.add(upload("a", GOOD + b"good")).id
+    clock.advance(601)
+    other = submissions.add(upload("b")).id
+    assert [claimed(queue).submission_id for _ in range(2)] == [back, other]
+
+
+def test_who_costs_the_service_most_is_told(
+    queue: Queue, submissions: Submissions, database: Database, clock: FakeClock
+) -> None:
+    for student, seconds in (("a", 5.0), ("b", 30.0), ("c", 7.0)):
+        submissions.add(upload(student))
+        claim = claimed(queue)
+        clock.advance(seconds)
+        queue.finish(claim, result_of(claim))
+    clock.advance(3_590)  # the first was graded more than an hour ago
+    for source in (b"1", b"2"):
+        submissions.add(upload("a", GOOD + source))
+    claimed(queue)
+    clock.advance(2)
+    costs = Costs(database, clock).lately(None)
+    told = [(one.student, one.slot_s, one.gradings, one.waiting, one.tries) for one in costs]
+    assert told == [("b", 30.0, 1, 0, 1), ("c", 7.0, 1, 0, 1), ("a", 2.0, 1, 1, 1)]
+    assert Costs(database, clock).lately("ros") == ()
+    assert Costs(database, clock).lately("ros", everywhere=True) == costs
 
 
 def test_quick_uploads_at_one_instant_keep_their_order(queue: Queue, submissions: Submissions) -> None:

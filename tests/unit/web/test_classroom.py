@@ -118,6 +118,7 @@ def test_the_service_page_tells_queue_and_workers(instructor: Browser, school: d
     assert "No worker is alive." in text
     assert "nothing is graded right now" in text
     assert "The first one has been waiting since" in text
+    assert "Who cost most in the last hour" in text
 
 
 def test_mistakes_are_outlined_without_their_figures() -> None:

@@ -1,0 +1,57 @@
+"""Who costs the service how much: what each student's gradings took lately, and what waits."""
+
+from collections import defaultdict
+from datetime import datetime, timedelta
+from typing import Any, Final
+
+from sqlalchemy import Row, or_, select
+from sqlmodel import col
+
+from grader.contracts.submission import PersonCost, SubmissionState
+from grader.store.clock import Clock
+from grader.store.database import Database
+from grader.store.tables import SubmissionRow
+
+LATELY: Final = timedelta(hours=1)
+_BUSY = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
+_COLUMNS = ("course", "student", "state", "started_at", "finished_at", "tries")
+
+
+class Costs:
+    """Reads what gradings cost; safe to share between threads."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database = database
+        self._clock = clock
+
+    def lately(self, course: str | None, *, everywhere: bool = False) -> tuple[PersonCost, ...]:
+        """Return the students of a course, or of all, whose submissions wait or were graded in the last hour.
+
+        Whoever held the slots longest comes first.
+        """
+        row, now = SubmissionRow, self._clock()
+        statement = select(*(getattr(row, name) for name in _COLUMNS)).where(
+            or_(col(row.state).in_(_BUSY), col(row.finished_at) >= now - LATELY)
+        )
+        if not everywhere:
+            statement = statement.where(col(row.course) == course)
+        by_person: dict[tuple[str | None, str], list[Row[Any]]] = defaultdict(list)
+        with self._database.reading() as session:
+            for one in session.execute(statement):
+                by_person[one.course, one.student].append(one)
+        costs = (_cost(*person, rows, now) for person, rows in by_person.items())
+        return tuple(sorted(costs, key=lambda one: (-one.slot_s, -one.waiting, one.student)))
+
+
+def _cost(course: str | None, student: str, rows: list[Row[Any]], now: datetime) -> PersonCost:
+    begun = [one for one in rows if one.state != SubmissionState.QUEUED.value and one.started_at is not None]
+    spans = ((one.finished_at or now) - one.started_at for one in begun)
+    return PersonCost(
+        course=course,
+        student=student,
+        slot_s=sum(max(span.total_seconds(), 0.0) for span in spans),
+        gradings=len(begun),
+        waiting=sum(one.state == SubmissionState.QUEUED.value for one in rows),
+        tries=sum(one.tries for one in rows),
+        given_up=sum(one.state == SubmissionState.INFRASTRUCTURE_ERROR.value for one in rows),
+    )
