@@ -10,6 +10,7 @@ from grader.contracts.rules import Attempt, Refusal
 from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
+from grader.store.courses import in_class
 from grader.store.database import Database
 from grader.store.gradings import standing_grading, stored_report
 from grader.store.intake import attempts_of, refusal_of, take_in
@@ -117,6 +118,26 @@ class Submissions:
         newest_first = statement.order_by(col(SubmissionRow.received_at).desc(), col(SubmissionRow.id).desc())
         with self._database.reading() as session:
             return tuple(_submission(row) for row in session.execute(newest_first).scalars().all())
+
+    def beside(self, submission: Submission, *, after: bool) -> Submission | None:
+        """Return the newest submission to the same assignment by the class's next student, in order of id.
+
+        Args:
+            submission: somebody's.
+            after: False: the student before instead.
+        """
+        student, received_at = col(SubmissionRow.student), col(SubmissionRow.received_at)
+        towards = student > submission.student if after else student < submission.student
+        nearest = (
+            select(SubmissionRow)
+            .where(in_class(submission.course), col(SubmissionRow.regrade).is_(None))
+            .where(col(SubmissionRow.assignment) == submission.assignment, towards)
+            .order_by(student if after else student.desc(), received_at.desc(), col(SubmissionRow.id).desc())
+            .limit(1)
+        )
+        with self._database.reading() as session:
+            row = session.execute(nearest).scalar_one_or_none()
+            return None if row is None else _submission(row)
 
     def open_count(self, student: str, course: str | None) -> int:
         """Count a student's submissions that are not graded yet."""

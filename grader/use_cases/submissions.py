@@ -10,6 +10,7 @@ from grader.contracts.identity import Caller
 from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.store.intake import as_attempts
 from grader.store.rules import CourseRules
+from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found, shown_list, visible_submission
 
@@ -48,6 +49,19 @@ class ShownSubmission:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Beside:
+    """Whose a submission is, and the newest ones to the assignment by the students before and after; or None.
+
+    Attributes:
+        name: the student's; empty where it says no more than the id.
+    """
+
+    name: str
+    previous: Submission | None
+    next: Submission | None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class PastAttempt:
     """A submission in a list of its student's: what lateness costs it, and whether it is the one that counts."""
 
@@ -70,6 +84,22 @@ def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmiss
         position=position,
         estimated_finish_at=estimated,
         lateness=_lateness(submission, services.rules.of(submission.course)),
+    )
+
+
+def beside(services: Services, caller: Caller, submission: Submission) -> Beside:
+    """Return the name behind a submission's student, and the way from student to student.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    course, student = submission.course, submission.student
+    member = None if course is None else services.courses.member(course, student)
+    return Beside(
+        name="" if member is None or member.name == student else member.name,
+        previous=services.submissions.beside(submission, after=False),
+        next=services.submissions.beside(submission, after=True),
     )
 
 

@@ -50,12 +50,14 @@ class Visitor:
         caller: who it is to the rest of the service.
         student: whose attempts are their own: the member's id, or without courses what the visitor said.
         open: the service has no courses, so that a student only says an id.
-        zone: IANA time zone of the visitor's course, on whose clock every page is; None without one.
+        course: title of the visitor's course. zone: its IANA time zone, on whose clock every page is. None
+            without one.
     """
 
     caller: Caller
     student: str | None
     open: bool
+    course: str | None
     zone: str | None
 
     @property
@@ -230,8 +232,10 @@ def _visitor(request: Request) -> Visitor:
     caller = ANYBODY if token is None else services.callers.identify(token) or ANYBODY
     said = request.cookies.get(STUDENT_COOKIE, "")
     student = said if is_open and is_person_id(said) else caller.person
-    zone = None if caller.course is None else services.courses.get(caller.course).time_zone
-    return Visitor(caller=caller, student=student, open=is_open, zone=zone)
+    if caller.course is None:
+        return Visitor(caller=caller, student=student, open=is_open, course=None, zone=None)
+    course = services.courses.get(caller.course)
+    return Visitor(caller=caller, student=student, open=is_open, course=course.title, zone=course.time_zone)
 
 
 def _services(request: Request) -> Services:

@@ -1,6 +1,6 @@
 """The instructor's pages: the class matrix, one assignment, one student, two attempts, the service itself."""
 
-from typing import Annotated, Any
+from typing import Annotated
 
 from fastapi import APIRouter, Depends, Query, Request, Response
 
@@ -8,6 +8,7 @@ from grader import __version__
 from grader.contracts.errors import RefusedError
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.upload import decoded
 from grader.messages import outline
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
 from grader.use_cases.people import names, person
@@ -121,5 +122,4 @@ def _graded(services: Services, visitor: Visitor, submission_id: str) -> tuple[S
 
 
 def _source(services: Services, submission: Submission) -> str:
-    source: Any = services.submissions.source(submission.id) or b""
-    return str(source, "utf-8", "replace")
+    return decoded(services.submissions.source(submission.id) or b"")

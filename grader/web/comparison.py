@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Language
 from grader.web.result import ItemLine, ResultPage, item_line, result_page
+from grader.web.source import lines_of
 
 _MOST_LINES = 1_000
 _CONTEXT_LINES = 3
@@ -61,11 +62,13 @@ def compare(
         first=result_page(first, None, language),
         second=result_page(second, None, language),
         items=tuple(pairs),
-        diff=_diff(first_source.splitlines(), second_source.splitlines()),
+        diff=changes(first_source, second_source),
     )
 
 
-def _diff(first: list[str], second: list[str]) -> tuple[DiffLine, ...] | None:
+def changes(before: str, after: str) -> tuple[DiffLine, ...] | None:
+    """Return the lines in which two files differ, and some around; None when they are too long for that."""
+    first, second = lines_of(before), lines_of(after)
     if max(len(first), len(second)) > _MOST_LINES:
         return None
     lines = difflib.unified_diff(first, second, n=_CONTEXT_LINES, lineterm="")

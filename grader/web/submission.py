@@ -1,7 +1,7 @@
 """The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
 
-from collections.abc import AsyncIterator
-from dataclasses import asdict
+from collections.abc import AsyncIterator, Sequence
+from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 from urllib.parse import quote
 
@@ -18,6 +18,7 @@ from grader.contracts.progress import Standing
 from grader.contracts.report import CaseRun, GradeReport, report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Language
+from grader.contracts.upload import decoded
 from grader.messages import on_page
 from grader.routes.events import LastEventId, events, owner_of, watched
 from grader.use_cases import recordings, submissions
@@ -28,6 +29,7 @@ from grader.use_cases.services import Services
 from grader.use_cases.visibility import hiding
 from grader.web import access
 from grader.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor, VisitorDep
+from grader.web.comparison import DiffLine, changes
 from grader.web.pages import language_of, page
 from grader.web.result import StreamText, figure_parts, result_page, stream_text
 from grader.web.source import SourceView, failing_lines, source_view
@@ -36,6 +38,14 @@ from grader.web.waiting import left_s, progress
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
 _REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "command", "times")
 Case = Annotated[str | None, Query(max_length=64)]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Changed:
+    """What changed in a file since an earlier attempt. `lines` None: the files are too long to be compared."""
+
+    since: Submission
+    lines: Sequence[DiffLine] | None
 
 
 @router.get("", dependencies=[COSTLY])
@@ -55,6 +65,7 @@ def read(  # noqa: PLR0913
     access.require_own(visitor, submission)
     assignment = published(services, submission.assignment)
     own = visitor.caller.course is not None and visitor.student == submission.student
+    attempts = submissions.history(services, visitor.caller, submission.student, submission.assignment)
     return page(
         request,
         "submission.html",
@@ -67,7 +78,9 @@ def read(  # noqa: PLR0913
             language_of(request),
             is_open=submissions.is_open(submission),
         ),
-        attempts=submissions.history(services, visitor.caller, submission.student, submission.assignment),
+        attempts=attempts,
+        changed=_changed(services, submission, [one.submission for one in attempts]),
+        beside=submissions.beside(services, visitor.caller, submission) if visitor.staff else None,
         late=found.lateness,
         terms=terms_of(services, visitor.caller, submission.assignment) if own else None,
         hiding=hiding(services, submission),
@@ -213,6 +226,17 @@ def _corrections(visitor: Visitor, stored: StoredReport | None) -> dict[str, Jud
 def _source(services: Services, submission: Submission, stored: StoredReport | None) -> SourceView:
     runs = () if stored is None else report_from(stored.content).runs
     return source_view(services.submissions.source(submission.id) or b"", failing_lines(runs))
+
+
+def _changed(services: Services, submission: Submission, attempts: Sequence[Submission]) -> Changed | None:
+    """Return what differs from the student's attempt before this one; `attempts` are all, newest first."""
+    earlier = attempts[[one.id for one in attempts].index(submission.id) + 1 :]
+    if not earlier:
+        return None
+    before, after = (
+        decoded(services.submissions.source(one) or b"") for one in (earlier[0].id, submission.id)
+    )
+    return Changed(since=earlier[0], lines=changes(before, after))
 
 
 def _only_talks(figure: FigureSketch | None) -> bool:

@@ -172,3 +172,26 @@ def test_a_missing_page_leads_home(browser: Browser) -> None:
 def test_who_waits_is_told_how_long(position: int | None, left_s: float | None, words: str) -> None:
     told = progress(SubmissionState.QUEUED, position, left_s, "en", is_open=True)
     assert told["text"] == words
+
+
+def test_staff_go_from_student_to_student(
+    browser: Browser, put: Callable[..., str], tokens: dict[str, str]
+) -> None:
+    han, _, li = (put(one.encode(), student=one[:-1], course="ros") for one in ("han1", "li1", "li2"))
+    put(b"mine", student="ta", course="ros")  # no student
+    browser.enter(token=tokens["ta"])
+    text = browser.get(han).text
+    assert f'<a rel="next" href="{li}" accesskey="n"' in text
+    assert 'rel="prev"' not in text
+    text = browser.get(f"{li}?lang=en").text
+    assert f'<a rel="prev" href="{han}" accesskey="p"' in text
+    assert 'rel="next"' not in text
+    assert '<span class="removed">-li1</span>' in text
+    assert '<span class="of">+1 −1</span>' in text
+    assert "Compare the two scores" in text
+    browser.enter(token=tokens["li"])
+    text = browser.get(li).text
+    assert 'rel="prev"' not in text
+    assert '<span class="course">' in text
+    assert '<span class="added">+li2</span>' in text
+    assert "/class/compare" not in text
