@@ -32,7 +32,11 @@ class ProcessHandle:
         self._clock_id = (~self.pid << 3) | _CPUCLOCK_SCHED
 
     def cpu_ns(self) -> int:
-        """Return the CPU time of all its threads; 0 once it has been reaped or where unsupported."""
+        """Return the CPU time of all its threads; 0 once it has been reaped or where unsupported.
+
+        User and system time: the clock of user time alone is sampled by the kernel's tick, and misses most of a
+        process that takes short turns.
+        """
         try:
             return time.clock_gettime_ns(self._clock_id)
         except OSError:

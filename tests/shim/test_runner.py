@@ -293,10 +293,10 @@ COUNTED = {
         2_000,
         1.0,
     ),
-    "a thread": (
+    "threads": (
         "import threading, time\ndef work():\n    while True: time.sleep(0.001)\n"
-        "threading.Thread(target=work).start()\n",
-        1_000,
+        "threading.Thread(target=work).start(); work()\n",
+        8_000,
         1.0,
     ),
 }
