@@ -37,6 +37,7 @@ CHANGES = (303, 403, 403, 403, 303, 404)
 EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /": EVERYBODY,
     "GET /enter": EVERYBODY,
+    "GET /guide": EVERYBODY,
     "POST /enter": (303,) * 6,
     "POST /leave": (303,) * 6,
     "GET /assignments/{assignment_id}": EVERYBODY,

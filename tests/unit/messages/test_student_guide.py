@@ -1,0 +1,62 @@
+"""The guide for students quotes hints that exist, and its commands can be typed."""
+
+import re
+import shlex
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+from grader.commands.cli import Parser
+from grader.contracts.text import Language
+from grader.messages import entries
+
+DOCS = Path(__file__).resolve().parents[3] / "docs"
+PAGES: dict[Language, Path] = {"zh": DOCS / "student.zh.md", "en": DOCS / "student.md"}
+HINTS: dict[Language, list[str]] = {
+    language: [text for key, text in entries(language, "grader").items() if key.startswith("mistake.")]
+    for language in PAGES
+}
+
+
+def rows(page: Path) -> list[str]:
+    return [
+        line.split("|")[1].strip()
+        for line in page.read_text(encoding="utf-8").splitlines()
+        if line[:2] == "| "
+    ][1:]
+
+
+@pytest.mark.parametrize("language", PAGES)
+def test_every_quoted_hint_exists(language: Language) -> None:
+    quoted = rows(PAGES[language])
+    assert len(quoted) == len(set(quoted)) == 20
+    for quote in quoted:
+        pattern = r"\{\w+\}".join(re.escape(part) for part in quote.split("…"))
+        assert sum(re.match(pattern, hint) is not None for hint in HINTS[language]) == 1, quote
+
+
+def test_both_languages_quote_the_same_hints_in_the_same_order() -> None:
+    keys = {}
+    for language, page in PAGES.items():
+        hints = entries(language, "grader")
+        patterns = [r"\{\w+\}".join(map(re.escape, quote.split("…"))) for quote in rows(page)]
+        keys[language] = [
+            next(key for key, hint in hints.items() if key.startswith("mistake.") and re.match(pattern, hint))
+            for pattern in patterns
+        ]
+    assert keys["zh"] == keys["en"]
+
+
+@pytest.mark.parametrize("page", PAGES.values(), ids=lambda page: page.name)
+def test_every_command_can_be_typed(page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    typed = re.findall(r"^    (grader .*?)(?:  +#.*)?$", text, re.MULTILINE)
+    typed += re.findall(r"`(grader [^`>]*?)(?: >[^`]*)?`", text)
+    commands = [words[1:] for line in typed if len(words := shlex.split(line)) > 2 and words[1] != "ch"]
+    assert len(commands) >= 8
+    for name, *arguments in commands:
+        module = import_module(f"grader.commands.{name}")
+        parser = Parser(prog=name)
+        module.configure(parser)
+        parser.parse_args(arguments)
