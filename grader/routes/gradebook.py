@@ -1,8 +1,8 @@
 """Grades for other systems: the gradebook, and single reports in other graders' formats."""
 
-from typing import Annotated
+from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query, Response
+from fastapi import APIRouter, File, Query, Response, UploadFile
 from fastapi.responses import JSONResponse
 
 from grader.routes.dependencies import (
@@ -15,11 +15,31 @@ from grader.routes.dependencies import (
     StaffDep,
     SubmissionId,
 )
+from grader.routes.middleware import MOST_BYTES
 from grader.routes.problems import responses
-from grader.use_cases.gradebook import Format, exported, gradebook_csv
+from grader.use_cases.gradebook import (
+    Format,
+    exported,
+    fill_in,
+    gradebook_csv,
+    gradebook_workbook,
+    registry_workbook,
+)
 
 router = APIRouter(prefix="/api/v1", tags=["gradebook"])
 exports = APIRouter(prefix="/api/v1/submissions", tags=["gradebook"], dependencies=[SIGHT, COSTLY])
+SectionQuery = Annotated[str, Query(max_length=64, description="Only students of this section.")]
+AssignmentQuery = Annotated[
+    str,
+    Query(
+        max_length=64,
+        description="Whose points; left out: the percentage of all points.",
+        examples=["square"],
+    ),
+]
+ColumnQuery = Annotated[str, Query(min_length=1, max_length=100, examples=["平时成绩"])]
+_XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
+_WORKBOOK = {_XLSX: {"schema": {"type": "string", "format": "binary"}}}
 _JSON = {"application/json": {"schema": {"type": "object"}}}
 _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
 
@@ -39,17 +59,94 @@ _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_requ
 def read_gradebook(
     services: ServicesDep,
     caller: StaffDep,
-    language: LanguageDep,
     format: Annotated[Format, Query(description="`canvas`: as Canvas imports grades.")] = "plain",
+    section: SectionQuery = "",
 ) -> Response:
     """Return everybody's points; without courses of everybody who handed something in."""
     headers = {
         "Content-Disposition": f'attachment; filename="gradebook-{format}.csv"',
         "Cache-Control": "no-store",
+        "Vary": "Authorization",
+    }
+    table = gradebook_csv(services, caller, format, section)
+    return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
+
+
+@router.get(
+    "/gradebook.xlsx",
+    summary="The gradebook as a workbook",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "Everybody's points, or one column of them for a registry.",
+            "content": _WORKBOOK,
+        },
+        **responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
+    },
+)
+def read_workbook(  # noqa: PLR0913, PLR0917
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    layout: Annotated[
+        Literal["full", "registry"], Query(description="`registry`: id, name and the column `column` alone.")
+    ] = "full",
+    column: ColumnQuery = "成绩",
+    assignment: AssignmentQuery = "",
+    section: SectionQuery = "",
+) -> Response:
+    """Return everybody's points as spreadsheet programs keep them."""
+    if layout == "full":
+        return as_workbook(gradebook_workbook(services, caller, language, section), "gradebook.xlsx")
+    book = registry_workbook(
+        services, caller, language, column=column, assignment=assignment, section=section
+    )
+    return as_workbook(book, "registry.xlsx")
+
+
+@router.post(
+    "/gradebook/fill",
+    summary="Fill points into a sheet of one's own",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "The sheet with points in it; nothing else of it changes.",
+            "content": _WORKBOOK,
+        },
+        **responses(
+            *ENTRY_PROBLEMS,
+            "forbidden",
+            "assignment_not_found",
+            "invalid_request",
+            "invalid_sheet",
+            "malformed_body",
+            "too_large",
+        ),
+    },
+)
+def fill_sheet(
+    services: ServicesDep,
+    caller: StaffDep,
+    file: Annotated[UploadFile, File(description=".xlsx, .xls, .ods or CSV; at most 1 MiB.")],
+    column: ColumnQuery,
+    assignment: AssignmentQuery = "",
+) -> Response:
+    """Return a teacher's own sheet with everybody's points in the column called `column`."""
+    filled = fill_in(services, caller, file.file.read(MOST_BYTES + 1), column, assignment)
+    response = as_workbook(filled.content, "filled.xlsx")
+    response.headers["X-Filled-Rows"] = str(filled.filled)
+    response.headers["X-Unknown-Rows"] = str(len(filled.unknown))
+    return response
+
+
+def as_workbook(content: bytes, name: str) -> Response:
+    """Return a workbook as an answer to be saved."""
+    headers = {
+        "Content-Disposition": f'attachment; filename="{name}"',
+        "Cache-Control": "no-store",
         "Vary": "Accept-Language, Authorization",
     }
-    table = gradebook_csv(services, caller, language, format)
-    return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
+    return Response(content, media_type=_XLSX, headers=headers)
 
 
 @exports.get(

@@ -105,6 +105,7 @@ _STATUS = {
     "no_course": 409,
     "invalid_rules": 422,
     "invalid_roster": 422,
+    "invalid_sheet": 422,
     "unknown_student": 422,
     "unknown_assignment": 422,
     "empty": 422,

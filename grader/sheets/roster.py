@@ -139,7 +139,7 @@ def _header(table: ListedTable) -> tuple[int, dict[str, int]]:
 
 def _columns(cells: Sequence[str]) -> dict[str, int]:
     """Return which cell of a header names which column; nothing if ids or names are missing."""
-    labels = [_label(cell) for cell in cells]
+    labels = [label(cell) for cell in cells]
     found: dict[str, int] = {}
     for column, known in _COLUMNS.items():
         index = next((labels.index(one) for one in known if one in labels), None)
@@ -149,13 +149,19 @@ def _columns(cells: Sequence[str]) -> dict[str, int]:
     return found if named and "id" in found else {}
 
 
-def _label(cell: str) -> str:
+def id_column(cells: Sequence[str]) -> int | None:
+    """Return which cell of a header names the column of ids, None if none does."""
+    labels = [label(cell) for cell in cells]
+    return next((labels.index(one) for one in _COLUMNS["id"] if one in labels), None)
+
+
+def label(cell: str) -> str:
     """Return a column's name without what is only decoration: case, width, colons, the star of a needed column."""
     return " ".join(unicodedata.normalize("NFKC", cell).casefold().strip(" *:").split())
 
 
 def _check_once(row: ListedRow, columns: dict[str, int]) -> None:
-    labels = [_label(cell) for cell in row.cells]
+    labels = [label(cell) for cell in row.cells]
     for column, index in columns.items():
         if labels.count(labels[index]) > 1:
             raise CourseError(

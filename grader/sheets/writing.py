@@ -38,11 +38,12 @@ def csv_table(rows: Sequence[Sequence[str]], *, safe: bool = True) -> str:
     return BYTE_ORDER_MARK + out.getvalue()
 
 
-def workbook(sheets: Sequence[tuple[str, Sequence[Sequence[Cell]]]]) -> bytes:
-    """Return a workbook; the first row of each sheet is its header.
+def workbook(sheets: Sequence[tuple[str, Sequence[Sequence[Cell]]]], *, header: bool = True) -> bytes:
+    """Return a workbook.
 
     Args:
         sheets: name and rows of each. Text is text, whatever it looks like, so that ids keep their zeros.
+        header: the first row of each sheet names the columns.
     """
     out = io.BytesIO()
     with xlsxwriter.Workbook(out, {"in_memory": True}) as book:
@@ -50,11 +51,12 @@ def workbook(sheets: Sequence[tuple[str, Sequence[Sequence[Cell]]]]) -> bytes:
         bold, text = book.add_format({"bold": True}), book.add_format({"num_format": "@"})
         for name, rows in sheets:
             sheet = book.add_worksheet(name)
-            sheet.freeze_panes(1, 0)
+            if header:
+                sheet.freeze_panes(1, 0)
             for number, row in enumerate(rows):
                 for column, cell in enumerate(row):
                     if isinstance(cell, str):
-                        sheet.write_string(number, column, cell, text if number else bold)
+                        sheet.write_string(number, column, cell, bold if header and number == 0 else text)
                     elif cell is not None:
                         sheet.write_number(number, column, cell)
     return out.getvalue()

@@ -1,20 +1,26 @@
-"""Grades for other systems: the gradebook, also as CSV, and single reports in other graders' formats.
+"""Grades for other systems: the gradebook, also as files, and single reports in other graders' formats.
 
-The CSV is a plain table, or the one that Canvas imports.
+The files are a plain table, the one that Canvas imports, workbooks, and a teacher's own sheet with points in it.
 """
 
 from collections.abc import Mapping, Sequence
+from decimal import ROUND_HALF_UP, Decimal
+from functools import partial
 from typing import Literal
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import StudentProgress
+from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.judgement import judged
 from grader.contracts.notation import written
 from grader.contracts.rubric import summed
-from grader.contracts.text import Language
+from grader.contracts.text import Language, Text
+from grader.messages import on_page
 from grader.render.documents import to_gradescope, to_prairielearn
-from grader.sheets.writing import as_text, csv_table
+from grader.sheets.filling import FilledSheet, fill
+from grader.sheets.writing import Cell, as_text, csv_table, workbook
+from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded
@@ -24,10 +30,10 @@ Platform = Literal["gradescope", "prairielearn"]
 Scores = Mapping[tuple[str, str], StudentProgress]
 
 
-def book(services: Services, caller: Caller) -> tuple[Sequence[Member], Scores]:
+def book(services: Services, caller: Caller, section: str = "") -> tuple[Sequence[Member], Scores]:
     """Return everybody who has a line in the gradebook, and what they reached by student and assignment.
 
-    Without courses, everybody who handed something in has one.
+    Without courses, everybody who handed something in has one. With `section`, only those who are in it.
 
     Raises:
         RefusedError: the caller may not see the class.
@@ -37,20 +43,124 @@ def book(services: Services, caller: Caller) -> tuple[Sequence[Member], Scores]:
     members = services.courses.members(caller.course, Role.STUDENT) or _seen(
         {one.student for one in progress}
     )
+    if section:
+        members = tuple(one for one in members if section in one.sections)
     return members, {(one.student, one.assignment): one for one in progress}
 
 
-def gradebook_csv(services: Services, caller: Caller, language: Language, format: Format) -> str:
-    """Return the whole gradebook as a file.
+def gradebook_csv(services: Services, caller: Caller, format: Format, section: str = "") -> str:
+    """Return the gradebook as CSV.
 
     Raises:
         RefusedError: the caller may not see the class.
     """
-    members, scores = book(services, caller)
+    members, scores = book(services, caller, section)
     assignments = services.assignments.all()
     if format == "canvas":
-        return canvas(members, assignments, scores, language)
+        return canvas(members, assignments, scores)
     return plain(members, assignments, scores)
+
+
+def gradebook_workbook(services: Services, caller: Caller, language: Language, section: str = "") -> bytes:
+    """Return the gradebook as a workbook: points in one sheet, what they mean in another.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    members, scores = book(services, caller, section)
+    assignments = services.assignments.all()
+    heading = partial(on_page, language)
+    titles = [f"{one.title.get(language)} ({written(one.max_score)})" for one in assignments]
+    head = [
+        heading("people.id"),
+        heading("people.name"),
+        heading("people.sections"),
+        *titles,
+        heading("class.total"),
+    ]
+    rows: list[list[Cell]] = [[*head]]
+    for member in members:
+        reached = [_counted(scores.get((member.id, one.id))) for one in assignments]
+        total = summed(points for points in reached if points is not None)
+        rows.append([member.id, member.name, ", ".join(member.sections), *reached, total])
+    notes: list[list[Cell]] = [
+        [heading("gradebook.notes")],
+        [heading("gradebook.lead")],
+        [heading("gradebook.blank")],
+    ]
+    return workbook([(heading("nav.gradebook"), rows), (heading("gradebook.notes"), notes)])
+
+
+def registry_workbook(  # noqa: PLR0913
+    services: Services,
+    caller: Caller,
+    language: Language,
+    *,
+    column: str,
+    assignment: str = "",
+    section: str = "",
+) -> bytes:
+    """Return what a registry takes: id, name, and one column of points, in order of id.
+
+    Args:
+        services: what use cases work with.
+        caller: who asks.
+        language: of the first two headers.
+        column: header of the third.
+        assignment: whose points; empty: the percentage of all points, where what was not handed in earns none.
+        section: only its students; empty: all.
+
+    Raises:
+        RefusedError: the caller may not see the class, or there is no such assignment.
+    """
+    members, points = _points_of(services, caller, assignment, section)
+    head: list[Cell] = [on_page(language, "people.id"), on_page(language, "people.name"), column]
+    rows = [head, *([one.id, one.name, points[one.id]] for one in members)]
+    return workbook([(on_page(language, "nav.gradebook"), rows)])
+
+
+def fill_in(
+    services: Services, caller: Caller, content: bytes, column: str, assignment: str = ""
+) -> FilledSheet:
+    """Return a teacher's own sheet with points in the column called `column`; the rest as `registry_workbook`.
+
+    Raises:
+        RefusedError: as `registry_workbook`; or the sheet cannot be read, or has no such column.
+    """
+    _, points = _points_of(services, caller, assignment, "")
+    try:
+        return fill(content, column, points)
+    except CourseError as error:
+        raise RefusedError("invalid_sheet", Text(zh=error.told("zh"), en=error.told("en"))) from None
+
+
+def _points_of(
+    services: Services, caller: Caller, assignment: str, section: str
+) -> tuple[Sequence[Member], Mapping[str, float | None]]:
+    members, scores = book(services, caller, section)
+    if assignment:
+        require_published(services, assignment)
+        return members, {one.id: _counted(scores.get((one.id, assignment))) for one in members}
+    assignments = services.assignments.all()
+    most = summed(one.max_score for one in assignments)
+    percentages = {}
+    for member in members:
+        reached = [_counted(scores.get((member.id, one.id))) for one in assignments]
+        points = [one for one in reached if one is not None]
+        percentages[member.id] = percentage(summed(points), most) if points else None
+    return members, percentages
+
+
+def percentage(points: float, most: float) -> float:
+    """Return points in percent of the most there are, to one decimal, halves up; 0 where there are none."""
+    if not most:
+        return 0.0
+    exact = Decimal(repr(points)) * 100 / Decimal(repr(most))
+    return float(exact.quantize(Decimal("0.1"), ROUND_HALF_UP))
+
+
+def _counted(progress: StudentProgress | None) -> float | None:
+    return None if progress is None else progress.counted_score
 
 
 def exported(
@@ -83,11 +193,10 @@ def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: 
     return csv_table(rows, safe=False)
 
 
-def canvas(
-    members: Sequence[Member], assignments: Sequence[Assignment], scores: Scores, language: Language
-) -> str:
+def canvas(members: Sequence[Member], assignments: Sequence[Assignment], scores: Scores) -> str:
     """Return what Canvas imports as grades.
 
+    Columns have one name in every language, so that a second import finds those of the first.
     The columns before the first assignment and the line ``Points Possible`` are as Canvas exports them; students
     are matched by ``SIS User ID``, and columns it does not know become assignments (Canvas Instructor Guide, "How
     do I import grades in the Gradebook?"). A student without a score has an empty cell, which changes nothing.
@@ -96,11 +205,17 @@ def canvas(
     first cell must not be quoted, though.
     """
     head = ["Student", "ID", "SIS User ID", "SIS Login ID", "Section"]
-    titles = [as_text(f"{one.title.get(language)} [{one.id}]") for one in assignments]
+    titles = [as_text(f"{one.title.en} [{one.id}]") for one in assignments]
     possible = ["    Points Possible", "", "", "", "", *(written(one.max_score) for one in assignments)]
     rows = [[*head, *titles], possible]
     for member in members:
-        person = [as_text(member.name or member.id), "", as_text(member.id), as_text(member.id), ""]
+        person = [
+            as_text(member.name or member.id),
+            "",
+            as_text(member.id),
+            as_text(member.id),
+            as_text(" and ".join(member.sections)),
+        ]
         rows.append([*person, *(_points(scores.get((member.id, one.id))) for one in assignments)])
     return csv_table(rows, safe=False)
 
@@ -110,4 +225,5 @@ def _seen(students: set[str]) -> tuple[Member, ...]:
 
 
 def _points(progress: StudentProgress | None) -> str:
-    return "" if progress is None or progress.counted_score is None else written(progress.counted_score)
+    points = _counted(progress)
+    return "" if points is None else written(points)

@@ -16,6 +16,8 @@ from grader.contracts.errors import RefusedError
 
 FIELD = "form_token"
 COOKIE = "grader_form"
+MOST_FILE_BYTES = 1024 * 1024
+"""Of a file in a form that is no submission: a request has no more."""
 _TOKEN_BYTES = 24
 _TOKEN = re.compile(r"[A-Za-z0-9_-]{32}")
 _OWN = ("same-origin", "none")

@@ -3,28 +3,36 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean
-from typing import Annotated
+from typing import Annotated, Literal
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Depends, File, Form, Query, Request, Response, UploadFile
 from pydantic import Field
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import StudentProgress
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Member
 from grader.contracts.rubric import summed
 from grader.use_cases import gradebook
 from grader.use_cases.gradebook import Format, Scores
-from grader.web.access import ServicesDep, StaffDep, require_staff
+from grader.use_cases.services import Services
+from grader.web.access import ServicesDep, StaffDep, Visitor, require_staff
+from grader.web.errors import FormProblem, form_problem
+from grader.web.forms import MOST_FILE_BYTES, require_own_form
 from grader.web.pages import language_of, page
 from grader.web.paging import PageQuery, cut
 
+_XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
+Section = Annotated[str, Query(max_length=64)]
+Column = Annotated[str, Query(min_length=1, max_length=100)]
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 
 
 class BookQuery(PageQuery):
-    """Which students are shown: those whose id or name contains `search`, one page of them."""
+    """Which students are shown: of a section, those whose id or name contains `search`, one page of them."""
 
     search: str = Field(default="", max_length=100)
+    section: str = Field(default="", max_length=64)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -70,29 +78,93 @@ def read(
     request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[BookQuery, Query()]
 ) -> Response:
     """Show the points that count by student and assignment."""
-    members, scores = gradebook.book(services, visitor.caller)
-    assignments = services.assignments.all()
-    return page(
-        request,
-        "gradebook.html",
-        book=book_page(members, scores, assignments, query),
-        assignments=assignments,
-        pass_fraction=services.settings.pass_fraction,
-    )
+    return _gradebook_page(request, services, visitor, query)
 
 
 @router.get("/gradebook.csv")
 def download(
-    request: Request, services: ServicesDep, visitor: StaffDep, format: Annotated[Format, Query()] = "plain"
+    services: ServicesDep,
+    visitor: StaffDep,
+    format: Annotated[Format, Query()] = "plain",
+    section: Section = "",
 ) -> Response:
-    """Return the whole gradebook as a file."""
-    table = gradebook.gradebook_csv(services, visitor.caller, language_of(request), format)
+    """Return the gradebook as CSV."""
+    table = gradebook.gradebook_csv(services, visitor.caller, format, section)
+    return _file(table, f"gradebook-{format}.csv", "text/csv; charset=utf-8")
+
+
+@router.get("/gradebook.xlsx")
+def download_workbook(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    layout: Annotated[Literal["full", "registry"], Query()] = "full",
+    column: Column = "成绩",
+    assignment: Annotated[str, Query(max_length=64)] = "",
+    section: Section = "",
+) -> Response:
+    """Return the gradebook as a workbook, or one column of it."""
+    caller, language = visitor.caller, language_of(request)
+    if layout == "full":
+        content = gradebook.gradebook_workbook(services, caller, language, section)
+    else:
+        content = gradebook.registry_workbook(
+            services, caller, language, column=column, assignment=assignment, section=section
+        )
+    return _file(content, "gradebook.xlsx" if layout == "full" else "registry.xlsx", _XLSX)
+
+
+@router.post("/gradebook/fill", dependencies=[Depends(require_own_form)])
+def fill_in(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    file: Annotated[UploadFile, File()],
+    column: Annotated[str, Form(max_length=100)] = "",
+    assignment: Annotated[str, Form(max_length=64)] = "",
+) -> Response:
+    """Return a teacher's own sheet with points in it, or the page with what is wrong."""
+    try:
+        filled = gradebook.fill_in(
+            services, visitor.caller, file.file.read(MOST_FILE_BYTES + 1), column, assignment
+        )
+    except RefusedError as error:
+        problem = form_problem(error, language_of(request), field="file")
+        return _gradebook_page(request, services, visitor, BookQuery(), problem, column)
+    return _file(filled.content, "filled.xlsx", _XLSX)
+
+
+def _file(content: str | bytes, name: str, media_type: str) -> Response:
     headers = {
-        "Content-Disposition": f'attachment; filename="gradebook-{format}.csv"',
+        "Content-Disposition": f'attachment; filename="{name}"',
         "Cache-Control": "no-store",
         "Vary": "Accept-Language, Authorization",
     }
-    return Response(table, media_type="text/csv; charset=utf-8", headers=headers)
+    return Response(content, media_type=media_type, headers=headers)
+
+
+def _gradebook_page(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: Services,
+    visitor: Visitor,
+    query: BookQuery,
+    problem: FormProblem | None = None,
+    column: str = "",
+) -> Response:
+    members, scores = gradebook.book(services, visitor.caller)
+    assignments = services.assignments.all()
+    chosen = [one for one in members if not query.section or query.section in one.sections]
+    return page(
+        request,
+        "gradebook.html",
+        status=200 if problem is None else problem.status,
+        book=book_page(chosen, scores, assignments, query),
+        assignments=assignments,
+        sections=sorted({name for one in members for name in one.sections}),
+        pass_fraction=services.settings.pass_fraction,
+        problem=problem,
+        column=column,
+    )
 
 
 def _line(member: Member, scores: Scores, assignments: Sequence[Assignment]) -> BookLine:

@@ -18,7 +18,7 @@ from grader.use_cases.people import ImportPlan, changes, members
 from grader.use_cases.services import Services
 from grader.web.access import InstructorDep, QueryWhole, ServicesDep, StaffDep, Visitor, require_staff
 from grader.web.errors import FormProblem, form_problem
-from grader.web.forms import require_own_form
+from grader.web.forms import MOST_FILE_BYTES, require_own_form
 from grader.web.pages import language_of, page
 
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
@@ -26,7 +26,6 @@ _ENTRIES = 50
 _LARGEST_ID = 2**63 - 1
 _ID = re.compile(r"[A-Za-z0-9_-]{1,64}")
 _SECTION_SEPARATOR = re.compile("[,;，；、]")
-_MOST_FILE_BYTES = 1024 * 1024  # of a request's body
 _DAYS = 200
 PersonId = Annotated[str, Path(max_length=64)]
 Done = Annotated[Literal["", "saved", "removed", "imported", "none_missing"], Query()]
@@ -92,7 +91,7 @@ def preview_import(
 ) -> Response:
     """Show what importing a class list would change."""
     try:
-        plan = people.plan_import(services, visitor.caller, file.file.read(_MOST_FILE_BYTES + 1))
+        plan = people.plan_import(services, visitor.caller, file.file.read(MOST_FILE_BYTES + 1))
     except RefusedError as error:
         problem = form_problem(error, language_of(request), field="file")
         return _people_page(request, services, visitor, problem=problem)
@@ -104,7 +103,7 @@ def import_list(  # noqa: PLR0913, PLR0917
     request: Request,
     services: ServicesDep,
     visitor: InstructorDep,
-    entries: Annotated[str, Form(max_length=_MOST_FILE_BYTES)],
+    entries: Annotated[str, Form(max_length=MOST_FILE_BYTES)],
     seen: Annotated[str, Form(max_length=64)],
     remove: Annotated[bool, Form()] = False,
 ) -> Response:

@@ -65,6 +65,8 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/submissions/{submission_id}/gradescope.json": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/prairielearn.json": SUBMISSION,
     "get /api/v1/gradebook.csv": STAFF,
+    "get /api/v1/gradebook.xlsx": STAFF,
+    "post /api/v1/gradebook/fill": STAFF,
     "get /api/v1/dashboard": STAFF,
     "get /api/v1/dashboard/costs": STAFF,
     "get /api/v1/dashboard/events": STAFF,
@@ -111,6 +113,8 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/submissions/{submission_id}/gradescope.json": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/prairielearn.json": OPEN_TO_ALL,
     "get /api/v1/gradebook.csv": OPERATOR_ONLY,
+    "get /api/v1/gradebook.xlsx": OPERATOR_ONLY,
+    "post /api/v1/gradebook/fill": OPERATOR_ONLY,
     "get /api/v1/dashboard": OPERATOR_ONLY,
     "get /api/v1/dashboard/costs": OPERATOR_ONLY,
     "get /api/v1/dashboard/events": OPERATOR_ONLY,
@@ -145,6 +149,8 @@ def send(
         }
     if operation == "post /api/v1/members/import":
         body = {"files": {"file": ("class.csv", b"id,name\nzhou,x\n")}}
+    if operation == "post /api/v1/gradebook/fill":
+        body = {"files": {"file": ("s.csv", b"id,points\nli,\n")}, "params": {"column": "points"}}
     if operation == "post /api/v1/members/{person}/tokens":
         body = {"json": {}}
     with client.stream(method, path, headers=headers, **body) as response:  # some answers never end

@@ -12,6 +12,7 @@ import httpx
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from python_calamine import CalamineWorkbook
 
 from grader.contracts.dashboard import StudentProgress
 from grader.contracts.identity import Member, Role, RosterEntry
@@ -19,7 +20,7 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.rules import LateRule, Rules
 from grader.contracts.submission import SubmissionState
 from grader.store.audit import Signature
-from grader.use_cases.gradebook import canvas, plain
+from grader.use_cases.gradebook import canvas, percentage, plain
 from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import assignment
@@ -77,7 +78,7 @@ def test_without_courses_everybody_who_handed_in(client: httpx.Client, graded: C
 @pytest.mark.parametrize("name", ["=1+1", "+1", "-1", "@x", "\t=1", "\n=1", "＝1+1", "＋1", "－1", "＠x"])
 def test_no_cell_is_a_formula(name: str) -> None:
     member = Member(course="c", id="1", name=name, role=Role.STUDENT)
-    for text in (plain([member], [assignment()], {}), canvas([member], [assignment()], {}, "en")):
+    for text in (plain([member], [assignment()], {}), canvas([member], [assignment()], {})):
         cells = [cell for row in csv.reader(io.StringIO(text.removeprefix("\ufeff"))) for cell in row]
         assert "'" + name in cells
         assert name not in cells
@@ -94,7 +95,7 @@ def test_points_are_in_tables_to_the_cent(cents: list[int]) -> None:
     *points, total = rows(plain([member], published, scores))[1][2:]
     assert [Decimal(one) * 100 for one in points[::2]] == cents
     assert Decimal(total) * 100 == sum(cents)
-    assert [Decimal(one) * 100 for one in rows(canvas([member], published, scores, "en"))[2][5:]] == cents
+    assert [Decimal(one) * 100 for one in rows(canvas([member], published, scores))[2][5:]] == cents
 
 
 def progress(assignment_id: str, score: float) -> StudentProgress:
@@ -136,3 +137,62 @@ def test_hidden_items_are_in_no_other_format_either(
     for name in ("gradescope", "prairielearn"):
         assert len(client.get(f"{url}/{name}.json", headers=school.as_("li")).json()["tests"]) == 1
         assert len(client.get(f"{url}/{name}.json", headers=school.as_("wang")).json()["tests"]) == 2
+
+
+def cells(response: httpx.Response, sheet: int = 0) -> list[list[object]]:
+    assert response.status_code == 200
+    book = CalamineWorkbook.from_filelike(io.BytesIO(response.content))
+    return book.get_sheet_by_index(sheet).to_python()
+
+
+def test_the_workbook_has_what_the_table_has(
+    client: httpx.Client, services: Services, graded: Callable[..., str], school: Any
+) -> None:
+    li = RosterEntry(id="li", name="=1+1", sections=("A",))
+    services.courses.import_roster("ros", [li], "test")
+    graded(b"good", student="", headers=school.as_("li"))
+    url, headers = "/api/v1/gradebook.xlsx", school.as_("ta")
+    answer = client.get(url, headers=headers, params={"lang": "en"})
+    assert cells(answer) == [
+        ["Id", "Name", "Sections", "Exercise straight (10)", "Exercise square (10)", "Total"],
+        ["han", "han", "", "", "", 0.0],
+        ["li", "=1+1", "A", "", 5.0, 5.0],
+    ]
+    assert len(cells(answer, 1)) == 3
+    assert client.get(url, headers=headers, params={"lang": "en"}).content == answer.content
+    assert [row[0] for row in cells(client.get(url, headers=headers, params={"section": "A"}))[1:]] == ["li"]
+
+
+def test_a_registry_gets_one_column(client: httpx.Client, graded: Callable[..., str], school: Any) -> None:
+    graded(b"good", student="", headers=school.as_("li"))
+    url, headers = "/api/v1/gradebook.xlsx", school.as_("ta")
+    wanted = {"layout": "registry", "column": "平时成绩"}
+    assert cells(client.get(url, headers=headers, params=wanted)) == [
+        ["学号或工号", "姓名", "平时成绩"],
+        ["han", "han", ""],
+        ["li", "li", 25.0],
+    ]
+    one = cells(client.get(url, headers=headers, params={**wanted, "assignment": "square"}))
+    assert one[2] == ["li", "li", 5.0]
+    unknown = client.get(url, headers=headers, params={**wanted, "assignment": "cube"})
+    assert unknown.json()["code"] == "assignment_not_found"
+
+
+def test_a_teachers_own_sheet_is_filled_in(
+    client: httpx.Client, graded: Callable[..., str], school: Any
+) -> None:
+    graded(b"good", student="", headers=school.as_("li"))
+    url, headers = "/api/v1/gradebook/fill", school.as_("ta")
+    files = {"file": ("sheet.csv", "学号,平时,期末\nli,,80\nzhou,,70\n".encode())}
+    answer = client.post(url, headers=headers, params={"column": "平时", "assignment": "square"}, files=files)
+    assert cells(answer) == [["学号", "平时", "期末"], ["li", 5.0, 80.0], ["zhou", "", 70.0]]
+    assert (answer.headers["x-filled-rows"], answer.headers["x-unknown-rows"]) == ("1", "1")
+    wrong = client.post(url, headers=headers, params={"column": "总评"}, files=files)
+    assert (wrong.status_code, wrong.json()["code"]) == (422, "invalid_sheet")
+    assert "期末" in wrong.json()["detail"]
+
+
+@given(st.integers(0, 10**6), st.integers(1, 10**6))
+def test_a_percentage_is_rounded_as_people_do(cents: int, most: int) -> None:
+    exact = Decimal(cents) * 1000 / Decimal(most)  # tenths of a percent
+    assert percentage(cents / 100, most / 100) == float((exact + Decimal("0.5")) // 1) / 10

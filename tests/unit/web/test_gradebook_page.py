@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import pytest
 
+from grader.contracts.identity import RosterEntry
 from grader.contracts.rules import Counts, Rules
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
@@ -58,6 +59,29 @@ def test_the_gradebook_is_downloaded(wang: Browser, put: Callable[..., str]) -> 
         assert table[0][0] == first
         assert len({len(row) for row in table}) == 1
     assert wang.get("/class/gradebook.csv?format=xml").status_code == 422
+    for address_ in ("/class/gradebook.xlsx", "/class/gradebook.xlsx?layout=registry"):
+        assert f'href="{address_}" download' in page
+        assert wang.get(address_).content.startswith(b"PK")
+
+
+def test_the_gradebook_is_of_one_section(wang: Browser, services: Services) -> None:
+    services.courses.import_roster("ros", [RosterEntry(id="li", name="", sections=("A",))], "test")
+    page = wang.get("/class/gradebook?section=A").text
+    assert rows(page) == ["li"]
+    assert 'href="/class/gradebook.csv?format=canvas&amp;section=A" download' in page
+    assert "han" not in wang.get("/class/gradebook.csv?section=A").text
+
+
+def test_a_sheet_is_filled_in_or_refused_on_the_page(wang: Browser) -> None:
+    def send(column: str):
+        files = {"file": ("s.csv", b"id,points\nli,\n")}
+        return wang.post("/class/gradebook/fill", {"column": column}, files=files, page="/class/gradebook")
+
+    assert send("points").content.startswith(b"PK")
+    wrong = send("grade")
+    assert wrong.status_code == 422
+    assert "there are: id, points" in wrong.text
+    assert 'value="grade"' in wrong.text
 
 
 def test_without_a_course_the_gradebook_has_who_handed_in(

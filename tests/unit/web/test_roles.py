@@ -61,6 +61,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/submissions/{submission_id}/prairielearn.json": COURSE,
     "GET /class/gradebook": STAFF,
     "GET /class/gradebook.csv": STAFF,
+    "GET /class/gradebook.xlsx": STAFF,
+    "POST /class/gradebook/fill": STAFF,
     "GET /class/regrades": STAFF,
     "POST /class/regrades": (303, 403, 403, 403, 303, 422),
     "GET /class/regrades/{regrade_id}": COURSE,
@@ -161,6 +163,9 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
             kwargs["files"] = {"file": ("square.py", role.encode())}
         if operation == "POST /class/people/preview":
             kwargs["files"] = {"file": ("class.csv", b"id,name\nnew,x\n")}
+        if operation == "POST /class/gradebook/fill":
+            kwargs["files"] = {"file": ("sheet.csv", b"id,points\nli,\n")}
+            kwargs["data"] = {**data, "column": "points", "assignment": ""}
         answer = client.request(method, path, params=query, headers=headers, **kwargs)
         answered.append(answer.status_code)
     return tuple(answered)
