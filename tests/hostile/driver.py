@@ -25,8 +25,12 @@ from grader.sandbox import Layer, Sandbox  # noqa: E402
 
 LIMITS = Limits(cpu_s=5.0, memory_bytes=256 * MIB, output_bytes=1 * MIB, threads=24)
 SHORT = replace(LIMITS, cpu_s=0.15)
+BRIEF = replace(LIMITS, wall_s=0.5)
 WATCHED = ("/tmp", "/var/tmp", "/dev/shm", "/run/lock", "/dev/mqueue", str(HERE), str(HERE / "runner"))
-GOOD = b"print(object(), sorted({'a', 'b'}), {'x', 'y', 'z'})\nframe(b'pose')\n"
+GOOD = (
+    b"import fcntl\nprint(object(), sorted({'a', 'b'}), {'x', 'y', 'z'})\n"
+    b"print(fcntl.fcntl(0, fcntl.F_GETFL))\nframe(b'pose')\n"
+)
 
 
 def become(uid: int | None, filter_path: str | None) -> None:
@@ -101,7 +105,8 @@ def main() -> None:
         for script in options["scripts"]:
             source = Path(script).read_bytes()
             started = time.monotonic()
-            frames, report = run(sandbox, source, SHORT if b"Expected: cpu_limit" in source else LIMITS)
+            limits = SHORT if b"Expected: cpu_limit" in source else LIMITS
+            frames, report = run(sandbox, source, BRIEF if b"only the wall clock" in source else limits)
             wall_s = time.monotonic() - started
             after = traces(sandbox)
             good_frames, good = run(sandbox, GOOD)

@@ -11,12 +11,16 @@ from grader.catalog import Catalog
 from grader.contracts.assignment import Limits
 from grader.contracts.grading import GradingJob
 from grader.contracts.report import GradeReport
+from grader.grading.budget import REPORT_TEXT_BYTES
 from grader.grading.slot import Slot, SlotConfig
 from grader.jail import landlock
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
 SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
+ABUSE = sorted((Path(__file__).parents[1] / "abuse").glob("*.py"))
+LONGEST_REPORT = REPORT_TEXT_BYTES + 16 * 1024
+BRIEF = Limits(cpu_s=0.4, grace_cpu_s=0.2, wall_s=0.8)
 LIMITS = Limits(cpu_s=1.0, grace_cpu_s=0.2, wall_s=60.0)
 WORTHLESS = 0.25
 """Of the points: driving straight ahead, which some attacks do on the way, may earn as much."""
@@ -28,8 +32,8 @@ def slot() -> Iterator[Slot]:
         yield made
 
 
-def grade(slot: Slot, source: bytes, name: str) -> GradeReport:
-    assignment = replace(Catalog().get("square"), limits=LIMITS)
+def grade(slot: Slot, source: bytes, name: str, limits: Limits = LIMITS) -> GradeReport:
+    assignment = replace(Catalog().get("square"), limits=limits)
     return slot.grade(GradingJob(file_name=name, source=source, assignment=assignment)).report
 
 
@@ -55,4 +59,18 @@ def test_attack_earns_nothing_and_disturbs_nobody(slot: Slot, good: bytes, scrip
     assert expected == ["any"] or status in expected, report.runs[0].outcome
     assert report.score is not None
     assert report.score <= WORTHLESS * report.max_score
+    assert grade(slot, solution(), "good.py").canonical_bytes() == good
+
+
+@pytest.mark.parametrize("script", ABUSE, ids=lambda path: path.stem)
+def test_abuse_ends_as_the_scripts_own_and_leaves_nothing(slot: Slot, good: bytes, script: Path) -> None:
+    """What costs others something: time that only the wall clock sees, threads, memory, disks, long reports."""
+    source = script.read_bytes()
+    match = re.search(r"^Expected: (.+)$", source.decode(), re.MULTILINE)
+    assert match
+    report = grade(slot, source, script.name, BRIEF)  # no fault of the host: that would be raised
+    outcome = report.runs[0].outcome
+    assert outcome.status in match[1].split(" or "), outcome
+    assert "BREACH" not in outcome.stdout.text
+    assert len(report.canonical_bytes()) <= LONGEST_REPORT
     assert grade(slot, solution(), "good.py").canonical_bytes() == good

@@ -76,7 +76,7 @@ def test_calls_of_the_x32_table_kill() -> None:
 @MACHINES
 @given(arguments=st.lists(WORD, min_size=6, max_size=6))
 def test_conditional_calls_obey_their_conditions(machine: str, arguments: list[int]) -> None:
-    for name, rules in syscalls.SYSCALLS.items():
+    for name, rules in syscalls.table(machine).items():
         number = number_of(machine, name)
         if number < 0 or rules == syscalls.ANY:
             continue
@@ -121,6 +121,8 @@ THREAD = 0x10F00  # CLONE_VM | CLONE_FS | CLONE_FILES | CLONE_SIGHAND | CLONE_TH
         ("socketpair", (2, 1), False),
         ("sendto", (3, 1234, 5, 0, 0, 0), True),
         ("sendto", (3, 1234, 5, 0, 99, 16), False),
+        ("openat", (0xFFFFFF9C, 1234, 0o100), True),
+        ("fcntl", (3, 4, 0o4000), True),
         ("fcntl", (3, 8, 1), False),
         ("fcntl", (3, 1031, 1 << 20), False),
     ],
@@ -129,3 +131,16 @@ def test_conditions_in_plain_words(
     machine: str, name: str, arguments: tuple[int, ...], allowed: bool
 ) -> None:
     assert (verdict(machine, number_of(machine, name), *arguments) == ALLOW) is allowed
+
+
+@MACHINES
+def test_no_file_is_read_past_the_page_cache(machine: str) -> None:
+    direct = syscalls.O_DIRECT[machine]
+    calls = (("open", (1, direct)), ("openat", (3, 1, direct | 1)), ("fcntl", (3, 4, direct | 0o4000)))
+    assert all(
+        verdict(machine, number_of(machine, name), *arguments) == EPERM
+        for name, arguments in calls
+        if number_of(machine, name) >= 0
+    )
+    (other,) = set(syscalls.O_DIRECT.values()) - {direct}  # the number of another flag here
+    assert verdict(machine, number_of(machine, "openat"), 3, 1, other) == ALLOW

@@ -9,7 +9,7 @@ from grader.jail import bounds, syscalls
 from grader.jail.libc import SUPPORTED_MACHINES
 
 UNCONDITIONAL = (
-    "read readv pread64 preadv write writev pwrite64 lseek close fstat newfstatat statx openat open stat "
+    "read readv pread64 preadv write writev pwrite64 lseek close fstat newfstatat statx stat "
     "lstat access faccessat faccessat2 "
     " readlink readlinkat getdents64 getcwd chdir dup dup2 dup3 pipe pipe2 "
     "mmap mprotect munmap mremap brk futex rseq set_robust_list set_tid_address exit exit_group "
@@ -25,6 +25,8 @@ CONDITIONAL = {
     "prlimit64",
     "kill",
     "tgkill",
+    "open",
+    "openat",
     "fcntl",
     "ioctl",
     "madvise",

@@ -1,0 +1,57 @@
+"""Attack: take every process id that the host has left, by threads below Python, and hold them.
+
+Expected: finished or forbidden or stalled
+"""
+
+import ctypes
+import os
+import struct
+
+CHANNEL = 3
+libc = ctypes.CDLL(None, use_errno=True)
+
+
+def frame(kind, body=b""):
+    return struct.pack("<IB", 1 + len(body), kind) + body
+
+
+def text(value):
+    return struct.pack("<H", len(value)) + value
+
+
+def entity(identifier, what, name=b"", kind=b""):
+    body = struct.pack("<HBq", identifier, what, 0) + text(b"/n") + text(name) + text(kind)
+    return frame(0x10, body + struct.pack("<BBH", 1, 2, 10))
+
+
+def drive(t_ns, v_mps=0.0, w_radps=0.0):
+    twist = b"\x00\x01\x00\x00" + struct.pack("<6d", v_mps, 0, 0, 0, 0, w_radps)
+    return frame(0x12, struct.pack("<Hq", 2, t_ns) + twist)
+
+
+def leave(t_ns=0, reason=0, kind=b"", message=b"", traceback=b""):
+    told = struct.pack("<qBBi", t_ns, reason, 0, reason) + text(kind) + text(message)
+    send(frame(0x21, told + struct.pack("<II", 0, len(traceback)) + traceback))
+    os._exit(reason)
+
+
+def send(data):
+    while data:
+        data = data[os.write(CHANNEL, data) :]
+
+
+send(entity(1, 1) + entity(2, 2, b"/turtle1/cmd_vel", b"geometry_msgs/msg/Twist"))
+
+attributes = ctypes.create_string_buffer(128)
+libc.pthread_attr_init(attributes)
+libc.pthread_attr_setstacksize(attributes, ctypes.c_size_t(16_384))
+pause = ctypes.cast(libc.pause, ctypes.c_void_p)
+thread = ctypes.c_ulong()
+count = 0
+for _ in range(2_000):
+    while count < 2_000 and libc.pthread_create(ctypes.byref(thread), attributes, pause, None) == 0:
+        count += 1
+    libc.usleep(1_000)
+    send(drive(0))
+print("held", count, flush=True)
+leave()
