@@ -57,6 +57,14 @@ class Counts(StrEnum):
     BEST_BEFORE_DUE = "best_before_due"
 
 
+class Shown(StrEnum):
+    """When students see an assignment. The staff always does."""
+
+    ALWAYS = "always"
+    WHEN_OPEN = "when_open"
+    DRAFT = "draft"
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class LateStep:
     """What is kept of the points of a submission that is late by more than `after_s`."""
@@ -190,12 +198,16 @@ class Rules:
     """The rules of one assignment; the default allows everything at any time.
 
     Attributes:
+        shown: when students see the assignment: always, from `opens` on, or, of a draft, never.
         opens: nothing is accepted before. due: what comes later is late. Either may be None.
         accept_late_s: how long after `due` submissions are accepted; None: for ever, 0: not at all.
         attempts, attempts_per_day: how many in all, and in one calendar day of the course; None: any number.
         hidden_items: rubric items that students do not see before `hidden_until`; None: they never see them.
     """
 
+    shown: Annotated[
+        Shown, Choice("`when_open`: students see it from `opens` on; `draft`: never.", options=tuple(Shown))
+    ] = Shown.ALWAYS
     opens: Annotated[datetime | None, Instant("Nothing is accepted before.")] = None
     due: Annotated[datetime | None, Instant("Later is late.", example="2026-03-20T23:59:59")] = None
     late: Annotated[LateRule, Nested(of=LateRule)] = LateRule()
@@ -235,6 +247,13 @@ class Rules:
                 zh="accept_late_s 不能小于 0。",
                 en="accept_late_s must be at least 0",
             )
+        if self.opens is None and self.shown is Shown.WHEN_OPEN:
+            raise RuleError(
+                "shown",
+                "needs_opens",
+                zh="shown 用 when_open 时要有 opens（开放时间）。",
+                en="shown when_open needs the date from which it opens",
+            )
         if self.due is None and self.counts is Counts.BEST_BEFORE_DUE:
             raise RuleError(
                 "counts",
@@ -242,6 +261,12 @@ class Rules:
                 zh="counts 用 best_before_due 时要有 due（截止时间）。",
                 en="counts best_before_due needs a due date",
             )
+
+    def shown_at(self, now: datetime) -> bool:
+        """Return whether students see the assignment at `now`."""
+        if self.shown is Shown.WHEN_OPEN:
+            return self.opens is not None and now >= self.opens
+        return self.shown is Shown.ALWAYS
 
     def due_for(self, extension: Extension) -> datetime | None:
         """Return the due date of one student, never earlier than everybody's. None: there is none."""
@@ -273,6 +298,8 @@ class Rules:
             received_at: instant of the upload.
             zone: the course's time zone; the limit per day is per calendar day there.
         """
+        if self.shown is Shown.DRAFT:
+            return Refusal(code="not_open_yet")
         if self.opens is not None and received_at < self.opens:
             return Refusal(code="not_open_yet", until=self.opens)
         due = self.due_for(extension)

@@ -10,6 +10,7 @@ from fastapi import APIRouter, Header, Query, Response
 from pydantic import BaseModel, Field
 
 from grader.contracts.dashboard import ClassState
+from grader.contracts.identity import Caller
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import SubmissionState
 from grader.contracts.text import Language
@@ -23,6 +24,7 @@ from grader.routes.dependencies import (
 )
 from grader.routes.health import QueueView, WorkerView, queue_view, worker_views
 from grader.routes.problems import responses
+from grader.use_cases.assignments import in_course
 from grader.use_cases.dashboard import Overview, Selection, class_state, costs, overview, selected
 from grader.use_cases.services import Services
 
@@ -186,7 +188,7 @@ def read_class(  # noqa: PLR0913
     """
     selection = Selection(search=search, at_risk=at_risk, offset=offset, limit=limit)
     state = class_state(services, caller)
-    tag = _tag(services, state, language, selection)
+    tag = _tag(services, caller, state, language, selection)
     headers = {
         "Content-Language": language,
         "Vary": "Accept-Language, Authorization",
@@ -213,11 +215,13 @@ def _view(whole: Overview) -> DashboardView:
     )
 
 
-def _tag(services: Services, state: ClassState, language: Language, selection: Selection) -> str:
+def _tag(
+    services: Services, caller: Caller, state: ClassState, language: Language, selection: Selection
+) -> str:
     """Return a weak ETag of everything shown but the instants of this answer and of heartbeats."""
     alive = worker_views(services.workers.alive(services.settings.silent_s))
     workers = [worker.model_dump(mode="json", exclude={"seen_at"}) for worker in alive]
-    versions = [(one.id, one.version, one.title.get(language)) for one in services.assignments.all()]
+    versions = [(one.id, one.version, one.title.get(language)) for one in in_course(services, caller)]
     queue = asdict(services.queue.state())
     shown = [
         state.mark,

@@ -23,7 +23,7 @@ from grader.routes.dependencies import (
 from grader.routes.problems import responses
 from grader.store.rules import tag
 from grader.use_cases import rules as use_case
-from grader.use_cases.assignments import Terms, require_published, terms_of
+from grader.use_cases.assignments import Terms, terms_of, visible_assignment
 from grader.use_cases.bodies import ExtensionBody, RulesBody, rules_from
 from grader.use_cases.rules import course_rules
 
@@ -94,7 +94,7 @@ def read_rules(
     services: ServicesDep, caller: CallerDep, response: Response, assignment_id: AssignmentId
 ) -> StandingView:
     """Return dates, limits and what lateness costs; for a member also attempts and what counts so far."""
-    require_published(services, assignment_id)
+    visible_assignment(services, caller, assignment_id)
     response.headers.update({"Cache-Control": "no-store", "Vary": "Authorization"})
     terms = terms_of(services, caller, assignment_id)
     if caller.is_staff:  # a student could find out from a digest which items are hidden

@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError, UnknownAssignmentError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.rules import NO_EXTENSION, Attempt, Counted, Refusal, Rules
+from grader.contracts.rules import NO_EXTENSION, Attempt, Counted, Refusal, Rules, Shown
 from grader.contracts.text import Language
 from grader.store.intake import as_attempts
 from grader.store.rules import CourseRules
@@ -66,14 +66,28 @@ def visible_assignment(services: Services, caller: Caller, assignment_id: str) -
     """Return a published assignment, without the items that the caller does not see now.
 
     Raises:
-        RefusedError: it is not published.
+        RefusedError: it is not published, or the caller does not see it now.
     """
-    return shown_assignment(services, caller, require_published(services, assignment_id))
+    assignment = require_published(services, assignment_id)
+    if caller.role is Role.STUDENT:
+        rules = services.rules.of(caller.course).of(assignment_id)
+        if not rules.shown_at(services.clock()):
+            raise RefusedError("assignment_not_found")
+    return shown_assignment(services, caller, assignment)
 
 
 def checklist(services: Services, caller: Caller) -> tuple[Assignment, ...]:
-    """Return all published assignments in order, as the caller may see them."""
-    return shown_assignments(services, caller, services.assignments.all())
+    """Return all published assignments that the caller sees now in order, as the caller may see them."""
+    known, now = services.rules.of(caller.course), services.clock()
+    is_student = caller.role is Role.STUDENT
+    seen = [one for one in services.assignments.all() if not is_student or known.of(one.id).shown_at(now)]
+    return shown_assignments(services, caller, seen)
+
+
+def in_course(services: Services, caller: Caller) -> tuple[Assignment, ...]:
+    """Return the assignments that belong to the caller's course: all but its drafts, whole."""
+    known = services.rules.of(caller.course)
+    return tuple(one for one in services.assignments.all() if known.of(one.id).shown is not Shown.DRAFT)
 
 
 def terms_of(services: Services, caller: Caller, assignment_id: str) -> Terms:

@@ -13,7 +13,7 @@ from grader.contracts.identity import Caller, Role
 from grader.contracts.rubric import summed
 from grader.contracts.submission import PersonCost
 from grader.contracts.text import Language
-from grader.use_cases.assignments import item_title
+from grader.use_cases.assignments import in_course, item_title
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import ServiceHealth, Services
 
@@ -158,7 +158,7 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
         told[failure.assignment].failures.append(failure)
     for mistake in state.mistakes:
         told[mistake.assignment].mistakes.append(mistake)
-    known = {assignment.id: assignment for assignment in services.assignments.all()}
+    known = {assignment.id: assignment for assignment in in_course(services, caller)}
     ids = [*known, *sorted(set(told) - set(known))]
     roster = [member.id for member in services.courses.members(caller.course, Role.STUDENT)]
     return Overview(

@@ -20,7 +20,7 @@ from grader.messages import on_page
 from grader.render.documents import to_gradescope, to_prairielearn
 from grader.sheets.filling import FilledSheet, fill
 from grader.sheets.writing import Cell, as_text, csv_table, workbook
-from grader.use_cases.assignments import require_published
+from grader.use_cases.assignments import in_course, require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded
@@ -55,7 +55,7 @@ def gradebook_csv(services: Services, caller: Caller, format: Format, section: s
         RefusedError: the caller may not see the class.
     """
     members, scores = book(services, caller, section)
-    assignments = services.assignments.all()
+    assignments = in_course(services, caller)
     if format == "canvas":
         return canvas(members, assignments, scores)
     return plain(members, assignments, scores)
@@ -68,7 +68,7 @@ def gradebook_workbook(services: Services, caller: Caller, language: Language, s
         RefusedError: the caller may not see the class.
     """
     members, scores = book(services, caller, section)
-    assignments = services.assignments.all()
+    assignments = in_course(services, caller)
     heading = partial(on_page, language)
     titles = [f"{one.title.get(language)} ({written(one.max_score)})" for one in assignments]
     head = [
@@ -141,7 +141,7 @@ def _points_of(
     if assignment:
         require_published(services, assignment)
         return members, {one.id: _counted(scores.get((one.id, assignment))) for one in members}
-    assignments = services.assignments.all()
+    assignments = in_course(services, caller)
     most = summed(one.max_score for one in assignments)
     percentages = {}
     for member in members:

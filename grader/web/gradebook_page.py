@@ -14,6 +14,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Member
 from grader.contracts.rubric import summed
 from grader.use_cases import gradebook
+from grader.use_cases.assignments import in_course
 from grader.use_cases.gradebook import Format, Scores
 from grader.use_cases.services import Services
 from grader.web.access import ServicesDep, StaffDep, Visitor, require_staff
@@ -152,7 +153,7 @@ def _gradebook_page(  # noqa: PLR0913, PLR0917
     column: str = "",
 ) -> Response:
     members, scores = gradebook.book(services, visitor.caller)
-    assignments = services.assignments.all()
+    assignments = in_course(services, visitor.caller)
     chosen = [one for one in members if not query.section or query.section in one.sections]
     return page(
         request,

@@ -14,6 +14,7 @@ from grader.web import (
     people_pages,
     regrading,
     rule_pages,
+    rules_at_once,
     student,
     submission,
 )
@@ -31,6 +32,7 @@ ROUTERS = (
     judging.router,
     regrading.router,
     rule_pages.router,
+    rules_at_once.router,
     people_pages.router,
 )
 

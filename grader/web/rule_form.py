@@ -30,6 +30,7 @@ from grader.contracts.rules import (
     LateStep,
     RuleError,
     Rules,
+    Shown,
 )
 from grader.messages import is_on_page
 
@@ -71,6 +72,7 @@ class RuleForm(BaseModel):
     late: LateKind = "none"
     step_after: list[str] = Field(default_factory=list, max_length=MOST_STEPS)
     step_keep: list[str] = Field(default_factory=list, max_length=MOST_STEPS)
+    shown: Shown = Shown.ALWAYS
     counts: Counts = Counts.BEST
     hidden_items: list[str] = Field(default_factory=list, max_length=MOST_HIDDEN_ITEMS)
     reason: str = Field(default="", max_length=1_000)
@@ -141,6 +143,7 @@ def form_of(rules: Rules, zone: ZoneInfo, seen: str = "") -> RuleForm:
             "late": late.kind,
             "step_after": [_text(step["after_s"], one.after_s, zone) for one in late.steps],
             "step_keep": [_text(step["keep"], one.keep, zone) for one in late.steps],
+            "shown": rules.shown,
             "counts": rules.counts,
             "hidden_items": list(rules.hidden_items),
             "seen": seen,
@@ -202,6 +205,7 @@ class Reader:
         untouched = form.late_texts() == form_of(before, self.zone).late_texts()
         values = {
             "late": before.late if untouched else self._late(form),
+            "shown": Shown(form.shown),
             "counts": Counts(form.counts),
             "hidden_items": tuple(form.hidden_items),
             **{name: self._value(name, form, before) for name in _short(Rules)},
@@ -213,6 +217,14 @@ class Reader:
         """Return the extension that `form` states; `before` while there are errors."""
         values = {name: self._value(name, form, before) for name in _short(Extension)}
         return before if self.errors else self._made(Extension, values, before)
+
+    def typed(self, contract: type, name: str, text: str) -> Any:
+        """Return what `text` states for a short field of `contract`; None where it is empty or wrong."""
+        try:
+            return _read(kinds_of(contract)[name], text.strip(), self.zone) if text.strip() else None
+        except TypedFieldError as error:
+            self.errors.setdefault(typed_name(name), str(error))
+            return None
 
     def _late(self, form: RuleForm) -> LateRule:
         nothing = LateRule()

@@ -9,11 +9,11 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
-from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts
+from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts, Shown
 from grader.render.audit_lines import Teller
 from grader.store.rules import CourseRules, tag
 from grader.use_cases.assignments import require_published
-from grader.use_cases.people import names
+from grader.use_cases.people import members, names
 from grader.use_cases.rules import change_rules, course_rules
 from grader.use_cases.rules import extend as extend_for
 from grader.use_cases.services import Services
@@ -36,8 +36,26 @@ router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=
 
 
 @router.get("")
-def read_all(request: Request, services: ServicesDep, visitor: StaffDep) -> Response:
-    """Show the rules of every assignment in a line."""
+def read_all(
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    saved: Annotated[str, Query(pattern="^1?$")] = "",
+) -> Response:
+    """Show the rules of every assignment in a line, and a form for several of them."""
+    return overview_page(request, services, visitor, saved=bool(saved))
+
+
+def overview_page(  # noqa: PLR0913
+    request: Request,
+    services: Services,
+    visitor: Visitor,
+    *,
+    form: object = None,
+    errors: dict[str, str] | None = None,
+    saved: bool = False,
+) -> Response:
+    """Return the page of all rules; `form` and `errors` of what was typed for several assignments."""
     known = services.rules.of(visitor.caller.course)
     teller = Teller(language_of(request), known.zone)
     lines = []
@@ -45,7 +63,20 @@ def read_all(request: Request, services: ServicesDep, visitor: StaffDep) -> Resp
         rules = known.of(assignment.id)
         late = teller.late(asdict(rules.late), in_full=False)
         lines.append((assignment, rules, late, len(known.extended(assignment.id))))
-    return page(request, "rules.html", lines=lines, zone=known.zone, course=visitor.caller.course)
+    return page(
+        request,
+        "rules.html",
+        status=422 if errors else 200,
+        lines=lines,
+        zone=known.zone,
+        course=visitor.caller.course,
+        sections=sorted({name for one in members(services, visitor.caller) for name in one.sections}),
+        shown=tuple(Shown),
+        form=form,
+        errors=errors or {},
+        saved=saved,
+        may_change=visitor.caller.is_instructor and visitor.caller.course is not None,
+    )
 
 
 @router.get("/{assignment_id}")
@@ -154,6 +185,7 @@ def _page(  # noqa: PLR0913
         "late_parameters": late_parameters(),
         "late_kinds": tuple(LATE_PARAMETERS),
         "counts": tuple(Counts),
+        "shown": tuple(Shown),
         "saved": saved,
     }
     return page(request, "rules_assignment.html", status=422 if errors or extension_errors else 200, **values)

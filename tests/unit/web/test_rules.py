@@ -19,6 +19,7 @@ from grader.contracts.rules import (
     LateRule,
     LateStep,
     Rules,
+    Shown,
 )
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
@@ -43,8 +44,10 @@ def rule_sets(draw: st.DrawFn) -> Rules:
             [LateRule(), LateRule(kind="linear", per_day=1 / 3), LateRule(kind="steps", steps=steps)]
         )
     )
+    opened = draw(st.sampled_from([None, opens]))
     return Rules(
-        opens=draw(st.sampled_from([None, opens])),
+        shown=draw(st.sampled_from([one for one in Shown if opened or one is not Shown.WHEN_OPEN])),
+        opens=opened,
         due=due,
         late=late,
         accept_late_s=draw(st.none() | st.integers(0, 10**8)),
