@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Self
@@ -29,7 +29,7 @@ class Service:
     The class's own limits per student are lifted, because a load generator is quicker than students.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         folder: Path,
         *,
@@ -37,6 +37,7 @@ class Service:
         workers: int = 0,
         database: str | None = None,
         settings: Mapping[str, str] | None = None,
+        enter: Callable[[], None] | None = None,
     ) -> None:
         """Say what is to run; nothing is started yet.
 
@@ -46,11 +47,13 @@ class Service:
             workers: processes of ``grader worker``, one grading at once each.
             database: URL; default: a SQLite file in `folder`.
             settings: by their names without ``GRADER_``, beside those that lift limits.
+            enter: called in each process before it becomes the service, to bound it.
         """
         self.folder = folder
         self._apis = apis
         self._workers = workers
         self._settings = settings or {}
+        self._enter = enter
         self.database = database or f"sqlite:///{folder / 'grader.db'}"
         self.urls = [f"http://127.0.0.1:{free_port()}" for _ in range(apis)]
         self.running: dict[str, subprocess.Popen[bytes]] = {}
@@ -82,6 +85,7 @@ class Service:
                 env=self.environment,
                 stderr=log,
                 stdout=log,
+                preexec_fn=self._enter,  # noqa: PLW1509  no other thread runs when processes are started
                 start_new_session=True,  # as a service manager starts it: it shares no priority with who hands in
             )
 
@@ -147,7 +151,7 @@ class Memory(threading.Thread):
         """Look until told to stop."""
         while not self._stopped.wait(_LOOK_S):
             pids = [process.pid for process in self._service.running.values()]
-            used = sum(_proportional_mib(pid) for first in pids for pid in tree(first))
+            used = sum(proportional_mib(pid) for first in pids for pid in tree(first))
             self.peak_mib = max(self.peak_mib, used)
 
     def stop(self) -> None:
@@ -227,7 +231,8 @@ def _ticks_s(pid: int, field: int) -> float:
     return (int(fields[field]) + int(fields[field + 1])) / os.sysconf("SC_CLK_TCK")
 
 
-def _proportional_mib(pid: int) -> float:
+def proportional_mib(pid: int) -> float:
+    """Return the memory of one process, of pages that several share its part; 0.0 when it is gone."""
     try:
         lines = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii").splitlines()
     except OSError:

@@ -42,6 +42,8 @@ def send(data):
 
 send(entity(1, 1) + entity(2, 2, b"/turtle1/cmd_vel", b"geometry_msgs/msg/Twist"))
 
+for number in range(4, 510):  # each is asked about where an assignment calls the script's services
+    send(entity(number, 4, b"/s%d" % number, b"example_interfaces/srv/AddTwoInts"))
 batch = frame(0x15, struct.pack("<qq", 0, 0)) * 500
 answers = ctypes.create_string_buffer(1 << 16)
 while True:
