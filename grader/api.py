@@ -13,6 +13,7 @@ from fastapi.concurrency import contextmanager_in_threadpool
 from grader import __version__
 from grader.routes import (
     assignments,
+    comments,
     dashboard,
     documentation,
     events,
@@ -45,6 +46,7 @@ _ROUTERS = (
     regrades.of_submission,
     judgements.router,
     judgements.of_submission,
+    comments.router,
     dashboard.router,
     events.dashboard,
     gradebook.router,

@@ -106,6 +106,12 @@ def decoded(source: bytes) -> str:
     return source.decode("utf-8-sig", "replace")
 
 
+def lines_of(text: str) -> list[str]:
+    """Return the lines as Python and editors count them; `str.splitlines` ends lines at eight other characters."""
+    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    return lines if lines[-1] else lines[:-1]
+
+
 def _check_encoding(source: bytes) -> None:
     """Refuse what neither is UTF-8 nor declares, as Python wants it, the Chinese coding that it is in."""
     try:

@@ -348,6 +348,21 @@ class JudgementRow(SQLModel, table=True):
     source_sha256: str = Field(foreign_key="source.sha256", max_length=SHA256_LENGTH)
 
 
+class CommentRow(SQLModel, table=True):
+    """What somebody wrote about a submission. `seen_at`: when the other side, student or staff, first saw it."""
+
+    __tablename__: ClassVar[str] = "comment"
+
+    submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
+    number: int = Field(primary_key=True)
+    written_by: str = Field(max_length=64)
+    by_student: bool
+    line: int | None = None
+    text: str = Field(sa_column=text_column())
+    written_at: datetime = Field(sa_column=instant_column())
+    seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+
+
 class GradedItemRow(SQLModel, table=True):
     """One rubric item of one grading, for counting; the report has the whole of it."""
 

@@ -9,6 +9,7 @@ from grader.contracts.submission import QueueState, WorkerState
 from grader.settings import Settings
 from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
+from grader.store.comments import Comments
 from grader.store.costs import Costs
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
@@ -67,6 +68,7 @@ class Services:
     past_gradings: PastGradings
     regrades: Regrades
     judgements: Judgements
+    comments: Comments
     dashboard: Dashboard
     costs: Costs
     rules: StoredRules
@@ -76,9 +78,13 @@ class Services:
 
     # kept in this process: drawn plots, streams of events with their estimates, measurements
     plots: PlotCache
-    doorbell: Doorbell
     watching: Watching
     metrics: Metrics
+
+    @property
+    def doorbell(self) -> Doorbell:
+        """What wakes whoever waits for work or for news."""
+        return self.watching.doorbell
 
     def signature(self, caller: Caller) -> Signature:
         """Return when and by whom a change is made, for the audit log: now, by `caller`."""
@@ -118,6 +124,7 @@ class Services:
             past_gradings=PastGradings(database),
             regrades=Regrades(database),
             judgements=Judgements(database),
+            comments=Comments(database),
             dashboard=Dashboard(database),
             costs=Costs(database, clock),
             rules=StoredRules(database),
@@ -125,7 +132,6 @@ class Services:
             tokens=tokens,
             audit=AuditLog(database),
             plots=plots,
-            doorbell=watching.doorbell,
             watching=watching,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
         )

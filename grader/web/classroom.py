@@ -10,6 +10,7 @@ from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.upload import decoded
 from grader.messages import outline
+from grader.use_cases.commenting import unread
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
 from grader.use_cases.people import names, person
 from grader.use_cases.services import Services
@@ -37,6 +38,7 @@ def read_matrix(
         matrix=matrix(whole, query, names(services, visitor.caller)),
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
+        unread=unread(services, visitor.caller),
     )
 
 

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Language
+from grader.contracts.upload import lines_of
 from grader.web.result import ItemLine, ResultPage, item_line, result_page
-from grader.web.source import lines_of
 
 _MOST_LINES = 1_000
 _CONTEXT_LINES = 3

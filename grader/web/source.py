@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from grader.contracts.report import CaseRun
-from grader.contracts.upload import decoded
+from grader.contracts.upload import decoded, lines_of
 
 _MOST_LINES = 2_000
 _LONGEST_LINE = 500
@@ -44,12 +44,6 @@ def source_view(source: bytes, errors: Mapping[int, Sequence[str]]) -> SourceVie
         left_out=len(lines) - len(shown),
         cut=any(len(text) > _LONGEST_LINE for text in shown),
     )
-
-
-def lines_of(text: str) -> list[str]:
-    """Return the lines as Python and editors count them; `str.splitlines` ends lines at eight other characters."""
-    lines = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-    return lines if lines[-1] else lines[:-1]
 
 
 def failing_lines(runs: Sequence[CaseRun]) -> dict[int, list[str]]:

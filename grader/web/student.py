@@ -15,6 +15,7 @@ from grader.render.audit_lines import Teller
 from grader.routes.middleware import UploadRoute, arrival_of
 from grader.telemetry.context import note
 from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
+from grader.use_cases.commenting import unread
 from grader.use_cases.handing_in import Upload, hand_in
 from grader.use_cases.services import Services
 from grader.use_cases.submissions import PastAttempt, best_of, history
@@ -41,6 +42,7 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
         latest={one.assignment: one for one in reversed(own)},
         terms=all_terms(services, visitor.caller),
         now=services.clock(),
+        unread=unread(services, visitor.caller),
     )
 
 

@@ -5,12 +5,13 @@ from dataclasses import asdict, dataclass
 from typing import Annotated, Any
 from urllib.parse import quote
 
-from fastapi import APIRouter, Depends, Header, Query, Request, Response
+from fastapi import APIRouter, Depends, Form, Header, Query, Request, Response
 from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import JSONResponse, StreamingResponse
+from fastapi.responses import JSONResponse, RedirectResponse, StreamingResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from grader.contracts.assignment import Assignment
+from grader.contracts.comment import LONGEST_COMMENT, Comment
 from grader.contracts.errors import RefusedError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import JudgedItem, judged
@@ -21,7 +22,7 @@ from grader.contracts.text import Language
 from grader.contracts.upload import decoded
 from grader.messages import on_page
 from grader.routes.events import LastEventId, events, owner_of, watched
-from grader.use_cases import recordings, submissions
+from grader.use_cases import commenting, recordings, submissions
 from grader.use_cases.assignments import published, terms_of
 from grader.use_cases.following import SubjectWatch
 from grader.use_cases.judging import judged_items
@@ -30,6 +31,7 @@ from grader.use_cases.visibility import hiding
 from grader.web import access
 from grader.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor, VisitorDep
 from grader.web.comparison import DiffLine, changes
+from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.result import StreamText, figure_parts, result_page, stream_text
 from grader.web.source import SourceView, failing_lines, source_view
@@ -64,8 +66,6 @@ def read(  # noqa: PLR0913
     submission = found.submission
     access.require_own(visitor, submission)
     assignment = published(services, submission.assignment)
-    own = visitor.caller.course is not None and visitor.student == submission.student
-    attempts = submissions.history(services, visitor.caller, submission.student, submission.assignment)
     return page(
         request,
         "submission.html",
@@ -78,17 +78,30 @@ def read(  # noqa: PLR0913
             language_of(request),
             is_open=submissions.is_open(submission),
         ),
-        attempts=attempts,
-        changed=_changed(services, submission, [one.submission for one in attempts]),
-        beside=submissions.beside(services, visitor.caller, submission) if visitor.staff else None,
         late=found.lateness,
-        terms=terms_of(services, visitor.caller, submission.assignment) if own else None,
         hiding=hiding(services, submission),
         same=same,
         corrections=_corrections(visitor, found.grading),
         source=_source(services, submission, found.grading),
+        **_beside(services, visitor, submission),
+        **_comments(services, visitor, submission),
         **_result(request, services, assignment, found.grading, case),
     )
+
+
+@router.post("/comments", dependencies=[Depends(require_own_form)])
+def write_comment(
+    services: ServicesDep,
+    visitor: VisitorDep,
+    submission_id: SubmissionId,
+    text: Annotated[str, Form(max_length=20_000)] = "",
+    line: Annotated[str, Form(max_length=20)] = "",
+) -> Response:
+    """Keep what staff or the student write about a submission, and lead back to it."""
+    access.require_known(visitor)
+    number = None if not line.strip() else int(line) if line.strip().isdecimal() else 0  # there is no line 0
+    added = commenting.add_comment(services, visitor.caller, submission_id, text, number)
+    return RedirectResponse(f"/submissions/{submission_id}#comment-{added.number}", status_code=303)
 
 
 @router.get("/source")
@@ -226,6 +239,33 @@ def _corrections(visitor: Visitor, stored: StoredReport | None) -> dict[str, Jud
 def _source(services: Services, submission: Submission, stored: StoredReport | None) -> SourceView:
     runs = () if stored is None else report_from(stored.content).runs
     return source_view(services.submissions.source(submission.id) or b"", failing_lines(runs))
+
+
+def _beside(services: Services, visitor: Visitor, submission: Submission) -> dict[str, Any]:
+    """Return what stands beside a submission: other attempts, other students, and what the rules say now."""
+    caller = visitor.caller
+    attempts = submissions.history(services, caller, submission.student, submission.assignment)
+    own = caller.course is not None and visitor.student == submission.student
+    return {
+        "attempts": attempts,
+        "changed": _changed(services, submission, [one.submission for one in attempts]),
+        "beside": submissions.beside(services, caller, submission) if visitor.staff else None,
+        "terms": terms_of(services, caller, submission.assignment) if own else None,
+    }
+
+
+def _comments(services: Services, visitor: Visitor, submission: Submission) -> dict[str, Any]:
+    """Return the comments by line, those about the whole under None, and what their authors are called."""
+    found = commenting.look(services, visitor.caller, submission)
+    by_line: dict[int | None, list[Comment]] = {}
+    for one in found:
+        by_line.setdefault(one.line, []).append(one)
+    return {
+        "comments": by_line,
+        "authors": commenting.author_names(services, found, submission.course),
+        "longest_comment": LONGEST_COMMENT,
+        "may_comment": visitor.caller.course is not None,
+    }
 
 
 def _changed(services: Services, submission: Submission, attempts: Sequence[Submission]) -> Changed | None:

@@ -18,13 +18,39 @@ export class Moments {
       const button = document.createElement("button");
       button.type = "button";
       button.append(...line.childNodes);
+      button.tabIndex = -1;
       button.addEventListener("click", () => jump(t));
       line.append(button);
     }
+    list.addEventListener("keydown", (event) => this.step(event));
     list.replaceChildren(...this.lines.map(({ line }) => line));
-    this.frame.removeAttribute("tabindex"); // its buttons take the focus now
+    this.frame.removeAttribute("tabindex"); // one of its buttons takes the focus now, arrow keys the others
+    this.reach(this.lines[0]?.line ?? null);
     holder.querySelector("[data-drawn]").hidden = false;
     holder.hidden = this.lines.length === 0;
+  }
+
+  /** Let the Tab key lead to a line, and to no other. */
+  reach(line) {
+    if (this.reached !== undefined) {
+      this.reached.tabIndex = -1;
+    }
+    this.reached = line?.querySelector("button");
+    if (this.reached !== undefined) {
+      this.reached.tabIndex = 0;
+    }
+  }
+
+  /** Go to the line above or below. */
+  step(event) {
+    const by = { ArrowUp: "previousElementSibling", ArrowDown: "nextElementSibling" }[event.key];
+    const line = by === undefined ? null : event.target.closest("li")[by];
+    if (line !== null) {
+      event.preventDefault();
+      const button = line.querySelector("button");
+      button.click();
+      button.focus();
+    }
   }
 
   /** Mark the last line at or before `time`, and keep it in sight. */
@@ -42,6 +68,7 @@ export class Moments {
     this.now?.removeAttribute("aria-current");
     found?.setAttribute("aria-current", "true");
     this.now = found;
+    this.reach(found ?? this.lines[0]?.line ?? null);
     const top = found?.offsetTop ?? 0;
     const bottom = top + (found?.offsetHeight ?? 0);
     const { scrollTop, clientHeight } = this.frame;

@@ -56,6 +56,8 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     # the machine judges all of it: assistants and instructors are told that there is no such item
     "get /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
     "put /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
+    "get /api/v1/submissions/{submission_id}/comments": SUBMISSION,
+    "post /api/v1/submissions/{submission_id}/comments": (401, 401, 201, 404, 201, 201, 404, 404),
     "get /api/v1/judgements/waiting": STAFF,
     "post /api/v1/regrades": (401, 401, 403, 403, 403, 202, 403, 422),  # the other course has nothing
     "get /api/v1/regrades": STAFF,
@@ -104,6 +106,8 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/submissions/{submission_id}/judgements": OPERATOR_ONLY,
     "get /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 404),
     "put /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 404),
+    "get /api/v1/submissions/{submission_id}/comments": OPEN_TO_ALL,
+    "post /api/v1/submissions/{submission_id}/comments": (409, 401, 409),
     "get /api/v1/judgements/waiting": OPERATOR_ONLY,
     "post /api/v1/regrades": (401, 401, 202),
     "get /api/v1/regrades": OPERATOR_ONLY,
@@ -140,6 +144,8 @@ def send(
     path = path.replace("{regrade_id}", "none").replace("{item}", "none")
     path = path.replace("{person}", "new" if method == "put" else "han")
     body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
+    if path.endswith("/comments") and method == "post":
+        body = {"json": {"text": "x"}}
     if "regrades" in path and method == "post":
         body = {"json": {"reason": "x"} if "none" in path else {"assignment": "square"}}
     if operation == "post /api/v1/submissions":

@@ -18,6 +18,7 @@ from grader.contracts.submission import NewSubmission, WorkerState
 from grader.store import transfer as module
 from grader.store.audit import Signature
 from grader.store.backups import back_up, restore_rows
+from grader.store.comments import Comments
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
@@ -71,6 +72,7 @@ def fill(database: Database) -> str:
     Judgements(database).judge(
         claim.submission_id, Given(item="timer", points=0.1, comment="好"), None, signed
     )
+    Comments(database).add(claim.submission_id, "好", 1, signed, by_student=False)
     now = clock()
     state = {"id": "h:1", "slots": 2, "busy": 0, "sandbox_ready": True, "isolation": "strict", "detail": ""}
     Workers(database, clock).report(WorkerState(**state, started_at=now, seen_at=now))

@@ -50,6 +50,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /submissions/{submission_id}/sketch.json": OWN,
     "GET /submissions/{submission_id}/plot.png": OWN,
     "GET /submissions/{submission_id}/source": OWN,
+    "POST /submissions/{submission_id}/comments": (303, 303, 404, 303, 303, 404),
     "GET /class": STAFF,
     "GET /class/assignments/{assignment_id}": STAFF,
     "GET /class/students/{student}": COURSE,
@@ -150,6 +151,7 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
         "reason": "x",
         "points": "1",
         "person": "new",
+        "text": "x",
     }
     if operation == "POST /class/rules":
         data.pop("assignment")

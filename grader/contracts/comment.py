@@ -1,0 +1,29 @@
+"""What staff and a student write to each other about one submission."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+LONGEST_COMMENT = 2_000
+MOST_COMMENTS = 200
+"""On one submission."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Comment:
+    """One comment. Nobody changes it afterwards.
+
+    Attributes:
+        number: 1 for the first one on the submission, then 2, ...
+        by: who wrote it. by_student: the submission's student did, and not the staff.
+        line: of the file, from 1; None: about the whole.
+        seen: somebody of the other side has opened the submission since.
+    """
+
+    submission: str
+    number: int
+    by: str
+    by_student: bool
+    line: int | None
+    text: str
+    at: datetime
+    seen: bool

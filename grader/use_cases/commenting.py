@@ -1,0 +1,94 @@
+"""Comments: a course's staff and a student write to each other about a submission, or about a line of it."""
+
+import re
+from dataclasses import dataclass
+
+from grader.contracts.comment import LONGEST_COMMENT, Comment
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Caller, Role
+from grader.contracts.judgement import COMMENT_PATTERN
+from grader.contracts.submission import Submission
+from grader.contracts.text import Text
+from grader.contracts.upload import decoded, lines_of
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import visible_submission
+
+_TEXT = Text(
+    zh=f"评论要有内容，最多 {LONGEST_COMMENT} 个字符，不能有控制字符。",
+    en=f"A comment has 1 to {LONGEST_COMMENT} characters and no control characters.",
+)
+_FULL = Text(
+    zh="这份提交的评论已经太多，不能再加。", en="There are too many comments on this submission already."
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Unread:
+    """What the other side wrote and the caller's side has not seen. `first`: the submission to begin with."""
+
+    count: int
+    first: str
+
+
+def comments(services: Services, caller: Caller, submission_id: str) -> tuple[Comment, ...]:
+    """Return the comments on a submission, oldest first.
+
+    Raises:
+        RefusedError: the caller may not see it.
+    """
+    return services.comments.of(visible_submission(services, caller, submission_id).id)
+
+
+def look(services: Services, caller: Caller, submission: Submission) -> tuple[Comment, ...]:
+    """Return the comments on a submission, and note that the caller, who may see it, has seen them."""
+    found = services.comments.of(submission.id)
+    is_student = caller.role is Role.STUDENT
+    if any(one.by_student is not is_student and not one.seen for one in found):
+        services.comments.seen(submission.id, services.clock(), by_student=is_student)
+    return found
+
+
+def add_comment(
+    services: Services, caller: Caller, submission_id: str, text: str, line: int | None
+) -> Comment:
+    """Keep what the caller writes about a submission, or about one line of its file.
+
+    Raises:
+        RefusedError: the caller may not see it, there is no course whose people could write, the text is empty or
+            too long, there is no such line, or there are too many comments.
+    """
+    submission = visible_submission(services, caller, submission_id)
+    if caller.course is None or caller.person is None:
+        raise RefusedError("no_course")
+    text = text.replace("\r\n", "\n").strip()
+    if not text or len(text) > LONGEST_COMMENT or not re.search(COMMENT_PATTERN, text):
+        raise RefusedError("invalid_request", _TEXT, field="text")
+    if line is not None:
+        last = len(lines_of(decoded(services.submissions.source(submission.id) or b"")))
+        if not 1 <= line <= last:
+            detail = Text(zh=f"文件有 {last} 行。", en=f"The file has {last} lines.")
+            raise RefusedError("invalid_request", detail, field="line")
+    signed, is_student = services.signature(caller), caller.role is Role.STUDENT
+    added = services.comments.add(submission.id, text, line, signed, by_student=is_student)
+    if added is None:
+        raise RefusedError("invalid_request", _FULL)
+    return added
+
+
+def unread(services: Services, caller: Caller) -> Unread | None:
+    """Return what was written to the caller, or to the staff that the caller is of; None when all was seen."""
+    if caller.course is None or caller.person is None:
+        return None
+    if caller.is_staff:
+        found = services.comments.unseen_by_staff(caller.course)
+    else:
+        found = services.comments.unseen_by_student(caller.course, caller.person)
+    return Unread(count=sum(found.values()), first=next(iter(found))) if found else None
+
+
+def author_names(services: Services, found: tuple[Comment, ...], course: str | None) -> dict[str, str]:
+    """Return by id how the authors of comments are called."""
+    if course is None:
+        return {}
+    members = {one.by: services.courses.member(course, one.by) for one in found}
+    return {id_: id_ if member is None else member.name or id_ for id_, member in members.items()}
