@@ -33,6 +33,12 @@ _OF_PEOPLE = {"DATABASE_URL", "FORCE_COLOR", "NO_COLOR", "COLUMNS"}
 _PROXIES = {"HTTP_PROXY", "HTTPS_PROXY", "ALL_PROXY"}
 
 
+@pytest.hookimpl(optionalhook=True)  # of a plugin that may be switched off
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """One process more than processors: many tests wait for servers, browsers and scripts that they started."""
+    return len(os.sched_getaffinity(0)) + 1
+
+
 def pytest_configure(config: pytest.Config) -> None:
     _forget_settings()
     if not hasattr(config, "workerinput"):

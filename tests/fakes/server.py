@@ -1,10 +1,12 @@
 """The application behind a real server on a free port of loopback."""
 
+import json
 import socket
 import threading
 from collections.abc import Iterator
 from contextlib import closing, contextmanager, nullcontext
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -21,6 +23,7 @@ from grader.use_cases.services import Services
 from tests.fakes.grading import FakeAssignments, FakePreflight
 
 TOKEN = "correct-horse-battery-staple"
+GOLDEN_OPENAPI = Path(__file__).parents[1] / "golden" / "openapi.json"
 PNG = b"\x89PNG\r\n\x1a\n fake"
 
 
@@ -65,6 +68,12 @@ def application(made: Services) -> FastAPI:
 def openapi_document() -> dict[str, Any]:
     """The OpenAPI document; making it takes a second."""
     return create_app(nullcontext).openapi()
+
+
+def operations() -> list[tuple[str, str]]:
+    """Path and method of every operation, from the committed document: every process of a run asks for them."""
+    paths: dict[str, Any] = json.loads(GOLDEN_OPENAPI.read_text())["paths"]
+    return [(path, method) for path, methods in paths.items() for method in methods]
 
 
 @contextmanager

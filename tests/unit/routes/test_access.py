@@ -12,11 +12,9 @@ from grader.contracts.identity import ANYBODY
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.places import all_taken
-from tests.fakes.server import TOKEN, openapi_document
+from tests.fakes.server import TOKEN, operations
 
-OPERATIONS = sorted(
-    f"{method} {path}" for path, methods in openapi_document()["paths"].items() for method in methods
-)
+OPERATIONS = sorted(f"{method} {path}" for path, method in operations())
 
 # in a course; `classmate` is another student of it, `outsider` and `stranger` are of another course
 ROLES = (

@@ -8,12 +8,11 @@ look at the difference before committing it::
 
 import json
 import os
-from pathlib import Path
 from typing import Any
 
+from tests.fakes.server import GOLDEN_OPENAPI as GOLDEN
 from tests.fakes.server import openapi_document
 
-GOLDEN = Path(__file__).parents[2] / "golden" / "openapi.json"
 PROSE = ("title", "summary", "description")
 
 
