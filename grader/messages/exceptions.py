@@ -31,6 +31,11 @@ _SIGNS: Final = tuple(
         (_LINE + rf"(\./|{_SHELL}[ \t]+(?!(and|else|for|if|in|is|not|or)\b)[^\s=(,])", "shell_line"),
         (r"SyntaxError: Missing parentheses in call to 'print'", "print_statement"),
         (_LINE + r"(\}\s*)?(else[ \t]+if|elseif|elsif)\b", "else_if"),
+        (
+            _LINE + r"(//|/\*|\}|(for|while|if)[ \t]*\([^)\n]*;|[^\"'#\n]*(\w::\w|\)[ \t]*\{[ \t]*\n))",
+            "c_syntax",
+        ),
+        (_LINE + r"[^\"'#\n]*\d[ \t]*(m/s|rad/s|rad|m|s|cm|米|秒|度|弧度)(?!\w)", "unit_in_code"),
         (_LINE + r"(.*\W)?(?P<name>[A-Za-z_][\w.]*)(\+\+|--)[ \t]*[;)]?[ \t]*(#.*)?\n", "increment"),
         (r"SyntaxError: .*Maybe you meant '==' .*\n.*\n +(if|elif|while)\b", "single_equals"),
         (_LINE + r"(if|elif|while|return|\w+[ \t]*=)\b[^\"'#\n]*(&&|\|\||![\w (])", "c_operator"),
@@ -67,6 +72,8 @@ _SIGNS: Final = tuple(
         ),
         (r"UnboundLocalError: .*?'(?P<name>\w+)'", "assigned_later"),
         (r"RCLError: .*publisher's context is invalid", "shutdown_early"),
+        (r"RuntimeError: Context must be initialized before it can be shutdown", "shutdown_twice"),
+        (r"AttributeError: __enter__\n", "shutdown_early"),  # what `rclpy.spin()` raises without a context
         (r"InvalidHandle: cannot use Destroyable because destruction was requested", "destroyed_early"),
         (r"NameError: name 'self' is not defined", "self_outside"),
         (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
@@ -84,6 +91,22 @@ _SIGNS: Final = tuple(
             "fields_by_position",
         ),
         (r"TypeError: .*(qos_profile|queue_size)", "missing_qos"),
+        (
+            r"TypeError: Expected QoSProfile or int, but received <class '(str|float|bool|list|tuple)'>",
+            "qos_number",
+        ),
+        (
+            r"TypeError: float\(\) argument must be .*'(function|method)'" + _AT + r".*create_timer\(",
+            "timer_order",
+        ),
+        (r"TypeError: descriptor '__init__' .*'super'", "super_brackets"),
+        (r"ParameterNotDeclaredException: .*'(?P<name>[\w.]+)'\)", "parameter_not_declared"),
+        (r"ParameterUninitializedException: .*'(?P<name>[\w.]+)'", "parameter_without_value"),
+        (
+            r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)'.*'DOUBLE'.*'INTEGER'",
+            "parameter_type",
+        ),
+        (r"TypeError: .*'Parameter'", "parameter_value"),
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
         (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
         (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
@@ -108,10 +131,11 @@ _SIGNS: Final = tuple(
         (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
         (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
         (
-            r"TypeError: (?!(Node|Client|Publisher|ActionClient|Rate|Clock)\.)\w+\.\w+\(\) "
+            r"TypeError: (?!(Node|Client|Publisher|ActionClient|Rate|Clock)\.)(\w+\.)?\w+\(\) "
             r"(takes \d+ positional arguments? but|missing \d+ required positional)",
             "wrong_parameters",
         ),
+        (r"TypeError: '(?!module|type)\w+' object is not callable", "not_callable"),
         (r"TypeError: 'NoneType' object does not support the context manager protocol", "with_init"),
         (
             r"(AttributeError: (?=')|TypeError: (?!.*(keyword|positional) argument))"
@@ -268,6 +292,99 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
 
 Closer = tuple[str, dict[str, object]] | None
 
+_ELSEWHERE_NAMES: Final = {
+    "raw_input": "input()",
+    "xrange": "range()",
+    "unicode": "str()",
+    "cout": "print()",
+    "printf": "print()",
+    "RCLCPP_INFO": "self.get_logger().info('...')",
+    "ROS_INFO": "self.get_logger().info('...')",
+    "true": "True",
+    "false": "False",
+    "null": "None",
+    "NULL": "None",
+    "nullptr": "None",
+    "nil": "None",
+}
+"""Names of Python 2, C++ and others, and what stands for them in Python 3."""
+
+_OF_ROS_1: Final = {
+    "Rate": "time.sleep(0.1)",
+    "Publisher": "node.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
+    "Subscriber": "node.create_subscription(Pose, '/turtle1/pose', callback, 10)",
+    "init_node": "rclpy.init(); node = rclpy.create_node('my_node')",
+    "is_shutdown": "not rclpy.ok()",
+    "loginfo": "node.get_logger().info('...')",
+    "sleep": "time.sleep(0.1)",
+    "Time": "node.get_clock().now()",
+    "create_publisher": "node.create_publisher(Twist, '/turtle1/cmd_vel', 10)",
+    "create_timer": "node.create_timer(0.1, callback)",
+    "get_logger": "node.get_logger()",
+}
+"""Attributes of ``rclpy`` that it does not have, and what does their work."""
+
+_STATEMENTS: Final = (
+    "break", "class", "continue", "def", "elif", "else", "except", "finally", "for", "from", "global", "if",
+    "import", "pass", "raise", "return", "try", "while", "with",
+)  # fmt: skip
+
+
+def _statement(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a line that Python does not take: its first word may be a misspelt one of Python's."""
+    found = re.match(r"([A-Za-z]+)(?=[ \t]+[A-Za-z_(\"']|[ \t]*:)", script_line(error))
+    if found is None or found[1] in _STATEMENTS:
+        return None
+    name = found[1]
+    same = [known for known in _STATEMENTS if sorted(known) == sorted(name.lower())]
+    near = same or difflib.get_close_matches(name.lower(), _STATEMENTS, 1, 0.75)
+    return ("misspelt_keyword", {"name": name, "suggestion": near[0]}) if near else None
+
+
+def _pasted(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a foreign character: prose around code that was copied from a web page has many."""
+    fences = script.lines_with(r"^[ \t]*```")
+    return ("pasted_mark", {"line": fences[0]}) if fences else None
+
+
+def _float(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at what a field was given in the place of a float."""
+    given = script_line(error).partition("=")[2].partition("#")[0].strip()
+    field = re.match(r"The '(\w+)'", error.message)
+    if field is not None and given[:1] in ("'", '"'):
+        return "text_in_float", {"field": field[1]}
+    return ("comma_in_float", {}) if re.match(r"-?\d+[ \t]*,[ \t]*\d+$", given) else None
+
+
+def _later(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a variable without a value: it may have the name of what it is made from."""
+    found = re.search(r"'(\w+)'", error.message)
+    name = "" if found is None else found[1]
+    return ("name_hides_class", {"name": name}) if name in _IMPORTS and name[:1].isupper() else None
+
+
+def _function(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a function used as a value: a method may have taken the place of one of Node's own."""
+    taken = script.methods(_OWN_OF_NODE)
+    return ("name_taken", {"name": taken[0]}) if taken and "super()" in script_line(error) else None
+
+
+_OWN_OF_NODE: Final = (
+    "clients", "context", "default_callback_group", "guards", "handle", "publishers", "services", "subscriptions",
+    "timers", "waitables",
+)  # fmt: skip
+
+
+def _parameters(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at a call with the wrong number of arguments: the caller may be wrong, or the function."""
+    found = re.match(r"(?:\w+\.)?(\w+)\(\) ", error.message)
+    name = "" if found is None else found[1]
+    made = script.definition(name)
+    is_method = re.match(r"\w+\.", error.message) is not None
+    if made is None or (is_method and not made.takes_self) or f"{name}(" not in script_line(error):
+        return None if is_method else ("crashed", {})
+    return "call_mismatch", {"name": name, "begins": made.line}
+
 
 def _name(error: StudentError) -> Closer:
     """Look closer at an unknown name."""
@@ -278,6 +395,8 @@ def _name(error: StudentError) -> Closer:
     written = script_line(error)
     if re.fullmatch(_SHELL, name) and re.match(rf"{_SHELL}([ \t]+[-~/.\w].*)?$", written):
         return "shell_line", {}
+    if name in _ELSEWHERE_NAMES:
+        return "other_language", {"name": name, "instead": _ELSEWHERE_NAMES[name]}
     if name in _IMPORTS:
         return "missing_import", {"name": name, "statement": _IMPORTS[name]}
     suggestion = suggested(error)
@@ -293,19 +412,36 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
     found = re.match(r"name '(\w+)' is not defined", error.message)
     made = None if found is None else script.definition(found[1])
     if found is not None and made is not None and made.takes_self:
-        return "missing_self", {"name": found[1]}
+        called = re.search(rf"\b{found[1]}[ \t]*\(", script_line(error)) is not None
+        return "missing_self", {"name": found[1], "call": "(...)" if called else ""}
+    given = [] if found is None else script.lines_with(rf"\bself\.{found[1]}[ \t]*(:[^=]*)?=(?!=)")
+    if found is not None and given:
+        return "missing_self_value", {"name": found[1], "given": given[0]}
     return _name(error)
 
 
 def _attribute(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at an unknown attribute."""
+    missing = re.match(r"module 'rclpy' has no attribute '(\w+)'", error.message)
+    if missing is not None and missing[1] in _OF_ROS_1:
+        return "ros_1_habit", {"name": f"rclpy.{missing[1]}", "instead": _OF_ROS_1[missing[1]]}
     found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
     if found is not None and (closer := _own_attribute(found[1], found[2], script)) is not None:
+        return closer
+    if found is not None and (closer := _of_an_object(found[2], script_line(error), script)) is not None:
         return closer
     suggestion = suggested(error)
     if suggestion is None or suggestion in _LISTS_OF_NODE:
         return None
     return "misspelt", {"suggestion": suggestion}
+
+
+def _of_an_object(name: str, written: str, script: ScriptText) -> Closer:
+    """Look at what the attribute was wanted for: publishing, or a module whose name a variable has taken."""
+    if name == "publish":
+        return "no_publisher_object", {"publisher": script.publisher or "self.pub"}
+    hidden = re.search(rf"\b(math|random|rclpy|time)\.{name}\b", written)
+    return None if hidden is None else ("hidden_module", {"name": hidden[1]})
 
 
 def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
@@ -321,6 +457,9 @@ def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
     given = script.lines_with(rf"\bself\.{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
     if len(given) == 1 and given[0] > begins:
         return "not_yet_assigned", {"name": name, "given": given[0]}
+    local = [] if given else script.lines_with(rf"^[ \t]+{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
+    if local and local[0] > begins:
+        return "local_only", {"name": name, "given": local[0]}
     return None
 
 
@@ -359,7 +498,14 @@ def _window(error: StudentError, script: ScriptText) -> Closer:
 
 
 def _shut_down(error: StudentError, script: ScriptText) -> Closer:
-    return "shutdown_early", {"where": _where(script.lines_with(r"\bshutdown\("))}
+    lines = script.lines_with(r"\bshutdown\(")
+    if not lines and error.message == "__enter__":
+        return "unknown_attribute", {}
+    return "shutdown_early", {"where": _where(lines)}
+
+
+def _shut_down_twice(error: StudentError, script: ScriptText) -> Closer:
+    return "shutdown_twice", {"where": _where(script.lines_with(r"\bshutdown\("))}
 
 
 def _destroyed(error: StudentError, script: ScriptText) -> Closer:
@@ -382,11 +528,18 @@ def _where(lines: list[int]) -> Text | str:
 
 _MOST_LINES: Final = 4
 _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
+    "assigned_later": _later,
+    "foreign_character": _pasted,
+    "function_not_called": _function,
+    "int_in_float": _float,
+    "syntax_error": _statement,
+    "wrong_parameters": _parameters,
     "unknown_name": _own_name,
     "unknown_attribute": _attribute,
     "missing_module": _module,
     "no_display": _window,
     "shutdown_early": _shut_down,
+    "shutdown_twice": _shut_down_twice,
     "destroyed_early": _destroyed,
     "no_base_class": _base_class,
 }

@@ -5,6 +5,7 @@ patterns over lines from which strings and comments are blanked out.
 """
 
 import re
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Final, NamedTuple
 
@@ -64,6 +65,10 @@ class ScriptText:
         line = self.lines[numbers[0] - 1]
         takes_self = re.search(pattern + r"[ \t]*self\b", line) is not None
         return Definition(numbers[0], _indent(line), takes_self)
+
+    def methods(self, names: Sequence[str]) -> list[str]:
+        """Return those of `names` that the script gives to methods of its own."""
+        return [name for name in names if (made := self.definition(name)) is not None and made.takes_self]
 
     def class_line(self, name: str) -> int | None:
         """Return the line on which the class begins."""

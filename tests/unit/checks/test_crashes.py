@@ -64,8 +64,8 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         (error("AttributeError", "'Car' object has no attribute 'pub'"), "unknown_attribute", ("'pub'",)),
         (
             error("AttributeError", "module 'rclpy' has no attribute 'sleep'"),
-            "unknown_attribute",
-            ("17", "'sleep'"),
+            "ros_1_habit",
+            ("17", "'sleep'", "time.sleep"),
         ),
         (error("AttributeError", "'NoneType' object has no attribute 'theta'"), "still_none", ("is None",)),
         (
