@@ -48,6 +48,21 @@ class NewSubmission:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SubmissionFilter:
+    """Which submissions of a class are listed; None: whatever it is.
+
+    Attributes:
+        since: received then or later. after: stored after the submission of this id.
+    """
+
+    student: str | None = None
+    assignment: str | None = None
+    state: SubmissionState | None = None
+    since: datetime | None = None
+    after: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Submission:
     """One upload and its state. Instants are aware UTC datetimes.
 

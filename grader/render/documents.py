@@ -2,6 +2,7 @@
 
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
+from grader.contracts.rules import is_hidden
 from grader.contracts.text import Language
 from grader.messages import quantity
 from grader.render.escape import visible
@@ -9,31 +10,41 @@ from grader.render.labels import item_status_word, status_word, word
 
 
 def to_gradescope(
-    report: GradeReport, language: Language = "zh", stored_sha256: str | None = None
+    report: GradeReport,
+    language: Language = "zh",
+    stored_sha256: str | None = None,
+    *,
+    hidden: frozenset[str] = frozenset(),
 ) -> dict[str, object]:
     """Return Gradescope's ``results.json`` (gradescope-autograders.readthedocs.io, "Specifications").
 
     `stored_sha256` is the digest of the report that was stored, where `report` has points that people gave, too.
+    Rubric items that are `hidden` count, but students see neither them nor the sentences about the whole.
 
     While a person has still to grade, the top-level score is left out, and the score of what waits: Gradescope
     then sums what has been scored.
     """
     document: dict[str, object] = {
-        "output": _overview(report, language),
+        "output": _overview(report, language, tells_all=not hidden),
         "output_format": "text",
         "test_output_format": "text",
         "test_name_format": "text",
         "visibility": "visible",
         "stdout_visibility": "hidden",
         "extra_data": _provenance(report, stored_sha256 or report.sha256()),
-        "tests": [_gradescope_test(item, i, language) for i, item in enumerate(report.items, start=1)],
+        "tests": [
+            _gradescope_test(item, i, language, "hidden" if is_hidden(item.id, hidden) else "visible")
+            for i, item in enumerate(report.items, start=1)
+        ],
     }
     if report.score is not None:
         document["score"] = report.score
     return document
 
 
-def _gradescope_test(item: RubricItem, position: int, language: Language) -> dict[str, object]:
+def _gradescope_test(
+    item: RubricItem, position: int, language: Language, visibility: str
+) -> dict[str, object]:
     scored: dict[str, object] = {
         "score": item.earned,
         "status": "passed" if item.status is ItemStatus.PASSED else "failed",
@@ -44,7 +55,7 @@ def _gradescope_test(item: RubricItem, position: int, language: Language) -> dic
         **({} if item.status is ItemStatus.NEEDS_MANUAL else scored),
         "max_score": item.points,
         "output": _evidence(item, language),
-        "visibility": "visible",
+        "visibility": visibility,
         "extra_data": {
             "id": item.id,
             "status": item.status.value,
@@ -85,11 +96,14 @@ def _share(report: GradeReport) -> float:
     return min(max(score / report.max_score, 0.0), 1.0) if report.max_score > 0 else 0.0
 
 
-def _overview(report: GradeReport, language: Language) -> str:
-    """Return status, summary, next step and the script's own error as plain text."""
+def _overview(report: GradeReport, language: Language, *, tells_all: bool = True) -> str:
+    """Return status, summary, next step and the script's own error as plain text.
+
+    Summary and next step are about all items; without `tells_all` they are left out.
+    """
     lines = [] if report.status is GradeStatus.GRADED else [status_word(report.status, language)]
-    lines += [visible(text) for text in (report.summary.get(language),) if text]
-    if hint := report.hint.get(language):
+    lines += [visible(text) for text in (report.summary.get(language),) if text and tells_all]
+    if (hint := report.hint.get(language)) and tells_all:
         lines.append(f"{word('next_step', language)}: {visible(hint)}")
     for run in report.runs:
         if run.outcome.error is not None:

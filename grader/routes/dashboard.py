@@ -55,6 +55,8 @@ class StudentView(BaseModel):
     """One row of the class matrix."""
 
     student: str = Field(examples=["20260123"])
+    name: str = Field(description="Empty where there is none.", examples=["李雷"])
+    sections: list[str] = Field(examples=[["A"]])
     total_score: float = Field(description="Sum of the scores that count.", examples=[48.5])
     assignments: dict[str, CellView] = Field(description="By id; assignments not begun are left out.")
 
@@ -107,6 +109,7 @@ class RiskView(BaseModel):
     """A student who may need help."""
 
     student: str = Field(examples=["20260123"])
+    name: str = Field(examples=["李雷"])
     reason: Literal["not_started", "stuck"] = Field(
         description="Handed in nothing at all; or tried an assignment three times or more without passing."
     )
@@ -174,7 +177,10 @@ def read_class(  # noqa: PLR0913
     caller: StaffDep,
     language: LanguageDep,
     *,
-    search: Annotated[str, Query(max_length=100, description="Only students whose id contains this.")] = "",
+    search: Annotated[
+        str, Query(max_length=100, description="Only students whose id or name contains this.")
+    ] = "",
+    section: Annotated[str, Query(max_length=64, description="Only students of this section.")] = "",
     at_risk: Annotated[bool, Query(description="Only students who have not started or are stuck.")] = False,
     offset: Annotated[QueryWhole, Query(ge=0, le=_MOST, description="Students left out at the start.")] = 0,
     limit: Annotated[
@@ -186,7 +192,7 @@ def read_class(  # noqa: PLR0913
 
     Filters and pages choose students; the statistics are always about everybody.
     """
-    selection = Selection(search=search, at_risk=at_risk, offset=offset, limit=limit)
+    selection = Selection(search=search, section=section, at_risk=at_risk, offset=offset, limit=limit)
     state = class_state(services, caller)
     tag = _tag(services, caller, state, language, selection)
     headers = {

@@ -9,14 +9,14 @@ from dataclasses import fields
 from datetime import datetime
 from typing import Annotated, Any
 
-from fastapi import APIRouter, Depends, File, Form, Header, Response, UploadFile, status
-from pydantic import BaseModel, Field
+from fastapi import APIRouter, Depends, File, Form, Header, Query, Response, UploadFile, status
+from pydantic import AwareDatetime, BaseModel, Field
 
 from grader.contracts.judgement import judged
 from grader.contracts.outcome import SHOWN_CHARACTERS, SHOWN_LOGS, Blame, RunStatus
 from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.submission import StoredReport, Submission, SubmissionState
+from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
 from grader.contracts.text import Language
 from grader.render.escape import visible
 from grader.routes.dependencies import (
@@ -25,6 +25,7 @@ from grader.routes.dependencies import (
     SUBMISSIONS,
     CallerDep,
     LanguageDep,
+    QueryWhole,
     ServicesDep,
     SubmissionId,
 )
@@ -210,6 +211,59 @@ class SubmissionView(BaseModel):
     grader_version: str | None = Field(examples=["0.1.0"])
     assignment_version: int | None = Field(examples=[1])
     links: Links
+
+
+class SubmissionLine(BaseModel):
+    """One submission in a list."""
+
+    id: str = Field(examples=[_EXAMPLE_ID])
+    student: str = Field(examples=["20260123"])
+    assignment: str = Field(examples=["square"])
+    file_name: str = Field(examples=["square_mover.py"])
+    sha256: str = Field(description="Of the uploaded bytes.")
+    size_bytes: int = Field(examples=[1834])
+    status: SubmissionState = Field(validation_alias="state", examples=["graded"])
+    received_at: datetime
+    finished_at: datetime | None
+    verdict: GradeStatus | None = Field(examples=["graded"])
+    score: float | None = Field(description="Before lateness.", examples=[10.0])
+    max_score: float | None = Field(examples=[10.0])
+    to_judge: int | None
+    report_sha256: str | None
+
+
+class SubmissionPage(BaseModel):
+    """Submissions, oldest first."""
+
+    submissions: list[SubmissionLine]
+    next_after: str | None = Field(description="The parameter `after` of the next page; null: no more.")
+
+
+@router.get(
+    "",
+    summary="The class's submissions",
+    responses=responses(*ENTRY_PROBLEMS, "invalid_request"),
+)
+def read_all(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: CallerDep,
+    response: Response,
+    *,
+    student: Annotated[str | None, Query(max_length=64)] = None,
+    assignment: Annotated[str | None, Query(max_length=64)] = None,
+    state: Annotated[SubmissionState | None, Query(alias="status")] = None,
+    since: Annotated[
+        AwareDatetime | None, Query(description="Received then or later; with an offset.")
+    ] = None,
+    after: Annotated[str | None, Query(max_length=36, description="From `next_after`.")] = None,
+    limit: Annotated[QueryWhole, Query(ge=1, le=1_000)] = 100,
+) -> SubmissionPage:
+    """Return every submission of the class, page by page; a student gets their own."""
+    response.headers["Cache-Control"] = "no-store"
+    wanted = SubmissionFilter(student=student, assignment=assignment, state=state, since=since, after=after)
+    found, more = submissions.listed(services, caller, wanted, limit)
+    lines = [SubmissionLine.model_validate(one, from_attributes=True) for one in found]
+    return SubmissionPage(submissions=lines, next_after=more)
 
 
 @uploads.post(

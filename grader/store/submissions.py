@@ -7,7 +7,13 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.record import from_json
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Refusal
-from grader.contracts.submission import NewSubmission, StoredReport, Submission, SubmissionState
+from grader.contracts.submission import (
+    NewSubmission,
+    StoredReport,
+    Submission,
+    SubmissionFilter,
+    SubmissionState,
+)
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.courses import in_class
@@ -118,6 +124,25 @@ class Submissions:
         newest_first = statement.order_by(col(SubmissionRow.received_at).desc(), col(SubmissionRow.id).desc())
         with self._database.reading() as session:
             return tuple(_submission(row) for row in session.execute(newest_first).scalars().all())
+
+    def of_class(self, course: str | None, wanted: SubmissionFilter, limit: int) -> tuple[Submission, ...]:
+        """Return at most `limit` submissions of a class, in the order in which they were stored."""
+        statement = select(SubmissionRow).where(in_class(course), col(SubmissionRow.regrade).is_(None))
+        equal = (
+            (SubmissionRow.student, wanted.student),
+            (SubmissionRow.assignment, wanted.assignment),
+            (SubmissionRow.state, wanted.state),
+        )
+        for column, value in equal:
+            if value is not None:
+                statement = statement.where(col(column) == value)
+        if wanted.since is not None:
+            statement = statement.where(col(SubmissionRow.received_at) >= wanted.since)
+        if wanted.after is not None:
+            statement = statement.where(col(SubmissionRow.id) > wanted.after)
+        with self._database.reading() as session:
+            rows = session.execute(statement.order_by(col(SubmissionRow.id)).limit(limit)).scalars()
+            return tuple(_submission(row) for row in rows)
 
     def beside(self, submission: Submission, *, after: bool) -> Submission | None:
         """Return the newest submission to the same assignment by the class's next student, in order of id.

@@ -9,7 +9,7 @@ from typing import Literal
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import ClassState, ItemFailures, MistakeCount, StudentProgress
-from grader.contracts.identity import Caller, Role
+from grader.contracts.identity import Caller, Member, Role
 from grader.contracts.rubric import summed
 from grader.contracts.submission import PersonCost
 from grader.contracts.text import Language
@@ -38,6 +38,8 @@ class StudentLine:
     """One row of the class matrix. `assignments` by id, without those not begun."""
 
     student: str
+    name: str
+    sections: tuple[str, ...]
     total_score: float
     assignments: Mapping[str, Cell]
 
@@ -91,6 +93,7 @@ class Risk:
     """A student who may need help: handed in nothing at all, or is stuck at an assignment."""
 
     student: str
+    name: str
     reason: Literal["not_started", "stuck"]
     assignment: str | None
     attempts: int
@@ -112,9 +115,10 @@ class Overview:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Selection:
-    """Which students an overview shows. `limit` None: all."""
+    """Which students an overview shows: id or name contains `search`, of a section. `limit` None: all."""
 
     search: str = ""
+    section: str = ""
     at_risk: bool = False
     offset: int = 0
     limit: int | None = None
@@ -160,11 +164,11 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
         told[mistake.assignment].mistakes.append(mistake)
     known = {assignment.id: assignment for assignment in in_course(services, caller)}
     ids = [*known, *sorted(set(told) - set(known))]
-    roster = [member.id for member in services.courses.members(caller.course, Role.STUDENT)]
+    roster = {one.id: one for one in services.courses.members(caller.course, Role.STUDENT)}
     return Overview(
         generated_at=services.clock(),
         pass_fraction=pass_fraction,
-        students=[_student(student, cells) for student, cells in students.items()],
+        students=[_student(student, cells, roster.get(student)) for student, cells in students.items()],
         total_students=len(students),
         at_risk=_at_risk(students, roster),
         waiting_for_person=sum(one.waits_for_person for one in state.progress),
@@ -185,30 +189,43 @@ def class_state(services: Services, caller: Caller) -> ClassState:
 
 def selected(whole: Overview, selection: Selection) -> Overview:
     """Return the overview with the chosen students only."""
-    risky = {one.student for one in whole.at_risk}
+    risky, wanted = {one.student for one in whole.at_risk}, selection.search.strip().casefold()
     fitting = [
         one
         for one in whole.students
-        if selection.search in one.student and (not selection.at_risk or one.student in risky)
+        if (wanted in one.student.casefold() or wanted in one.name.casefold())
+        and (not selection.section or selection.section in one.sections)
+        and (not selection.at_risk or one.student in risky)
     ]
     end = None if selection.limit is None else selection.offset + selection.limit
     page = fitting[selection.offset : end]
     return replace(whole, students=page, total_students=len(fitting))
 
 
-def _at_risk(students: Mapping[str, Mapping[str, Cell]], roster: Sequence[str]) -> list[Risk]:
-    idle = [
-        Risk(student=one, reason="not_started", assignment=None, attempts=0)
-        for one in roster
-        if one not in students
-    ]
+def _at_risk(students: Mapping[str, Mapping[str, Cell]], roster: Mapping[str, Member]) -> list[Risk]:
+    """Return who may need help: first who tries and fails, most often first, then who has not begun."""
     stuck = [
-        Risk(student=student, reason="stuck", assignment=assignment, attempts=cell.attempts)
+        Risk(
+            student=student,
+            name=_name(roster.get(student)),
+            reason="stuck",
+            assignment=assignment,
+            attempts=cell.attempts,
+        )
         for student, cells in students.items()
         for assignment, cell in cells.items()
         if cell.stuck
     ]
-    return idle + stuck
+    idle = [
+        Risk(student=one.id, name=one.name, reason="not_started", assignment=None, attempts=0)
+        for one in roster.values()
+        if one.id not in students
+    ]
+    return sorted(stuck, key=lambda one: -one.attempts) + idle
+
+
+def _name(member: Member | None) -> str:
+    return "" if member is None else member.name
 
 
 def _mean_attempts_to_pass(progress: Iterable[StudentProgress], pass_fraction: float) -> float | None:
@@ -227,9 +244,12 @@ def _mean_attempts_to_pass(progress: Iterable[StudentProgress], pass_fraction: f
     return round(fmean(passed), 2) if passed else None
 
 
-def _student(student: str, cells: dict[str, Cell]) -> StudentLine:
+def _student(student: str, cells: dict[str, Cell], member: Member | None) -> StudentLine:
     total = summed(cell.counted_score for cell in cells.values() if cell.counted_score is not None)
-    return StudentLine(student=student, total_score=total, assignments=cells)
+    sections = () if member is None else member.sections
+    return StudentLine(
+        student=student, name=_name(member), sections=sections, total_score=total, assignments=cells
+    )
 
 
 def _cell(progress: StudentProgress, pass_fraction: float) -> Cell:

@@ -23,7 +23,7 @@ from grader.sheets.writing import Cell, as_text, csv_table, workbook
 from grader.use_cases.assignments import in_course, require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import graded
+from grader.use_cases.visibility import graded, hiding
 
 Format = Literal["plain", "canvas"]
 Platform = Literal["gradescope", "prairielearn"]
@@ -171,10 +171,11 @@ def exported(
     Raises:
         RefusedError: there is no such submission, or no grading yet.
     """
-    _, stored = graded(services, caller, submission_id)
+    submission, stored = graded(services, caller, submission_id)
     if platform == "prairielearn":
         return to_prairielearn(judged(stored), language)
-    return to_gradescope(judged(stored), language, stored.sha256)
+    hidden = hiding(services, submission).items if caller.is_staff else frozenset[str]()
+    return to_gradescope(judged(stored), language, stored.sha256, hidden=hidden)
 
 
 def plain(members: Sequence[Member], assignments: Sequence[Assignment], scores: Scores) -> str:

@@ -2,12 +2,12 @@
 
 from collections import defaultdict
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
-from grader.contracts.submission import StoredReport, Submission, SubmissionState
+from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
 from grader.store.intake import as_attempts
 from grader.store.rules import CourseRules
 from grader.use_cases.callers import require_staff
@@ -68,6 +68,25 @@ class PastAttempt:
     submission: Submission
     lateness: Lateness
     counts: bool
+
+
+def listed(
+    services: Services, caller: Caller, wanted: SubmissionFilter, limit: int
+) -> tuple[tuple[Submission, ...], str | None]:
+    """Return at most `limit` submissions in the order of their arrival, and the `after` of the next page.
+
+    Students get their own, whatever `wanted` says; the staff get those of the class.
+
+    Raises:
+        RefusedError: nobody knows who the caller is.
+    """
+    if not caller.is_staff:
+        if caller.course is None or caller.person is None:
+            require_staff(caller)
+        wanted = replace(wanted, student=caller.person)
+    found = services.submissions.of_class(caller.course, wanted, limit + 1)
+    page = found[:limit]
+    return shown_list(services, caller, page), page[-1].id if len(found) > limit else None
 
 
 def read(services: Services, caller: Caller, submission_id: str) -> ShownSubmission:

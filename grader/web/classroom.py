@@ -6,13 +6,14 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from grader import __version__
 from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Role
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.upload import decoded
 from grader.messages import outline
 from grader.use_cases.commenting import unread
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
-from grader.use_cases.people import names, person
+from grader.use_cases.people import members, myself, names, person
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import ServicesDep, StaffDep, Visitor, require_staff
@@ -30,12 +31,15 @@ def read_matrix(
     request: Request, services: ServicesDep, visitor: StaffDep, query: Annotated[MatrixQuery, Query()]
 ) -> Response:
     """Show students by assignments."""
+    students = members(services, visitor.caller, Role.STUDENT)
     whole = _overview(request, services, visitor)
     return page(
         request,
         "class.html",
         overview=whole,
-        matrix=matrix(whole, query, names(services, visitor.caller)),
+        matrix=matrix(whole, query, students),
+        course=myself(services, visitor.caller)[0],
+        sections=sorted({name for one in students for name in one.sections}),
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
         unread=unread(services, visitor.caller),

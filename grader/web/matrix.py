@@ -7,9 +7,9 @@ from typing import Any, Literal, get_args
 
 from pydantic import Field
 
+from grader.contracts.identity import Member
 from grader.contracts.submission import SubmissionState
 from grader.use_cases.dashboard import AssignmentOverview, Cell, Overview, StudentLine
-from grader.use_cases.people import named
 from grader.web.paging import PageQuery, cut
 
 Show = Literal["all", "at_risk", "unfinished", "not_begun", "stuck", "waiting", "judge", "fault"]
@@ -24,12 +24,14 @@ class MatrixQuery(PageQuery):
     Attributes:
         search: part of a student's id or name. show: which students (``at_risk``: handed in nothing at all, or
             stuck); assignment: judge that by this assignment only.
+        section: only its students.
         sort: ``student``, ``total``, ``activity`` or the id of an assignment.
     """
 
     search: str = Field(default="", max_length=100)
     show: Show = "all"
     assignment: str = Field(default="", max_length=64)
+    section: str = Field(default="", max_length=64)
     sort: str = Field(default="student", max_length=64)
     descending: bool = False
 
@@ -64,26 +66,27 @@ class Matrix:
     query: MatrixQuery
 
 
-def matrix(dashboard: Overview, query: MatrixQuery, names: Mapping[str, str]) -> Matrix:
+def matrix(dashboard: Overview, query: MatrixQuery, members: Sequence[Member]) -> Matrix:
     """Return the page of the class that `query` asks for; beyond the last page, the last.
 
-    `names` are those of everybody on the roster, by id: who handed in nothing has a row, too.
+    `members` are the students on the roster: who handed in nothing has a row, too.
     """
     ids = [one.id for one in dashboard.assignments]
     judged = [query.assignment] if query.assignment in ids else ids
     wanted = query.search.strip().lower()
-    everybody = _everybody(dashboard, names)
+    everybody = _everybody(dashboard, members)
     students = [
         student
         for student in everybody
-        if (wanted in student.student.lower() or wanted in names.get(student.student, "").lower())
+        if (wanted in student.student.lower() or wanted in student.name.lower())
+        and (not query.section or query.section in student.sections)
         and _fits(student, judged, query.show)
     ]
     students.sort(key=_sort_key(query.sort), reverse=query.descending)
     shown, query, pages = cut(students, query)
     return Matrix(
         assignments=dashboard.assignments,
-        rows=tuple(_row(student, ids, named(names, student.student)) for student in shown),
+        rows=tuple(_row(student, ids) for student in shown),
         found=len(students),
         all=len(everybody),
         pages=pages,
@@ -91,13 +94,18 @@ def matrix(dashboard: Overview, query: MatrixQuery, names: Mapping[str, str]) ->
     )
 
 
-def _everybody(dashboard: Overview, names: Mapping[str, str]) -> list[StudentLine]:
+def _everybody(dashboard: Overview, members: Sequence[Member]) -> list[StudentLine]:
     active = {one.student for one in dashboard.students}
-    idle = [StudentLine(student=one, total_score=0.0, assignments={}) for one in names if one not in active]
+    idle = [
+        StudentLine(student=one.id, name=one.name, sections=one.sections, total_score=0.0, assignments={})
+        for one in members
+        if one.id not in active
+    ]
     return [*dashboard.students, *idle]
 
 
-def _row(student: StudentLine, ids: Sequence[str], name: str) -> Row:
+def _row(student: StudentLine, ids: Sequence[str]) -> Row:
+    name = "" if student.name == student.student else student.name
     cells = (student.assignments.get(one) for one in ids)
     return Row(
         student=student,

@@ -35,6 +35,7 @@ STAFF = (401, 401, 403, 403, 200, 200, 403, 200)
 INSTRUCTORS = (401, 401, 403, 403, 403, 200, 403, 200)
 IN_COURSES: dict[str, tuple[int, ...]] = {
     "post /api/v1/submissions": (401, 401, 202, 202, 202, 202, 202, 202),
+    "get /api/v1/submissions": MEMBERS,  # students their own
     "get /api/v1/submissions/{submission_id}": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/report": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/events": SUBMISSION,
@@ -87,6 +88,7 @@ OPEN_TO_ALL = (200, 401, 200)
 OPERATOR_ONLY = (401, 401, 200)
 WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "post /api/v1/submissions": (202, 401, 202),
+    "get /api/v1/submissions": OPERATOR_ONLY,
     "get /api/v1/submissions/{submission_id}": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/report": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/events": OPEN_TO_ALL,

@@ -137,6 +137,12 @@ def test_hidden_items_are_in_no_other_format_either(
     for name in ("gradescope", "prairielearn"):
         assert len(client.get(f"{url}/{name}.json", headers=school.as_("li")).json()["tests"]) == 1
         assert len(client.get(f"{url}/{name}.json", headers=school.as_("wang")).json()["tests"]) == 2
+    whole = client.get(f"{url}/gradescope.json", headers=school.as_("wang")).json()
+    assert {one["extra_data"]["id"]: one["visibility"] for one in whole["tests"]} == {
+        "sides": "visible",
+        "closed": "hidden",
+    }
+    assert whole["output"] == ""
 
 
 def cells(response: httpx.Response, sheet: int = 0) -> list[list[object]]:

@@ -7,6 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
+from grader.contracts.identity import RosterEntry
 from grader.contracts.submission import WorkerState
 from grader.render.dashboard import render_dashboard
 from grader.render.terminal import console
@@ -129,9 +130,25 @@ def test_who_may_need_help(client: httpx.Client, graded: Callable[..., str], sch
         graded(f"x = {number}".encode(), student="", headers=school.as_("li"))
     document = client.get("/api/v1/dashboard", headers=school.as_("ta")).json()
     assert document["at_risk"] == [
-        {"student": "han", "reason": "not_started", "assignment": None, "attempts": 0},
-        {"student": "li", "reason": "stuck", "assignment": "square", "attempts": 3},
+        {"student": "li", "name": "li", "reason": "stuck", "assignment": "square", "attempts": 3},
+        {"student": "han", "name": "han", "reason": "not_started", "assignment": None, "attempts": 0},
     ]
+
+
+def test_students_are_found_by_name_and_section(
+    client: httpx.Client, graded: Callable[..., str], school: Any, services: Services
+) -> None:
+    li = RosterEntry(id="li", name="李雷", sections=("A",))
+    services.courses.import_roster("ros", [li], "test")
+    for person in ("li", "han"):
+        graded(b"good", student="", headers=school.as_(person))
+
+    def asked(**params: object) -> list[str]:
+        document = client.get("/api/v1/dashboard", headers=school.as_("ta"), params=params).json()
+        return [one["student"] for one in document["students"]]
+
+    assert asked(search="李") == asked(section="A") == ["li"]
+    assert asked(section="B") == []
 
 
 def test_attempts_to_pass(client: httpx.Client, graded: Callable[..., str], clock: FakeClock) -> None:
