@@ -5,6 +5,7 @@ from typing import Annotated, Self
 from pydantic import (
     AfterValidator,
     BaseModel,
+    BeforeValidator,
     ConfigDict,
     Field,
     StrictBool,
@@ -13,6 +14,7 @@ from pydantic import (
     StrictStr,
     model_validator,
 )
+from pydantic_core import PydanticCustomError
 
 from grader.catalog.misfits import (
     BAND_MISSING,
@@ -51,7 +53,16 @@ from grader.contracts.text import Text
 Id = Annotated[str, Field(pattern=ID_PATTERN)]
 Topic = Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")]
 Interface = Annotated[str, Field(pattern=INTERFACE_PATTERN)]
-Options = dict[str, StrictBool | StrictInt | StrictFloat | StrictStr]
+
+
+def _one_value(value: object) -> object:
+    """Refuse what no option can be in one sentence: the union alone has one for each of its types."""
+    if not isinstance(value, bool | int | float | str):
+        raise PydanticCustomError("option_value", "no value of an option")
+    return value
+
+
+Options = dict[str, Annotated[StrictBool | StrictInt | StrictFloat | StrictStr, BeforeValidator(_one_value)]]
 MAX_HORIZON_S = 600.0
 
 

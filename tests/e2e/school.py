@@ -73,9 +73,9 @@ class School:
         """Let unequal sides of the square lose all their credit soon: one tolerance less."""
         path = self.files / SQUARE / "assignment.yaml"
         text = path.read_text(encoding="utf-8")
-        lenient = "measure: side_spread_pct\n    high: 4\n    ramp: 16"
+        lenient = "measure: side_spread_pct\n    high: 5\n    ramp: 15"
         assert lenient in text
-        path.write_text(text.replace(lenient, "measure: side_spread_pct\n    high: 4\n    ramp: 2"), "utf-8")
+        path.write_text(text.replace(lenient, "measure: side_spread_pct\n    high: 5\n    ramp: 2"), "utf-8")
 
 
 @contextmanager
