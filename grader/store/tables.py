@@ -144,7 +144,7 @@ class SectionRow(SQLModel, table=True):
 
 
 class TokenRow(SQLModel, table=True):
-    """A bearer token: only the digest of its secret is kept."""
+    """A bearer token, or a browser's session that was opened by one: only the digest of its secret is kept."""
 
     __tablename__: ClassVar[str] = "token"
     __table_args__ = (_of_member(), Index("token_owner", "course", "person"))
@@ -156,6 +156,7 @@ class TokenRow(SQLModel, table=True):
     created_at: datetime = Field(sa_column=instant_column())
     expires_at: datetime = Field(sa_column=instant_column())
     revoked_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    opened_by: str | None = Field(default=None, max_length=16)
 
 
 class AuditRow(SQLModel, table=True):

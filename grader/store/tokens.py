@@ -1,14 +1,17 @@
 """Bearer tokens: issued, recognised, revoked. A secret is shown once; the store keeps its SHA-256.
 
+A browser that shows a token gets a session: a secret of its own, good for pages alone and for half a day, which
+ends with the token. So whoever gets hold of a browser's cookie has no token.
+
 The secrets have 256 random bits, so a plain digest cannot be searched backwards, and looking one up by its
 digest tells nothing about how close a guess was.
 """
 
 import hashlib
 import secrets
-from datetime import timedelta
+from datetime import datetime, timedelta
 
-from sqlalchemy import CursorResult, select, update
+from sqlalchemy import ColumnElement, CursorResult, delete, select, update
 from sqlmodel import col
 
 from grader.contracts.identity import Caller, Role, TokenInfo, unknown_members
@@ -19,6 +22,7 @@ from grader.store.tables import MemberRow, TokenRow, as_contract
 
 _SECRET_BYTES = 32
 _ID_BYTES = 6
+SESSION_LIFE = timedelta(hours=12)
 PREFIX = "grader_"  # lets scanners of published files recognise a token that must not be there
 
 
@@ -36,14 +40,7 @@ class Tokens:
             CourseError: there is no such member.
         """
         now, secret = self._clock(), PREFIX + secrets.token_urlsafe(_SECRET_BYTES)
-        row = TokenRow(
-            id=secrets.token_hex(_ID_BYTES),
-            sha256=_digest(secret),
-            course=course,
-            person=person,
-            created_at=now,
-            expires_at=now + valid_for,
-        )
+        row = _row(secret, course, person, now, now + valid_for)
         with self._database.writing() as session:
             if session.get(MemberRow, (course, person)) is None:
                 raise unknown_members(course, person)
@@ -54,6 +51,40 @@ class Tokens:
 
     def caller(self, secret: str) -> Caller | None:
         """Return who shows the token `secret`; None when it is unknown, expired or revoked."""
+        return self._caller(secret, col(TokenRow.opened_by).is_(None))
+
+    def open_session(self, secret: str) -> str | None:
+        """Open a session for a browser that shows the token `secret`; None when that opens nothing."""
+        now, session_secret = self._clock(), secrets.token_urlsafe(_SECRET_BYTES)
+        with self._database.writing() as session:
+            token = session.execute(
+                select(TokenRow).where(*_open(secret, now), col(TokenRow.opened_by).is_(None))
+            ).scalar_one_or_none()
+            if token is None:
+                return None
+            session.execute(
+                delete(TokenRow).where(
+                    col(TokenRow.course) == token.course,
+                    col(TokenRow.person) == token.person,
+                    col(TokenRow.opened_by).is_not(None),
+                    col(TokenRow.expires_at) <= now,
+                )
+            )
+            until = min(now + SESSION_LIFE, token.expires_at)
+            session.add(_row(session_secret, token.course, token.person, now, until, opened_by=token.id))
+        return session_secret
+
+    def session_caller(self, secret: str) -> Caller | None:
+        """Return whose session it is; None when it is unknown, closed or over, or its token was revoked."""
+        return self._caller(secret, col(TokenRow.opened_by).is_not(None))
+
+    def close_session(self, secret: str) -> None:
+        """End a session, if there is such a one."""
+        own = (col(TokenRow.sha256) == _digest(secret), col(TokenRow.opened_by).is_not(None))
+        with self._database.writing() as session:
+            session.execute(delete(TokenRow).where(*own))
+
+    def _caller(self, secret: str, kind: ColumnElement[bool]) -> Caller | None:
         statement = (
             select(col(MemberRow.course), col(MemberRow.person), col(MemberRow.role))
             .join(
@@ -61,11 +92,7 @@ class Tokens:
                 (col(TokenRow.course) == col(MemberRow.course))
                 & (col(TokenRow.person) == col(MemberRow.person)),
             )
-            .where(
-                col(TokenRow.sha256) == _digest(secret),
-                col(TokenRow.revoked_at).is_(None),
-                col(TokenRow.expires_at) > self._clock(),
-            )
+            .where(*_open(secret, self._clock()), kind)
         )
         with self._database.reading() as session:
             row = session.execute(statement).first()
@@ -73,7 +100,7 @@ class Tokens:
 
     def of_course(self, course: str) -> tuple[TokenInfo, ...]:
         """Return the tokens of a course, oldest first."""
-        of_it = select(TokenRow).where(col(TokenRow.course) == course)
+        of_it = select(TokenRow).where(col(TokenRow.course) == course, col(TokenRow.opened_by).is_(None))
         statement = of_it.order_by(col(TokenRow.created_at), col(TokenRow.id))
         with self._database.reading() as session:
             return tuple(as_contract(row, TokenInfo) for row in session.execute(statement).scalars())
@@ -84,13 +111,16 @@ class Tokens:
         """Revoke one token, or every token of a person, for good; return how many still opened something."""
         now = self._clock()
         which = col(TokenRow.id) == token_id if person is None else col(TokenRow.person) == person
-        statement = (
-            update(TokenRow)
-            .where(col(TokenRow.course) == course, which, col(TokenRow.revoked_at).is_(None))
-            .values(revoked_at=now)
-        )
+        opened = col(TokenRow.opened_by) == token_id if person is None else col(TokenRow.person) == person
+        tokens = (col(TokenRow.course) == course, which, col(TokenRow.opened_by).is_(None))
+        still_open = col(TokenRow.revoked_at).is_(None)
         with self._database.writing() as session:
-            result = session.execute(statement)
+            session.execute(
+                delete(TokenRow).where(
+                    col(TokenRow.course) == course, opened, col(TokenRow.opened_by).is_not(None)
+                )
+            )
+            result = session.execute(update(TokenRow).where(*tokens, still_open).values(revoked_at=now))
             assert isinstance(result, CursorResult)
             if result.rowcount:
                 subject = f"token {token_id}" if person is None else f"member {person}"
@@ -102,6 +132,29 @@ class Tokens:
                     before={"open": result.rowcount},
                 )
             return result.rowcount
+
+
+def _open(secret: str, now: datetime) -> tuple[ColumnElement[bool], ...]:
+    """Return what is true of the row that a secret opens."""
+    return (
+        col(TokenRow.sha256) == _digest(secret),
+        col(TokenRow.revoked_at).is_(None),
+        col(TokenRow.expires_at) > now,
+    )
+
+
+def _row(  # noqa: PLR0913, PLR0917
+    secret: str, course: str, person: str, now: datetime, until: datetime, opened_by: str | None = None
+) -> TokenRow:
+    return TokenRow(
+        id=secrets.token_hex(_ID_BYTES),
+        sha256=_digest(secret),
+        course=course,
+        person=person,
+        created_at=now,
+        expires_at=until,
+        opened_by=opened_by,
+    )
 
 
 def _digest(secret: str) -> str:

@@ -45,6 +45,7 @@ class Callers:
         self._courses = courses
         self._tokens = tokens
         self._digest = _digest(instructor_token)
+        self._operator_session = hmac.new(instructor_token.encode(), b"session", "sha256").hexdigest()
 
     def identify(self, token: str | None) -> Caller | None:
         """Return who shows `token` (None: shows nothing); None for those who may not come in."""
@@ -54,6 +55,25 @@ class Callers:
             return ANYBODY
         # compared in a time that does not tell how close the token was
         return OPERATOR if hmac.compare_digest(_digest(token), self._digest) else None
+
+    def open_session(self, token: str) -> str | None:
+        """Return what a browser that shows `token` keeps in its place; None for those who may not come in."""
+        if self._courses.exist():
+            return self._tokens.open_session(token)
+        return None if self.identify(token) is None else self._operator_session
+
+    def of_session(self, session: str | None) -> Caller | None:
+        """Return whose browser keeps `session` (None: it keeps nothing); None for those who may not come in."""
+        if session is None:
+            return self.identify(None)
+        if self._courses.exist():
+            return self._tokens.session_caller(session)
+        known = hmac.compare_digest(session.encode(errors="replace"), self._operator_session.encode())
+        return OPERATOR if known else None
+
+    def close_session(self, session: str) -> None:
+        """Let `session` open nothing any more; that of the operator of a service without courses stays."""
+        self._tokens.close_session(session)
 
 
 def require_staff(caller: Caller) -> None:

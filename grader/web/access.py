@@ -1,6 +1,6 @@
 """Who looks at a page, and what they may see. The only place of the pages that knows.
 
-The browser keeps what `grader.use_cases.callers` recognises: a bearer token, here in a cookie that lasts as
+The browser keeps the session that a bearer token opened (`grader.use_cases.callers`), in a cookie that lasts as
 long as the browser is open. While the service has no courses, a student says their id and is believed, as on
 the JSON interface.
 """
@@ -38,7 +38,7 @@ __all__ = (
     "SubmissionId",
 )  # what pages read of a request as the JSON interface does
 STUDENT_COOKIE = "grader_student"
-TOKEN_COOKIE = "grader_token"  # noqa: S105  the name of a cookie
+SESSION_COOKIE = "grader_session"
 ENTER = "/enter"
 
 
@@ -206,16 +206,21 @@ def enter_student(request: Request, response: Response, student: str) -> None:
 
 
 def enter_by_token(request: Request, response: Response, token: str) -> Caller | None:
-    """Remember a token on this browser and return whose it is; a token of nobody is not remembered."""
-    caller = _services(request).callers.identify(token)
-    if caller is not None:
-        set_private_cookie(request, response, TOKEN_COOKIE, token)
-    return caller
+    """Open a session on this browser by a token and return whose it is; a token of nobody opens none."""
+    callers = _services(request).callers
+    session = callers.open_session(token)
+    if session is None:
+        return None
+    set_private_cookie(request, response, SESSION_COOKIE, session)
+    return callers.of_session(session)
 
 
-def leave(response: Response) -> None:
+def leave(request: Request, response: Response) -> None:
     """Forget who used this browser."""
-    for name in (STUDENT_COOKIE, TOKEN_COOKIE):
+    session = request.cookies.get(SESSION_COOKIE)
+    if session is not None:
+        _services(request).callers.close_session(session)
+    for name in (STUDENT_COOKIE, SESSION_COOKIE):
         response.delete_cookie(name, httponly=True, samesite="strict")
 
 
@@ -228,8 +233,8 @@ def ask_to_enter(request: Request) -> RedirectResponse:
 def _visitor(request: Request) -> Visitor:
     services = _services(request)
     is_open = services.callers.identify(None) is not None
-    token = request.cookies.get(TOKEN_COOKIE)
-    caller = ANYBODY if token is None else services.callers.identify(token) or ANYBODY
+    session = request.cookies.get(SESSION_COOKIE)
+    caller = ANYBODY if session is None else services.callers.of_session(session) or ANYBODY
     said = request.cookies.get(STUDENT_COOKIE, "")
     student = said if is_open and is_person_id(said) else caller.person
     if caller.course is None:

@@ -60,10 +60,10 @@ def enter(request: Request, entry: Annotated[EnterForm, Form()]) -> Response:
 
 
 @router.post("/leave", dependencies=[Depends(require_own_form)])
-def leave() -> Response:
+def leave(request: Request) -> Response:
     """Forget who used this browser."""
     response = RedirectResponse("/", status_code=303)
-    access.leave(response)
+    access.leave(request, response)
     return response
 
 

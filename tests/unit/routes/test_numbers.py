@@ -5,6 +5,7 @@ from typing import Any
 import httpx
 import pytest
 
+from grader.use_cases.services import Services
 from tests.fakes.refusals import problem
 
 NO_NUMBERS = ("1_0", " 10", "+10", "10.0", "1e1", "١٠", "１０", "0x1", "nan", "", "9" * 5000)
@@ -32,10 +33,12 @@ def test_only_digits_are_a_number(client: httpx.Client, school: Any, path: str, 
 
 
 @pytest.mark.parametrize("page", ["/class", "/class/gradebook", "/class/judgements", "/class/audit"])
-def test_pages_take_the_same_numbers(client: httpx.Client, school: Any, page: str) -> None:
+def test_pages_take_the_same_numbers(
+    client: httpx.Client, services: Services, school: Any, page: str
+) -> None:
     name = "before" if page.endswith("audit") else "page"
     client.cookies.clear()
-    client.cookies.set("grader_token", school.tokens["wang"])
+    client.cookies.set("grader_session", services.callers.open_session(school.tokens["wang"]))
     try:
         assert client.get(page, params={name: "1"}).status_code == 200
         assert client.get(page, params={name: "1_0"}).status_code == 422

@@ -103,7 +103,7 @@ def test_the_log_has_no_tokens_and_nothing_as_it_was_sent(
     graded(student="", headers=school.as_("li"), source=b"good  # my secret thought\n")
     client.get("/api/v1/dashboard?search=needle", headers=school.as_("wang"))
     client.get(
-        "/nothing/needle", headers={"Authorization": f"Bearer {TOKEN}", "Cookie": "grader_token=needle"}
+        "/nothing/needle", headers={"Authorization": f"Bearer {TOKEN}", "Cookie": "grader_session=needle"}
     )
     text = log.text()
     secrets = [*school.tokens.values(), TOKEN, "needle", "secret thought"]

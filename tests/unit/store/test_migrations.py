@@ -43,7 +43,7 @@ def test_tables_are_brought_up_to_date_with_their_rows(outdated: Database) -> No
             "INSERT INTO course VALUES ('ros', 'ROS', 'UTC', '2026-03-02 08:00:00.000000')"
         )
     before, now = migrate(outdated)
-    assert (before, now) == ("0003", "next")
+    assert (before, now) == ("0004", "next")
     with outdated.reading() as session:
         connection = session.connection()
         assert connection.exec_driver_sql("SELECT id FROM course").scalar_one() == "ros"
@@ -69,8 +69,8 @@ def test_tables_are_not_changed_under_who_works_with_them(
         starting.start()
         wait_until(lambda: "older version" in caplog.text)
         with outdated.reading() as session:
-            assert version(session.connection()) == "0003"
+            assert version(session.connection()) == "0004"
     starting.join()
-    assert done == [("0003", "next")]
+    assert done == [("0004", "next")]
     for one in (outdated, other):
         one.close()

@@ -83,7 +83,7 @@ def test_entering_leads_nowhere_else(browser: Browser, address: str) -> None:
 def test_a_wrong_token_opens_nothing(browser: Browser) -> None:
     answer = browser.enter(token="x" * 30)
     assert answer.status_code == 403
-    assert "grader_token" not in answer.headers.get("set-cookie", "")
+    assert "grader_session" not in answer.headers.get("set-cookie", "")
     assert browser.get("/class").status_code == 303
 
 
@@ -92,7 +92,7 @@ def test_private_cookies_stay_private(browser: Browser) -> None:
         *browser.enter(token=server.TOKEN).headers.get_list("set-cookie"),
         *browser.enter(student="s1").headers.get_list("set-cookie"),
     ]
-    assert {one.split("=")[0] for one in cookies} == {"grader_token", "grader_student"}
+    assert {one.split("=")[0] for one in cookies} == {"grader_session", "grader_student"}
     for one in cookies:
         assert "HttpOnly" in one
         assert "SameSite=strict" in one
@@ -231,3 +231,34 @@ def test_a_members_pages_are_made_one_after_the_other(
         answer = browser.get("/submissions")
         assert (answer.status_code, "同时发出的请求太多" in answer.text) == (429, True)
     assert browser.get(own).status_code == 200
+
+
+def test_a_browser_keeps_no_token_but_a_session_that_ends(
+    browser: Browser, services: Services, tokens: dict[str, str]
+) -> None:
+    def opens(session: str) -> bool:
+        browser.client.cookies.clear()
+        browser.client.cookies.set("grader_session", session)
+        return browser.get("/submissions").status_code == 200
+
+    def session() -> str:
+        browser.client.cookies.clear()
+        browser.enter(token=tokens["li"])
+        return browser.client.cookies["grader_session"]
+
+    kept = session()
+    assert kept != tokens["li"]
+    assert services.callers.identify(kept) is None  # it is no token for the interface
+    assert opens(kept)
+    assert not opens(tokens["li"])  # and a token is no session
+    assert [one.person for one in services.tokens.of_course("ros")].count("li") == 1
+    assert opens(kept)
+    browser.post("/leave", {}, page="/submissions")
+    assert not opens(kept)
+    kept = session()
+    services.clock.advance(12 * 3_600)
+    assert not opens(kept)
+    kept = session()
+    (own,) = (one.id for one in services.tokens.of_course("ros") if one.person == "li")
+    assert services.tokens.revoke("ros", "wang", token_id=own) == 1
+    assert not opens(kept)

@@ -11,7 +11,7 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.regrade import Wanted
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
-from grader.web.access import TOKEN_COOKIE
+from grader.web.access import SESSION_COOKIE
 from grader.web.forms import COOKIE, FIELD
 from grader.web.routing import ROUTERS
 from tests.unit.web.conftest import PAGE
@@ -103,17 +103,20 @@ def school(
     signed = Signature(services.clock(), "ros", "wang")
     regrade = services.regrades.open(Wanted(assignment="square"), signed).id
     grade_waiting()
+    shown = {
+        "owner": tokens["li"],
+        "classmate": tokens["han"],
+        "assistant": tokens["ta"],
+        "instructor": tokens["wang"],
+        "stranger": services.tokens.issue("other", "zhao", timedelta(days=1), "test")[1],
+    }
     return {
         "submission_id": submission,
         "regrade_id": regrade,
         "assignment_id": "square",
         "student": "li",
         "person": "li",
-        "owner": tokens["li"],
-        "classmate": tokens["han"],
-        "assistant": tokens["ta"],
-        "instructor": tokens["wang"],
-        "stranger": services.tokens.issue("other", "zhao", timedelta(days=1), "test")[1],
+        **{role: services.callers.open_session(token) for role, token in shown.items()},
     }
 
 
@@ -161,7 +164,7 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
     for role in ROLES:
         cookies = f"{COOKIE}={FORM_TOKEN}"
         if role != "nobody":
-            cookies += f"; {TOKEN_COOKIE}={school[role]}"
+            cookies += f"; {SESSION_COOKIE}={school[role]}"
         headers = {**PAGE, "Cookie": cookies}
         kwargs = {} if method == "GET" else {"data": data}
         if operation == "POST /assignments/{assignment_id}":
