@@ -44,7 +44,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
 
     Raises:
         SettingsError: the database does not fit this version, or the service would be open to the network.
-        AssignmentError: an assignment is wrong.
+        AssignmentError: a folder of assignments is not there.
         InfrastructureError: the database cannot be opened.
     """
     with ExitStack() as stack:
@@ -57,7 +57,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             settings,
             clock,
             retries=_retries(settings),
-            assignments=RefreshedAssignments(Catalog(cache=AssignmentMemory())),
+            assignments=_assignments(settings),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
             instructor_token=_token(settings, courses),
@@ -81,11 +81,17 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
-        parts = _parts(database, settings, RefreshedAssignments(Catalog(cache=AssignmentMemory())), clock)
+        parts = _parts(database, settings, _assignments(settings), clock)
         metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
         yield stack.enter_context(_working(settings, replace(parts, observer=metrics)))
+
+
+def _assignments(settings: Settings) -> RefreshedAssignments:
+    """Return the assignments that come with the grader, then the operator's own."""
+    folders = (None, *settings.assignment_folders)
+    return RefreshedAssignments([Catalog(one, AssignmentMemory()) for one in folders])
 
 
 @contextmanager

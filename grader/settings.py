@@ -5,6 +5,7 @@
 
 import ipaddress
 import os
+from pathlib import Path
 from typing import Any, Literal, Self
 
 from pydantic import AliasChoices, Field, SecretStr, ValidationError, field_validator, model_validator
@@ -62,6 +63,11 @@ class Settings(BaseSettings):
     )
     default_language: Language = Field(
         default="zh", description="Language of answers when a request asks for neither zh nor en."
+    )
+    assignments: str = Field(
+        default="",
+        description="Folders of assignments of one's own, besides those that come with the grader; several are "
+        "separated by `:`. A file that is wrong disables its own assignment only, and the service page says so.",
     )
     max_upload_bytes: int = Field(
         default=256 * 1024, ge=1024, le=_MAX_UPLOAD_BYTES, description="Largest file a student may upload."
@@ -154,6 +160,11 @@ class Settings(BaseSettings):
     log_level: LogLevel = Field(
         default="info", description="Least important lines the log has: `debug`, `info`, `warning`, `error`."
     )
+
+    @property
+    def assignment_folders(self) -> tuple[Path, ...]:
+        """Return the folders of the operator's own assignments."""
+        return tuple(Path(one) for one in self.assignments.split(os.pathsep) if one)
 
     @property
     def silent_s(self) -> float:

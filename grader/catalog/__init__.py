@@ -35,7 +35,7 @@ def default_root() -> Path:
 
 
 class Catalog:
-    """The assignments under one folder. Implements `grader.contracts.grading.AssignmentSource`.
+    """The assignments under one folder.
 
     Every call reads the files anew, so an edited assignment is seen without a restart.
     """
@@ -55,6 +55,18 @@ class Catalog:
         """
         found = [self._assignment(folder) for folder in self._folders()]
         return tuple(sorted(found, key=lambda assignment: (assignment.order, assignment.id)))
+
+    def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
+        """Yield id and content of every assignment; of a wrong one, what is wrong.
+
+        Raises:
+            AssignmentError: there is no such folder.
+        """
+        for folder in self._folders():
+            try:
+                yield folder.name, self._assignment(folder)
+            except AssignmentError as error:
+                yield folder.name, error
 
     def get(self, assignment_id: str) -> Assignment:
         """Return one assignment, reading only its own file.

@@ -3,46 +3,58 @@
 import logging
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Protocol
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
-from grader.contracts.grading import AssignmentSource
+from grader.contracts.text import Text
 
 _log = logging.getLogger(__name__)
 _FRESH_S = 2.0
 
 
-class RefreshedAssignments:
-    """Assignments that are read again when the last reading is two seconds old.
+class Folder(Protocol):
+    """A folder of assignments, such as `grader.catalog.Catalog`."""
 
-    A broken file that an instructor saves does not stop the class. Until it is mended, the assignments stay as
-    they were last read, and the log says why.
+    def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
+        """Yield id and content of every assignment; of a wrong one, what is wrong."""
+
+
+class RefreshedAssignments:
+    """The assignments of several folders, read again when the last reading is two seconds old.
+
+    A broken file stops nobody but its own assignment, which stays as it was last read; one that was never read is
+    missing until the file is mended. The log says why, and so does `troubles`.
+
+    Args:
+        folders: of two assignments with one id, that of the first folder is taken.
+        monotonic_s: a clock.
+
+    Raises:
+        AssignmentError: one of the folders is not there.
     """
 
-    def __init__(self, source: AssignmentSource, monotonic_s: Callable[[], float] = time.monotonic) -> None:
-        """Read everything once.
-
-        Raises:
-            AssignmentError: a file is wrong.
-        """
-        self._source = source
+    def __init__(self, folders: Sequence[Folder], monotonic_s: Callable[[], float] = time.monotonic) -> None:
+        self._folders = folders
         self._monotonic_s = monotonic_s
         self._lock = threading.Lock()
         self._read_at_s = monotonic_s()
-        self._assignments = source.all()
+        self._assignments: tuple[Assignment, ...] = ()
+        self._troubles: Mapping[str, Text] = {}
+        self._read()
 
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist."""
         with self._lock:
-            now_s = self._monotonic_s()
-            if now_s - self._read_at_s >= _FRESH_S:
-                self._read_at_s = now_s
-                try:
-                    self._assignments = self._source.all()
-                except AssignmentError as error:
-                    _log.error("assignments stay as they were: %s", error)
+            self._refresh()
             return self._assignments
+
+    def troubles(self) -> Mapping[str, Text]:
+        """Return by id what is wrong with assignments that cannot be read now."""
+        with self._lock:
+            self._refresh()
+            return self._troubles
 
     def get(self, assignment_id: str) -> Assignment:
         """Return one assignment, or raise UnknownAssignmentError."""
@@ -50,3 +62,38 @@ class RefreshedAssignments:
             if assignment.id == assignment_id:
                 return assignment
         raise UnknownAssignmentError(f"there is no assignment {assignment_id!r}")
+
+    def _refresh(self) -> None:
+        now_s = self._monotonic_s()
+        if now_s - self._read_at_s >= _FRESH_S:
+            self._read_at_s = now_s
+            try:
+                self._read()
+            except AssignmentError as error:  # a folder is gone
+                _log.error("assignments stay as they were: %s", error)
+
+    def _read(self) -> None:
+        before = {one.id: one for one in self._assignments}
+        found: dict[str, Assignment] = {}
+        troubles: dict[str, Text] = {}
+        for id_, one in (pair for folder in self._folders for pair in folder.each()):
+            if id_ in found or id_ in troubles:
+                told = AssignmentError(
+                    f"two folders have an assignment {id_}; rename one", f"两个文件夹里都有作业 {id_}：请改名"
+                )
+                troubles[id_] = _text(told)
+            elif isinstance(one, AssignmentError):
+                troubles[id_] = _text(one)
+                if id_ in before:
+                    found[id_] = before[id_]
+            else:
+                found[id_] = one
+        for id_, trouble in troubles.items():
+            if self._troubles.get(id_) != trouble:
+                _log.error("assignment %s cannot be read: %s", id_, trouble.en)
+        self._assignments = tuple(sorted(found.values(), key=lambda one: (one.order, one.id)))
+        self._troubles = troubles
+
+
+def _text(error: AssignmentError) -> Text:
+    return Text(zh=error.told("zh"), en=error.told("en"))

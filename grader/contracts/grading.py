@@ -6,6 +6,7 @@ from typing import Protocol
 from grader.contracts.assignment import Assignment
 from grader.contracts.record import Record, field
 from grader.contracts.report import GradeReport, Measurements
+from grader.contracts.text import Text
 
 
 class GradingJob(Record):
@@ -103,6 +104,9 @@ class AssignmentSource(Protocol):
         Raises:
             UnknownAssignmentError: no assignment has that id.
         """
+
+    def troubles(self) -> Mapping[str, Text]:
+        """Return by id what is wrong with assignments that cannot be read now."""
 
 
 class SandboxState(Record):

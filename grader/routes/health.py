@@ -58,6 +58,9 @@ class Health(BaseModel):
     queue: QueueView
     oldest_queued_at: datetime | None = Field(description="Since when the first one has been waiting.")
     workers: list[WorkerView]
+    broken_assignments: list[str] = Field(
+        description="Ids of assignments whose files are wrong; the service page says why.", examples=[[]]
+    )
 
 
 @router.head("/healthz", include_in_schema=False)  # what many monitors send
@@ -81,6 +84,7 @@ def read(services: ServicesDep, response: Response) -> Health:
         queue=queue_view(health.queue),
         oldest_queued_at=health.queue.oldest_queued_at,
         workers=worker_views(health.workers),
+        broken_assignments=sorted(services.assignments.troubles()),
     )
 
 

@@ -112,7 +112,14 @@ def read_comparison(
 def read_service(request: Request, services: ServicesDep, visitor: StaffDep) -> Response:
     """Show queue, workers and sandbox, and who costs the service most."""
     costly = costs(services, visitor.caller)[:_MOST_COSTLY]
-    return page(request, "service.html", health=services.health(), costs=costly, version=__version__)
+    return page(
+        request,
+        "service.html",
+        health=services.health(),
+        troubles=services.assignments.troubles(),
+        costs=costly,
+        version=__version__,
+    )
 
 
 def _overview(request: Request, services: Services, visitor: Visitor) -> Overview:

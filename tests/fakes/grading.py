@@ -65,6 +65,9 @@ class FakeAssignments:
                 return candidate
         raise UnknownAssignmentError(assignment_id)
 
+    def troubles(self) -> dict[str, Text]:
+        return {}
+
 
 def trajectory() -> bytes:
     document = {

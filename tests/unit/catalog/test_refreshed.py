@@ -1,33 +1,32 @@
+from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from grader.catalog import Catalog
 from grader.catalog.refreshed import RefreshedAssignments
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from tests.fakes.grading import FakeAssignments
 
+BROKEN = AssignmentError("square/assignment.yaml: line 3: points must be a number", "第 3 行：points 要是数")
+
 
 class Editor:
-    """Assignments that somebody edits, under a clock that only the test moves."""
+    """A folder that somebody edits, under a clock that only the test moves."""
 
     def __init__(self) -> None:
         self.now_s = 0.0
         self.reads = 0
-        self.saved: tuple[Assignment, ...] = FakeAssignments().all()
-        self.broken = False
+        self.saved: dict[str, Assignment | AssignmentError] = {one.id: one for one in FakeAssignments().all()}
 
-    def all(self) -> tuple[Assignment, ...]:
+    def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
         self.reads += 1
-        if self.broken:
-            raise AssignmentError("square/assignment.yaml: line 3: points must be a number")
-        return self.saved
+        yield from self.saved.items()
 
-    def get(self, assignment_id: str) -> Assignment:
-        raise AssertionError("read all of them at once")
-
-    def refreshed(self) -> RefreshedAssignments:
-        return RefreshedAssignments(self, lambda: self.now_s)
+    def refreshed(self, *others: "Editor") -> RefreshedAssignments:
+        return RefreshedAssignments((self, *others), lambda: self.now_s)
 
 
 def test_assignments_are_read_once_in_a_while() -> None:
@@ -41,28 +40,53 @@ def test_assignments_are_read_once_in_a_while() -> None:
 def test_an_edited_assignment_is_seen_without_a_restart() -> None:
     editor = Editor()
     assignments = editor.refreshed()
-    editor.saved = tuple(replace(one, version=4) for one in editor.saved)
+    editor.saved = {id_: replace(one, version=4) for id_, one in editor.saved.items()}
     assert assignments.get("square").version == 3
     editor.now_s += 2.0
     assert assignments.get("square").version == 4
 
 
-def test_a_broken_file_does_not_stop_the_class(caplog: pytest.LogCaptureFixture) -> None:
+def test_a_broken_file_stays_as_it_was_and_stops_no_other(caplog: pytest.LogCaptureFixture) -> None:
     editor = Editor()
     assignments = editor.refreshed()
-    editor.broken = True
+    editor.saved |= {"square": BROKEN, "straight": replace(assignments.get("straight"), version=4)}
     editor.now_s += 2.0
     assert assignments.get("square").version == 3
-    assert "line 3" in caplog.text
-    editor.broken = False
-    editor.saved = editor.saved[:1]
+    assert assignments.get("straight").version == 4
+    assert assignments.troubles()["square"].zh == "第 3 行：points 要是数"
+    for _ in range(3):
+        editor.now_s += 2.0
+        assignments.all()
+    assert caplog.text.count("line 3") == 1
+    del editor.saved["square"]
     editor.now_s += 2.0
+    assert assignments.troubles() == {}
     with pytest.raises(UnknownAssignmentError, match="square"):
         assignments.get("square")
 
 
-def test_a_broken_file_stops_the_start() -> None:
+def test_what_was_broken_at_the_start_is_missing_until_it_is_mended() -> None:
     editor = Editor()
-    editor.broken = True
-    with pytest.raises(AssignmentError):
-        editor.refreshed()
+    good, editor.saved["square"] = editor.saved["square"], BROKEN
+    assignments = editor.refreshed()
+    assert [one.id for one in assignments.all()] == ["straight"]
+    editor.saved["square"] = good
+    editor.now_s += 2.0
+    assert [one.id for one in assignments.all()] == ["straight", "square"]
+    assert assignments.troubles() == {}
+
+
+def test_an_id_belongs_to_the_first_folder_that_has_it() -> None:
+    first, second = Editor(), Editor()
+    second.saved = {"square": replace(FakeAssignments().get("square"), version=9)}
+    assignments = first.refreshed(second)
+    assert assignments.get("square").version == 3
+    assert "rename one" in assignments.troubles()["square"].en
+
+
+def test_a_folder_that_is_not_there_stops_the_start(tmp_path: Path) -> None:
+    with pytest.raises(AssignmentError, match="not a folder"):
+        RefreshedAssignments([Catalog(tmp_path / "none")])
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "assignment.yaml").write_text("id: [")
+    assert list(RefreshedAssignments([Catalog(tmp_path)]).troubles()) == ["broken"]

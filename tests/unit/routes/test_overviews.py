@@ -212,6 +212,7 @@ def test_without_a_worker_the_service_is_degraded(client: httpx.Client) -> None:
     assert response.status_code == 503
     assert response.json()["status"] == "degraded"
     assert response.json()["sandbox"] == {"ready": False, "isolation": "", "detail": "no worker is alive"}
+    assert response.json()["broken_assignments"] == []
 
 
 def test_with_a_worker_it_is_well(client: httpx.Client, services: Services, clock: FakeClock) -> None:

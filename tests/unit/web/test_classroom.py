@@ -5,6 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
+from grader.contracts.text import Text
 from grader.messages import outline
 from grader.use_cases.services import Services
 from tests.unit.web.conftest import Browser
@@ -136,3 +137,12 @@ def test_a_large_class_is_paged(instructor: Browser, put: Callable[..., str], se
     assert len(rows(first)) == 100
     assert "Page 1 of 2" in first
     assert rows(instructor.get("/class?page=2").text) == ["s100"]
+
+
+def test_the_service_page_says_which_files_are_wrong(
+    instructor: Browser, monkeypatch: pytest.MonkeyPatch, services: Services
+) -> None:
+    trouble = Text(zh="assignment.yaml:3: 要是数", en="assignment.yaml:3: must be a number <b>")
+    monkeypatch.setattr(services.assignments, "troubles", lambda: {"tri": trouble})
+    assert "must be a number &lt;b&gt;" in instructor.get("/class/service?lang=en").text
+    assert instructor.client.get("/healthz").json()["broken_assignments"] == ["tri"]
