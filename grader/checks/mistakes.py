@@ -15,7 +15,7 @@ from grader.checks.measure import Measure, Mistake, mistake
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
-from grader.contracts.trajectory import COMMAND_LIFE_NS, Floats, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajectory
 from grader.messages import join, say
 from grader.messages.details import explained
 from grader.messages.exceptions import meaning
@@ -134,8 +134,10 @@ def command_mistakes(
     if noted(outcome, "lateral_command") is not None:
         return (mistake("sideways"),)
     commands = run.trajectory.commands
-    if commands and not any(is_motion(command) for command in commands):
-        return (mistake("zero_commands"),)
+    if commands and not any(command.v_mps or command.w_radps for command in commands):
+        return (_only_zeros(run),)
+    if (longest_ns := _longest_motion_ns(run.trajectory)) < _TOO_BRIEF_NS:
+        return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
     return _timeouts(run.trajectory, outcome, turns, drives)
 
 
@@ -185,13 +187,15 @@ def asleep(run: Run) -> Iterator[Mistake]:
 def _behind_spin(run: Run) -> Mistake | None:
     """Recognise work that stands behind a call of `spin` that was still going on when the run ended."""
     place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
-    if place is None or not place["call"].endswith("spin") or not script.works_after(int(place["line"])):
+    if place is None or not place["call"].endswith("spin"):
         return None
-    if script.lines_with(r"\bcreate_(timer|subscription)\("):
-        return (
-            None  # then the work may well be meant to happen in a callback, and only the stop stands behind
-        )
-    return mistake("behind_spin", line=place["line"])
+    line = int(place["line"])
+    if line in script.lines_with(r"\btarget ?= ?[\w.]*\bspin\("):
+        return mistake("thread_called", line=line)
+    callbacks = script.lines_with(r"\bcreate_(timer|subscription)\(")
+    if not script.works_after(line) or any(number < line for number in callbacks):
+        return None  # with a callback the work may be meant to happen there, and only the stop stands behind
+    return mistake("behind_spin", line=line)
 
 
 _DISCOVERY_NS = 50_000_000  # the shortest it takes at home
@@ -218,6 +222,10 @@ def without_node(run: Run) -> Mistake:
     """Say why a script that ended by itself has no node."""
     if run.source and not ScriptText(run.source).has_code:
         return mistake("no_code")
+    if (guard := _WRONG_GUARD.search(run.source)) is not None:
+        return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
+    if (uncalled := not_called(run)) is not None:
+        return uncalled
     if run.outcome.stdout.text.strip():
         return mistake("only_printed")
     return mistake("nothing_ran")
@@ -246,7 +254,7 @@ def _silence(run: Run, topic: str) -> tuple[Mistake, ...]:
     if outcome.exit_code == _USAGE and outcome.stderr.text.startswith("usage: "):
         return (mistake("no_arguments"),)
     if outcome.nodes:
-        return (_behind_spin(run) or mistake("no_publisher", topic=topic),)
+        return (_behind_spin(run) or _not_reached(run) or mistake("no_publisher", topic=topic),)
     return (without_node(run),)
 
 
@@ -255,10 +263,95 @@ def _unused_publisher(run: Run, topic: str) -> tuple[Mistake, ...]:
     if noted(outcome, "incompatible_qos") == topic:
         return (mistake("incompatible_qos", topic=topic),)
     if outcome.status is RunStatus.FINISHED:
-        return (mistake("never_spun", ended=number(outcome.duration_ns / 1e9, "s")),)
+        ended = number(outcome.duration_ns / 1e9, "s")
+        return (not_called(run) or mistake("never_spun", ended=ended),)
     if outcome.status is RunStatus.INTERRUPTED:
-        return (_behind_spin(run) or mistake("never_published"),)
+        return (_behind_spin(run) or _waits(run) or not_called(run) or mistake("never_published"),)
     return ()
+
+
+_WRONG_GUARD = re.compile(
+    r"^if[ \t]+__name__[ \t]*==[ \t]*[\"'](?!__main__[\"'])([^\"'\n]{0,30})[\"']", re.MULTILINE
+)
+_UNAWAITED = re.compile(r"coroutine '(?:\w+\.)?(\w+)' was never awaited")
+
+
+def not_called(run: Run) -> Mistake | None:
+    """Recognise a function that was named where it should have been called, or not awaited."""
+    if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
+        return mistake("never_awaited", name=coroutine[1])
+    named = ScriptText(run.source).uncalled
+    return None if named is None else mistake("not_called", line=named.line, name=named.name)
+
+
+def _not_reached(run: Run) -> Mistake | None:
+    """Recognise a publisher that the script would have created, had it come so far."""
+    script = ScriptText(run.source)
+    lines = script.lines_with(r"\bcreate_publisher\(")
+    if not lines:
+        return None
+    return not_called(run) or _in_loop(run, script) or mistake("publisher_not_reached", line=lines[0])
+
+
+def _waits(run: Run) -> Mistake | None:
+    """Say what a script that never published was waiting for, or what kept its callbacks from running."""
+    script = ScriptText(run.source)
+    if (topic := noted(run.outcome, "type_mismatch")) is not None:
+        return mistake("not_received", topic=topic)
+    if script.lines_with(r"Executor\(") and not script.lines_with(r"\badd_node\("):
+        return mistake("executor_without_node")
+    if script.lines_with(r"\.publish\(") and (hidden := script.swallowed) is not None:
+        return mistake("error_hidden", line=hidden)
+    return _in_loop(run, script)
+
+
+def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
+    """Recognise a loop that was still waiting when the run ended, and whether callbacks could have ended it."""
+    place = _PLACE.fullmatch(run.at_horizon)
+    if place is None or (begins := script.loop_of(int(place["line"]))) is None:
+        return None
+    heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
+    spun = any(number <= int(place["line"]) for number in script.lines_with(r"\bspin(_\w+)?\b"))
+    deaf = heard and place["call"].endswith("sleep") and not spun
+    return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
+
+
+_ZERO = r"-?[0.]+ ?(;|$)"
+
+
+def _only_zeros(run: Run) -> Mistake:
+    """Say why nothing but stops arrived."""
+    script = ScriptText(run.source)
+    compared = script.lines_with(r"^[ \t]*[\w.]+\.(linear|angular)\.[xyz] ?==")
+    if compared:
+        return mistake("compares_for_assigns", line=compared[0])
+    if noted(run.outcome, "stopped_at_once") is not None:
+        return mistake("stopped_at_once")
+    if script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=) ?(?!{_ZERO})"):
+        return mistake("only_stops")
+    return mistake("zero_commands")
+
+
+_TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
+
+
+def _longest_motion_ns(trajectory: Trajectory) -> int:
+    """Return the longest time for which motions were commanded without a stop between them."""
+    longest_ns, begun_ns = 0, None
+    for command, until_ns in _with_ends(trajectory):
+        if not (command.v_mps or command.w_radps):
+            begun_ns = None
+            continue
+        begun_ns = command.t_ns if begun_ns is None else begun_ns
+        longest_ns = max(longest_ns, until_ns - begun_ns)
+    return longest_ns if trajectory.commands else COMMAND_LIFE_NS
+
+
+def _with_ends(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
+    """Yield each command with the time until which it held, at most turtlesim's hold after it came."""
+    nexts = [command.t_ns for command in trajectory.commands[1:]]
+    for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=True):
+        yield command, min(next_ns, command.t_ns + COMMAND_LIFE_NS)
 
 
 def _names(publishers: Iterable[Endpoint]) -> str:

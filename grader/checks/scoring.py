@@ -152,7 +152,7 @@ def _scored(check: Kind, spec: ItemSpec, blank: RubricItem, findings: Findings, 
         status=item_status(earned, share),
         measured=round(measure.value, 4) + 0.0 if known else None,  # + 0.0: no minus zero
         message=_seen(check, spec, measure),
-        hint=EMPTY if credit(spec, measure.value) >= 1.0 else _hint(check, spec, findings.mistakes),
+        hint=EMPTY if credit(spec, measure.value) >= 1.0 else _hint(check, spec, measure, findings.mistakes),
     )
 
 
@@ -190,8 +190,10 @@ def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
     return say(f"{check.kind}.{spec.measure}.seen", value=value, **measure.details)
 
 
-def _hint(check: Kind, spec: ItemSpec, mistakes: Sequence[Mistake]) -> Text:
+def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mistake]) -> Text:
     for mistake in mistakes:
         if mistake.explains(spec.measure):
             return mistake.text
+    if "why" in measure.details:  # it was kept from being measured by what the other items tell
+        return EMPTY
     return say(f"{check.kind}.{spec.measure}.hint")

@@ -31,6 +31,13 @@ class Definition(NamedTuple):
     takes_self: bool
 
 
+class Mention(NamedTuple):
+    """A line on which the name of a function stands alone."""
+
+    line: int
+    name: str
+
+
 class ScriptText:
     """The code of a script, line by line, without strings and comments."""
 
@@ -105,6 +112,40 @@ class ScriptText:
             if not _ENDS.match(line.strip()) and re.search(r"\w\(|^\s*(for|while)\b", line):
                 return True
         return False
+
+    @property
+    def uncalled(self) -> Mention | None:
+        """The first line that names a function of the script, by itself, without calling it."""
+        for number in self.lines_with(r"^[ \t]*(\w+\.)*\w+$"):
+            name = self.lines[number - 1].strip().rpartition(".")[2]
+            before, behind = (
+                "".join(self.lines[part]).strip()
+                for part in (slice(max(number - 2, 0), number - 1), slice(number, number + 1))
+            )
+            if self.definition(name) is not None and before[-1:] not in {",", "("} and behind[:1] != ")":
+                return Mention(number, name)
+        return None
+
+    @property
+    def swallowed(self) -> int | None:
+        """The line of the first ``except`` that passes over an error without a word."""
+        for number in self.lines_with(r"^[ \t]*except\b[^:]*:"):
+            rest = self.lines[number - 1].partition(":")[2].strip()
+            behind = rest or "".join(self.lines[number : number + 1]).strip()
+            if behind in {"pass", "continue"} and "KeyboardInterrupt" not in self.lines[number - 1]:
+                return number
+        return None
+
+    def loop_of(self, number: int) -> int | None:
+        """Return the line of the innermost ``while`` around the given line, in the same function."""
+        above: int | None = number
+        while above is not None and 0 < above <= len(self.lines):
+            if re.match(r"[ \t]*while\b", self.lines[above - 1]):
+                return above
+            if above != number and re.match(r"[ \t]*(def|class)\b", self.lines[above - 1]):
+                return None
+            above = self.owner_of(above)
+        return None
 
     @cached_property
     def publisher(self) -> str | None:

@@ -330,6 +330,8 @@ class Episode:
             journal.note("wall", contact.wall)
         if turtle.lateral_commands:
             journal.note("lateral_command")
+        if turtle.motion_commands and not any(each.v_mps or each.w_radps for each in trajectory.commands):
+            journal.note("stopped_at_once")
         if turtle.clamped_commands:
             journal.note("clamped_command")
         return EpisodeResult(

@@ -56,6 +56,7 @@ class Turtle:
         alive: false between /kill and the next turtle of the same name; until then commands have no effect.
         command_count, nonfinite_commands, lateral_commands, clamped_commands: commands received, and how many
             of them had a NaN or infinite component, a sideways one, or one beyond the car's bounds.
+        motion_commands: how many were no stop.
         first_command_ns, last_command_ns: when the first and the last one came.
     """
 
@@ -63,6 +64,7 @@ class Turtle:
         self.start: PlanarPose = (world.start.x_m, world.start.y_m, math.radians(world.start.heading_deg))
         self.alive = True
         self.command_count = self.nonfinite_commands = self.lateral_commands = self.clamped_commands = 0
+        self.motion_commands = 0
         self.first_command_ns: int | None = None
         self.last_command_ns: int | None = None
         self._car = car
@@ -116,6 +118,8 @@ class Turtle:
             self.nonfinite_commands += 1
         elif v != linear_x or w != angular_z:
             self.clamped_commands += 1
+        if v or w:
+            self.motion_commands += 1
         if linear_y:
             self.lateral_commands += 1
         self.command_count += 1

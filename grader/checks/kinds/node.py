@@ -6,9 +6,10 @@ from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake
 from grader.checks.mistakes import script_mistakes, without_node
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
-from grader.contracts.outcome import RunOutcome, RunStatus
+from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus
 from grader.contracts.scoring import Run
 from grader.messages.quantity import number
+from grader.messages.script import ScriptText
 
 MEASURES = {
     "nodes": MeasureKind(form="count"),
@@ -20,7 +21,7 @@ MEASURES = {
 def examine(assignment: Assignment, run: Run) -> Findings:
     """Count nodes and INFO messages and see whether the script was still running at the horizon."""
     outcome = run.outcome
-    infos = [record for record in outcome.logs if record.level_name == "INFO"]
+    infos = [record for record in _heard(outcome) if record.level_name == "INFO"]
     return Findings(
         measures={
             "nodes": Measure(float(len(outcome.nodes)), {"names": ", ".join(outcome.nodes[:4]) or "—"}),
@@ -29,6 +30,12 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         },
         mistakes=node_mistakes(run),
     )
+
+
+def _heard(outcome: RunOutcome) -> list[LogRecord]:
+    """Return the messages that reached /rosout at home, too: not those that a script logs after Ctrl+C."""
+    interrupted = outcome.status is RunStatus.INTERRUPTED
+    return [record for record in outcome.logs if not interrupted or record.t_ns < outcome.duration_ns]
 
 
 def _alive(outcome: RunOutcome) -> float:
@@ -49,21 +56,25 @@ def node_mistakes(run: Run) -> tuple[Mistake, ...]:
         interrupted = outcome.status is RunStatus.INTERRUPTED
         found.append(mistake("init_without_node") if interrupted else without_node(run))
     elif outcome.nodes:
-        found += _logging(outcome)
+        found += _logging(run)
         if outcome.status is RunStatus.FINISHED:
             ended = number(outcome.duration_ns / 1e9, "s")
             found.append(mistake("not_spinning", ("alive",), ended=ended))
     return tuple(found)
 
 
-def _logging(outcome: RunOutcome) -> Iterator[Mistake]:
-    if any(record.level_name == "INFO" for record in outcome.logs):
+def _logging(run: Run) -> Iterator[Mistake]:
+    outcome, written = run.outcome, ScriptText(run.source).lines_with(r"\bget_logger\(\)\.\w+\(")
+    heard = _heard(outcome)
+    if any(record.level_name == "INFO" for record in heard):
         return
-    if outcome.logs:
-        levels = sorted({record.level_name for record in outcome.logs})
+    if heard:
+        levels = sorted({record.level_name for record in heard})
         yield mistake("wrong_level", ("info_logs",), levels=", ".join(levels))
     elif outcome.stdout.text.strip():
         yield mistake("printed", ("info_logs",))
+    elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED) and written:
+        yield mistake("log_not_reached", ("info_logs",), line=written[0])
     elif outcome.status in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         yield mistake("never_logged", ("info_logs",))
 

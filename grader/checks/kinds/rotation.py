@@ -11,7 +11,9 @@ from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, scrip
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
+from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
+from grader.contracts.trajectory import COMMAND_LIFE_NS
 from grader.geometry.path import Path
 from grader.geometry.segmentation import segment
 from grader.messages import say
@@ -126,7 +128,7 @@ def rotation_mistakes(
     if not _goals(run):
         found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=("turned_deg",), drives=())
     if short and turned > MIN_TURN_DEG:
-        found += _short_turn(turned, drive)
+        found += _short_turn(turned, drive, run)
     found += lost_at_home(run)
     return tuple(found)
 
@@ -142,7 +144,7 @@ def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...])
     return mistake("circling", spoilt, radius=radius, drift=distance)
 
 
-def _short_turn(turned: float, drive: Drive) -> Iterator[Mistake]:
+def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
     """Say why the turn ended before it was whole."""
     angle = number(turned, "deg")
     codes = {math.degrees(1.0): "turned_one_radian", 180.0: "half_turn"}
@@ -150,8 +152,15 @@ def _short_turn(turned: float, drive: Drive) -> Iterator[Mistake]:
         if abs(turned - telling) <= SAME_DEG:
             yield mistake(code, ("turned_deg",), turned=angle)
             return
-    code = "turn_too_slow" if drive.cut_short else "turn_too_short"
+    code = "turn_too_slow" if drive.cut_short or _still_turning(run) else "turn_too_short"
     yield mistake(code, ("turned_deg",), turned=angle)
+
+
+def _still_turning(run: Run) -> bool:
+    """Whether Ctrl+C came while a turn was commanded, however slow."""
+    commands, end_ns = run.trajectory.commands, run.outcome.duration_ns
+    interrupted = run.outcome.status is RunStatus.INTERRUPTED and bool(commands)
+    return interrupted and commands[-1].w_radps != 0.0 and end_ns - commands[-1].t_ns < COMMAND_LIFE_NS
 
 
 CHECK = Check(kind="rotation", measures=MEASURES, examine=examine, sketch=sketch)

@@ -66,7 +66,7 @@ def test_published_once_is_told_before_the_angle_it_leads_to() -> None:
         ("square", [(2.0, 1.0, 0.0), (math.pi / 2, 1.0, 1.0)] * 4, "kept_driving"),
         ("square", [(2.0, 1.0, 0.0), (math.pi / 2, 0.6, 1.0)] * 4, "arcs"),
         ("square", [(2 * math.pi, 1.0, 1.0)], "arcs"),
-        ("square", [(2.0, 1.0, 0.2), (math.pi / 2 - 0.4, 0.0, 1.0)] * 4, "arcs"),  # bent sides
+        ("square", [(2.0, 1.0, 0.2), (math.pi / 2 - 0.4, 0.0, 1.0)] * 4, "kept_turning"),  # bent sides
         ("square", [(2.0, 1.0, 0.0)], "no_turns"),
         ("square", [(2.0, 1.0, 0.0), (1.0, 0.0, 90.0)] * 4, "degrees_as_radians"),
         ("square", polygon_legs(5), "other_figure"),
@@ -139,7 +139,7 @@ def test_who_leaves_the_stop_to_turtlesim_has_stopped() -> None:
 def test_a_car_that_slips_is_not_told_to_stop_turning() -> None:
     bent = drive([(2.0, 1.0, 0.25), (math.pi / 2 - 0.5, 0.0, 1.0)] * 4)
     commands = tuple(each._replace(w_radps=0.0) if each.v_mps else each for each in bent.commands)
-    assert graded("square", bent).mistakes[0] == "arcs"
+    assert graded("square", bent).mistakes[0] == "kept_turning"
     assert graded("square", replace(bent, commands=commands)).mistakes[0] == "slipped"
 
 

@@ -206,7 +206,7 @@ def test_what_a_car_cannot_do_is_noted(car: BulletCar) -> None:
         car,
         [*frames, jail.publish(2, 1, jail.twist(1e9)), jail.publish(2, 2, jail.twist()), jail.ended(SECOND)],
     )
-    assert {note.code for note in result.notes} == {"lateral_command", "clamped_command"}
+    assert {note.code for note in result.notes} == {"lateral_command", "clamped_command", "stopped_at_once"}
 
 
 def test_unreadable_bytes_on_the_command_topic_do_not_move(car: BulletCar) -> None:

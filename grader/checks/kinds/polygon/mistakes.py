@@ -10,11 +10,12 @@ import numpy as np
 from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, is_motion
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
+from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, noted, script_mistakes
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
+from grader.contracts.text import EMPTY
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
 from grader.geometry.figure import PolygonFigure
 from grader.messages import say
@@ -67,9 +68,11 @@ def polygon_mistakes(
     if driven is None:
         return tuple(found)
     seen = _Seen(assignment, run, wanted, driven)
-    found += _never_turned(seen)
+    if noted(run.outcome, "lateral_command") is None:  # or a figure was meant to be driven sideways
+        found += _never_turned(seen)
     found += _degrees(seen)
     found += _kept_driving(seen)
+    found += _kept_turning(seen)
     found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=_TURNS, drives=_DRIVES)
     found += _wall(seen)
     cut = _cut_at_the_end(seen)
@@ -103,10 +106,12 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
             yield mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
-    if drives > 1 and contacts and contacts[0].start_ns <= turning[0]:
-        yield mistake(
-            "turns_behind_loop", _SHAPE, count=drives, ideal=_degree(seen.ideal_deg), sides=seen.sides
-        )
+    hit = bool(contacts) and contacts[0].start_ns <= turning[0]
+    turns = _stretches([_turns(command) for command in commands])
+    if drives > 1 and (hit or turns == 1):
+        wall = say("detail.wall_hit") if hit else EMPTY
+        ideal = _degree(seen.ideal_deg)
+        yield mistake("turns_behind_loop", _SHAPE, count=drives, wall=wall, ideal=ideal, sides=seen.sides)
 
 
 def _on_first_side(seen: _Seen) -> bool:
@@ -117,8 +122,12 @@ def _on_first_side(seen: _Seen) -> bool:
 
 def _straight_drives(commands: list[Command]) -> int:
     """Return how many drives there were, with a stop between one and the next."""
-    moving = [is_motion(command) for command in commands]
-    return sum(now and not before for before, now in itertools.pairwise([False, *moving]))
+    return _stretches([is_motion(command) for command in commands])
+
+
+def _stretches(flags: list[bool]) -> int:
+    """Return how often a row of flags becomes true."""
+    return sum(now and not before for before, now in itertools.pairwise([False, *flags]))
 
 
 def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
@@ -138,6 +147,18 @@ def _kept_driving(seen: _Seen) -> Iterator[Mistake]:
                 speed=number(sides.pop(), "1"),
                 rate=number(rates.pop(), "1"),
             )
+
+
+def _kept_turning(seen: _Seen) -> Iterator[Mistake]:
+    """Tell of a turn rate that stayed set while the sides were driven; the turns themselves are on the spot."""
+    commands = seen.run.trajectory.commands
+    on_the_spot = any(_turns(command) and not command.v_mps for command in commands)
+    sides = [command for command in commands if abs(command.v_mps) > MOVING_MPS]
+    rates = {command.w_radps for command in sides} - {0.0}
+    if on_the_spot and len(rates) == 1 and seen.run.trajectory.contacts == ():
+        bent = sum(command.w_radps != 0.0 for command in sides)
+        if bent > len(sides) / 2:
+            yield mistake("kept_turning", _SHAPE, rate=number(rates.pop(), "1"))
 
 
 def _turns(command: Command) -> bool:
@@ -165,9 +186,18 @@ def _degrees(seen: _Seen) -> Iterator[Mistake]:
     if fastest >= FAST_TURN_RADPS:
         yield mistake("degrees_as_radians", _SHAPE, rate=number(fastest, ""), ideal=_degree(seen.ideal_deg))
     elif math.degrees(widest) > 1.25 * FULL_TURN_DEG and unfinished and not _circling(seen):
-        yield mistake(
-            "endless_turn", _SHAPE, turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg)
-        )
+        by_pose = ScriptText(seen.run.source).lines_with(r"\.theta\b")
+        code = "endless_turn_by_pose" if by_pose else "endless_turn"
+        yield mistake(code, _SHAPE, turned=_degree(math.degrees(widest)), ideal=_degree(seen.ideal_deg))
+    elif math.degrees(widest) > FULL_TURN_DEG - seen.ideal_deg / 2 and unfinished and _drove_once(seen):
+        turned = _degree(math.degrees(widest))
+        yield mistake("turned_instead", _SHAPE, turned=turned, ideal=_degree(seen.ideal_deg))
+
+
+def _drove_once(seen: _Seen) -> bool:
+    """Whether the script commanded one drive, and what it turned it turned on the spot."""
+    driving = [abs(command.v_mps) > MOVING_MPS for command in seen.run.trajectory.commands]
+    return _stretches(driving) == 1 and not any(map(_is_arc, seen.run.trajectory.commands))
 
 
 def _circling(seen: _Seen) -> bool:
@@ -181,13 +211,20 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         if float(seen.driven.drive.path.along_m[-1]) > 0.1 and _circling(seen):
             yield mistake("arcs", _SHAPE, share="100 %")
         return
-    if figure.curved_share > MOSTLY_ROUND_SHARE:
+    if figure.curved_share > MOSTLY_ROUND_SHARE or _drives_blindly(seen):
         yield _arcs(seen, figure)
     yield from _angles(seen, figure)
     yield from _count(seen, figure)
     if figure.curved_share <= MOSTLY_ROUND_SHARE and seen.loses("curved_pct", 100.0 * figure.curved_share):
         yield _arcs(seen, figure)
     yield from _sides(seen, figure) if seen.wanted.lengths_m is None else _lengths(seen, figure)
+
+
+def _drives_blindly(seen: _Seen) -> bool:
+    """Whether the corners fail on a car that slips, and no command ever corrects the heading on the way."""
+    blind = seen.run.trajectory.commands and not any(map(_is_arc, seen.run.trajectory.commands))
+    wrong = any(seen.loses("corner_deg", corner) for corner in seen.driven.corners_deg.tolist())
+    return bool(blind) and wrong and seen.assignment.world.profile == "rough"
 
 
 def _arcs(seen: _Seen, figure: PolygonFigure) -> Mistake:
@@ -342,6 +379,8 @@ def _ending(seen: _Seen) -> Iterator[Mistake]:
     if figure is not None and figure.apart:
         turned = _degree(abs(math.degrees(figure.last_turned_rad)))
         yield mistake("laps_apart", ("settled", "gap_pct"), turned=turned, ideal=_degree(seen.ideal_deg))
+    elif drive.moving_at_end and (figure is None or len(figure.sides_m) < seen.sides):
+        yield mistake("never_finished", ("settled", "sides", "gap_pct"))
     elif (overrun and drive.cut_short) or (not repeated and drive.moving_at_end):
         yield mistake("never_stops", ("settled", "sides", "gap_pct"), publisher=_publisher(seen))
     elif figure is not None and overrun:
