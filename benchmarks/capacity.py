@@ -20,13 +20,14 @@ from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from rich.console import Console
 from rich.table import Table
 
-from benchmarks import classroom
+from benchmarks import classroom, listeners
 from benchmarks.handing_in import evening
 from benchmarks.processes import tree
 from grader.grading.slot import Slot, SlotConfig
@@ -45,6 +46,8 @@ BYTES_PER_SUBMISSION = 19_300
 _BEGIN, _END = "<!-- made by benchmarks.capacity -->", "<!-- end -->"
 _SHARES = (0.4, 0.6, 0.8, 1.0, 1.2)  # of the slots that the busiest two minutes keep busy
 _SAMPLE = 400
+LISTENERS = "listeners"
+"""Where the file of times has the class whose scripts all steer by the pose."""
 _KEPT_QUANTILES = 201
 _SEED = 7
 
@@ -109,12 +112,21 @@ def _as_one_quick_slot(arrived: Seconds, service: Seconds) -> Seconds:
 
 
 def measured() -> dict[str, object]:
-    """Grade a sample of a class's scripts; return what each cost and where that is from.
+    """Grade samples of what two classes hand in; return what each grading cost and where that is from."""
+    return {
+        "measured_at": datetime.now(UTC).date().isoformat(),
+        "machine": _processor(),
+        **_sample(list(classroom.scripts())),
+        LISTENERS: _sample(list(listeners.scripts())),
+    }
+
+
+def _sample(scripts: Sequence[classroom.Script]) -> dict[str, object]:
+    """Grade a sample of what a class with these scripts hands in.
 
     Processor time, because a grading computes from beginning to end: on a core of its own, that is how long
     it takes, and others on the machine change it little.
     """
-    scripts = classroom.graded_scripts()
     plan = classroom.plan(scripts, classroom.roster(100), 3, _SEED)
     jobs = [classroom.job(one.script) for one in plan if one.kind == "fresh"][:: max(1, len(plan) // _SAMPLE)]
     times = []
@@ -127,12 +139,7 @@ def measured() -> dict[str, object]:
             times.append(after_s - before_s + jail_s)
             before_s = after_s
     quantiles = np.quantile(times, np.linspace(0.0, 1.0, _KEPT_QUANTILES))
-    return {
-        "measured_at": datetime.now(UTC).date().isoformat(),
-        "machine": _processor(),
-        "gradings": len(times),
-        "quantiles_s": [round(float(one), 5) for one in quantiles],
-    }
+    return {"gradings": len(times), "quantiles_s": [round(float(one), 5) for one in quantiles]}
 
 
 def _descendants_s() -> float:
@@ -165,17 +172,33 @@ def table(quantiles: Sequence[float]) -> list[tuple[str, ...]]:
     return lines
 
 
-def publish(told: Mapping[str, object], lines: Sequence[Sequence[str]], page: Path) -> None:
-    """Put the table and where its times are from between the marks of `page`."""
-    mean_ms = float(np.mean(service_times(100_000, told["quantiles_s"]))) * 1e3  # type: ignore[arg-type]
-    machine = f"{told['gradings']} gradings on {told['machine']}, {told['measured_at']}"
-    source = f"Processor time of a grading: {mean_ms:.0f} ms in the mean ({machine})."
-    rows = ["| " + " | ".join(line) + " |" for line in lines]
-    rows.insert(1, "|" + "--:|" * len(lines[0]))
+def classes(told: Mapping[str, Any]) -> list[tuple[str, ...]]:
+    """Return, under a line of headings, what a grading costs in each class."""
+    heading = ("class", "gradings", "mean", "median", "95 of 100 within", "a second on one core")
+    lines: list[tuple[str, ...]] = [heading]
+    for name, sample in (("the lesson's scripts", told), ("all listen to the pose", told.get(LISTENERS))):
+        if sample is not None:
+            took_ms = service_times(100_000, sample["quantiles_s"]) * 1e3
+            mean, median, most = np.mean(took_ms), np.median(took_ms), np.quantile(took_ms, 0.95)
+            times = (f"{value:.0f} ms" for value in (mean, median, most))
+            lines.append((name, str(sample["gradings"]), *times, f"{1e3 / mean:.1f}"))
+    return lines
+
+
+def publish(told: Mapping[str, Any], lines: Sequence[Sequence[str]], page: Path) -> None:
+    """Put both tables and where their times are from between the marks of `page`."""
+    source = f"Processor time of a grading on {told['machine']}, {told['measured_at']}:"
+    by_class = "Slots and storage for the first class:"
     before, _, rest = page.read_text(encoding="utf-8").partition(_BEGIN)
     _, end, after = rest.partition(_END)
-    text = "\n".join((source, "", *rows))
+    text = "\n".join((source, "", *_rows(classes(told)), "", by_class, "", *_rows(lines)))
     page.write_text(f"{before}{_BEGIN}\n{text}\n{end}{after}", encoding="utf-8")
+
+
+def _rows(lines: Sequence[Sequence[str]]) -> list[str]:
+    """Return `lines` as a table in Markdown."""
+    rows = ["| " + " | ".join(line) + " |" for line in lines]
+    return [rows[0], "|" + "--:|" * len(lines[0]), *rows[1:]]
 
 
 def draw(quantiles: Sequence[float], path: Path) -> None:
@@ -218,12 +241,11 @@ def main() -> None:
     lines = table(quantiles)
     publish(told, lines, PAGE)
     draw(quantiles, PICTURE)
-    shown = Table(
-        *lines[0], title=f"grading: {np.mean(service_times(100_000, quantiles)) * 1e3:.0f} ms in the mean"
-    )
-    for line in lines[1:]:
-        shown.add_row(*line)
-    console.print(shown)
+    for rows in (classes(told), lines):
+        shown = Table(*rows[0])
+        for line in rows[1:]:
+            shown.add_row(*line)
+        console.print(shown)
 
 
 def _validate(console: Console, quantiles: Sequence[float], options: argparse.Namespace) -> None:

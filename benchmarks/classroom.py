@@ -92,13 +92,16 @@ def bare_rate(uploads: Sequence[Upload], count: int, processes: int) -> float:
 
 
 def plan(scripts: Sequence[Script], students: Sequence[str], attempts: int, seed: int) -> list[Upload]:
-    """Return everything the class hands in, in order: attempt by attempt, assignments and students mixed."""
+    """Return everything the class hands in, in order: attempt by attempt, assignments and students mixed.
+
+    It hands in for those of `ASSIGNMENTS` that have scripts.
+    """
     chance = random.Random(seed)  # noqa: S311 - a class, no secret
     right, wrong = _by_assignment(scripts, right=True), _by_assignment(scripts, right=False)
     uploads: list[Upload] = []
     for attempt in range(1, attempts + 1):
         share = _SHARE_RIGHT[min(attempt, len(_SHARE_RIGHT)) - 1]
-        work = [(assignment, student) for assignment in ASSIGNMENTS for student in students]
+        work = [(assignment, student) for assignment in right for student in students]
         for assignment, student in chance.sample(work, len(work)):
             script = chance.choice((right if chance.random() < share else wrong)[assignment])
             uploads += _with_extras(Upload(student, attempt, script), chance)
@@ -109,6 +112,7 @@ def _by_assignment(scripts: Sequence[Script], *, right: bool) -> dict[str, list[
     return {
         assignment: [one for one in scripts if one.assignment == assignment and one.right is right]
         for assignment in ASSIGNMENTS
+        if any(one.assignment == assignment for one in scripts)
     }
 
 
