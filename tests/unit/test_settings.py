@@ -152,6 +152,6 @@ def test_the_operators_guide_lists_every_setting_as_it_is() -> None:
     for name, field in Settings.model_fields.items():
         default, values, meaning = listed.pop(f"`GRADER_{name.upper()}`")
         assert (values, meaning) == (accepted(field), field.description)
-        if field.default is not None and field.default_factory is None:
+        if field.default not in (None, "") and field.default_factory is None:
             assert default == f"`{'false' if field.default is False else field.default}`"
     assert listed == {}
