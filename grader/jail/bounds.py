@@ -18,8 +18,9 @@ ADDRESS_SPACE_OVERHEAD_BYTES: Final = 384 * MIB
 shared mappings, which the limit on private memory does not count."""
 
 THREAD_STACK_BYTES: Final = 4 * MIB
-CPU_BACKSTOP_S: Final = 2
-"""The kernel's own CPU limit stands this far above the one the supervisor enforces to the millisecond."""
+CPU_BACKSTOP: Final = 3
+"""The kernel's own CPU limit stands so many times above the one that the supervisor enforces to the millisecond.
+The kernel counts by ticks: on a busy host it took 4.3 s for 5, and its kill looks like somebody else's."""
 
 
 def resource_limits(cpu_s: float, memory_bytes: int, threads: int | None) -> dict[int, int]:
@@ -33,7 +34,7 @@ def resource_limits(cpu_s: float, memory_bytes: int, threads: int | None) -> dic
     limits = {
         resource.RLIMIT_AS: memory_bytes + ADDRESS_SPACE_OVERHEAD_BYTES,
         resource.RLIMIT_DATA: memory_bytes,
-        resource.RLIMIT_CPU: math.ceil(cpu_s) + CPU_BACKSTOP_S,
+        resource.RLIMIT_CPU: CPU_BACKSTOP * math.ceil(cpu_s),
         resource.RLIMIT_FSIZE: 0,
         resource.RLIMIT_NOFILE: 64,
         resource.RLIMIT_CORE: 0,
@@ -110,6 +111,9 @@ WALL_STRETCH_S: Final = 480.0
 """And so much longer than its wall limit, so that nothing holds a slot for half an hour. Beside eight busy
 processes on two cores a run of the service, which gives way to them, gets a fortieth of a core: 10 s of CPU time,
 which all the steps that are granted take, are 400 s there."""
+ENOUGH_CPU: Final = 0.4
+"""Of the CPU time granted: a run that has used so much when it reaches that bound is the script's excess. All the
+steps that are granted take a third, so only what cannot be counted takes more."""
 STARVED_NS: Final = 10_000_000_000
 """Beyond its wall limit a run must use some CPU time as often as this, or the host is at fault."""
 WORK_PER_CPU: Final = 3.0

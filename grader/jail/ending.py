@@ -174,6 +174,9 @@ class Clocks:
         if left_ns > 0 and not starved and elapsed_ns < self._longest_ns:
             self._wall_deadline_ns = now_ns + min(max(left_ns, TICK_NS), bounds.STARVED_NS // 2)
             return None
+        if left_ns > 0 and self._used_ns(cpu_ns) > bounds.ENOUGH_CPU * self._limits.cpu_s * 1e9:
+            spent = f"{self._used_ns(cpu_ns) / 1e9:.0f} s of CPU time"
+            return Ending(RunEnd.CPU_LIMIT, f"no end after {spent}, for which a busy host took long")
         if left_ns > 0:
             return Ending(RunEnd.INFRASTRUCTURE, f"no end after {elapsed_ns / 1e9:.0f} s on a busy host")
         if disk_pressure_ns() - (self._pressed_ns or 0) > (now_ns - self._half_ns) // 2:
@@ -184,12 +187,15 @@ class Clocks:
             RunEnd.STALLED, f"no end after {self._limits.wall_s:g} s, most of which the script spent waiting"
         )
 
+    def _used_ns(self, cpu_ns: int) -> int:
+        return cpu_ns - self._cpu_deadline_ns + self._cpu_grant_ns
+
     def _waited_ns(self, elapsed_ns: int, cpu_ns: int) -> int:
         """Return how long the script was ready and got no processor."""
         waited_ns = self._process.waited_ns()
         if waited_ns is not None:
             return waited_ns
-        idle_ns = elapsed_ns - (cpu_ns - self._cpu_deadline_ns + self._cpu_grant_ns)
+        idle_ns = elapsed_ns - self._used_ns(cpu_ns)
         return idle_ns if os.getloadavg()[0] > (os.cpu_count() or 1) else 0
 
     def sleeps_for_ever(self) -> bool:

@@ -148,6 +148,17 @@ def test_no_run_lasts_for_ever_on_a_busy_host(process: Process, wall: Wall) -> N
     assert ending == Ending(RunEnd.INFRASTRUCTURE, "no end after 15 s on a busy host")
 
 
+def test_a_run_that_computed_for_long_on_a_busy_host_is_the_scripts(process: Process, wall: Wall) -> None:
+    clocks = make(process, wall_s=1.0, cpu_s=2.0)
+    process.waited = 3600 * S
+    ending = None
+    while ending is None:
+        wall(0.01)
+        process.now_ns += S // 100 // 16
+        ending = clocks.passed_limit()
+    assert ending == Ending(RunEnd.CPU_LIMIT, "no end after 1 s of CPU time, for which a busy host took long")
+
+
 def test_a_long_wall_limit_moves_by_eight_minutes_at_most(process: Process, wall: Wall) -> None:
     clocks = make(process, wall_s=120.0, cpu_s=60.0)
     process.waited = 3600 * S

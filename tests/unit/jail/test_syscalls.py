@@ -78,7 +78,7 @@ def test_a_foreign_filter_is_not_taken() -> None:
 def test_resource_limits() -> None:
     limits = bounds.resource_limits(0.5, 1000, 3)
     assert limits[resource.RLIMIT_DATA] == 1000
-    assert limits[resource.RLIMIT_CPU] == 1 + bounds.CPU_BACKSTOP_S
+    assert limits[resource.RLIMIT_CPU] == bounds.CPU_BACKSTOP
     assert limits[resource.RLIMIT_NPROC] == 4
     assert limits[resource.RLIMIT_FSIZE] == limits[resource.RLIMIT_CORE] == 0
     assert resource.RLIMIT_NPROC not in bounds.resource_limits(0.5, 1000, None)
