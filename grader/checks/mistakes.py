@@ -311,8 +311,9 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     if place is None or (begins := script.loop_of(int(place["line"]))) is None:
         return None
     heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
-    spun = any(number <= int(place["line"]) for number in script.lines_with(r"\bspin(_\w+)?\b"))
-    deaf = heard and place["call"].endswith("sleep") and not spun
+    spins = any("spin" in line for line in script.block(begins))
+    in_thread = script.lines_with(r"\btarget ?= ?[\w.]*spin|\bExecutor\(")
+    deaf = heard and not spins and not in_thread
     return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
 
 

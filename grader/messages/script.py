@@ -4,6 +4,7 @@ The trusted side must not give a student's text to Python's parser (deep nesting
 patterns over lines from which strings and comments are blanked out.
 """
 
+import itertools
 import re
 from collections.abc import Sequence
 from functools import cached_property
@@ -146,6 +147,12 @@ class ScriptText:
                 return None
             above = self.owner_of(above)
         return None
+
+    def block(self, number: int) -> list[str]:
+        """Return the given line and the block that it begins."""
+        lines, indent = self.lines[number - 1 :], _indent(self.lines[number - 1])
+        deeper = itertools.takewhile(lambda line: not line.strip() or _indent(line) > indent, lines[1:])
+        return [*lines[:1], *deeper]
 
     @cached_property
     def publisher(self) -> str | None:
