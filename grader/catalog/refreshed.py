@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Protocol
 
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, graded_otherwise
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.text import Text
 
@@ -25,7 +25,8 @@ class RefreshedAssignments:
     """The assignments of several folders, read again when the last reading is two seconds old.
 
     A broken file stops nobody but its own assignment, which stays as it was last read; one that was never read is
-    missing until the file is mended. The log says why, and so does `troubles`.
+    missing until the file is mended. The same holds for a rubric that was changed without a new version. The log
+    says why, and so does `troubles`.
 
     Args:
         folders: of two assignments with one id, that of the first folder is taken.
@@ -86,6 +87,8 @@ class RefreshedAssignments:
                 troubles[id_] = _text(one)
                 if id_ in before:
                     found[id_] = before[id_]
+            elif (error := _same_version(before.get(id_), one)) is not None:
+                troubles[id_], found[id_] = _text(error), before[id_]
             else:
                 found[id_] = one
         for id_, trouble in troubles.items():
@@ -93,6 +96,19 @@ class RefreshedAssignments:
                 _log.error("assignment %s cannot be read: %s", id_, trouble.en)
         self._assignments = tuple(sorted(found.values(), key=lambda one: (one.order, one.id)))
         self._troubles = troubles
+
+
+def _same_version(before: Assignment | None, after: Assignment) -> AssignmentError | None:
+    """Return the error for a rubric that was changed under its version: two gradings of it would look alike."""
+    if before is None or before.version != after.version:
+        return None
+    changed = ", ".join(graded_otherwise(before, after))
+    if not changed:
+        return None
+    return AssignmentError(
+        f"{changed} changed, but version is still {after.version}: raise it",
+        f"{changed} 改了，但 version 还是 {after.version}：请加一",
+    )
 
 
 def _text(error: AssignmentError) -> Text:

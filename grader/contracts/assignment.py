@@ -2,7 +2,7 @@
 
 from typing import Final, Literal
 
-from grader.contracts.record import Record, field
+from grader.contracts.record import Record, field, to_plain
 from grader.contracts.rubric import summed
 from grader.contracts.text import EMPTY, Language, Text
 
@@ -163,6 +163,9 @@ class Answer(Record):
     remark: Text
 
 
+_GRADE_NOTHING = frozenset({"id", "version", "order", "title", "brief", "file_patterns", "items"})
+
+
 class Assignment(Record):
     """A validated assignment.
 
@@ -211,6 +214,24 @@ class Assignment(Record):
         title = next((item.title.get(language) for item in self.items if item.id == name), name)
         case = next((case.title.get(language) for case in self.cases if case.id == case_id), "") or case_id
         return f"{title} ({case})" if case else title
+
+
+def graded_otherwise(before: Assignment, after: Assignment) -> tuple[str, ...]:
+    """Return which fields make `after` grade otherwise, such as ``horizon_s`` or ``items.sides.high``.
+
+    Texts, the place on the checklist and the names of files grade nothing.
+    """
+    old, new = to_plain(before), to_plain(after)
+    changed = [name for name in new if name not in _GRADE_NOTHING and old[name] != new[name]]
+    known = {item.id: to_plain(item) for item in before.items}
+    for item in after.items:
+        was = known.pop(item.id, None)
+        if was is None:
+            changed.append(f"items.{item.id}")
+        else:
+            fields = {name: value for name, value in to_plain(item).items() if name != "title"}
+            changed += [f"items.{item.id}.{name}" for name, value in fields.items() if was[name] != value]
+    return (*changed, *(f"items.{gone}" for gone in known))
 
 
 class WrongAttempt(Record):

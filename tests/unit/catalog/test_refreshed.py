@@ -8,6 +8,7 @@ from grader.catalog import Catalog
 from grader.catalog.refreshed import RefreshedAssignments
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
+from grader.contracts.text import Text
 from tests.fakes.grading import FakeAssignments
 
 BROKEN = AssignmentError("square/assignment.yaml: line 3: points must be a number", "第 3 行：points 要是数")
@@ -63,6 +64,28 @@ def test_a_broken_file_stays_as_it_was_and_stops_no_other(caplog: pytest.LogCapt
     assert assignments.troubles() == {}
     with pytest.raises(UnknownAssignmentError, match="square"):
         assignments.get("square")
+
+
+def test_a_rubric_changes_with_its_version_only() -> None:
+    editor = Editor()
+    assignments = editor.refreshed()
+    before = assignments.get("square")
+    stricter = replace(before.items[0], points=before.items[0].points + 1)
+    edited = replace(
+        before, brief=Text(zh="新", en="new"), items=(stricter, *before.items[1:]), horizon_s=9.0
+    )
+    editor.saved["square"] = edited
+    editor.now_s += 2.0
+    assert assignments.get("square") == before
+    told = assignments.troubles()["square"].en
+    assert told == f"horizon_s, items.{stricter.id}.points changed, but version is still 3: raise it"
+    editor.saved["square"] = replace(edited, version=4)
+    editor.now_s += 2.0
+    assert assignments.get("square").horizon_s == 9.0
+    editor.saved["square"] = replace(edited, version=4, title=Text(zh="题", en="title"))
+    editor.now_s += 2.0
+    assert assignments.get("square").title.en == "title"  # a text grades nothing
+    assert assignments.troubles() == {}
 
 
 def test_what_was_broken_at_the_start_is_missing_until_it_is_mended() -> None:
