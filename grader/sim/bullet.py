@@ -1,5 +1,7 @@
 """The physical car: the only module that knows PyBullet."""
 
+import os
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import atan2, cos, hypot, isfinite, sin
@@ -9,18 +11,39 @@ from grader.contracts.assignment import WINDOW_M, Profile
 from grader.contracts.errors import InfrastructureError
 from grader.sim.car import (
     RIDE_HEIGHT_M,
+    STEP_S,
+    UPDATE_NS,
+    UPDATE_S,
     URDF,
     WHEEL_RADIUS_M,
     PlanarPose,
     RoughDrive,
     fold,
+    last_step_at,
+    step_time_ns,
     turtlesim_update,
     twist_to_wheels,
 )
-from grader.sim.silence import silenced
-from grader.sim.timeline import STEP_S, UPDATE_NS, UPDATE_S, last_step_at, step_time_ns
 
-with silenced():  # the import prints when PyBullet was built
+
+@contextmanager
+def _silenced() -> Iterator[None]:
+    """Turn standard output and error to nowhere meanwhile, below Python: for code that prints from C."""
+    sys.stdout.flush()
+    saved = [(stream, os.dup(stream)) for stream in (1, 2)]
+    null = os.open(os.devnull, os.O_WRONLY)
+    try:
+        for stream, _ in saved:
+            os.dup2(null, stream)
+        yield
+    finally:
+        for stream, copy in saved:
+            os.dup2(copy, stream)
+            os.close(copy)
+        os.close(null)
+
+
+with _silenced():  # the import prints when PyBullet was built
     import pybullet as _bullet
 
 # What is called at every update or step, with the client as last positional argument: keywords cost a tenth.

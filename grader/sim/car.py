@@ -1,4 +1,7 @@
-"""The car as numbers: its measures, and how a velocity command becomes motion in its two profiles. Pure.
+"""The car as numbers: its measures, its time, and how a command becomes motion in its two profiles. Pure.
+
+Update k stands at k * 16 ms, physics step k at k/240 s. Both are derived from their index, so no error
+accumulates. A step is not a whole number of nanoseconds (12 500 000 / 3): its instant is rounded down once.
 
 The nominal car moves by turtlesim's own law, one update every 16 ms. The rough one is a cheap classroom robot: its
 drive lags, and its wheels are unequal and slip.
@@ -9,7 +12,14 @@ import random
 from pathlib import Path
 from typing import Final, TypeAlias
 
-from grader.sim.timeline import STEP_S, UPDATE_S
+NS_PER_S: Final = 1_000_000_000
+UPDATE_NS: Final = 16_000_000  # turtlesim's timer
+UPDATE_S: Final = UPDATE_NS / NS_PER_S
+
+STEPS_PER_S: Final = 240
+STEP_S: Final = 1.0 / STEPS_PER_S
+
+_THREE_STEPS_NS: Final = 3 * NS_PER_S // STEPS_PER_S
 
 PlanarPose: TypeAlias = tuple[float, float, float]
 """x in metres, y in metres, heading in radians, in turtlesim's frame."""
@@ -33,6 +43,21 @@ _WHEEL_GAIN_SPREAD: Final = 0.015  # standard deviation of each wheel's constant
 _SLIP_SPREAD: Final = 0.03  # standard deviation of each wheel's wandering relative slip
 _SLIP_TIME_S: Final = 0.25  # correlation time of the slip
 _SETTLED: Final = 1e-6  # m/s and rad/s: an exponential never arrives; from here on it would move 0.1 um more
+
+
+def next_update(t_ns: int) -> int:
+    """Return the first update later than `t_ns`: the one that takes a command or request of that time."""
+    return t_ns // UPDATE_NS + 1
+
+
+def step_time_ns(step: int) -> int:
+    """Return the virtual instant of step `step`, in nanoseconds."""
+    return step * _THREE_STEPS_NS // 3
+
+
+def last_step_at(t_ns: int) -> int:
+    """Return the last step that stands at or before `t_ns`."""
+    return (3 * t_ns + 2) // _THREE_STEPS_NS
 
 
 def fold(angle_rad: float) -> float:

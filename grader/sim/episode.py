@@ -34,10 +34,8 @@ from grader.sim.frames import (
     Request,
     Response,
 )
-from grader.sim.journal import LOG, Journal
-from grader.sim.recorder import Recorder
-from grader.sim.script_graph import ScriptGraph
-from grader.sim.service_calls import ServiceCalls
+from grader.sim.recorder import LOG, Journal, Recorder
+from grader.sim.script_graph import ScriptGraph, ServiceCalls
 from grader.sim.turtle import Turtle
 from grader.sim.turtle_world import TWIST, TurtleWorld
 from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start

@@ -6,9 +6,8 @@ from typing import Final, Protocol
 from grader.contracts.assignment import WINDOW_M, World
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
 from grader.sim.bullet import BulletCar
-from grader.sim.car import PlanarPose, clamp_command, turtlesim_update
+from grader.sim.car import UPDATE_NS, PlanarPose, clamp_command, next_update, turtlesim_update
 from grader.sim.recorder import Recorder
-from grader.sim.timeline import UPDATE_NS, next_update
 
 _NEVER: Final = 1 << 62
 _LIFE_UPDATES: Final = COMMAND_LIFE_NS // UPDATE_NS

@@ -10,14 +10,12 @@ from typing import Any, Final, TypeAlias
 
 from grader.contracts.assignment import World
 from grader.sim import parameters
-from grader.sim.car import PlanarPose, fold
+from grader.sim.car import UPDATE_NS, PlanarPose, fold, next_update
 from grader.sim.cdr import Values, decode, encode
-from grader.sim.feeds import Feeds, Pen
+from grader.sim.feeds import Feeds, Outbox, Pen
 from grader.sim.frames import GRAPH_EVENT, Event, Request
-from grader.sim.outbox import Outbox
 from grader.sim.parameters import Parameters
 from grader.sim.rotate_action import RotateAction
-from grader.sim.timeline import UPDATE_NS, next_update
 from grader.sim.turtle import AnyTurtle, SpawnedTurtle, Turtle
 
 NODE_NAME: Final = "/turtlesim"

@@ -11,6 +11,7 @@ from grader.sim.car import (
     RIDE_HEIGHT_M,
     ROUGH_ACCELERATION_MPS2,
     ROUGH_YAW_ACCELERATION_RADPS2,
+    STEP_S,
     TRACK_M,
     URDF,
     WHEEL_RADIUS_M,
@@ -20,7 +21,6 @@ from grader.sim.car import (
     twist_to_wheels,
     wheels_to_twist,
 )
-from grader.sim.timeline import STEP_S
 
 ORDINARY_V = st.floats(-3.0, 3.0)
 ORDINARY_W = st.floats(-2.0 * math.pi, 2.0 * math.pi)

@@ -14,8 +14,8 @@ from grader.contracts.assignment import WINDOW_M
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
+from grader.sim.car import UPDATE_NS, UPDATE_S
 from grader.sim.recorder import Recorder
-from grader.sim.timeline import UPDATE_NS, UPDATE_S
 
 Segment = tuple[float, float, float]
 CENTRE = 5.544445

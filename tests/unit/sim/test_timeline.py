@@ -3,7 +3,7 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from grader.sim.timeline import NS_PER_S, STEPS_PER_S, UPDATE_NS, last_step_at, next_update, step_time_ns
+from grader.sim.car import NS_PER_S, STEPS_PER_S, UPDATE_NS, last_step_at, next_update, step_time_ns
 
 STEPS = st.integers(0, 10**9)
 TIMES = st.integers(0, 10**18)

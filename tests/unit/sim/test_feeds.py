@@ -1,5 +1,5 @@
+from grader.sim.feeds import MAX_EVENTS, MAX_QUEUED, Outbox
 from grader.sim.frames import Event, Request
-from grader.sim.outbox import MAX_EVENTS, MAX_QUEUED, Outbox
 
 
 def test_a_message_reaches_every_listener_until_it_leaves() -> None:
