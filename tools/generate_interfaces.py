@@ -2,9 +2,10 @@
 
     python tools/generate_interfaces.py [--check]
 
-Reads every ``<package>/{msg,srv,action}/*.{msg,srv,action}`` and writes one text file, from which the shim
-builds its message classes when a script first asks for them (`grader.catalog.definitions` translates each).
-`--check` writes nothing and fails when the file is out of date. Forms of a line:
+Reads every ``<package>/{msg,srv,action}/*.{msg,srv,action}`` and writes a text file for Humble, and one for what
+is new or different on Jazzy (`interfaces/jazzy/`), from which the shim builds its message classes when a script
+first asks for them (`grader.catalog.definitions` translates each). `--check` writes nothing and fails when a file
+is out of date. Forms of a line:
 
     @package/kind/Name module_name     an interface
     =Structure                         a structure of it; its full name is package/kind/Structure
@@ -20,7 +21,8 @@ from grader.catalog.definitions import PARTS, DefinitionError, translated
 
 ROOT = Path(__file__).resolve().parent.parent
 SOURCE = ROOT / "interfaces"
-TARGET = ROOT / "grader" / "shim" / "rosidl_data" / "humble.txt"
+TARGET = ROOT / "grader" / "shim" / "rosidl_data"
+SOURCES = {"humble.txt": SOURCE, "jazzy.txt": SOURCE / "jazzy"}
 
 
 def generate(source: Path) -> str:
@@ -40,18 +42,18 @@ def generate(source: Path) -> str:
 
 
 def main() -> int:
-    """Write the data file, or with --check compare it."""
+    """Write the data files, or with --check compare them."""
     parser = argparse.ArgumentParser(description="Generate the shim's interface data.")
-    parser.add_argument("--check", action="store_true", help="only fail when the file is out of date")
+    parser.add_argument("--check", action="store_true", help="only fail when a file is out of date")
     arguments = parser.parse_args()
-    text = generate(SOURCE)
-    if arguments.check:
-        if not TARGET.exists() or TARGET.read_text("utf-8") != text:
-            sys.stderr.write(f"{TARGET.relative_to(ROOT)} is out of date: run {Path(__file__).name}\n")
+    for name, source in SOURCES.items():
+        text, target = generate(source), TARGET / name
+        if not arguments.check:
+            target.parent.mkdir(exist_ok=True)
+            target.write_text(text, "utf-8")
+        elif not target.exists() or target.read_text("utf-8") != text:
+            sys.stderr.write(f"{target.relative_to(ROOT)} is out of date: run {Path(__file__).name}\n")
             return 1
-        return 0
-    TARGET.parent.mkdir(exist_ok=True)
-    TARGET.write_text(text, "utf-8")
     return 0
 
 

@@ -39,6 +39,7 @@ from grader.contracts.assignment import (
     Answer,
     Assignment,
     Case,
+    Distro,
     Input,
     ItemSpec,
     Limits,
@@ -236,6 +237,7 @@ class AssignmentModel(_Model):
     brief: TextModel
     check: str
     input: Input = "script"
+    distro: Distro = "humble"
     options: Options = {}
     file_patterns: tuple[str, ...] = ()
     horizon_s: Annotated[float, Field(gt=0.0, le=MAX_HORIZON_S)] = 60.0
@@ -291,6 +293,7 @@ class AssignmentModel(_Model):
             world=self.world.to_contract(),
             cases=tuple(case.to_contract() for case in self.cases),
             input=self.input,
+            distro=self.distro,
             calls=tuple(call.to_contract() for call in self.calls),
             answers=tuple(answer.to_contract() for answer in self.answers),
             items=tuple(item.to_contract() for item in self.items),

@@ -8,6 +8,7 @@ from grader.contracts.text import EMPTY, Language, Text
 
 Profile = Literal["nominal", "rough"]
 Input = Literal["script", "text"]
+Distro = Literal["humble", "jazzy"]
 SUFFIXES: dict[Input, tuple[str, ...]] = {"script": (".py",), "text": (".txt", ".md")}
 """Endings of handed-in files, by kind of input. The assignment's own files have the first one."""
 
@@ -179,6 +180,7 @@ class Assignment(Record):
         calls: requests sent to the script's services in every run.
         answers: of a question whose answer is a number.
         interfaces: which the script can import besides ROS's own.
+        distro: release of ROS 2 that the script finds.
     """
 
     id: str
@@ -198,6 +200,7 @@ class Assignment(Record):
     calls: tuple[ServiceCall, ...] = ()
     answers: tuple[Answer, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
+    distro: Distro = "humble"
 
     @property
     def max_score(self) -> float:

@@ -71,6 +71,7 @@ class GradeReport(Record):
         score, max_score: sums over `items`; score is None while a person has still to grade.
         summary: one sentence for the student. hint: the one next step that matters most.
         mistakes: codes of recognised mistakes, most likely first (see docs/feedback).
+        interface: what the script found: ``ros2-humble`` or ``ros2-jazzy``.
     """
 
     submission_sha256: str

@@ -20,6 +20,7 @@ from typing import Final
 
 import numpy as np
 
+from grader.contracts.assignment import Distro
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.outcome import LogRecord, Note, RunOutcome, RunStatus, Stream, StudentError
 from grader.jail.ending import JailReport, RunEnd
@@ -74,17 +75,31 @@ _MASKED: Final = " at 0x…>"
 _ZIPPED: Final = os.path.join(
     os.path.dirname(standard_library()), "python{}{}.zip".format(*sys.version_info[:2])
 )
-_MODULES: Final = (
-    (str(Path(__file__).resolve().parents[1] / "shim"), "/opt/ros/humble/local/lib/python3.10/dist-packages"),
-    (os.path.dirname(os.path.dirname(np.__file__)), "/usr/lib/python3/dist-packages"),
-    (standard_library(), "/usr/lib/python3.10"),
-    (_ZIPPED, "/usr/lib/python310.zip"),
+_HERE: Final = (
+    str(Path(__file__).resolve().parents[1] / "shim"),
+    os.path.dirname(os.path.dirname(np.__file__)),
+    standard_library(),
+    _ZIPPED,
 )
-"""Folders of modules here and at home: ``cannot import name 'Node' from 'rclpy' (…)`` names one."""
+_AT_HOME: Final[dict[Distro, tuple[str, ...]]] = {
+    "humble": (
+        "/opt/ros/humble/local/lib/python3.10/dist-packages",
+        "/usr/lib/python3/dist-packages",
+        "/usr/lib/python3.10",
+        "/usr/lib/python310.zip",
+    ),
+    "jazzy": (
+        "/opt/ros/jazzy/lib/python3.12/site-packages",
+        "/usr/lib/python3/dist-packages",
+        "/usr/lib/python3.12",
+        "/usr/lib/python312.zip",
+    ),
+}
+"""Folders of modules: ``cannot import name 'Node' from 'rclpy' (…)`` names one."""
 
 
-def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
-    """Return the run's outcome.
+def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -> RunOutcome:
+    """Return the run's outcome, with texts as on a PC with `distro`.
 
     Raises:
         InfrastructureError: the sandbox says that the host, not the script, was at fault.
@@ -93,9 +108,9 @@ def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
         raise InfrastructureError(f"the sandbox failed: {jail.detail or 'no reason given'}")
     status = _status(episode, jail)
     exit_frame = episode.exit if episode.violation is None else None
-    error = _error(exit_frame)
+    error = _error(exit_frame, distro)
     after_interrupt = exit_frame is not None and exit_frame.after_interrupt
-    stdout, stderr = _streams(episode, jail)
+    stdout, stderr = _streams(episode, jail, distro)
     return RunOutcome(
         status=status,
         duration_ns=episode.duration_ns,
@@ -103,15 +118,15 @@ def merge(episode: EpisodeResult, jail: JailReport) -> RunOutcome:
         signal=jail.signal if status is RunStatus.CRASHED and exit_frame is None else None,
         error=None if after_interrupt else error,
         cleanup_error=error if after_interrupt else None,
-        detail=_masked(_detail(status, episode, jail)),
+        detail=_masked(_detail(status, episode, jail), distro),
         stdout=stdout,
         stderr=stderr,
         nodes=episode.nodes,
         endpoints=episode.endpoints,
-        logs=tuple(_masked_log(record) for record in episode.logs),
+        logs=tuple(_masked_log(record, distro) for record in episode.logs),
         logs_dropped=episode.logs_dropped,
         notes=tuple(
-            replace(note, text=_masked(note.text))
+            replace(note, text=_masked(note.text, distro))
             for note in (*episode.notes, *_answers(episode))
             if note.code != INTERRUPTED_NOTE
         ),
@@ -195,14 +210,14 @@ def _exit_code(status: RunStatus, episode: EpisodeResult, jail: JailReport) -> i
     return episode.exit.exit_code if episode.exit is not None else jail.exit_code
 
 
-def _error(exit_frame: Exit | None) -> StudentError | None:
+def _error(exit_frame: Exit | None, distro: Distro) -> StudentError | None:
     if exit_frame is None or exit_frame.reason not in (EXCEPTION, SYNTAX_ERROR):
         return None
     return StudentError(
         type=exit_frame.exception_type,
-        message=_masked(exit_frame.message),
+        message=_masked(exit_frame.message, distro),
         line=exit_frame.line or None,
-        traceback=_masked(exit_frame.detail),
+        traceback=_masked(exit_frame.detail, distro),
     )
 
 
@@ -226,29 +241,29 @@ def is_repeatable(episode: EpisodeResult, jail: JailReport) -> bool:
     return jail.settled and episode.violation is None
 
 
-def _streams(episode: EpisodeResult, jail: JailReport) -> tuple[Stream, Stream]:
+def _streams(episode: EpisodeResult, jail: JailReport, distro: Distro) -> tuple[Stream, Stream]:
     if not is_repeatable(episode, jail):
         return Stream(), Stream()
-    return masked_stream(jail.stdout), masked_stream(jail.stderr)
+    return masked_stream(jail.stdout, distro), masked_stream(jail.stderr, distro)
 
 
 # ------------------------------------------------------------------------------- what differs between hosts
 
 
-def _masked(text: str) -> str:
+def _masked(text: str, distro: Distro) -> str:
     """Return `text` with object addresses as ``0x…`` and modules where they are on a student's PC."""
     if " at 0x" in text:
         text = _ADDRESS.sub(_MASKED, text)
-    for here, at_home in _MODULES:
+    for here, at_home in zip(_HERE, _AT_HOME[distro], strict=True):
         text = text.replace(here, at_home)
     return text
 
 
-def masked_stream(stream: Stream) -> Stream:
+def masked_stream(stream: Stream, distro: Distro) -> Stream:
     """Return `stream` masked, as ``<node at 0x7f1c…>`` becomes ``<node at 0x…>``."""
-    return replace(stream, text=_masked(stream.text))
+    return replace(stream, text=_masked(stream.text, distro))
 
 
-def _masked_log(record: LogRecord) -> LogRecord:
-    message = _masked(record.message)
+def _masked_log(record: LogRecord, distro: Distro) -> LogRecord:
+    message = _masked(record.message, distro)
     return record if message is record.message else replace(record, message=message)

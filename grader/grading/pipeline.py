@@ -61,7 +61,7 @@ class Pipeline:
         accounts = [self._run_repeatably(job, case, on_run) for case in job.assignment.cases]
         source = decoded(job.source)
         runs = [
-            _scored_run(case, source, *account)
+            _scored_run(case, job.assignment, source, *account)
             for case, account in zip(job.assignment.cases, accounts, strict=True)
         ]
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
@@ -70,7 +70,7 @@ class Pipeline:
         report = _report(job, runs, evaluate(job.assignment, runs), trajectories)
         measurements = self._measurements(accounts)
         cut = outputs_within_budget(
-            CaseOutput(case=case.id, stdout=masked_stream(jail.stdout), stderr=masked_stream(jail.stderr))
+            _cut_output(case, jail, job.assignment)
             for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
             if not is_repeatable(episode, jail)
         )
@@ -115,11 +115,22 @@ class Pipeline:
         )
 
 
-def _scored_run(case: Case, source: str, episode: EpisodeResult, jail: JailReport) -> Run:
+def _cut_output(case: Case, jail: JailReport, assignment: Assignment) -> CaseOutput:
+    distro = assignment.distro
+    return CaseOutput(
+        case=case.id,
+        stdout=masked_stream(jail.stdout, distro),
+        stderr=masked_stream(jail.stderr, distro),
+    )
+
+
+def _scored_run(
+    case: Case, assignment: Assignment, source: str, episode: EpisodeResult, jail: JailReport
+) -> Run:
     return Run(
         case=case.id,
         trajectory=episode.trajectory,
-        outcome=merge(episode, jail),
+        outcome=merge(episode, jail, assignment.distro),
         calls=episode.calls,
         source=source,
         at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
@@ -139,6 +150,7 @@ def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
         interfaces=job.assignment.interfaces,
         output_bytes=job.assignment.limits.output_bytes,
         steps=job.assignment.limits.steps,
+        distro=job.assignment.distro,
     )
 
 
@@ -169,6 +181,7 @@ def _report(
             for run, outcome in zip(runs, outcomes, strict=True)
         ),
         summary=scoring.summary,
+        interface=f"ros2-{assignment.distro}",
         hint=scoring.hint,
         mistakes=scoring.mistakes,
     )

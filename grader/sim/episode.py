@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
 
-from grader.contracts.assignment import InterfaceDefinition, ServiceCall, World
+from grader.contracts.assignment import Distro, InterfaceDefinition, ServiceCall, World
 from grader.contracts.errors import ProtocolError
 from grader.contracts.grading import WorldRequest
 from grader.contracts.outcome import Endpoint, LogRecord, Note, ServiceResult
@@ -64,6 +64,7 @@ class EpisodeSpec(Record):
         interfaces: what the script can import besides ROS's own.
         output_bytes: what the script may print before the shim ends it; None: no bound.
         steps: what it may do before the shim ends it (`Limits.steps`); None: no bound.
+        distro: release of ROS 2 that script and world are of.
     """
 
     world: World
@@ -77,6 +78,7 @@ class EpisodeSpec(Record):
     interfaces: tuple[InterfaceDefinition, ...] = ()
     output_bytes: int | None = None
     steps: int | None = None
+    distro: Distro = "humble"
 
 
 class EpisodeResult(Record):
@@ -117,7 +119,7 @@ class Episode:
         self._spec = spec
         self._recorder = Recorder()
         self._turtle = Turtle(car, self._recorder, spec.world, spec.horizon_ns)
-        self._world = TurtleWorld(self._turtle, spec.world, spec.epoch_ns)
+        self._world = TurtleWorld(self._turtle, spec.world, spec.epoch_ns, spec.distro)
         self._world.on_change = self._reconnect
         self._graph = ScriptGraph()
         self._journal = Journal()
@@ -168,6 +170,7 @@ class Episode:
             "horizon_ns": spec.horizon_ns,
             "epoch_ns": spec.epoch_ns,
             "seed": self._script_seed(),
+            "distro": spec.distro,
             "output_bytes": spec.output_bytes,
             "steps": spec.steps,
             "interfaces": [each.lines for each in spec.interfaces],

@@ -1,7 +1,9 @@
 """The parameters of /turtlesim, and the six services that read and set them, as rclcpp has them."""
 
+from collections.abc import Iterable
 from typing import Final
 
+from grader.contracts.assignment import Distro
 from grader.contracts.record import Record
 from grader.sim.cdr import Values
 
@@ -33,15 +35,20 @@ SERVICES: Final = {
 
 
 class _Declared(Record):
-    """How a parameter was declared. A `description` stands with a range of 0 to 255."""
+    """How a parameter was declared. A whole number with a `description` has a range of 0 to 255."""
 
     kind: int
     value: bool | int | str
     description: str = ""
     read_only: bool = False
 
+    @property
+    def is_ranged(self) -> bool:
+        """Whether it has a range."""
+        return bool(self.description) and self.kind == INTEGER
 
-_DECLARED: Final = {
+
+_HUMBLE: Final = {
     "background_b": _Declared(kind=INTEGER, value=255, description="Blue channel of the background color"),
     "background_g": _Declared(kind=INTEGER, value=86, description="Green channel of the background color"),
     "background_r": _Declared(kind=INTEGER, value=69, description="Red channel of the background color"),
@@ -53,49 +60,66 @@ _DECLARED: Final = {
 }
 """By name, in the order in which rclcpp keeps them."""
 
+_JAZZY: Final = dict(
+    sorted(
+        {
+            **_HUMBLE,
+            "holonomic": _Declared(
+                kind=BOOL, value=False, description="If true, then turtles will be holonomic"
+            ),
+            "start_type_description_service": _Declared(kind=BOOL, value=True, read_only=True),
+        }.items()
+    )
+)
+_OF: Final[dict[Distro, dict[str, _Declared]]] = {"humble": _HUMBLE, "jazzy": _JAZZY}
+
 
 class Parameters:
-    """Answers the services. A background is kept but not seen: there is no window."""
+    """Answers the services.
 
-    def __init__(self) -> None:
-        self._values = {name: declared.value for name, declared in _DECLARED.items()}
+    A background is kept but not seen: there is no window. `holonomic` is kept, and no car slides.
+    """
+
+    def __init__(self, distro: Distro = "humble") -> None:
+        self._declared = _OF[distro]
+        self._values = {name: declared.value for name, declared in self._declared.items()}
 
     def answer(self, service: str, values: Values) -> Values:
         """Return the response of one of `SERVICES`. One unknown name makes a question's answer empty."""
         match service:
             case "list_parameters":
-                return {"result": _listed(values["prefixes"], values["depth"])}
+                return {"result": _listed(self._declared, values["prefixes"], values["depth"])}
             case "set_parameters":
                 return {"results": [self._set([parameter]) for parameter in values["parameters"]]}
             case "set_parameters_atomically":
                 return {"result": self._set(values["parameters"])}
-        names = values["names"] if all(name in _DECLARED for name in values["names"]) else []
+        names = values["names"] if all(name in self._declared for name in values["names"]) else []
         match service:
             case "describe_parameters":
-                return {"descriptors": [_descriptor(name) for name in names]}
+                return {"descriptors": [_descriptor(name, self._declared[name]) for name in names]}
             case "get_parameters":
                 return {"values": [self._value(name) for name in names]}
             case _:
-                return {"types": bytes(_DECLARED[name].kind for name in names)}
+                return {"types": bytes(self._declared[name].kind for name in names)}
 
     def _value(self, name: str) -> Values:
-        kind = _DECLARED[name].kind
+        kind = self._declared[name].kind
         return {"type": kind, _FIELDS[kind]: self._values[name]}
 
     def _set(self, parameters: list[Values]) -> Values:
         """Set all of them, or none and say why."""
         for parameter in parameters:
-            if reason := _refusal(parameter["name"], parameter["value"]):
+            name = parameter["name"]
+            if reason := _refusal(name, self._declared.get(name), parameter["value"]):
                 return {"successful": False, "reason": reason}
         for parameter in parameters:
-            kind = _DECLARED[parameter["name"]].kind
+            kind = self._declared[parameter["name"]].kind
             self._values[parameter["name"]] = parameter["value"][_FIELDS[kind]]
         return {"successful": True}
 
 
-def _refusal(name: str, value: Values) -> str:
+def _refusal(name: str, declared: _Declared | None, value: Values) -> str:
     """Return why a parameter cannot be set, in rclcpp's words; empty when it can."""
-    declared = _DECLARED.get(name)
     if declared is None:
         return f"parameter '{name}' cannot be set because it was not declared"
     if declared.read_only:
@@ -103,14 +127,13 @@ def _refusal(name: str, value: Values) -> str:
     if value["type"] != declared.kind:
         kinds = f"is of type {{{_KINDS[declared.kind]}}}, setting it to {{{_KINDS.get(value['type'], '')}}}"
         return f"Wrong parameter type, parameter {{{name}}} {kinds} is not allowed."
-    if declared.description and not 0 <= value["integer_value"] <= _HIGHEST:
+    if declared.is_ranged and not 0 <= value["integer_value"] <= _HIGHEST:
         return f"Parameter {{{name}}} doesn't comply with integer range."
     return ""
 
 
-def _descriptor(name: str) -> Values:
-    declared = _DECLARED[name]
-    ranges = [{"from_value": 0, "to_value": _HIGHEST, "step": 1}] if declared.description else []
+def _descriptor(name: str, declared: _Declared) -> Values:
+    ranges = [{"from_value": 0, "to_value": _HIGHEST, "step": 1}] if declared.is_ranged else []
     return {
         "name": name,
         "type": declared.kind,
@@ -120,11 +143,11 @@ def _descriptor(name: str) -> Values:
     }
 
 
-def _listed(prefixes: list[str], depth: int) -> Values:
+def _listed(names: Iterable[str], prefixes: list[str], depth: int) -> Values:
     """Return the names under any of `prefixes` (all without one), `depth` levels deep at most (0: any)."""
     found = [
         name
-        for name in _DECLARED
+        for name in names
         if (not prefixes and _within(name, depth))
         or any(
             name == prefix or (name.startswith(f"{prefix}.") and _within(name[len(prefix) + 1 :], depth))

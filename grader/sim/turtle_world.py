@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
-from grader.contracts.assignment import World
+from grader.contracts.assignment import Distro, World
 from grader.sim import parameters
 from grader.sim.car import UPDATE_NS, PlanarPose, fold, next_update
 from grader.sim.cdr import Values, decode, encode
@@ -88,7 +88,7 @@ class TurtleWorld:
         on_change: called with the topics of a turtle that came or went.
     """
 
-    def __init__(self, turtle: Turtle, world: World, epoch_ns: int) -> None:
+    def __init__(self, turtle: Turtle, world: World, epoch_ns: int, distro: Distro = "humble") -> None:
         self.turtle = turtle
         self.outbox = Outbox()
         self.on_change: Callable[[frozenset[str]], None] = lambda topics: None
@@ -100,7 +100,7 @@ class TurtleWorld:
         self._present = {GRADED: graded}
         self._others: dict[str, SpawnedTurtle] = {}
         self._nameless: set[str] = set()
-        self._parameters = Parameters()
+        self._parameters = Parameters(distro)
         self._pending: deque[tuple[str, Request]] = deque()
         self._now_ns = 0
         self._handlers: dict[str, Callable[[Values, int], Values]] = {

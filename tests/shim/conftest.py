@@ -221,6 +221,7 @@ def run_script_text(
     cpu_s: float = 30.0,
     output_bytes: int | None = None,
     steps: int | None = None,
+    distro: str = "humble",
 ) -> Run:
     """Run `source` in a subprocess on the shim and return what it did.
 
@@ -231,6 +232,7 @@ def run_script_text(
         bare: run without `rclpy/__init__.py`, for tests of the kernel alone.
         preload: modules imported before the shim takes over, as the zygote does.
         output_bytes: what the script may print.
+        distro: which release of ROS 2 the script finds.
         steps: what it may do.
         cpu_s: backstop against a script that never ends; the process is then killed by SIGXCPU.
     """
@@ -243,6 +245,7 @@ def run_script_text(
         "horizon_ns": round(horizon_s * 1e9),
         "epoch_ns": EPOCH_NS,
         "seed": seed,
+        "distro": distro,
         "output_bytes": output_bytes,
         "steps": steps,
         "world": WORLD if world is None else world,

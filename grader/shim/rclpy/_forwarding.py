@@ -114,8 +114,7 @@ _PASSED_ON = {
 
 def passed_on(module: str) -> Callable[[str], Any]:
     """Return the `__getattr__` of a module in `_PASSED_ON`."""
-    names = frozenset(_PASSED_ON[module].split())
-    return lambda name: _find(module, name) if name in names else _missing(module, name)
+    return lambda name: _find(module, name) if name in _PASSED_ON[module].split() else _missing(module, name)
 
 
 def _find(module: str, name: str) -> Any:

@@ -383,9 +383,7 @@ class Node:
         event_callbacks: PublisherEventCallbacks | None,
         group: CallbackGroup,
     ) -> Publisher:
-        from rclpy.qos_event import PublisherEventCallbacks
-
-        callbacks = event_callbacks or PublisherEventCallbacks()
+        callbacks = event_callbacks or _no_publisher_callbacks()
         try:
             publisher = publisher_class(impl, *identity, event_callbacks=callbacks, callback_group=group)
         except Exception:
@@ -410,8 +408,6 @@ class Node:
         raw: bool = False,
     ) -> Subscription:
         """Create a subscription; `callback` gets each message (bytes when `raw`). Raises as a publisher."""
-        from rclpy.qos_event import SubscriptionEventCallbacks
-
         qos_profile = self._validate_qos_or_depth_parameter(qos_profile)
         group = callback_group or self.default_callback_group
         self._prepare_topic(Subscription, topic, qos_profile, qos_overriding_options)
@@ -419,7 +415,7 @@ class Node:
         msg_type = class_of(msg_type)
         impl = SubscriptionHandle(self.handle, msg_type, topic, qos_profile.get_c_qos_profile())
         try:
-            callbacks = event_callbacks or SubscriptionEventCallbacks()
+            callbacks = event_callbacks or _no_subscription_callbacks()
             identity = (impl, msg_type, topic, callback, group, qos_profile, raw)
             subscription = Subscription(*identity, event_callbacks=callbacks)
         except Exception:
@@ -961,6 +957,18 @@ class Node:
     ) -> list[TopicEndpointInfo]:
         """Return what is known of a topic's subscriptions."""
         return self._infos(topic_name, no_mangle, writers=False)
+
+
+def _no_publisher_callbacks() -> PublisherEventCallbacks:
+    from rclpy.qos_event import PublisherEventCallbacks
+
+    return PublisherEventCallbacks()
+
+
+def _no_subscription_callbacks() -> SubscriptionEventCallbacks:
+    from rclpy.qos_event import SubscriptionEventCallbacks
+
+    return SubscriptionEventCallbacks()
 
 
 def _require_names(names: list[str]) -> None:

@@ -134,6 +134,8 @@ class QoSEventHandle(Handle):
 class QoSEventHandler(Waitable):
     """Calls back when an event occurs."""
 
+    _handle_class: type[QoSEventHandle] = QoSEventHandle
+
     def __init__(
         self,
         *,
@@ -146,7 +148,7 @@ class QoSEventHandler(Waitable):
         self.event_type = event_type
         self.callback = callback
         parent_impl.require()
-        self.__event = QoSEventHandle(parent_impl, event_type)
+        self.__event = self._handle_class(parent_impl, event_type)
         self._ready_to_take_data = False
         self._event_index: int | None = None
         self._backlogs = (self.__event.backlog,)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from rclpy._rcl.clocks import TimePoint
 from rclpy._rcl.enums import ClockType
+from rclpy.constants import S_TO_NS
 from rclpy.duration import Duration
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-CONVERSION_CONSTANT = 10**9
+CONVERSION_CONSTANT = S_TO_NS
 
 
 class Time:
@@ -30,7 +31,7 @@ class Time:
             raise ValueError("Seconds value must not be negative")
         if nanoseconds < 0:
             raise ValueError("Nanoseconds value must not be negative")
-        total = int(seconds * CONVERSION_CONSTANT) + int(nanoseconds)
+        total = int(seconds * S_TO_NS) + int(nanoseconds)
         if total >= 2**63:
             raise OverflowError("Total nanoseconds value is too large to store in C time point.")
         self._time_handle = TimePoint(total, clock_type)
@@ -41,7 +42,7 @@ class Time:
 
     def seconds_nanoseconds(self) -> tuple[int, int]:
         """Return whole seconds and the nanoseconds left."""
-        return divmod(self.nanoseconds, CONVERSION_CONSTANT)
+        return divmod(self.nanoseconds, S_TO_NS)
 
     @property
     def clock_type(self) -> ClockType:

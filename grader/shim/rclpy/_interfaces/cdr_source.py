@@ -90,7 +90,11 @@ class _Source:
             self._text(field, target)
         else:
             code = _CODES[field.base]
-            self.put(_WIDTHS[code], code, f"bytes({target})" if self._copies(field) else target)
+            self.put(_WIDTHS[code], *self._number(field, code, target))
+
+    def _number(self, field: Field, code: str, target: str) -> tuple[str, str]:
+        """Return type code and term of a field of one number, octet or truth value."""
+        return code, f"bytes({target})" if self._copies(field) else target
 
     def _several(self, field: Field, target: str) -> None:
         """Append an array or sequence through the runtime function of its kind."""

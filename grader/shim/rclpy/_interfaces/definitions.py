@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 
 _SHIM = os.path.dirname(os.path.dirname(os.path.dirname(__file__)))
-_DATA_FILE = os.path.join(_SHIM, "rosidl_data", "humble.txt")
 
 SITE_PACKAGES = "/opt/ros/humble/local/lib/python3.10/dist-packages/"
 """Where Humble's Debian packages put the interfaces: shown in ImportError texts and in tracebacks."""
@@ -120,8 +119,9 @@ class Interface:
         return found
 
 
-def _load() -> dict[str, Interface]:
-    with open(_DATA_FILE, encoding="utf-8") as file:
+def load(distro: str) -> dict[str, Interface]:
+    """Return the interfaces of a data file: all of Humble's, or what another distro has new or different."""
+    with open(os.path.join(_SHIM, "rosidl_data", f"{distro}.txt"), encoding="utf-8") as file:
         return parsed(file.read().split("\n@")[1:])
 
 
@@ -134,5 +134,5 @@ def parsed(entries: list[str]) -> dict[str, Interface]:
     return interfaces
 
 
-INTERFACES = _load()
+INTERFACES = load("humble")
 """Every interface by its full name, e.g. ``geometry_msgs/msg/Twist``."""

@@ -45,7 +45,11 @@ def _interface(module: str) -> Interface | None:
 
 def add(entries: list[str]) -> None:
     """Make the interfaces that an assignment brings along importable like ROS's own."""
-    found = parsed(entries)
+    include(parsed(entries))
+
+
+def include(found: dict[str, Interface]) -> None:
+    """Make interfaces importable, instead of those of the same names."""
     INTERFACES.update(found)
     PACKAGES.update(name.partition("/")[0] for name in found)
     _NAMESPACES.update(name.rpartition("/")[0].replace("/", ".") for name in found)

@@ -37,7 +37,7 @@ def class_source(structure: Structure) -> str:
     """Return the definition of the message class of a structure."""
     name, fields = structure.name, structure.fields
     lines = [f"class {name}(metaclass=Metaclass_{name}):", *_docstring(structure)]
-    lines.append(f"    __slots__ = {['_' + field.name for field in fields]!r}")
+    lines.append(f"    __slots__ = {_slots(fields)!r}")
     lines.append(f"    _fields_and_field_types = { {field.name: type_text(field) for field in fields}!r}")
     lines.append(f"    SLOT_TYPES = _slot_types_{name}")
     lines += [f"    {constant} = {value}" for constant, value in structure.constants]
@@ -48,6 +48,10 @@ def class_source(structure: Structure) -> str:
     for field in fields:
         lines += _property(field)
     return "\n".join(lines) + "\n"
+
+
+def _slots(fields: list[Field]) -> list[str]:
+    return ["_" + field.name for field in fields]
 
 
 def default_source(field: Field) -> str:

@@ -72,7 +72,8 @@ def _define_message(interface: Interface, structure: Structure, namespace: dict[
     for field in structure.fields:
         if field.is_message and alias(field.base) not in namespace:
             short = field.base.rpartition("/")[2]
-            local = namespace.get(short) if field.base.startswith(f"{interface.package}/action/") else None
+            beside = field.base.startswith(f"{interface.package}/{interface.kind}/")
+            local = namespace.get(short) if beside else None
             namespace[alias(field.base)] = local or interface_class(field.base)
     attributes: dict[str, Any] = {"__doc__": f"Metaclass of message '{name}'."}
     for constant, literal in structure.constants:

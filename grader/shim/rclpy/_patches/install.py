@@ -48,7 +48,7 @@ LAZY = {
     "traceback": ("tracebacks", "patch_traceback"),
     "uuid": ("host", "patch_uuid"),
 }
-"""Module -> (our module, function called with it once it is there)."""
+"""Module -> (our module, of this package unless it has a dot, function called with it once it is there)."""
 
 PICTURES = ("matplotlib", "mpl_toolkits")
 """Packages that draw; `pictures` replaces them."""
@@ -77,7 +77,8 @@ def begin(seed: int) -> None:
 def apply(name: str, module: ModuleType) -> None:
     """Run the patch of the module called `name`."""
     ours, function = LAZY[name]
-    getattr(import_module(f"rclpy._patches.{ours}"), function)(module)
+    home = ours if "." in ours else f"rclpy._patches.{ours}"
+    getattr(import_module(home), function)(module)
 
 
 def find_copies() -> None:

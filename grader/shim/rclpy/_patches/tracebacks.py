@@ -21,11 +21,16 @@ _BARE_MODULES = ("builtins", "__main__")
 
 
 class Script:
-    """The script that runs: its name, and its lines for `linecache`."""
+    """The script that runs: its name, and its lines for `linecache`.
+
+    Attributes:
+        aborted: what ends it where code in C would abort the process; never raised.
+    """
 
     def __init__(self) -> None:
         self.file_name = ""
         self.source = b""
+        self.aborted: BaseException | None = None
 
     def lines(self) -> list[str]:
         """Return the source lines, decoded as Python does; empty when they cannot be decoded."""

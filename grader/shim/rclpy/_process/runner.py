@@ -12,7 +12,7 @@ import os
 import sys
 from types import CodeType, ModuleType
 
-from rclpy import _wire
+from rclpy import _distro, _wire
 from rclpy._interfaces import importer  # the interface packages can be imported from now on
 from rclpy._kernel import kernel
 from rclpy._link import Descriptor, link
@@ -82,6 +82,7 @@ def run(channel: int = 3) -> NoReturn:
     start: dict[str, Any] = json.loads(text)
     tracebacks.script.file_name = start["file_name"]
     tracebacks.script.source = source
+    _distro.choose(start.get("distro", _distro.HUMBLE))
     kernel.start_episode(start["horizon_ns"], start["epoch_ns"], start.get("steps"))
     link.connect_world(start["world"])
     importer.add(start.get("interfaces", []))
@@ -292,6 +293,8 @@ def end_now(reason: str) -> NoReturn:
         ending.reason = _wire.TOO_MANY_STEPS
         ending.code = 1
     elif reason.startswith("signal "):
+        if tracebacks.script.aborted is not None:
+            ending.set_error(tracebacks.script.aborted)
         ending.code = 128 + int(reason.split()[1])
     else:
         ending.code = 130

@@ -33,6 +33,16 @@ class Shelf:
             if package is not None and package.__dict__.get(child) is module:
                 delattr(package, child)
 
+    def names(self) -> list[str]:
+        """Return the names of the modules on the shelf."""
+        return list(self._modules)
+
+    def forget(self, names: Iterable[str]) -> None:
+        """Let modules on the shelf be imported anew, from wherever another finder says."""
+        for name in names:
+            self._modules.pop(name, None)
+            self._specs.pop(name, None)
+
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:

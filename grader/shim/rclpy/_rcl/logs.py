@@ -100,6 +100,11 @@ def effective_level(name: str) -> int:
     return _levels.get("", INFO)
 
 
+def own_level(name: str) -> int:
+    """Return the level that was set for a logger; 0 when none was."""
+    return _levels.get(name, 0 if name else INFO)
+
+
 def is_enabled(name: str, severity: int) -> bool:
     """Whether a message of that severity would be shown."""
     if not _levels:
@@ -189,6 +194,21 @@ def attach_rosout(name: str, node: str, publisher: LogPublisher) -> None:
     _nodes[name] = node
 
 
+def adopt(name: str, parent: str) -> bool:
+    """Have a logger publish where `parent` does; whether that publishes."""
+    if parent not in _rosout:
+        return False
+    _rosout[name] = _rosout[parent]
+    _nodes[name] = _nodes[parent]
+    return True
+
+
+def disown(name: str) -> None:
+    """Undo `adopt`."""
+    _rosout.pop(name, None)
+    _nodes.pop(name, None)
+
+
 def has_rosout(name: str) -> bool:
     """Whether the logger of that name publishes."""
     return name in _rosout
@@ -200,9 +220,11 @@ def is_rosout_open() -> bool:
 
 
 def close_rosout(name: str) -> None:
-    """Destroy the publisher of the logger of that name, if it has one."""
+    """Destroy the publisher of the logger of that name, if it has one, and of those that were adopted to it."""
     publisher = _rosout.pop(name, None)
     if publisher is not None:
+        for child in [child for child, theirs in _rosout.items() if theirs is publisher]:
+            del _rosout[child]
         publisher.destroy_when_not_in_use()
 
 

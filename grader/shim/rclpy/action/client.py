@@ -139,6 +139,7 @@ class ActionClient(Waitable):
         super().__init__(node.default_callback_group if callback_group is None else callback_group)
         check_for_type_support(action_type)
         self._node = node
+        self._logger = node.get_logger()
         self._action_type = action_type
         self._action_name = action_name
         node.handle.require()
@@ -225,7 +226,7 @@ class ActionClient(Waitable):
             self._ignore(kind)
 
     def _ignore(self, kind: str) -> None:
-        self._node.get_logger().warning(
+        self._logger.warning(
             f"Ignoring unexpected {kind} response. There may be more than "
             f"one action server for the action '{self._action_name}'"
         )

@@ -174,6 +174,7 @@ class ActionServer(Waitable):
         self.register_execute_callback(execute_callback)
         check_for_type_support(action_type)
         self._node, self._action_type = node, action_type
+        self._logger = node.get_logger()
         node.handle.require()
         profiles = [
             goal_service_qos_profile,
@@ -210,7 +211,7 @@ class ActionServer(Waitable):
     async def _execute_goal_request(self, request_header_and_message: tuple[Any, Any]) -> None:
         header, request = request_header_and_message
         info = GoalInfo(goal_id=request.goal_id)
-        logger = self._node.get_logger()
+        logger = self._logger
         accepted = False
         goal_handle: ServerGoalHandle | None = None
         if not self._handle.goal_exists(info):
@@ -238,7 +239,7 @@ class ActionServer(Waitable):
     async def _execute_goal(
         self, execute_callback: Callable[[ServerGoalHandle], Any], goal_handle: ServerGoalHandle
     ) -> None:
-        logger = self._node.get_logger()
+        logger = self._logger
         try:
             result = await await_or_execute(execute_callback, goal_handle)
         except Exception as error:
@@ -271,7 +272,7 @@ class ActionServer(Waitable):
             try:
                 goal_handle._update_state(GoalEvent.CANCEL_GOAL)
             except RCLError as error:
-                self._node.get_logger().debug(f"Failed to cancel goal in cancel callback: {error}")
+                self._logger.debug(f"Failed to cancel goal in cancel callback: {error}")
             else:
                 granted.append(info)
         response.goals_canceling = granted

@@ -1,0 +1,31 @@
+"""The PC: Ubuntu 24.04 with Python 3.12; where Jazzy's packages stand; its line numbers in texts."""
+
+from __future__ import annotations
+
+import os
+
+from rclpy._interfaces import definitions
+from rclpy._jazzy.overlay import replace
+from rclpy._patches import host
+from rclpy._rcl import enums, errors
+
+os.environ["ROS_DISTRO"] = "jazzy"
+host.UNAME = os.uname_result(("Linux", host.HOST, "6.8.0-45-generic", "#45-Ubuntu SMP", "x86_64"))
+replace(definitions, SITE_PACKAGES="/opt/ros/jazzy/lib/python3.12/site-packages/")
+
+_CONTEXT = errors._NOT_VALID
+replace(
+    errors,
+    PUBLISHER_CONTEXT="publisher's context is invalid, at ./src/rcl/publisher.c:422",
+    SHUTDOWN_TWICE=errors.SHUTDOWN_TWICE.replace("241", "333"),
+    NODE_CONTEXT="rcl node's context is invalid, at ./src/rcl/node.c:404",
+    NEGATIVE_PERIOD=errors.NEGATIVE_PERIOD.replace("139", "157"),
+    TIMER_CANCELED=errors.TIMER_CANCELED.replace("249", "281"),
+)
+
+
+def _number(self: enums.PrintedIntEnum) -> str:
+    return int.__repr__(self)
+
+
+setattr(enums.PrintedIntEnum, "__str__", _number)  # noqa: B010 - Python 3.12 prints an IntEnum as its number

@@ -1,0 +1,51 @@
+"""How a module of Jazzy's differences changes one of Humble: a class in place, anything else by its name."""
+
+from __future__ import annotations
+
+import sys
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from types import ModuleType
+    from typing import Any, TypeVar
+
+    ClassT = TypeVar("ClassT", bound=type)
+
+_OF_THE_CLASS_ITSELF = frozenset(
+    (
+        *("__annotations__", "__dict__", "__doc__", "__firstlineno__", "__module__", "__qualname__"),
+        *("__slots__", "__static_attributes__", "__weakref__"),
+    )
+)
+
+
+def extends(changed: type) -> Callable[[ClassT], ClassT]:
+    """Give a class of Humble the attributes of the decorated one, which has its name and derives from it.
+
+    Whoever holds the class, or an object of it, has the new attributes. `super()` is of no use there: what is
+    to be called of the old attributes is kept before.
+    """
+
+    def decorate(cls: ClassT) -> ClassT:
+        for name, value in vars(cls).items():
+            if name not in _OF_THE_CLASS_ITSELF:
+                setattr(changed, name, value)
+        return changed  # type: ignore[return-value]
+
+    return decorate
+
+
+def replace(module: ModuleType, **new: Any) -> None:
+    """Put values in the place of a module's, and of the copies that modules of rclpy have imported."""
+    for name, value in new.items():
+        old = module.__dict__.get(name)
+        setattr(module, name, value)
+        if old is None:
+            continue
+        for other in tuple(sys.modules.values()):
+            names = getattr(other, "__dict__", None)
+            if names is None or not str(names.get("__name__")).startswith("rclpy."):
+                continue
+            if names.get(name) is old:
+                names[name] = value

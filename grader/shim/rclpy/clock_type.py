@@ -1,0 +1,5 @@
+"""Kinds of clocks."""
+
+from rclpy._rcl.enums import ClockType
+
+__all__ = ["ClockType"]
