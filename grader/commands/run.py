@@ -57,6 +57,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-walls", action="store_true", help="an open world instead of turtlesim's window / 没有墙"
     )
+    parser.add_argument("--distro", choices=("humble", "jazzy"), default="humble",
+                        help="release of ROS 2 that the script finds (humble) / 脚本用的 ROS 2 版本")  # fmt: skip
     parser.add_argument("--interfaces", type=Path, metavar="DIR",
                         help="import the interfaces of this assignment's folder / 用这个作业的接口")  # fmt: skip
     parser.add_argument(
@@ -102,6 +104,7 @@ def _sandpit(arguments: argparse.Namespace) -> Assignment:
         horizon_s=arguments.horizon_s,
         world=World(cmd_vel_topic=arguments.topic, walls=not arguments.no_walls),
         interfaces=_interfaces(arguments.interfaces),
+        distro=arguments.distro,
         cases=(Case(stdin=arguments.input.replace("\\n", "\n"), args=tuple(arguments.args)),),
     )
 
