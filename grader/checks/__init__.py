@@ -7,6 +7,7 @@ what a plot should show, and `problems` what is wrong with an assignment's use o
 from collections.abc import Sequence
 from dataclasses import replace
 
+from grader.checks.across import ignored_input
 from grader.checks.fit import misfits
 from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
 from grader.checks.measure import Check, Findings, first_causes
@@ -39,6 +40,8 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
         scored = score_items(check, assignment.items, findings, portion)
         seen.append(_without_harmless(findings, assignment, scored))
         items += scored
+    if (ignored := ignored_input(assignment, runs, seen)) is not None:
+        seen[0] = replace(seen[0], mistakes=(ignored, *seen[0].mistakes))
     return summarise(items, seen, [run.outcome for run in runs])
 
 

@@ -46,7 +46,11 @@ def examine(assignment: Assignment, text: str) -> Findings:
         "correct": Measure(1.0 if right else 0.0, values),
         "with_unit": Measure(1.0 if given.unit and value is not None else 0.0, {"unit": unit}),
     }
-    return Findings(measures, number_mistakes(text, given, answer, unit))
+    mistakes = number_mistakes(text, given, answer, unit)
+    named = None if right or given.unit == unit else _known(assignment, given.value)
+    if not mistakes and given.unit and named is not None and named.right:
+        mistakes = (mistake("right_in_other_unit", given=values["given"], unit=unit),)
+    return Findings(measures, mistakes)
 
 
 def given_answer(text: str, unit: Unit) -> SpokenQuantity | None:
