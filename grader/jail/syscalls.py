@@ -37,6 +37,7 @@ _LOW_32: Final = 0xFFFF_FFFF  # the kernel ignores the upper half of these argum
 _CLONE_VM, _CLONE_SIGHAND, _CLONE_THREAD = 0x100, 0x800, 0x10000
 _CLONE_NAMESPACES: Final = 0x7E020080
 _THREAD: Final = _CLONE_VM | _CLONE_SIGHAND | _CLONE_THREAD
+_FUTEX_WAIT, _FUTEX_WAIT_BITSET, _FUTEX_PRIVATE, _FUTEX_CLOCK = 0, 9, 128, 256
 _AF_UNIX, _SOCK_STREAM = 1, 1
 # INT QUIT ILL ABRT BUS FPE USR1 SEGV USR2 ALRM TERM: never KILL or STOP.
 _SELF_SIGNALS: Final = (2, 3, 4, 6, 7, 8, 10, 11, 12, 14, 15)
@@ -54,7 +55,7 @@ _FILES = ("read readv pread64 preadv write writev pwrite64 lseek close fstat new
           "stat lstat access faccessat faccessat2 readlink readlinkat getdents64 getcwd chdir dup dup2 dup3 "
           "pipe pipe2")  # fmt: skip
 _MEMORY = "mmap mprotect munmap mremap brk"
-_THREADS = ("futex rseq set_robust_list set_tid_address exit exit_group rt_sigaction rt_sigprocmask "
+_THREADS = ("rseq set_robust_list set_tid_address exit exit_group rt_sigaction rt_sigprocmask "
             "rt_sigreturn rt_sigpending sigaltstack restart_syscall sched_yield sched_getaffinity "
             "getcpu")  # fmt: skip
 _TIME = "clock_gettime clock_getres gettimeofday time times nanosleep clock_nanosleep"
@@ -68,6 +69,12 @@ _SOCKETS = "recvfrom getsockname getpeername getsockopt shutdown"
 # shim answers for the script's own files), membarrier (for all other processors).
 SYSCALLS: Final[dict[str, tuple[Rule, ...]]] = {
     **dict.fromkeys(" ".join((_FILES, _MEMORY, _THREADS, _TIME, _WAITING, _IDENTITY, _SOCKETS)).split(), ANY),
+    # Between its own threads; of those that other processes share, only waiting, as for the end of a thread.
+    # Whoever wakes waiters in a page of a library that two runs have mapped could talk to the other one.
+    "futex": (
+        ((1, _FUTEX_PRIVATE, _FUTEX_PRIVATE),),
+        *(((1, operation, _LOW_32 & ~_FUTEX_CLOCK),) for operation in (_FUTEX_WAIT, _FUTEX_WAIT_BITSET)),
+    ),
     # Threads yes, processes and namespaces no.
     "clone": (((0, _THREAD, _THREAD | _CLONE_NAMESPACES),),),
     # Only its own limits, and only to read them.

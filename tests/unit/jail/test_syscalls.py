@@ -12,7 +12,7 @@ UNCONDITIONAL = (
     "read readv pread64 preadv write writev pwrite64 lseek close fstat newfstatat statx stat "
     "lstat access faccessat faccessat2 "
     " readlink readlinkat getdents64 getcwd chdir dup dup2 dup3 pipe pipe2 "
-    "mmap mprotect munmap mremap brk futex rseq set_robust_list set_tid_address exit exit_group "
+    "mmap mprotect munmap mremap brk rseq set_robust_list set_tid_address exit exit_group "
     "rt_sigaction rt_sigprocmask rt_sigreturn rt_sigpending sigaltstack restart_syscall sched_yield "
     "sched_getaffinity getcpu clock_gettime clock_getres gettimeofday time times nanosleep "
     "clock_nanosleep poll ppoll select pselect6 epoll_create1 epoll_create epoll_ctl epoll_wait epoll_pwait "
@@ -22,6 +22,7 @@ UNCONDITIONAL = (
 )
 CONDITIONAL = {
     "clone",
+    "futex",
     "prlimit64",
     "kill",
     "tgkill",
