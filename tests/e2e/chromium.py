@@ -5,7 +5,10 @@ from contextlib import contextmanager
 from pathlib import Path
 from urllib.parse import urlsplit
 
+import httpx
 import pytest
+
+from grader.web import forms
 
 PATIENCE_S = 60
 DESKTOP, PHONE = (1280, 900), (320, 640)
@@ -58,6 +61,16 @@ class Browser:
         self.type(f"#{field}", text)
         self.one(f"form:has(#{field}) button").click()
         self.until(lambda: self.path != "/enter")
+
+    def signed_in(self, field: str, text: str) -> None:
+        """Be whom `enter` makes this browser, without the two pages on the way."""
+        form_token = "f" * 32  # which a page would have brought
+        with httpx.Client(cookies={forms.COOKIE: form_token}, trust_env=False) as client:
+            fields = {field: text, forms.FIELD: form_token}
+            answer = client.post(f"{self.address}/enter", data=fields)
+        assert answer.status_code == 303, answer.text
+        for name, value in answer.cookies.items():
+            self.driver.add_cookie({"name": name, "value": value})
 
     def click(self, selector: str) -> None:
         """Click what leads to another page, and wait until that one is there."""

@@ -194,7 +194,7 @@ def test_everything_without_scripts(scriptless: Browser) -> None:
 def test_hostile_output_stays_text(browser: Browser, tmp_path: Path) -> None:
     script = tmp_path / "<img src=x onerror=alert(1)>.py"
     script.write_text(HOSTILE)
-    browser.enter("student", "mallory")
+    browser.signed_in("student", "mallory")
     browser.hand_in("hello", script)
     assert browser.js("return window.pwned") is None
     assert not browser.all("main img[src=x]")
@@ -249,7 +249,7 @@ def test_the_keyboard_is_enough(browser: Browser) -> None:
 def test_a_phone_shows_everything(browser: Browser, token: str, service: httpx.Client, language: str) -> None:
     best = service.get("/api/v1/dashboard").json()["students"][1]["assignments"]["square"]
     result = best["latest_submission"].removeprefix("/api/v1")
-    browser.enter("token", token)
+    browser.signed_in("token", token)
     browser.resize(PHONE)
     pages = (
         "/", "/assignments/square", result, "/class", "/class/students/bo", "/class/assignments/square",
@@ -259,7 +259,7 @@ def test_a_phone_shows_everything(browser: Browser, token: str, service: httpx.C
         browser.open(f"{page}?lang={language}")
         browser.until(lambda: not browser.all("#replay:not([data-ready])"))
         assert browser.js("return document.documentElement.scrollWidth") <= PHONE[0], page
-    browser.enter("student", "bo")  # whose attempts show their scores without scrolling
+    browser.signed_in("student", "bo")  # whose attempts show their scores without scrolling
     browser.open(f"/submissions?lang={language}")
     assert browser.js(
         "const one = document.querySelector('.scroll'); return one.scrollWidth <= one.clientWidth"
@@ -267,7 +267,7 @@ def test_a_phone_shows_everything(browser: Browser, token: str, service: httpx.C
 
 
 def test_every_control_has_a_name(browser: Browser, token: str) -> None:
-    browser.enter("token", token)
+    browser.signed_in("token", token)
     for page in ("/class", "/class/students/bo", "/assignments/square", "/enter"):
         browser.open(page)
         assert (

@@ -44,8 +44,8 @@ def address(course: School) -> str:
 
 @pytest.fixture
 def wang(browser: Browser, course: School) -> Browser:
-    browser.open("/?lang=en")
-    browser.enter("token", course.tokens["wang"])
+    browser.signed_in("token", course.tokens["wang"])
+    browser.open("/class?lang=en")
     return browser
 
 
@@ -145,14 +145,14 @@ def test_points_by_hand_reach_the_student(wang: Browser, course: School) -> None
     wang.click(".facts a")
     assert "95.5" in wang.says("#score")
     student = wang.says(".crumbs").split()[-1]
-    wang.enter("token", course.tokens[student])
+    wang.signed_in("token", course.tokens[student])
     wang.open("/submissions")
     wang.click('tbody a[href="' + first.replace("/class/judgements", "/submissions") + '"]')
     assert "Say also <who> calls it." in wang.says()
 
 
 def test_every_run_of_several_is_replayed(browser: Browser, course: School) -> None:
-    browser.enter("token", course.tokens["20260102"])
+    browser.signed_in("token", course.tokens["20260102"])
     browser.open("/submissions")
     browser.click("tbody tr:first-child a")
     tabs = browser.all(".tabs a")
@@ -167,7 +167,7 @@ def test_every_run_of_several_is_replayed(browser: Browser, course: School) -> N
 
 
 def test_assistants_find_no_way_to_change(browser: Browser, course: School) -> None:
-    browser.enter("token", course.tokens["zhang"])
+    browser.signed_in("token", course.tokens["zhang"])
     for page in ("/class/regrades", "/class/rules/square"):
         browser.open(page)
         assert browser.all("main form button") == [], page
@@ -176,7 +176,7 @@ def test_assistants_find_no_way_to_change(browser: Browser, course: School) -> N
 
 @pytest.mark.parametrize("language", ["zh", "en"])
 def test_a_phone_shows_everything(browser: Browser, course: School, language: str) -> None:
-    browser.enter("token", course.tokens["wang"])
+    browser.signed_in("token", course.tokens["wang"])
     browser.resize(PHONE)
     (regrade, *_) = course.services.regrades.all("ros2-2026") or [None]
     pages = [
