@@ -8,20 +8,25 @@ import resource
 import signal
 import socket
 import sys
-from contextlib import nullcontext
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import FrameType
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import h11
 import uvicorn
-from fastapi import FastAPI
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from grader.commands.cli import EXIT_NOT_DONE
 from grader.commands.options import add_language_option
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import trouble
+
+if TYPE_CHECKING:
+    from fastapi import FastAPI
+
+    from grader.settings import Settings
+    from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
 _BACKLOG = 512  # a class that hands in within the same second
@@ -56,9 +61,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serve until told to stop; running gradings finish first."""
-    from grader.api import create_app
     from grader.commands.storage import database_url
-    from grader.composition import running
     from grader.settings import load
     from grader.telemetry import logs
 
@@ -71,7 +74,9 @@ def run(arguments: argparse.Namespace) -> int:
     logs.configure(settings.log_format, settings.log_level)
     sys.setswitchinterval(_SWITCH_S)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
-    with _listening(settings.host, settings.port) as listener, running(settings) as services:
+    with _listening(settings.host, settings.port) as listener, _running(settings) as services:
+        from grader.api import create_app  # takes a second, which nobody waits for whose settings are refused
+
         app = create_app(lambda: nullcontext(services))
         server = _Server(app, most_connections(settings.max_streams))
         # uvicorn raises the signal once more after it has stopped; that must not look like a failure
@@ -85,10 +90,17 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if server.started else EXIT_NOT_DONE
 
 
+def _running(settings: "Settings") -> AbstractContextManager["Services"]:
+    """Return everything behind the application; imported only once the address is ours."""
+    from grader.composition import running
+
+    return running(settings)
+
+
 class _Server(uvicorn.Server):
     """uvicorn, whose log lines are the service's, and whose connections are bounded."""
 
-    def __init__(self, app: FastAPI, most_connections: int) -> None:
+    def __init__(self, app: "FastAPI", most_connections: int) -> None:
         config = uvicorn.Config(
             app,
             log_config=None,

@@ -1,9 +1,11 @@
 """Short ways to grade a script through the real sandbox, car and checks."""
 
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
 from grader.catalog import Catalog
+from grader.contracts.assignment import Limits
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.report import GradeReport
 
@@ -15,7 +17,14 @@ def catalog() -> Catalog:
     return Catalog()
 
 
-def grade(grader: Grader, assignment: str, source: str | bytes, file_name: str = "script.py") -> GradeReport:
+def grade(
+    grader: Grader,
+    assignment: str,
+    source: str | bytes,
+    file_name: str = "script.py",
+    limits: Limits | None = None,
+) -> GradeReport:
     raw = source.encode() if isinstance(source, str) else source
-    job = GradingJob(file_name=file_name, source=raw, assignment=catalog().get(assignment))
+    task = catalog().get(assignment)
+    job = GradingJob(file_name=file_name, source=raw, assignment=replace(task, limits=limits or task.limits))
     return grader.grade(job).report

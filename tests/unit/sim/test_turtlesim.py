@@ -141,7 +141,7 @@ def test_open_loops_go_where_turtlesim_goes(
     assert_as_turtlesim(driven, heading_deg=heading_deg, walls=walls)
 
 
-@settings(max_examples=8)
+@settings(max_examples=5)
 @given(
     v=st.floats(0.1, 3.0),
     w=st.floats(0.1, math.tau),
