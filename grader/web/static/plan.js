@@ -6,6 +6,8 @@ import { add, picture, ticks, trace } from "./svg.js";
 const FIELD_M = 11.088889; // turtlesim's window
 const LEAST_EXTENT_M = 2.4;
 const MARGIN_PX = 46;
+const MOST_HEIGHT = 0.45; // of the window, so that player and log lines are in sight beside it
+const LEAST_HEIGHT_PX = 320;
 const CAR_PX = 11;
 const IN_PLACE_PX = 220; // height for a car that only turns
 const ARC_PX = 34;
@@ -27,7 +29,8 @@ export class Plan {
     const [bottom, top] = bounds([...motion.y, ...ideal.map(([, y]) => y)]);
     const extent = Math.max(right - left, top - bottom, LEAST_EXTENT_M) * 1.08;
     const tall = Math.max(top - bottom, LEAST_EXTENT_M) * 1.08;
-    this.scale = (width - 2 * MARGIN_PX) / extent;
+    const most = Math.max(window.innerHeight * MOST_HEIGHT, LEAST_HEIGHT_PX);
+    this.scale = Math.min((width - 2 * MARGIN_PX) / extent, (most - 2 * MARGIN_PX) / tall);
     const inPlace = sketch.view === "heading" && extent <= LEAST_EXTENT_M * 1.09;
     const height = inPlace ? IN_PLACE_PX : Math.round(Math.max(tall * this.scale, 170) + 2 * MARGIN_PX);
     this.x0 = width / 2 - ((left + right) / 2) * this.scale;
