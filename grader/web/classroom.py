@@ -13,7 +13,7 @@ from grader.contracts.upload import decoded
 from grader.messages import outline
 from grader.use_cases.commenting import unread
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
-from grader.use_cases.people import members, myself, names, person
+from grader.use_cases.people import members, names, person
 from grader.use_cases.services import Services
 from grader.web import access
 from grader.web.access import ServicesDep, StaffDep, Visitor, require_staff
@@ -38,7 +38,6 @@ def read_matrix(
         "class.html",
         overview=whole,
         matrix=matrix(whole, query, students),
-        course=myself(services, visitor.caller)[0],
         sections=sorted({name for one in students for name in one.sections}),
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,

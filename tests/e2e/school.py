@@ -3,6 +3,7 @@
 In this process, so that the assignments are copies that can be changed; grading is real.
 """
 
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
@@ -70,12 +71,15 @@ class School:
         return httpx.Client(base_url=self.address, headers=headers, timeout=60.0, trust_env=False)
 
     def tighten(self) -> None:
-        """Let unequal sides of the square lose all their credit soon: one tolerance less."""
+        """Let unequal sides of the square lose all their credit soon: one tolerance less, in the next version."""
         path = self.files / SQUARE / "assignment.yaml"
         text = path.read_text(encoding="utf-8")
         lenient = "measure: side_spread_pct\n    high: 5\n    ramp: 15"
         assert lenient in text
-        path.write_text(text.replace(lenient, "measure: side_spread_pct\n    high: 5\n    ramp: 2"), "utf-8")
+        text = text.replace(lenient, "measure: side_spread_pct\n    high: 5\n    ramp: 2")
+        path.write_text(
+            re.sub(r"(?m)^version: (\d+)", lambda at: f"version: {int(at[1]) + 1}", text), "utf-8"
+        )
 
 
 @contextmanager
