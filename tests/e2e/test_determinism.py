@@ -1,8 +1,9 @@
 """The same submission gets the same bytes: again, beside others on a loaded machine, after anything before it."""
 
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 
-from grader.contracts.grading import Grader
+from grader.contracts.grading import Grader, GradingJob
 from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
 
@@ -40,3 +41,21 @@ def test_what_differs_in_the_file_differs_in_the_report() -> None:
         )
     assert first.score == other.score == 100
     assert first.sha256() != other.sha256()
+
+
+def test_a_slot_grades_both_releases_each_as_its_own() -> None:
+    """A slot's processes are prepared for Humble before it is known what comes."""
+    wrong = SQUARE.replace(b"float(self.SPEED)", b"int(self.SPEED) + 1")
+    on_humble = catalog().get("square")
+    on_jazzy = replace(on_humble, distro="jazzy")
+    with Slot(SlotConfig()) as slot:
+        found = [
+            slot.grade(GradingJob(file_name="a.py", source=source, assignment=assignment)).report
+            for source in (SQUARE, wrong)
+            for assignment in (on_humble, on_jazzy, on_humble)
+        ]
+    assert [report.interface for report in found[:3]] == ["ros2-humble", "ros2-jazzy", "ros2-humble"]
+    assert [report.score for report in found[:3]] == [100, 100, 100]
+    assert found[0].sha256() == found[2].sha256()
+    mistakes = ["int_in_float", "int_in_float_at_publish", "int_in_float"]
+    assert [report.mistakes[0] for report in found[3:]] == mistakes

@@ -303,6 +303,15 @@ def test_addresses_and_folders_of_the_host_are_masked_and_nothing_else(raw: str,
     assert stalled.detail == shown
 
 
+def test_jazzys_modules_are_shown_in_its_folders() -> None:
+    raw = f"({Path(grader.__file__).parent}/shim/rclpy/__init__.py, {os.__file__})"
+    episode = replace(EPISODE, exit=raised("ImportError", raw))
+    found = merge(episode, JAIL, "jazzy")
+    assert found.error is not None
+    home = "/opt/ros/jazzy/lib/python3.12/site-packages"
+    assert found.error.message == f"({home}/rclpy/__init__.py, /usr/lib/python3.12/os.py)"
+
+
 # --------------------------------------------------------------------------------------- service answers
 
 

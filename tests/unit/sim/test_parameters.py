@@ -9,7 +9,7 @@ from grader.sim.parameters import SERVICES, Parameters
 from tests.fakes.jail import Script
 from tests.unit.sim.student import TYPES, Student, run
 
-INTEGER, STRING = 2, 4
+BOOL, INTEGER, STRING = 1, 2, 4
 
 
 def integer(name: str, value: int) -> dict[str, Any]:
@@ -24,6 +24,21 @@ def test_the_backgrounds_are_turtlesims() -> None:
     (red, *_) = Parameters().answer("describe_parameters", asked)["descriptors"]
     assert red["description"] == "Red channel of the background color"
     assert red["integer_range"] == [{"from_value": 0, "to_value": 255, "step": 1}]
+
+
+def test_jazzys_turtlesim_has_two_more() -> None:
+    of_jazzy = Parameters("jazzy")
+    asked = {"names": ["holonomic", "start_type_description_service"]}
+    assert [value["bool_value"] for value in of_jazzy.answer("get_parameters", asked)["values"]] == [
+        False,
+        True,
+    ]
+    assert Parameters().answer("get_parameters", asked) == {"values": []}
+    wanted = {"name": "holonomic", "value": {"type": BOOL, "bool_value": True}}
+    assert of_jazzy.answer("set_parameters", {"parameters": [wanted]}) == {"results": [{"successful": True}]}
+    names = of_jazzy.answer("list_parameters", {"prefixes": [], "depth": 0})["result"]["names"]
+    assert names == sorted(names)
+    assert len(names) == 10
 
 
 @pytest.mark.parametrize(

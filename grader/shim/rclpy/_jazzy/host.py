@@ -7,7 +7,7 @@ import os
 from rclpy._interfaces import definitions
 from rclpy._jazzy.overlay import replace
 from rclpy._patches import host
-from rclpy._rcl import enums, errors
+from rclpy._rcl import enums, errors, handles
 
 os.environ["ROS_DISTRO"] = "jazzy"
 host.UNAME = os.uname_result(("Linux", host.HOST, "6.8.0-45-generic", "#45-Ubuntu SMP", "x86_64"))
@@ -22,6 +22,21 @@ replace(
     NEGATIVE_PERIOD=errors.NEGATIVE_PERIOD.replace("139", "157"),
     TIMER_CANCELED=errors.TIMER_CANCELED.replace("249", "281"),
 )
+
+
+def required(handle: handles.ContextHandle | None) -> handles.ContextHandle:
+    """Return the handle of an initialised context.
+
+    Raises:
+        TypeError: there is none; Python 3.12 enters ``with None`` and fails with this text.
+    """
+    if handle is None:
+        raise TypeError("'NoneType' object does not support the context manager protocol")
+    handle.require()
+    return handle
+
+
+replace(handles, required=required)
 
 
 def _number(self: enums.PrintedIntEnum) -> str:
