@@ -308,8 +308,8 @@ class Episode:
 
     def _next_due(self) -> int:
         """Return the next instant at which something may become due, whatever is commanded until then."""
-        instants = (self._world.next_due(), self._calls.next_ns())
-        return min((instant for instant in instants if instant is not None), default=NEVER_NS)
+        world_ns, call_ns = self._world.next_due(), self._calls.next_ns()
+        return min(NEVER_NS if world_ns is None else world_ns, NEVER_NS if call_ns is None else call_ns)
 
     def _run_to_next(self, limit_ns: int) -> bool:
         """Run to the next instant at which something may be due; true when that is the limit."""

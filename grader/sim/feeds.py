@@ -24,11 +24,16 @@ _COLOR: Final = struct.Struct("<3B")
 
 
 class Outbox:
-    """Events for the jail in order of time, and the subscriptions of the script."""
+    """Events for the jail in order of time, and the subscriptions of the script.
+
+    Attributes:
+        changes: how often subscriptions came or went.
+    """
 
     def __init__(self) -> None:
         self._queue: deque[Event] = deque()
         self._listeners: dict[str, list[int]] = {}
+        self.changes = 0
 
     def __bool__(self) -> bool:
         return bool(self._queue)
@@ -36,9 +41,11 @@ class Outbox:
     def subscribe(self, topic: str, identity: int) -> None:
         """Let subscription `identity` hear `topic`."""
         self._listeners.setdefault(topic, []).append(identity)
+        self.changes += 1
 
     def unsubscribe(self, identity: int) -> None:
         """Forget a subscription, if it is known."""
+        self.changes += 1
         for topic, listeners in tuple(self._listeners.items()):
             if identity in listeners:
                 listeners.remove(identity)

@@ -103,6 +103,8 @@ class TurtleWorld:
         self._parameters = Parameters(distro)
         self._pending: deque[tuple[str, Request]] = deque()
         self._now_ns = 0
+        self._heard = False  # whether anybody listens; asked several times an update
+        self._heard_at = -1  # as of so many changes of the outbox
         self._handlers: dict[str, Callable[[Values, int], Values]] = {
             "/clear": self._clear,
             "/reset": self._reset,
@@ -164,13 +166,10 @@ class TurtleWorld:
 
     def next_due(self) -> int | None:
         """Return the next instant at which something may become due for the script, None when never."""
-        if not self._pending:  # asked several times an update: a loop is quicker than `any`
-            for each in self._present.values():
-                if each.feeds.heard or each.action.busy:
-                    break
-            else:
-                return None
-        return next_update(self._now_ns) * UPDATE_NS
+        if self._heard_at != self.outbox.changes:
+            self._heard_at = self.outbox.changes
+            self._heard = any(each.feeds.heard for each in self._present.values())
+        return next_update(self._now_ns) * UPDATE_NS if self._heard or self._busy else None
 
     def advance(self, t_ns: int) -> None:
         """Run until `t_ns`, through every update that serves or tells somebody."""
@@ -181,8 +180,9 @@ class TurtleWorld:
             self._now_ns = due_ns
             for each in self._present.values():
                 each.feeds.emit(due_ns)
-        self._move(t_ns)
-        self._now_ns = max(self._now_ns, t_ns)
+        if t_ns > self._now_ns:
+            self._move(t_ns)
+            self._now_ns = t_ns
 
     def _move(self, t_ns: int) -> None:
         self.turtle.advance(t_ns)
@@ -232,6 +232,7 @@ class TurtleWorld:
 
     def _index(self) -> None:
         """Collect the services and topics of all turtles that are present."""
+        self._heard_at = -1
         self.services = dict(_WINDOW_SERVICES)
         self._topics, self._commands = {}, {}
         for each in self._present.values():
