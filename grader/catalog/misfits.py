@@ -68,6 +68,11 @@ SCORE = Text(
     en="must be [low, high] with 0 <= low <= high; correct it",
 )
 
+ONE_PIECE = Text(
+    zh="一段路写成 {line: 2.0}、{arc: 360, radius: 1.0}、{turn: 90}、{goto: [1.0, 2.0]} 之一，不能是 0",
+    en="write a piece as one of {line: 2.0}, {arc: 360, radius: 1.0}, {turn: 90}, {goto: [1.0, 2.0]}; not zero",
+)
+
 
 def swapped(low: float, high: float) -> Text:
     """Say that the ends of a band are the wrong way round."""

@@ -1,6 +1,6 @@
 """The schema of ``assignment.yaml``. CONTRIBUTING explains every field to instructors."""
 
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -22,6 +22,7 @@ from grader.catalog.misfits import (
     ID_PATTERN,
     INTERFACE_PATTERN,
     NO_BAND,
+    ONE_PIECE,
     SCORE,
     WRONG_FILE_PATTERN,
     MisfitError,
@@ -43,9 +44,11 @@ from grader.contracts.assignment import (
     Input,
     ItemSpec,
     Limits,
+    PathPiece,
     Profile,
     ServiceCall,
     StartPose,
+    WantedPath,
     World,
     WrongAttempt,
 )
@@ -179,6 +182,59 @@ class CaseModel(_Model):
         return Case(**{**dict(self), "title": title})
 
 
+Metres = Annotated[float, Field(ge=-50.0, le=50.0)]
+Degrees = Annotated[float, Field(ge=-3600.0, le=3600.0)]
+
+
+class PieceModel(_Model):
+    """A piece of a path: one of `line`, `arc` (with `radius`), `turn` and `goto`."""
+
+    line: Metres | None = None
+    arc: Degrees | None = None
+    radius: Annotated[float, Field(ge=0.05, le=20.0)] | None = None
+    turn: Degrees | None = None
+    goto: tuple[Metres, Metres] | None = None
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        given = [each for each in (self.line, self.arc, self.turn, self.goto) if each is not None]
+        if len(given) != 1 or (self.arc is None) != (self.radius is None) or given[0] == 0.0:
+            raise MisfitError(ONE_PIECE)
+        return self
+
+    def to_contract(self) -> PathPiece:
+        """Return the contract."""
+        if self.line is not None:
+            return PathPiece(kind="line", length_m=self.line)
+        if self.arc is not None:
+            return PathPiece(kind="arc", angle_deg=self.arc, radius_m=self.radius or 0.0)
+        if self.goto is not None:
+            return PathPiece(kind="goto", x_m=self.goto[0], y_m=self.goto[1])
+        return PathPiece(kind="turn", angle_deg=self.turn or 0.0)
+
+
+class PathModel(_Model):
+    """The path that is wanted, and in which ways a driven one may differ from it."""
+
+    pieces: Annotated[tuple[PieceModel, ...], Field(min_length=1, max_length=40)]
+    start: Literal["any", "given"] = "any"
+    scale: Literal["any", "given"] = "given"
+    mirror: bool = True
+    direction: Literal["any", "given"] = "any"
+    laps: bool = True
+
+    def to_contract(self) -> WantedPath:
+        """Return the contract."""
+        return WantedPath(
+            pieces=tuple(piece.to_contract() for piece in self.pieces),
+            any_start=self.start == "any",
+            any_scale=self.scale == "any",
+            mirror=self.mirror,
+            any_direction=self.direction == "any",
+            laps=self.laps,
+        )
+
+
 class CallModel(_Model):
     """A request to a service of the script, `at_s` seconds after its start or as soon as it is offered."""
 
@@ -246,6 +302,7 @@ class AssignmentModel(_Model):
     cases: Annotated[tuple[CaseModel, ...], Field(min_length=1)] = (CaseModel(),)
     calls: tuple[CallModel, ...] = ()
     answers: tuple[AnswerModel, ...] = ()
+    path: PathModel | None = None
     items: Annotated[tuple[ItemModel, ...], Field(min_length=1)]
     wrong: tuple[WrongModel, ...] = ()
 
@@ -296,6 +353,7 @@ class AssignmentModel(_Model):
             distro=self.distro,
             calls=tuple(call.to_contract() for call in self.calls),
             answers=tuple(answer.to_contract() for answer in self.answers),
+            path=None if self.path is None else self.path.to_contract(),
             items=tuple(item.to_contract() for item in self.items),
         )
 

@@ -122,6 +122,44 @@ class Case(Record):
     seed: int | None = None
 
 
+class PathPiece(Record):
+    """One piece of a wanted path, from where the one before ended.
+
+    Attributes:
+        kind: ``line`` straight on, ``arc`` along a circle, ``turn`` on the spot, ``goto`` straight to a point.
+        length_m: of a line.
+        angle_deg: of an arc or a turn, positive to the left.
+        radius_m: of an arc.
+        x_m, y_m: the point to go to, seen from the path's start: x ahead, y to the left.
+    """
+
+    kind: Literal["line", "arc", "turn", "goto"]
+    length_m: float = 0.0
+    angle_deg: float = 0.0
+    radius_m: float = 0.0
+    x_m: float = 0.0
+    y_m: float = 0.0
+
+
+class WantedPath(Record):
+    """The path that an assignment asks for, and in which ways a driven one may differ from it.
+
+    Attributes:
+        any_start: it may lie and point anywhere; else it begins at the world's start pose.
+        any_scale: it may be larger or smaller as a whole.
+        mirror: its mirror image is as good.
+        any_direction: it may be driven from its end to its start; a closed one may begin at any of its pieces.
+        laps: a closed one may be driven over and over again.
+    """
+
+    pieces: tuple[PathPiece, ...]
+    any_start: bool = True
+    any_scale: bool = False
+    mirror: bool = True
+    any_direction: bool = True
+    laps: bool = True
+
+
 class ItemSpec(Record):
     """One rubric item as the instructor wrote it.
 
@@ -179,6 +217,7 @@ class Assignment(Record):
         order: position on the checklist.
         calls: requests sent to the script's services in every run.
         answers: of a question whose answer is a number.
+        path: what the check ``path`` compares with.
         interfaces: which the script can import besides ROS's own.
         distro: release of ROS 2 that the script finds.
     """
@@ -201,6 +240,7 @@ class Assignment(Record):
     answers: tuple[Answer, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
     distro: Distro = "humble"
+    path: WantedPath | None = None
 
     @property
     def max_score(self) -> float:

@@ -30,6 +30,10 @@ CHECKLIST = [
     "calculation",
     "theory_publisher_timer",
     "theory_keep_publishing",
+    "right_triangle",
+    "letter_l",
+    "figure_eight",
+    "two_circles",
 ]
 
 GOOD = """\
@@ -151,6 +155,34 @@ def test_errors_name_file_line_field_and_fix(
     in_chinese = refusal.value.told("zh")
     assert f"assignment.yaml:{line}:" in in_chinese
     assert re.search(r"[\u4e00-\u9fff]{2}", in_chinese.partition(f":{line}:")[2]), in_chinese
+
+
+PATH = GOOD.replace(
+    "check: node", "check: path\npath:\n  pieces: [{line: 2.0}, {turn: 90}, {goto: [0, 1]}]\n  scale: any"
+)
+
+
+def test_a_path_is_read(tmp_path: Path) -> None:
+    path = write(tmp_path, PATH).get("demo").path
+    assert path is not None
+    assert [piece.kind for piece in path.pieces] == ["line", "turn", "goto"]
+    assert (path.any_start, path.any_scale, path.mirror, path.any_direction, path.laps) == (True,) * 5
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("{line: 2.0}", "{line: 2.0, turn: 90}", "path.pieces.0: write a piece as one of"),
+        ("{line: 2.0}", "{arc: 90}", "path.pieces.0: write a piece as one of"),
+        ("{line: 2.0}", "{line: 0}", "path.pieces.0: write a piece as one of"),
+        ("{line: 2.0}", "{line: 2000}", "path.pieces.0.line"),
+        ("{line: 2.0}", "{circle: 2.0}", "path.pieces.0.circle: unknown field"),
+        ("scale: any", "scale: big", "path.scale"),
+    ],
+)
+def test_a_path_that_cannot_be_read_is_refused(tmp_path: Path, old: str, new: str, words: str) -> None:
+    with pytest.raises(AssignmentError, match=re.escape(words)):
+        write(tmp_path, PATH.replace(old, new)).get("demo")
 
 
 def test_problems_with_the_use_of_a_check_are_told_in_both_languages(tmp_path: Path) -> None:

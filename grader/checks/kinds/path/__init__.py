@@ -1,0 +1,210 @@
+"""Check ``path``: a path that the assignment describes, laid on the driven one as well as it allows."""
+
+import itertools
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from grader.checks.drive import Drive, drive_of
+from grader.checks.kinds.path.driven import DrivenStretch, Figure, corners_deg, driven_stretches, figure_in
+from grader.checks.kinds.path.mistakes import name_of, path_mistakes
+from grader.checks.kinds.path.wanted import track_of
+from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
+from grader.checks.scoring import fits
+from grader.contracts.assignment import Assignment
+from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchLabel, SketchSide
+from grader.contracts.scoring import Run
+from grader.contracts.text import Text
+from grader.geometry.matching import frechet
+from grader.messages import say
+from grader.messages.quantity import number
+
+COVERED_SHARE = (
+    0.05  # of the size: a part of the wanted path that is further from the driven one was left out
+)
+MEASURES = {
+    "distance_m": MeasureKind("m"),
+    "off_pct": MeasureKind("%"),
+    "mean_off_pct": MeasureKind("%"),
+    "covered_pct": MeasureKind("%"),
+    "corner_error_deg": MeasureKind("deg"),
+    "length_error_pct": MeasureKind("%"),
+    "radius_error_pct": MeasureKind("%"),
+    "round_pct": MeasureKind("%"),
+    "gap_pct": MeasureKind("%"),
+    "settled": MeasureKind(form="flag"),
+}
+
+
+def examine(assignment: Assignment, run: Run) -> Findings:
+    """Measure how well the driven path is the wanted one."""
+    drive = drive_of(run)
+    if drive is None or assignment.path is None:
+        return Findings(mistakes=path_mistakes(assignment, run, None, None, []))
+    figure = figure_in(drive, assignment.path, assignment.world.start)
+    measures = {"distance_m": Measure(float(np.max(drive.path.along_m))), "settled": _settled(drive, figure)}
+    stretches = [] if figure is None else driven_stretches(figure, drive)
+    if figure is not None:
+        measures |= _of_the_whole(figure) | _of_the_pieces(figure, stretches)
+        if figure.overrun and not drive.cut_short:
+            measures["gap_pct"] = Measure(math.nan, {"why": say("path.goes_on")})
+    return Findings(measures, path_mistakes(assignment, run, drive, figure, stretches))
+
+
+def _settled(drive: Drive, figure: Figure | None) -> Measure:
+    if figure is not None and figure.repeated:
+        return Measure(1.0)
+    return Measure(0.0 if drive.moving_at_end or (figure is not None and figure.overrun) else 1.0)
+
+
+def _of_the_whole(figure: Figure) -> dict[str, Measure]:
+    size, length = figure.size_m, figure.track.length_m * figure.placed.scale
+    away, nearest = frechet(figure.wanted, figure.driven), figure.distances_m
+    mean = float(np.mean(nearest))
+    gap = abs((figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0]))
+    if size <= 0.0 or length <= 0.0:
+        return {}
+    return {
+        "off_pct": Measure(100.0 * away / size, {"away": number(away, "m"), "size": number(size, "m")}),
+        "mean_off_pct": Measure(100.0 * mean / size, {"away": number(mean, "m"), "size": number(size, "m")}),
+        "covered_pct": Measure(100.0 * float(np.mean(nearest <= COVERED_SHARE * size))),
+        "gap_pct": Measure(
+            100.0 * gap / length, {"gap": number(float(gap), "m"), "length": number(length, "m")}
+        ),
+    }
+
+
+def _of_the_pieces(figure: Figure, stretches: list[DrivenStretch]) -> dict[str, Measure]:
+    if len(stretches) < len(figure.track.stretches):
+        return {}
+    scale = figure.placed.scale
+    lines = [each for each in stretches if each.wanted.kind == "line"]
+    arcs = [each for each in stretches if each.wanted.kind == "arc"]
+    taken = {"corner_error_deg": _corners(figure, stretches)}
+    if lines:
+        taken["length_error_pct"] = _worst(lines, lambda one: (one.length_m, scale * one.wanted.length_m))
+    if arcs:
+        taken["radius_error_pct"] = _worst(arcs, lambda one: (one.radius_m, scale * one.wanted.radius_m))
+        taken["round_pct"] = _roundness(arcs)
+    return taken
+
+
+def _corners(figure: Figure, stretches: list[DrivenStretch]) -> Measure:
+    corners = corners_deg(stretches, mirrored=figure.placed.mirrored)
+    if not corners:
+        return UNMEASURED
+    driven, wanted = max(corners, key=lambda pair: abs(pair[0] - pair[1]))
+    sign = -1.0 if wanted < 0.0 else 1.0
+    details = {"driven": number(sign * driven, "deg"), "wanted": number(abs(wanted), "deg")}
+    return Measure(abs(driven - wanted), details)
+
+
+_Pair = Callable[[DrivenStretch], tuple[float, float]]
+
+
+def _worst(stretches: Sequence[DrivenStretch], pair: _Pair) -> Measure:
+    """Return the largest share by which a piece is off what is wanted, and which piece that is."""
+    errors = [_error_pct(*pair(each)) for each in stretches]
+    if any(math.isnan(error) for error in errors):
+        return UNMEASURED
+    worst = stretches[int(np.argmax(errors))]
+    driven, wanted = (number(value, "m") for value in pair(worst))
+    return Measure(max(errors), {"piece": name_of(worst.wanted), "driven": driven, "wanted": wanted})
+
+
+def _error_pct(driven: float, wanted: float) -> float:
+    return 100.0 * abs(driven - wanted) / wanted if wanted > 0.0 else math.nan
+
+
+def _roundness(arcs: Sequence[DrivenStretch]) -> Measure:
+    shares = [100.0 * each.deviation_m / each.radius_m for each in arcs]
+    if any(math.isnan(share) for share in shares):
+        return UNMEASURED
+    worst = arcs[int(np.argmax(shares))]
+    details = {"piece": name_of(worst.wanted), "deviation": number(worst.deviation_m, "m")}
+    return Measure(max(shares), details)
+
+
+def sketch(assignment: Assignment, run: Run) -> FigureSketch:
+    """Return the wanted path where it fits best, and the driven pieces with their lengths, corners and radii."""
+    drive = drive_of(run)
+    figure = None
+    if drive is not None and assignment.path is not None:
+        figure = figure_in(drive, assignment.path, assignment.world.start)
+    if drive is None or figure is None:
+        return FigureSketch()
+    stretches, scale = driven_stretches(figure, drive), figure.placed.scale
+    along = np.maximum.accumulate(drive.path.along_m)
+    last = min(int(np.searchsorted(along, figure.end_m)), len(drive.t_ns) - 1)
+    return FigureSketch(
+        view="path",
+        sides=tuple(_side(assignment, each, scale) for each in stretches if each.wanted.kind == "line"),
+        corners=_sketched_corners(assignment, figure, stretches),
+        ideal_m=tuple(_point(point) for point in figure.wanted.tolist()),
+        ideal_closed=False,
+        labels=tuple(_radius(assignment, each, scale) for each in stretches if not math.isnan(each.radius_m)),
+        end_ns=int(drive.t_ns[last]),
+    )
+
+
+def _side(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchSide:
+    error = _error_pct(one.length_m, scale * one.wanted.length_m)
+    ok = fits(assignment, "length_error_pct", error)
+    return SketchSide(start_m=_point(one.start), end_m=_point(one.end), length_m=one.length_m, ok=ok)
+
+
+def _sketched_corners(
+    assignment: Assignment, figure: Figure, stretches: list[DrivenStretch]
+) -> tuple[SketchCorner, ...]:
+    found = []
+    for before, after in itertools.pairwise(stretches):
+        for driven, wanted in corners_deg([before, after], mirrored=figure.placed.mirrored):
+            ok = fits(assignment, "corner_error_deg", abs(driven - wanted))
+            found.append(SketchCorner(at_m=_point(before.end), angle_deg=driven, ok=ok))
+    return tuple(found)
+
+
+def _radius(assignment: Assignment, one: DrivenStretch, scale: float) -> SketchLabel:
+    ok = fits(assignment, "radius_error_pct", _error_pct(one.radius_m, scale * one.wanted.radius_m))
+    text = Text(zh=f"r = {number(one.radius_m, 'm')}", en=f"r = {number(one.radius_m, 'm')}")
+    return SketchLabel(at_m=_point(one.centre), text=text, ok=ok)
+
+
+def _point(at: complex) -> Point:
+    return at.real, at.imag
+
+
+_NO_PATH = Text(
+    zh="缺少：写上 path 和它的 pieces，例如 pieces: [{line: 2.0}, {turn: 90}]",
+    en="missing; give path with its pieces, such as pieces: [{line: 2.0}, {turn: 90}]",
+)
+_NOTHING_DRIVEN = Text(
+    zh="里面没有走的路：加上 line、arc 或 goto", en="nothing of it is driven; add a line, arc or goto"
+)
+_NO_LINES = Text(
+    zh="路径里没有 line 或 goto：删掉这一项", en="the path has no line or goto; remove this item"
+)
+_NO_ARCS = Text(zh="路径里没有 arc：删掉这一项", en="the path has no arc; remove this item")
+_NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path has no corner; remove this item")
+
+
+def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+    if assignment.path is None:
+        return (("path", _NO_PATH),)
+    track = track_of(assignment.path)
+    if track is None:
+        return (("path.pieces", _NOTHING_DRIVEN),)
+    found = []
+    kinds = {each.kind for each in track.stretches}
+    for i, item in enumerate(assignment.items):
+        if item.measure == "length_error_pct" and "line" not in kinds:
+            found.append((f"items.{i}.measure", _NO_LINES))
+        if item.measure in ("radius_error_pct", "round_pct") and "arc" not in kinds:
+            found.append((f"items.{i}.measure", _NO_ARCS))
+        if item.measure == "corner_error_deg" and not track.has_corners:
+            found.append((f"items.{i}.measure", _NO_CORNERS))
+    return tuple(found)
+
+
+CHECK = Check(kind="path", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)

@@ -1,0 +1,339 @@
+"""Which part of a driven path is the wanted one, laid on it as well as the assignment allows."""
+
+import cmath
+import itertools
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from grader.checks.drive import Drive
+from grader.checks.kinds.path.wanted import (
+    MIN_CORNER_RAD,
+    SAMPLES,
+    Stretch,
+    Track,
+    corner_rad,
+    size_m,
+    tracks,
+)
+from grader.contracts.assignment import StartPose, WantedPath
+from grader.geometry.matching import Floats, Points, Similarity, circle_through, fitted, matched, resampled
+from grader.geometry.segmentation import segment
+
+LEAST_M = 0.05  # a path that went less far is none
+LAPS_TRIED = 8  # ends of the first lap that are tried: where the car came back to its start
+LAP_SHARE = 0.6  # of the wanted length: who was back sooner had not driven a lap
+LOOKED_AT = 400  # points of a whole drive that are looked at for these
+BACK_SHARE = 0.2  # of the drive's size: a car that comes nearer to its start than this is back
+ON_IT_SHARE = 0.08  # of the figure's size: who drives on within this distance of it drives it again
+LONGER_SHARE = 1.1  # of two parts that fit about equally well the longer one was meant
+NEARLY_SHARE = 0.002  # of the size: what fits to within this fits equally well
+LIKELY = 4  # ways of driving that are looked at closely, those that fit best point by point
+THIN = 4  # then each fourth point does
+NO_LINE_SHARE = 0.02  # of the path: a corner this near to its end has no line behind it
+REFINED = 2  # times the match and the fit are done in turn: after that they hardly change
+FINE = 5 * SAMPLES  # points of the driven figure from which pieces are measured
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class DrivenStretch:
+    """A driven piece.
+
+    Attributes:
+        wanted: the piece that it is, as wide as it would have to be here.
+        start, end: where it begins and ends.
+        length_m: of a line, from corner to corner.
+        radius_m, deviation_m, centre, swept_rad: of an arc; NaN where it is none.
+        begins_rad, ends_rad: direction of travel at its ends.
+    """
+
+    wanted: Stretch
+    start: complex
+    end: complex
+    length_m: float
+    begins_rad: float
+    ends_rad: float
+    radius_m: float = math.nan
+    deviation_m: float = math.nan
+    centre: complex = 0j
+    swept_rad: float = math.nan
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Figure:
+    """The wanted path laid on the driven one.
+
+    Attributes:
+        track: the way in which it was driven.
+        placed: from the wanted path to where it lies.
+        wanted: points of the wanted path there.
+        driven: as many points of the driven one. fine: more of them.
+        pairs: which of these points belong together, in order.
+        end_m: how far the car had driven when the figure was complete.
+        residual: root mean square distance of the pairs as a share of the size.
+        repeated: what follows is the same figure again. overrun: something else follows.
+    """
+
+    track: Track
+    placed: Similarity
+    wanted: Points
+    driven: Points
+    fine: Points
+    pairs: np.ndarray
+    end_m: float
+    residual: float
+    repeated: bool = False
+    overrun: bool = False
+
+    @property
+    def size_m(self) -> float:
+        """Diagonal of the box around the wanted path, as large as it is here."""
+        return size_m(self.track.points) * self.placed.scale
+
+    @property
+    def distances_m(self) -> Floats:
+        """How far each point of the wanted path is from the nearest one that belongs to it."""
+        far = np.abs(self.wanted[self.pairs[:, 0]] - self.driven[self.pairs[:, 1]])
+        nearest = np.full(len(self.wanted), np.inf)
+        np.minimum.at(nearest, self.pairs[:, 0], far)
+        return nearest
+
+
+@dataclass(frozen=True, slots=True)
+class _Allowed:
+    """Where the wanted path may lie."""
+
+    wanted: WantedPath
+    start: StartPose
+
+    def placed(self, given: Points, driven: Points, *, mirrored: bool) -> Similarity:
+        """Return where the wanted path lies: as near as it may to the driven points, pair by pair."""
+        if self.wanted.any_start:
+            return fitted(given, driven, scaled=self.wanted.any_scale, mirrored=mirrored)
+        turned = cmath.rect(1.0, math.radians(self.start.heading_deg))
+        offset = complex(self.start.x_m, self.start.y_m)
+        if self.wanted.any_scale:
+            ahead = turned * (np.conj(given) if mirrored else given)
+            product = float(np.vdot(ahead, driven - offset).real)
+            turned *= max(product, 0.0) / float(np.vdot(ahead, ahead).real)
+        return Similarity(turned, offset, mirrored)
+
+
+def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | None:
+    """Return the wanted path laid on what was driven, or None where hardly anything was."""
+    path = drive.path
+    along = np.maximum.accumulate(path.along_m)
+    if float(along[-1]) < LEAST_M:
+        return None
+    points = path.x_m + 1j * path.y_m
+    found: Figure | None = None
+    ways, allowed = tracks(wanted), _Allowed(wanted, start)
+    least_m = 0.0 if wanted.any_scale or not ways else LAP_SHARE * ways[0].length_m
+    for end_m in _ends(points, along, least_m, repeats=bool(ways) and ways[0].is_closed):
+        tried = _tried(points, along, end_m, ways, allowed)  # of equal ones the plainest comes first
+        likely = sorted(tried, key=lambda each: round(each.residual, 3))[:LIKELY]
+        for one in (_refined(each, allowed, THIN) for each in likely):
+            if found is None or one.residual < (found.residual - NEARLY_SHARE) / LONGER_SHARE:
+                found = one  # longer parts come first
+    if found is None:
+        return None
+    found = _refined(found, allowed)
+    return _with_what_follows(found, points, along, wanted, drive)
+
+
+def _ends(points: Points, along: Floats, least_m: float, *, repeats: bool) -> Iterator[float]:
+    """Yield how long the part may be that is the figure: the whole drive, or up to where the car was back."""
+    total = float(along[-1])
+    yield total
+    if not repeats:
+        return
+    at = np.linspace(0.0, total, LOOKED_AT)
+    away = np.abs(resampled(points, along, at) - points[0])
+    near = BACK_SHARE * size_m(points)
+    inner = (away[1:-1] <= away[:-2]) & (away[1:-1] < away[2:]) & (away[1:-1] < near)
+    back = [float(at[i + 1]) for i in np.flatnonzero(inner) if at[i + 1] > max(least_m, 0.02 * total)]
+    yield from reversed(back[:LAPS_TRIED])
+
+
+def _tried(
+    points: Points, along: Floats, end_m: float, ways: tuple[Track, ...], allowed: _Allowed
+) -> Iterator[Figure]:
+    """Yield each way of driving laid on a part of the path, point by point at equal distances."""
+    driven = resampled(points, along, np.linspace(0.0, end_m, SAMPLES))
+    fine = resampled(points, along, np.linspace(0.0, end_m, FINE))
+    both = np.repeat(np.arange(SAMPLES)[:, None], 2, axis=1)
+    for way in ways:
+        given = way.points
+        for mirrored in (False, True) if allowed.wanted.mirror else (False,):
+            placed = allowed.placed(given, driven, mirrored=mirrored)
+            there = placed.of(given)
+            yield Figure(
+                track=way,
+                placed=placed,
+                wanted=there,
+                driven=driven,
+                fine=fine,
+                pairs=both,
+                end_m=end_m,
+                residual=_residual(there, driven),
+            )
+
+
+def _residual(there: Points, driven: Points) -> float:
+    size = size_m(there)
+    return float(np.sqrt(np.mean(np.abs(there - driven) ** 2))) / size if size > LEAST_M else math.inf
+
+
+def _refined(figure: Figure, allowed: _Allowed, thinned: int = 1) -> Figure:
+    """Return the figure with a match in order, so that one side that is too long does not shift all others.
+
+    Args:
+        figure: the figure.
+        allowed: where it may lie.
+        thinned: only each so-manieth point is looked at; the pairs are of these, and not to be used.
+    """
+    given, driven = figure.track.points[::thinned], figure.driven[::thinned]
+    placed = figure.placed
+    for _ in range(REFINED):
+        pairs = matched(placed.of(given), driven)
+        first, second = given[pairs[:, 0]], driven[pairs[:, 1]]
+        placed = allowed.placed(first, second, mirrored=placed.mirrored)
+    pairs = matched(placed.of(given), driven)
+    residual = _residual(placed.of(given)[pairs[:, 0]], driven[pairs[:, 1]])
+    wanted = placed.of(figure.track.points)
+    return replace(figure, placed=placed, wanted=wanted, pairs=pairs, residual=residual)
+
+
+def _with_what_follows(
+    figure: Figure, points: Points, along: Floats, wanted: WantedPath, drive: Drive
+) -> Figure:
+    left_m = float(along[-1]) - figure.end_m
+    if left_m <= 0.03 * figure.end_m:
+        return figure
+    later = resampled(points, along, np.linspace(figure.end_m, float(along[-1]), SAMPLES))
+    away = np.min(np.abs(later[:, None] - figure.driven[None, :]), axis=1)
+    laps = left_m / figure.end_m
+    whole = drive.cut_short or abs(laps - round(laps)) < 0.1
+    again = wanted.laps and whole and float(np.max(away)) <= ON_IT_SHARE * figure.size_m
+    return replace(figure, repeated=again, overrun=not again)
+
+
+def driven_stretches(figure: Figure, drive: Drive) -> list[DrivenStretch]:
+    """Return the pieces as they were driven; fewer than wanted only where one has no length.
+
+    Lines end at the corners that were driven, where there are as many; other pieces where the match says so.
+    """
+    ends = _line_ends(figure, drive) or [
+        _driven_index(figure, share) for share in (0.0, *figure.track.shares)
+    ]
+    found = []
+    for stretch, first, last in zip(figure.track.stretches, ends, ends[1:], strict=False):
+        if last - first >= 5:
+            found.append(_measured(stretch, figure.fine[first : last + 1]))
+    return _from_corner_to_corner(found)
+
+
+def _line_ends(figure: Figure, drive: Drive) -> list[int]:
+    """Return the points of `fine` at which the lines of a path without arcs end; none if others were driven."""
+    inner = inner_corners_m(figure, drive)
+    if inner is None or len(inner) != len(figure.track.stretches) - 1:
+        return []
+    return [round(end_m / figure.end_m * (FINE - 1)) for end_m in (0.0, *inner, figure.end_m)]
+
+
+def inner_corners_m(figure: Figure, drive: Drive) -> list[float] | None:
+    """Return how far along the way each corner between two lines was driven; None for a path with arcs."""
+    if any(each.kind != "line" for each in figure.track.stretches):
+        return None
+    along = np.maximum.accumulate(drive.path.along_m)
+    turns = [turn for turn in segment(drive.path).turns[1:-1] if turn is not None]
+    middles = [(float(along[turn.first]) + float(along[turn.last])) / 2.0 for turn in turns]
+    return [middle for middle in middles if middle < (1.0 - NO_LINE_SHARE) * figure.end_m]
+
+
+def _driven_index(figure: Figure, share: float) -> int:
+    """Return the point of `fine` that belongs to a share of the wanted path."""
+    if share in (0.0, 1.0):
+        return round(share * (FINE - 1))
+    partners = figure.pairs[figure.pairs[:, 0] == round(share * (SAMPLES - 1)), 1]
+    return round(float(np.median(partners)) / (SAMPLES - 1) * (FINE - 1))
+
+
+def _measured(stretch: Stretch, points: Points) -> DrivenStretch:
+    start, end = complex(points[0]), complex(points[-1])
+    inner = points[len(points) // 8 : len(points) - len(points) // 8]
+    if stretch.kind == "line":
+        direction = _direction(inner)
+        return DrivenStretch(
+            wanted=stretch,
+            start=start,
+            end=end,
+            length_m=abs(end - start),
+            begins_rad=direction,
+            ends_rad=direction,
+        )
+    circle = circle_through(inner)
+    if circle is None:
+        direction = _direction(inner)
+        return DrivenStretch(
+            wanted=stretch, start=start, end=end, length_m=math.nan, begins_rad=direction, ends_rad=direction
+        )
+    quarter = math.copysign(math.pi / 2.0, circle.swept_rad)
+    return DrivenStretch(
+        wanted=stretch,
+        start=start,
+        end=end,
+        length_m=circle.radius_m * abs(circle.swept_rad),
+        begins_rad=cmath.phase(start - circle.centre) + quarter,
+        ends_rad=cmath.phase(end - circle.centre) + quarter,
+        radius_m=circle.radius_m,
+        deviation_m=circle.deviation_m,
+        centre=circle.centre,
+        swept_rad=circle.swept_rad,
+    )
+
+
+def _direction(points: Points) -> float:
+    """Return the direction of the line of least squares through points, towards the last of them."""
+    arms = points - np.mean(points)
+    axis = cmath.sqrt(complex(np.mean(arms * arms)))
+    ahead = complex(points[-1] - points[0])
+    return cmath.phase(axis if (axis * ahead.conjugate()).real >= 0.0 else -axis)
+
+
+def _from_corner_to_corner(found: list[DrivenStretch]) -> list[DrivenStretch]:
+    """Let two lines that meet in a corner end in its vertex, where their middles lead to."""
+    for i in range(len(found) - 1):
+        before, after = found[i], found[i + 1]
+        if before.wanted.kind != "line" or after.wanted.kind != "line":
+            continue
+        vertex = _vertex(before, after)
+        if vertex is not None:
+            found[i] = replace(before, end=vertex, length_m=abs(vertex - before.start))
+            found[i + 1] = replace(after, start=vertex, length_m=abs(after.end - vertex))
+    return found
+
+
+def _vertex(before: DrivenStretch, after: DrivenStretch) -> complex | None:
+    ahead, next_ahead = cmath.rect(1.0, before.ends_rad), cmath.rect(1.0, after.begins_rad)
+    cross = (ahead.conjugate() * next_ahead).imag
+    if abs(cross) < math.sin(MIN_CORNER_RAD):
+        return None
+    way = ((after.end - before.start).conjugate() * next_ahead).imag / cross
+    vertex = before.start + way * ahead
+    near = 0.25 * min(before.length_m, after.length_m)
+    return vertex if abs(vertex - before.end) <= near else None
+
+
+def corners_deg(stretches: list[DrivenStretch], *, mirrored: bool) -> list[tuple[float, float]]:
+    """Return the driven and the wanted change of direction at each corner between two pieces."""
+    found = []
+    for before, after in itertools.pairwise(stretches):
+        wanted = corner_rad(before.wanted, after.wanted)
+        wanted = -wanted if mirrored else wanted
+        if abs(wanted) >= MIN_CORNER_RAD:
+            driven = math.remainder(after.begins_rad - before.ends_rad - wanted, math.tau) + wanted
+            found.append((math.degrees(driven), math.degrees(wanted)))
+    return found

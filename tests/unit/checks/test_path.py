@@ -1,0 +1,216 @@
+"""Check ``path``: a measure of the figure, not of the style; what may differ, what costs, and what is said."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from grader.checks import evaluate, problems, sketch
+from grader.contracts.assignment import Assignment, PathPiece, WantedPath
+from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Scoring
+from grader.contracts.trajectory import Contact, Trajectory
+from tests.unit.checks.ideal_turtle import Leg, drive, run_of
+from tests.unit.checks.shipped import assignment, graded, item, score
+
+TRIANGLE = [("line", 2.0), ("turn", 90.0), ("line", 2.0), ("turn", 135.0), ("line", 2.0 * math.sqrt(2.0))]
+EIGHT = [("arc", 360.0, 1.0), ("arc", -360.0, 1.0)]
+L = [("line", 3.0), ("turn", 90.0), ("line", 1.5)]
+
+
+def legs(pieces: Sequence[tuple[object, ...]], scale: float = 1.0, sense: float = 1.0) -> list[Leg]:
+    """Return the legs of a script that drives `pieces` one after the other, at 1 m/s and 1 rad/s."""
+    found: list[Leg] = []
+    for kind, size, *radius in pieces:
+        value = float(size)  # type: ignore[arg-type]
+        if kind == "line":
+            found.append((abs(value) * scale, math.copysign(1.0, value), 0.0))
+        elif kind == "turn":
+            found.append((abs(math.radians(value)), 0.0, math.copysign(sense, value * sense)))
+        else:
+            radius_m = float(radius[0]) * scale  # type: ignore[arg-type]
+            turn = math.copysign(1.0 / radius_m, value * sense)
+            found.append((abs(math.radians(value)) * radius_m, 1.0, turn))
+        found.append((0.1, 0.0, 0.0))
+    return found
+
+
+def freed(name: str, **changes: object) -> Assignment:
+    """Return a shipped assignment that leaves other things free."""
+    task = assignment(name)
+    assert task.path is not None
+    return replace(task, path=replace(task.path, **changes))
+
+
+def graded_as(task: Assignment, trajectory: Trajectory, status: RunStatus = RunStatus.FINISHED) -> Scoring:
+    return evaluate(task, [run_of(trajectory, status)])
+
+
+@settings(max_examples=10)
+@given(
+    st.sampled_from(["right_triangle", "figure_eight"]),
+    st.floats(-180.0, 180.0),
+    st.floats(1.0, 9.0),
+    st.floats(1.0, 9.0),
+    st.booleans(),
+    st.booleans(),
+)
+def test_start_heading_mirror_image_and_direction_cost_nothing(
+    name: str, heading_deg: float, x: float, y: float, mirrored: bool, backwards: bool
+) -> None:
+    pieces = TRIANGLE if name == "right_triangle" else EIGHT
+    pieces = pieces[::-1] if backwards else pieces
+    way = legs(pieces, sense=-1.0 if mirrored else 1.0)
+    assert score(graded(name, drive(way, heading_deg=heading_deg, start_m=(x, y)))) == 100
+
+
+@pytest.mark.parametrize("scale", [0.4, 0.8, 1.7])
+def test_another_size_costs_nothing_where_the_size_is_free(scale: float) -> None:
+    for name, pieces in (("right_triangle", TRIANGLE), ("figure_eight", EIGHT)):
+        trajectory = drive(legs(pieces, scale))
+        assert score(graded_as(freed(name, any_scale=True), trajectory)) == 100
+        told = graded(name, trajectory)
+        assert score(told) < 90
+        assert told.mistakes[0] in ("path_size", "path_length", "path_radius")
+
+
+def test_a_closed_path_may_begin_at_any_piece() -> None:
+    for first in (0, 2, 4):
+        rotated = [*TRIANGLE, ("turn", 135.0)]
+        rotated = rotated[first:] + rotated[:first]
+        assert score(graded("right_triangle", drive(legs(rotated)))) == 100
+    only = freed("right_triangle", any_direction=False, mirror=False)
+    assert score(graded_as(only, drive(legs([*TRIANGLE[2:], ("turn", 135.0), TRIANGLE[0]])))) < 90
+
+
+@pytest.mark.parametrize("name", ["right_triangle", "figure_eight"])
+def test_noise_of_one_percent_costs_nothing_and_ten_percent_costs(name: str) -> None:
+    way = legs(TRIANGLE if name == "right_triangle" else EIGHT)
+    for seed in (1, 2, 3):
+        assert score(graded(name, drive(way, noise_m=0.01, seed=seed))) == 100
+    assert score(graded(name, waved(drive(way), 0.3))) < 85
+
+
+def waved(trajectory: Trajectory, wide_m: float) -> Trajectory:
+    """Return a motion that swings to and fro across its way, which noise from sample to sample does not."""
+    swing = wide_m * np.sin(np.arange(len(trajectory)) / 25.0)
+    return replace(
+        trajectory,
+        x_m=trajectory.x_m - swing * np.sin(trajectory.heading_rad),
+        y_m=trajectory.y_m + swing * np.cos(trajectory.heading_rad),
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "spoilt"),
+    [
+        ("right_triangle", lambda e: [*TRIANGLE[:4], ("line", 2.0 * math.sqrt(2.0) * (1.0 - e))]),
+        ("right_triangle", lambda e: [TRIANGLE[0], ("turn", 90.0 * (1.0 + e)), *TRIANGLE[2:]]),
+        ("figure_eight", lambda e: [EIGHT[0], ("arc", -360.0, 1.0 + e)]),
+        ("letter_l", lambda e: [("line", 3.0), ("turn", 90.0), ("line", 1.5 * (1.0 + e))]),
+        ("letter_l", lambda e: [("line", 3.0), ("turn", 90.0 * (1.0 - e)), ("line", 1.5)]),
+    ],
+)
+def test_credit_falls_as_one_error_grows(name: str, spoilt: object) -> None:
+    scores = [
+        score(graded(name, drive(legs(spoilt(error)))))  # type: ignore[operator]
+        for error in (0.0, 0.02, 0.05, 0.1, 0.15, 0.2, 0.3)
+    ]
+    assert scores[:2] == [100, 100]
+    assert scores == sorted(scores, reverse=True)
+    assert scores[-1] < 75
+
+
+@pytest.mark.parametrize("laps", [2, 3])
+def test_a_closed_path_may_be_driven_over_again_and_cut_by_the_horizon(laps: int) -> None:
+    way = legs([*TRIANGLE, ("turn", 135.0)]) * laps
+    assert score(graded("right_triangle", drive(way))) == 100
+    cut = drive(way, horizon_s=sum(leg[0] for leg in way) - 4.0)
+    assert score(graded("right_triangle", cut, RunStatus.INTERRUPTED)) == 100
+    assert score(graded_as(freed("right_triangle", laps=False), drive(way))) < 100
+
+
+def test_a_path_from_the_given_start_is_judged_there() -> None:
+    assert score(graded("letter_l", drive(legs(L)))) == 100
+    aside = graded("letter_l", drive(legs(L), heading_deg=60.0))
+    assert (score(aside) < 70, aside.mistakes[0]) == (True, "path_elsewhere")
+    turned = graded("letter_l", drive(legs(L, sense=-1.0)))
+    assert (score(turned) < 50, turned.mistakes[0]) == (True, "path_mirrored")
+
+
+@pytest.mark.parametrize(
+    ("name", "pieces", "code", "words"),
+    [
+        ("figure_eight", [EIGHT[0], ("arc", -360.0, 1.3)], "path_radius", "circle 2 is 1.3 m; 1 m is wanted"),
+        ("figure_eight", [EIGHT[0], EIGHT[0]], "path_sense", "circle 2"),
+        ("figure_eight", [EIGHT[0]], "path_unfinished", "50"),
+        ("figure_eight", [*EIGHT, ("turn", 90.0), ("line", 4.0)], "drove_on", "another 3.99 m"),
+        ("right_triangle", [*TRIANGLE[:4], ("line", 2.0)], "path_length", "line 3 is 2 m; 2.83 m is wanted"),
+        ("right_triangle", [TRIANGLE[0], ("turn", 75.0), *TRIANGLE[2:]], "path_corner", "75"),
+        ("letter_l", [*L, ("turn", 90.0), ("line", 2.0)], "path_count", "driven: 3; the path has 2"),
+        ("two_circles", [("arc", 360.0, 1.6), ("arc", 360.0, 0.8)], "path_reversed", "Begin with its first"),
+    ],
+)
+def test_what_is_said(name: str, pieces: list[tuple[object, ...]], code: str, words: str) -> None:
+    scoring = graded(name, drive(legs(pieces)))
+    assert scoring.mistakes[0] == code
+    assert words in scoring.hint.en
+    assert score(scoring) <= 85
+
+
+def test_a_wall_comes_first_and_standing_still_is_no_path() -> None:
+    hit = replace(drive(legs(L[:1])), contacts=(Contact(wall="right", start_ns=1, end_ns=2),))
+    assert graded("letter_l", hit).mistakes[0] == "wall_hit"
+    assert score(graded("letter_l", drive([(1.0, 0.0, 0.0)]))) == 0
+    spun = graded("figure_eight", drive([(30.0, 0.0, 1.0)]))
+    assert score(spun) == 0
+
+
+def test_the_sketch_shows_the_wanted_path_where_it_fits() -> None:
+    shown = sketch(assignment("figure_eight"), run_of(drive(legs([EIGHT[0], ("arc", -360.0, 1.3)]))))
+    assert [(label.text.en, label.ok) for label in shown.labels] == [("r = 1 m", True), ("r = 1.3 m", False)]
+    assert len(shown.ideal_m) > 100
+    lines = sketch(assignment("right_triangle"), run_of(drive(legs(TRIANGLE))))
+    assert [round(side.length_m, 2) for side in lines.sides] == [2.0, 2.0, 2.83]
+    assert [round(corner.angle_deg) for corner in lines.corners] == [90, 135]
+    assert all(side.ok for side in lines.sides)
+
+
+@pytest.mark.parametrize(
+    ("pieces", "measure", "words"),
+    [
+        ((), "off_pct", "missing; give path"),
+        ((PathPiece(kind="turn", angle_deg=90.0),), "off_pct", "nothing of it is driven"),
+        ((PathPiece(kind="line", length_m=1.0),), "radius_error_pct", "no arc"),
+        ((PathPiece(kind="line", length_m=1.0),), "corner_error_deg", "no corner"),
+        ((PathPiece(kind="arc", radius_m=1.0, angle_deg=90.0),), "length_error_pct", "no line"),
+    ],
+)
+def test_a_path_that_does_not_fit_its_rubric_is_refused(
+    pieces: tuple[PathPiece, ...], measure: str, words: str
+) -> None:
+    task = assignment("right_triangle")
+    items = (replace(task.items[0], measure=measure),)
+    path = WantedPath(pieces=pieces) if pieces else None
+    found = problems(replace(task, items=items, path=path))
+    assert any(words in told.en for _, told in found), found
+
+
+def test_points_may_be_given_instead_of_lengths() -> None:
+    goals = tuple(PathPiece(kind="goto", x_m=x, y_m=y) for x, y in ((2.0, 0.0), (2.0, 2.0), (0.0, 0.0)))
+    task = freed("right_triangle", pieces=goals)
+    assert score(graded_as(task, drive(legs(TRIANGLE)))) == 100
+
+
+def test_backing_up_along_a_line_is_a_line() -> None:
+    there_and_back = (PathPiece(kind="line", length_m=2.0), PathPiece(kind="turn", angle_deg=90.0))
+    there_and_back += (PathPiece(kind="line", length_m=-1.0),)
+    task = freed("letter_l", pieces=there_and_back)
+    trajectory = drive(legs([("line", 2.0), ("turn", 90.0), ("line", -1.0)]))
+    scoring = graded_as(task, trajectory)
+    assert score(scoring) == 100, [(each.id, each.measured) for each in scoring.items]
+    assert item(scoring, "corners").measured == pytest.approx(0.0, abs=1.0)
