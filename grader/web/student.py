@@ -20,7 +20,7 @@ from grader.use_cases.handing_in import Upload, hand_in
 from grader.use_cases.services import Services
 from grader.use_cases.submissions import PastAttempt, best_of, history
 from grader.web import access
-from grader.web.access import ServicesDep, Visitor, VisitorDep
+from grader.web.access import COSTLY, ServicesDep, Visitor, VisitorDep
 from grader.web.errors import form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
@@ -30,7 +30,7 @@ uploads = APIRouter(include_in_schema=False, route_class=UploadRoute)
 _MOST_ATTEMPTS = 50
 
 
-@router.get("/")
+@router.get("/", dependencies=[COSTLY])
 def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
     """Show the checklist, with what the student reached so far."""
     own = [one.submission for one in _attempts(services, visitor)]
@@ -46,7 +46,7 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
     )
 
 
-@router.get("/assignments/{assignment_id}")
+@router.get("/assignments/{assignment_id}", dependencies=[COSTLY])
 def read_assignment(
     request: Request, services: ServicesDep, visitor: VisitorDep, assignment_id: str
 ) -> Response:
@@ -87,7 +87,7 @@ def take_file(  # noqa: PLR0913, PLR0917
     return response
 
 
-@router.get("/submissions")
+@router.get("/submissions", dependencies=[COSTLY])
 def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
     """Show the student's earlier attempts, newest first."""
     access.require_known(visitor)

@@ -329,7 +329,14 @@ def test_what_takes_time_to_make_is_rationed_for_students(
         response = client.get(f"{url}/{costly}", headers=school.as_("li"))
         assert (response.status_code, response.json()["code"]) == (429, "too_many_requests"), costly
         assert client.get(f"{url}/{costly}", headers=school.as_("ta")).status_code == 200
-    assert client.get(url, headers=school.as_("li")).status_code == 200
+    assert client.get(url, headers=school.as_("li")).status_code == 429
+    waiting = client.post(
+        "/api/v1/submissions",
+        files={"file": ("a.py", b"x = 2\n")},
+        data={"assignment": "square"},
+        headers=school.as_("li"),
+    ).headers["Location"]
+    assert client.get(waiting, headers=school.as_("li")).status_code == 200
     clock.advance(int(response.headers["Retry-After"]))
     assert client.get(f"{url}/report", headers=school.as_("li")).status_code == 200
 

@@ -224,9 +224,9 @@ def test_a_members_pages_are_made_one_after_the_other(
     browser.enter(token=tokens["li"])
     costly, places = services.allowances.costly, services.allowances.requests_at_once
     with all_taken(services.settings.costly_at_once, lambda: costly.one_more(LI, "")):
-        for path in (own, f"{own}/plot.png", f"{own}/sketch.json", f"{own}/trajectory.json"):
+        for path in (own, f"{own}/plot.png", f"{own}/sketch.json", f"{own}/trajectory.json", "/submissions"):
             assert browser.get(path).status_code == 429, path
-        assert browser.get("/submissions").status_code == 200
+        assert browser.get(f"{own}/state.json").status_code == 200
     with all_taken(services.settings.requests_at_once, lambda: places.one_more("ros/li")):
         answer = browser.get("/submissions")
         assert (answer.status_code, "同时发出的请求太多" in answer.text) == (429, True)
