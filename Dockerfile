@@ -50,13 +50,14 @@ RUN cd /opt/grader/lib/python3.11/site-packages \
 COPY pyproject.toml README.md ./
 COPY grader grader
 COPY assignments assignments
+COPY lesson lesson
 COPY docs/student.md docs/student.zh.md docs/
 # Compiled here, because the root is read-only where it runs; a hash in place of a date spares a look at each source.
 RUN /opt/build/bin/pip wheel --no-cache-dir --no-deps --no-build-isolation --wheel-dir /tmp/dist . \
  && /opt/build/bin/pip --python /opt/grader/bin/python install --no-compile --no-deps /tmp/dist/grader-*.whl \
  && cd /opt/grader/bin \
  && find . -type f ! -name grader -delete \
- && ./python -m compileall -q -x /assignments/ --invalidation-mode unchecked-hash /opt/grader/lib
+ && ./python -m compileall -q -x '/(assignments|lesson)/' --invalidation-mode unchecked-hash /opt/grader/lib
 
 FROM scratch
 LABEL org.opencontainers.image.title="grader" \

@@ -26,6 +26,7 @@ from grader.routes import (
     recordings,
     regrades,
     rules,
+    similar,
     submissions,
 )
 from grader.routes.events import told_to_stop
@@ -41,6 +42,7 @@ _ROUTERS = (
     events.submission,
     recordings.router,
     assignments.router,
+    similar.router,
     rules.router,
     regrades.router,
     regrades.of_submission,

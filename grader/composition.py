@@ -21,10 +21,11 @@ from grader.store.database import Database, checkpoints
 from grader.store.queue import Queue, Retries
 from grader.store.schema import up_to_date
 from grader.store.standings import Measures
+from grader.store.tokens import Tokens
 from grader.store.work import Doorbell, WorkSource
 from grader.store.workers import Workers, presence
 from grader.telemetry.metrics import Metrics, exported
-from grader.use_cases.callers import new_token
+from grader.use_cases.callers import Callers, new_token
 from grader.use_cases.pictures import PlotCache, draw_stored
 from grader.use_cases.services import Services
 from grader.worker import Worker, WorkerConfig, WorkerParts
@@ -60,9 +61,10 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             assignments=_assignments(settings),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
-            instructor_token=_token(settings, courses),
+            callers=Callers(courses, Tokens(database, clock), _token(settings, courses)),
         )
         stack.callback(services.plots.close)
+        stack.callback(services.comparer.close)
         stack.callback(services.watching.close)
         if settings.slots:
             parts = _parts(database, settings, services.assignments, clock)

@@ -131,6 +131,18 @@ class Catalog:
             raise AssignmentError(f"{path}: this file is missing; add it", f"{path}：缺少这个文件：请补上")
         return path
 
+    def lesson(self) -> Path | None:
+        """Return the folder of the listings that the course's text prints; None where there is none."""
+        folder = self.root.parent / "lesson"
+        return folder if folder.is_dir() else None
+
+    def given_code(self) -> tuple[bytes, ...]:
+        """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
+        folders, lesson = list(self._folders()), self.lesson()
+        paths = [folder / name for folder in folders for name in ("starter.py", "solution.py")]
+        paths += [] if lesson is None else sorted(lesson.glob("*.py"))
+        return tuple(path.read_bytes() for path in paths if path.is_file())
+
     def folder(self, assignment_id: str) -> Path:
         """Return the folder of an assignment: starter, solution and wrong/ stand there.
 

@@ -20,6 +20,9 @@ class Folder(Protocol):
     def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
         """Yield id and content of every assignment; of a wrong one, what is wrong."""
 
+    def given_code(self) -> tuple[bytes, ...]:
+        """Return the scripts that every student can read."""
+
 
 class RefreshedAssignments:
     """The assignments of several folders, read again when the last reading is two seconds old.
@@ -63,6 +66,10 @@ class RefreshedAssignments:
             if assignment.id == assignment_id:
                 return assignment
         raise UnknownAssignmentError(f"there is no assignment {assignment_id!r}")
+
+    def given_code(self) -> tuple[bytes, ...]:
+        """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
+        return tuple(one for folder in self._folders for one in folder.given_code())
 
     def _refresh(self) -> None:
         now_s = self._monotonic_s()

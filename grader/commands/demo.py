@@ -99,7 +99,7 @@ def _save_plots(client: httpx.Client, location: str, stem: Path, language: str) 
 def _uploads_of_the_class() -> Iterator[DemoUpload]:
     """Yield the lesson's scripts, every solution, and some wrong scripts."""
     catalog = Catalog()
-    lesson = _lesson_folder(catalog)
+    lesson = catalog.lesson()
     if lesson is not None:
         yield DemoUpload("lesson", "hello", lesson / "hello_node.py")
         yield DemoUpload("lesson", "straight", lesson / "straight_mover.py")
@@ -111,11 +111,6 @@ def _uploads_of_the_class() -> Iterator[DemoUpload]:
         for student, path in zip(("bo", "chen", "dai"), wrong, strict=False):
             yield DemoUpload(student, assignment.id, path)
         yield DemoUpload("chen", assignment.id, catalog.own_file(assignment, "solution"))
-
-
-def _lesson_folder(catalog: Catalog) -> Path | None:
-    folder = catalog.root.parent / "lesson"
-    return folder if folder.is_dir() else None
 
 
 @contextmanager

@@ -108,6 +108,9 @@ class AssignmentSource(Protocol):
     def troubles(self) -> Mapping[str, Text]:
         """Return by id what is wrong with assignments that cannot be read now."""
 
+    def given_code(self) -> tuple[bytes, ...]:
+        """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
+
 
 class SandboxState(Record):
     """Whether submissions can be confined on this host.

@@ -75,6 +75,7 @@ class Trajectory:
 DECIMALS: Final = 6
 """Decimals of lengths, angles and speeds in JSON, so that files stay small and digests stable."""
 
+_COMMANDS = b'"commands":'
 _FLOAT_COLUMNS = ("x_m", "y_m", "heading_rad", "v_mps", "w_radps")
 
 
@@ -108,6 +109,12 @@ def decode_trajectory(data: bytes) -> Trajectory:
         commands=tuple(Command(*command) for command in document["commands"]),
         **floats,
     )
+
+
+def decode_commands(data: bytes) -> tuple[Command, ...]:
+    """Return the commands alone of what `encode_trajectory` wrote: they stand last, and the rest is not read."""
+    commands = json.loads(data[data.rindex(_COMMANDS) + len(_COMMANDS) : -1])
+    return tuple(Command(*command) for command in commands)
 
 
 def _rounded(column: Floats) -> list[float]:

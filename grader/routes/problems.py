@@ -103,6 +103,7 @@ _STATUS = {
     "regrade_decided": 409,
     "nothing_to_regrade": 422,
     "no_course": 409,
+    "no_scripts": 409,
     "invalid_rules": 422,
     "invalid_roster": 422,
     "invalid_sheet": 422,

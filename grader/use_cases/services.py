@@ -19,6 +19,7 @@ from grader.store.judgements import Judgements
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
+from grader.store.scripts import Scripts
 from grader.store.standings import Measures, Standings
 from grader.store.submissions import Submissions
 from grader.store.tokens import Tokens
@@ -26,6 +27,7 @@ from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from grader.telemetry.metrics import Metrics
 from grader.use_cases.callers import Allowances, Callers
+from grader.use_cases.comparing import Comparer
 from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
 
@@ -76,8 +78,9 @@ class Services:
     tokens: Tokens
     audit: AuditLog
 
-    # kept in this process: drawn plots, streams of events with their estimates, measurements
+    # kept in this process: drawn plots, compared scripts, streams of events with their estimates, measurements
     plots: PlotCache
+    comparer: Comparer
     watching: Watching
     metrics: Metrics
 
@@ -105,18 +108,17 @@ class Services:
         assignments: AssignmentSource,
         preflight: Preflight,
         plots: PlotCache,
-        instructor_token: str,
+        callers: Callers,
     ) -> Self:
         """Return the services that work on `database`, whose tables are up to date."""
         queue, workers = Queue(database, clock, retries), Workers(database, clock)
-        courses, tokens = Courses(database, clock), Tokens(database, clock)
         watching = _watching(database, settings, Estimates(queue, workers, clock, settings.silent_s))
         return cls(
             settings=settings,
             clock=clock,
             assignments=assignments,
             preflight=preflight,
-            callers=Callers(courses, tokens, instructor_token),
+            callers=callers,
             allowances=Allowances.of(settings, clock),
             submissions=Submissions(database, clock),
             queue=queue,
@@ -128,10 +130,11 @@ class Services:
             dashboard=Dashboard(database),
             costs=Costs(database, clock),
             rules=StoredRules(database),
-            courses=courses,
-            tokens=tokens,
+            courses=Courses(database, clock),
+            tokens=Tokens(database, clock),
             audit=AuditLog(database),
             plots=plots,
+            comparer=Comparer(Scripts(database), assignments.given_code),
             watching=watching,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
         )

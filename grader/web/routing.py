@@ -15,6 +15,7 @@ from grader.web import (
     regrading,
     rule_pages,
     rules_at_once,
+    similar_pages,
     student,
     submission,
 )
@@ -34,6 +35,7 @@ ROUTERS = (
     rule_pages.router,
     rules_at_once.router,
     people_pages.router,
+    similar_pages.router,
 )
 
 

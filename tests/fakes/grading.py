@@ -68,6 +68,9 @@ class FakeAssignments:
     def troubles(self) -> dict[str, Text]:
         return {}
 
+    def given_code(self) -> tuple[bytes, ...]:
+        return ()
+
 
 def trajectory() -> bytes:
     document = {

@@ -16,8 +16,11 @@ from fastapi import FastAPI
 from grader.api import create_app
 from grader.settings import Settings
 from grader.store.clock import Clock
+from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.queue import Retries
+from grader.store.tokens import Tokens
+from grader.use_cases.callers import Callers
 from grader.use_cases.pictures import PlotCache, Plotter
 from grader.use_cases.services import Services
 from tests.fakes.grading import FakeAssignments, FakePreflight
@@ -53,9 +56,9 @@ def services(
             assignments=FakeAssignments(),
             preflight=FakePreflight(),
             plots=PlotCache(plotter or FakePlotter(), 8),
-            instructor_token=TOKEN,
+            callers=Callers(Courses(database, clock), Tokens(database, clock), TOKEN),
         )
-        with closing(made.watching), closing(made.plots):
+        with closing(made.watching), closing(made.plots), closing(made.comparer):
             yield made
 
 

@@ -47,6 +47,7 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/assignments/{assignment_id}/rules": MEMBERS,
     "put /api/v1/assignments/{assignment_id}/rules": INSTRUCTORS,
     "get /api/v1/assignments/{assignment_id}/extensions": STAFF,
+    "get /api/v1/assignments/{assignment_id}/similar": STAFF,
     # the student is of the first course: the other's instructor is told that there is none
     "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 403, 403, 403, 200, 403, 422),
     "get /api/v1/submissions/{submission_id}/gradings": (401, 401, 403, 404, 200, 200, 404, 404),
@@ -100,6 +101,7 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/assignments/{assignment_id}/rules": OPEN_TO_ALL,
     "put /api/v1/assignments/{assignment_id}/rules": (401, 401, 409),
     "get /api/v1/assignments/{assignment_id}/extensions": OPERATOR_ONLY,
+    "get /api/v1/assignments/{assignment_id}/similar": OPERATOR_ONLY,
     "put /api/v1/assignments/{assignment_id}/extensions/{student}": (401, 401, 409),
     "get /api/v1/submissions/{submission_id}/gradings": OPERATOR_ONLY,
     "get /api/v1/submissions/{submission_id}/source": OPEN_TO_ALL,

@@ -56,6 +56,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/students/{student}": COURSE,
     "GET /class/compare": COURSE,
     "GET /class/service": STAFF,
+    "GET /class/similar/{assignment_id}": STAFF,
+    "GET /class/similar/{assignment_id}/pair": (303, 403, 403, 404, 404, 404),  # nobody is like themselves
     "GET /class/submissions/{submission_id}/gradings": COURSE,
     "GET /class/submissions/{submission_id}/gradings/compare": COURSE,
     "GET /class/submissions/{submission_id}/gradescope.json": COURSE,

@@ -1,0 +1,157 @@
+"""Which scripts of a class are alike at places that few have, and which drove alike: for staff to look at.
+
+Nothing of it is stored, and no score depends on it.
+"""
+
+import gzip
+import hashlib
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Caller
+from grader.contracts.trajectory import decode_commands
+from grader.contracts.upload import decoded
+from grader.similarity.commands import SentCommands, drive_of
+from grader.similarity.fingerprints import Fingerprints, Hashes, fingerprints, grams
+from grader.similarity.ranking import Pair, Script, rank
+from grader.similarity.tokens import tokens_of
+from grader.store.scripts import HandedIn
+from grader.use_cases.assignments import published, require_published
+from grader.use_cases.callers import require_staff
+from grader.use_cases.comparing import Similar, SimilarPair
+from grader.use_cases.services import Services
+
+MOST_SCRIPTS = 1_000
+"""What is compared at once; of a larger class those who handed in last."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SideBySide:
+    """Two similar scripts with their texts."""
+
+    pair: SimilarPair
+    first_source: bytes
+    second_source: bytes
+
+
+async def similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
+    """Return which scripts of the caller's class are alike.
+
+    Raises:
+        RefusedError: the caller may not see the class, there is no such assignment, or it asks for texts.
+    """
+    require_staff(caller)
+    return await services.comparer.run(lambda: _similar(services, caller, assignment_id))
+
+
+async def side_by_side(
+    services: Services, caller: Caller, assignment_id: str, first: str, second: str
+) -> SideBySide:
+    """Return two scripts by the ids of their submissions, in either order.
+
+    Raises:
+        RefusedError: as `similar`, or these two are not, or no longer, among the similar ones.
+    """
+    require_staff(caller)
+
+    def read() -> SideBySide:
+        whole = _similar(services, caller, assignment_id)
+        for pair in (*whole.pairs, *whole.same_drives):
+            if {pair.first.submission, pair.second.submission} == {first, second}:
+                sources = dict(services.comparer.scripts.sources({pair.first.sha256, pair.second.sha256}))
+                return SideBySide(
+                    pair=pair,
+                    first_source=sources[pair.first.sha256],
+                    second_source=sources[pair.second.sha256],
+                )
+        raise RefusedError("submission_not_found")
+
+    return await services.comparer.run(read)
+
+
+def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
+    state = services.dashboard.state(caller.course)
+    own = [one for one in state.progress if one.assignment == assignment_id]
+    assignment = published(services, assignment_id) if own else require_published(services, assignment_id)
+    if assignment is not None and assignment.input != "script":
+        raise RefusedError("no_scripts")
+    latest = sorted(own, key=lambda one: (one.last_activity_at, one.student), reverse=True)[:MOST_SCRIPTS]
+    scripts = services.comparer.scripts.of(
+        [one.counted_submission or one.latest_submission for one in latest]
+    )
+    staff = services.comparer.scripts.of_staff(caller.course, assignment_id)
+    given = services.comparer.given()
+    key = (caller.course, assignment_id, scripts, staff, _digest(given), len(own))
+    known = services.comparer.results.find(key)
+    if known is not None:
+        return known
+    made = _compared(services, assignment_id, scripts, staff, given)
+    return services.comparer.results.keep(key, replace(made, not_compared=len(own) - len(scripts)))
+
+
+def _compared(
+    services: Services,
+    assignment_id: str,
+    scripts: tuple[HandedIn, ...],
+    staff: tuple[HandedIn, ...],
+    given: Sequence[bytes],
+) -> Similar:
+    prints, drives = _fingerprints(services, scripts), _drives(services, (*scripts, *staff))
+    ranking = rank(
+        [Script(one.sha256, prints[one.sha256], drives.get(one.submission)) for one in scripts],
+        _grams(services, staff, given),
+        frozenset(drives[one.submission].digest for one in staff if one.submission in drives),
+    )
+
+    def pairs(found: Sequence[Pair]) -> tuple[SimilarPair, ...]:
+        return tuple(SimilarPair(scripts[one.first], scripts[one.second], one) for one in found)
+
+    return Similar(
+        assignment=assignment_id,
+        compared=len(scripts) - len(ranking.too_little),
+        not_compared=0,
+        few=ranking.few,
+        too_little=tuple(scripts[i].student for i in ranking.too_little),
+        pairs=pairs(ranking.pairs),
+        left_out=ranking.left_out,
+        same_drives=pairs(ranking.same_drives),
+    )
+
+
+def _grams(services: Services, staff: Collection[HandedIn], given: Sequence[bytes]) -> Hashes:
+    """Return every run of tokens in the code that all were given; what staff handed in is such code."""
+    handed_in = {one.sha256 for one in staff}
+    key = (frozenset(handed_in), _digest(given))
+    known = services.comparer.grams.find(key)
+    if known is not None:
+        return known
+    theirs = [source for _, source in services.comparer.scripts.sources(handed_in)]
+    every = [grams(tokens_of(decoded(one))) for one in (*given, *theirs)]
+    made = np.unique(np.concatenate([np.zeros(0, dtype=np.uint64), *every]))
+    return services.comparer.grams.keep(key, made)
+
+
+def _fingerprints(services: Services, scripts: Collection[HandedIn]) -> dict[str, Fingerprints]:
+    """Return what is compared of files, by their digests."""
+    kept = services.comparer.fingerprints
+    digests = {one.sha256 for one in scripts}
+    found = {one: known for one in digests if (known := kept.find(one)) is not None}
+    for sha256, source in services.comparer.scripts.sources(digests - found.keys()):
+        found[sha256] = kept.keep(sha256, fingerprints(tokens_of(decoded(source))))
+    return found
+
+
+def _drives(services: Services, scripts: Collection[HandedIn]) -> dict[str, SentCommands]:
+    """Return by submission how the scripts drove that were graded."""
+    kept = services.comparer.drives
+    found = {one: known for one in scripts if (known := kept.find(one)) is not None}
+    for one, runs in services.comparer.scripts.recordings([one for one in scripts if one not in found]):
+        found[one] = kept.keep(one, drive_of(decode_commands(gzip.decompress(run)) for run in runs))
+    return {one.submission: drive for one, drive in found.items()}
+
+
+def _digest(files: Sequence[bytes]) -> bytes:
+    return hashlib.sha256(b"".join(hashlib.sha256(one).digest() for one in files)).digest()
