@@ -1,9 +1,15 @@
 import os
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from contextlib import nullcontext
+from pathlib import Path
+from subprocess import CompletedProcess
 
 import pytest
 
+from grader.commands import check, cli
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.chromium import DESKTOP, Browser, chromium
 
 
@@ -15,6 +21,41 @@ def _found(*names: str) -> str:
     if os.environ.get("GRADER_REQUIRE_BROWSER"):
         pytest.fail(missing)
     pytest.skip(missing)
+
+
+class _Lent:
+    """A slot that outlives the command that uses it."""
+
+    def __init__(self, slot: Slot) -> None:
+        self._slot = slot
+
+    def grade(self, job: GradingJob, meanwhile: Callable[[], None]) -> GradingResult:
+        return self._slot.grade(job, meanwhile)
+
+    def abort(self) -> None:
+        """Grade the next one, too."""
+
+
+@pytest.fixture(scope="module")
+def slot() -> Iterator[Slot]:
+    with Slot(SlotConfig()) as made:
+        yield made
+
+
+@pytest.fixture
+def at_terminal(
+    slot: Slot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> Callable[..., CompletedProcess[str]]:
+    """`grader` with its arguments, in `tmp_path`: in this process, and with one slot for all tests of a module."""
+    monkeypatch.setattr(check, "Slot", lambda config: nullcontext(_Lent(slot)))
+    monkeypatch.chdir(tmp_path)
+
+    def run(*arguments: str | Path) -> CompletedProcess[str]:
+        code = cli.run([*map(str, arguments)])
+        said = capsys.readouterr()
+        return CompletedProcess(arguments, code, said.out, said.err)
+
+    return run
 
 
 @pytest.fixture(scope="session")

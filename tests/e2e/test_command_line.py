@@ -4,12 +4,15 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from grader.commands import cli
 from tests.e2e.grading_slot import LESSON, catalog
+
+Terminal = Callable[..., subprocess.CompletedProcess[str]]
 
 
 def grader(*arguments: str | Path, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -39,7 +42,9 @@ def test_who_reads_no_further_gets_no_traceback(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (cli.EXIT_BROKEN_PIPE, b"")
 
 
-def test_a_file_that_declares_its_encoding_is_read_as_python_reads_it(tmp_path: Path) -> None:
+def test_a_file_that_declares_its_encoding_is_read_as_python_reads_it(
+    tmp_path: Path, at_terminal: Terminal
+) -> None:
     script = (LESSON / "square_mover.py").read_text("utf-8").splitlines(keepends=True)
     coded = (
         script[0]
@@ -47,22 +52,22 @@ def test_a_file_that_declares_its_encoding_is_read_as_python_reads_it(tmp_path: 
         + "".join(line for line in script[1:] if "coding" not in line)
     )
     (tmp_path / "coded_square.py").write_bytes(coded.encode("gb18030"))
-    done = grader("check", "coded_square.py", cwd=tmp_path)
+    done = at_terminal("check", "coded_square.py")
     assert (done.returncode, done.stderr) == (0, ""), done.stdout
     assert "得分 100 / 100" in done.stdout
 
 
-def test_less_than_full_marks_ends_with_1_and_the_next_step(tmp_path: Path) -> None:
-    done = grader("check", LESSON / "square_mover.py", "-a", "triangle", "--lang", "en", cwd=tmp_path)
+def test_less_than_full_marks_ends_with_1_and_the_next_step(at_terminal: Terminal) -> None:
+    done = at_terminal("check", LESSON / "square_mover.py", "-a", "triangle", "--lang", "en")
     assert done.returncode == 1
     assert "Next step" in done.stdout
     assert "120°" in done.stdout
 
 
-def test_the_students_own_traceback_and_nothing_else(tmp_path: Path) -> None:
+def test_the_students_own_traceback_and_nothing_else(tmp_path: Path, at_terminal: Terminal) -> None:
     script = tmp_path / "square.py"
     script.write_text("from geometry_msgs.msg import Twist\nmsg = Twist()\nmsg.linear.x = 1\n")
-    done = grader("check", script, "--lang", "en", cwd=tmp_path)
+    done = at_terminal("check", script, "--lang", "en")
     assert done.returncode == 1
     assert "line 3, in <module>" in done.stdout
     assert "The 'x' field must be of type 'float'" in done.stdout
@@ -70,8 +75,8 @@ def test_the_students_own_traceback_and_nothing_else(tmp_path: Path) -> None:
     assert str(Path(sys.prefix)) not in done.stdout
 
 
-def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path) -> None:
-    done = grader("check", LESSON / "square_mover.py", "--json", "--plot", "out.png", cwd=tmp_path)
+def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path, at_terminal: Terminal) -> None:
+    done = at_terminal("check", LESSON / "square_mover.py", "--json", "--plot", "out.png")
     assert done.returncode == 0, done.stderr
     report = json.loads(done.stdout)
     assert (report["assignment"], report["score"]) == ("square", 100.0)
@@ -170,16 +175,16 @@ def test_the_published_rubric_names_every_item(capsys: pytest.CaptureFixture[str
     assert all(item.title.en in shown for item in catalog().get(name).items)
 
 
-def test_a_text_answers_a_question(tmp_path: Path) -> None:
+def test_a_text_answers_a_question(tmp_path: Path, at_terminal: Terminal) -> None:
     answer = tmp_path / "answer.txt"
     answer.write_text("4 × 3 m ÷ 1 m/s = 12 s\n", encoding="utf-8")
-    done = grader("check", answer, "-a", "calculation", cwd=tmp_path)
+    done = at_terminal("check", answer, "-a", "calculation")
     assert done.returncode == 0, done.stderr
     assert "正确" in done.stdout
-    waiting = grader("check", answer, "-a", "theory_keep_publishing", cwd=tmp_path)
+    waiting = at_terminal("check", answer, "-a", "theory_keep_publishing")
     assert waiting.returncode == 1
     assert "由人工评分" in waiting.stdout
-    refused = grader("check", answer, "-a", "square", cwd=tmp_path)
+    refused = at_terminal("check", answer, "-a", "square")
     assert refused.returncode == 2
     assert ".py" in refused.stderr
 

@@ -4,10 +4,12 @@ import json
 import subprocess
 import sys
 import unicodedata
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
+Terminal = Callable[..., subprocess.CompletedProcess[str]]
 EVIL = "\x1b[31m\x1b]0;title\x07\x9b2J\u202eevil\u2066\u200b<script>alert(1)</script>[bold red]\x08\r"
 NAME = "square\x1b[2J\u202e.py"
 SPOKEN = f"EVIL = {EVIL!r}\n"
@@ -30,12 +32,6 @@ SCRIPTS = {
 }
 
 
-def run(*arguments: str, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "grader", *arguments], cwd=cwd, capture_output=True, text=True, check=False
-    )
-
-
 def hidden(text: str) -> set[str]:
     return {
         each for each in text if each != "\n" and unicodedata.category(each) in ("Cc", "Cf", "Cs", "Zl", "Zp")
@@ -43,9 +39,9 @@ def hidden(text: str) -> set[str]:
 
 
 @pytest.mark.parametrize("name", SCRIPTS)
-def test_the_terminal_shows_it_escaped(name: str, tmp_path: Path) -> None:
+def test_the_terminal_shows_it_escaped(name: str, tmp_path: Path, at_terminal: Terminal) -> None:
     (tmp_path / NAME).write_text(SCRIPTS[name], encoding="utf-8", newline="")
-    done = run("check", NAME, "--assignment", "square", "--lang", "en", "--logs", cwd=tmp_path)
+    done = at_terminal("check", NAME, "--assignment", "square", "--lang", "en", "--logs")
     assert done.returncode in (1, 2)
     assert hidden(done.stdout + done.stderr) == set()
     assert "\\x1b" in done.stdout + done.stderr
@@ -53,7 +49,8 @@ def test_the_terminal_shows_it_escaped(name: str, tmp_path: Path) -> None:
 
 def test_running_without_grading_shows_it_escaped(tmp_path: Path) -> None:
     (tmp_path / NAME).write_text(SCRIPTS["prints"] + "raise ValueError(EVIL)\n", encoding="utf-8")
-    done = run("run", NAME, cwd=tmp_path)
+    command = [sys.executable, "-m", "grader", "run", NAME]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
     assert "evil" in done.stdout
     assert hidden(done.stdout + done.stderr) == set()
 
@@ -66,16 +63,18 @@ def test_running_without_grading_shows_it_escaped(tmp_path: Path) -> None:
         ("assignments", "show", EVIL),
     ],
 )
-def test_messages_about_it_show_it_escaped(arguments: tuple[str, ...], tmp_path: Path) -> None:
+def test_messages_about_it_show_it_escaped(
+    arguments: tuple[str, ...], tmp_path: Path, at_terminal: Terminal
+) -> None:
     (tmp_path / NAME).write_text("pass\n")
-    done = run(*arguments, cwd=tmp_path)
+    done = at_terminal(*arguments)
     assert done.returncode == 2
     assert done.stderr
     assert hidden(done.stdout + done.stderr) == set()
 
 
-def test_json_is_data_and_keeps_it(tmp_path: Path) -> None:
+def test_json_is_data_and_keeps_it(tmp_path: Path, at_terminal: Terminal) -> None:
     (tmp_path / "square.py").write_text(SCRIPTS["raises"], encoding="utf-8")
-    done = run("check", "square.py", "--json", cwd=tmp_path)
+    done = at_terminal("check", "square.py", "--json")
     assert json.loads(done.stdout)["runs"][0]["outcome"]["error"]["message"] == EVIL
     assert "\x1b" not in done.stdout

@@ -1,6 +1,5 @@
 """Scripts that drive three sides and then misbehave: told why, paid for what they drove, each time the same."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
@@ -9,7 +8,7 @@ from grader.contracts.assignment import MIB, Limits
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.outcome import RunStatus
 from grader.contracts.report import GradeStatus
-from grader.grading.slot import Slot, SlotConfig
+from grader.grading.slot import Slot
 from tests.e2e.grading_slot import catalog
 
 LIMITS = Limits(grace_cpu_s=0.2, output_bytes=256 * 1024, memory_bytes=192 * MIB)
@@ -106,12 +105,6 @@ ENDINGS = {
         ("SIGSEGV", "SIGSEGV"),
     ),
 }
-
-
-@pytest.fixture(scope="module")
-def slot() -> Iterator[Slot]:
-    with Slot(SlotConfig()) as made:
-        yield made
 
 
 @pytest.fixture(scope="module")
