@@ -226,6 +226,9 @@ def without_node(run: Run) -> Mistake:
         return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
     if (uncalled := not_called(run)) is not None:
         return uncalled
+    exits = ScriptText(run.source).lines_with(r"^[ \t]*(sys\.|os\._?)?(exit|quit)\(")
+    if exits and not run.outcome.stdout.text.strip():
+        return mistake("exited_early", line=exits[0])
     if run.outcome.stdout.text.strip():
         return mistake("only_printed")
     return mistake("nothing_ran")
@@ -317,7 +320,7 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
 
 
-_ZERO = r"-?[0.]+ ?(;|$)"
+_ZERO = r" ?-?[0.]+ ?(;|$)"
 
 
 def _only_zeros(run: Run) -> Mistake:
@@ -328,7 +331,7 @@ def _only_zeros(run: Run) -> Mistake:
         return mistake("compares_for_assigns", line=compared[0])
     if noted(run.outcome, "stopped_at_once") is not None:
         return mistake("stopped_at_once")
-    if script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=) ?(?!{_ZERO})"):
+    if script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=)(?!{_ZERO})"):
         return mistake("only_stops")
     return mistake("zero_commands")
 

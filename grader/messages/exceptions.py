@@ -44,6 +44,12 @@ _SIGNS: Final = tuple(
             + r"(int|float|double|bool|string|String|var|let|const|auto)[ \t]+[A-Za-z_]\w*[ \t]*(=|;|\n)",
             "typed_name",
         ),
+        (_LINE + r"(class|def)[ \t]+\w+[ \t]+\w+[ \t]*[(:]", "blank_in_name"),
+        (_LINE + r"(from|import)[ \t]+[\w.]*-", "hyphen_in_module"),
+        (_LINE + r"[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\(", "missing_dot"),
+        (r"SyntaxError: expected '\('", "def_parentheses"),
+        (r"SyntaxError: expected 'except' or 'finally' block", "try_alone"),
+        (r"SyntaxError: invalid syntax\. Perhaps you forgot a comma\?", "missing_comma"),
         (r"SyntaxError: expected ':'", "missing_colon"),
         (
             r"SyntaxError: ('.' was never closed|unmatched '.'|closing parenthesis '.' does not match)",
@@ -131,6 +137,12 @@ _SIGNS: Final = tuple(
         (r"Invalid(Node|Topic|Service)NameException: |InvalidNamespaceException: ", "bad_name"),
         (r"TypeError: 'NoneType' object is not callable", "callback_called"),
         (r"(Attribute|Type)Error: 'property' object ", "class_for_object"),
+        (r"TypeError: \w+\.\w+\(\) missing 1 required positional argument: 'self'", "class_for_object"),
+        (
+            r"TypeError: 'Vector3' object (does not support item assignment|is not subscriptable)",
+            "vector_index",
+        ),
+        (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
         (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
         (
             r"TypeError: (?!(Node|Client|Publisher|ActionClient|Rate|Clock)\.)(\w+\.)?\w+\(\) "
@@ -168,6 +180,7 @@ _SIGNS: Final = tuple(
         (r"NotInitializedException: ", "not_initialized"),
         (r"EOFError: ", "no_input"),
         (r"IndexError: list index out of range" + _AT + r".*\bsys\.argv\[", "no_arguments"),
+        (r"IndexError: (list|string|tuple) index out of range", "index_range"),
         (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
         (r"TclError: ", "no_display"),
         (r"FileNotFoundError: ", "missing_file"),
@@ -193,6 +206,7 @@ _MESSAGES: Final = {
     "sensor_msgs.msg": ("Image", "Imu", "LaserScan"),
     "std_msgs.msg": ("Bool", "Float32", "Float64", "Int32", "String"),
     "std_srvs.srv": ("Empty", "SetBool", "Trigger"),
+    "rosclaw_msgs.srv": ("CallService", "GetCapabilities", "PublishMessage"),
     "turtlesim.msg": ("Color", "Pose"),
     "turtlesim.srv": ("Kill", "SetPen", "Spawn", "TeleportAbsolute", "TeleportRelative"),
     "rclpy.action": ("ActionClient", "ActionServer"),
@@ -397,6 +411,8 @@ def _name(error: StudentError) -> Closer:
     written = script_line(error)
     if re.fullmatch(_SHELL, name) and re.match(rf"{_SHELL}([ \t]+[-~/.\w].*)?$", written):
         return "shell_line", {}
+    if name in {"name", "main"} and re.match(r"if\b", written):
+        return "underscores", {}
     if name in _ELSEWHERE_NAMES:
         return "other_language", {"name": name, "instead": _ELSEWHERE_NAMES[name]}
     if name in _IMPORTS:
@@ -419,7 +435,17 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
     given = [] if found is None else script.lines_with(rf"\bself\.{found[1]}[ \t]*(:[^=]*)?=(?!=)")
     if found is not None and given:
         return "missing_self_value", {"name": found[1], "given": given[0]}
+    if found is not None and script.node_class and _is_node(found[1], script_line(error)):
+        return "node_not_made", {"name": found[1], "owner": script.node_class}
     return _name(error)
+
+
+def _is_node(name: str, written: str) -> bool:
+    """Whether the line takes what `name` stands for to be a node."""
+    return (
+        re.search(rf"\bspin\w*\([ \t]*{name}\b|\b{name}\.(destroy_node|get_\w+|create_\w+)\(", written)
+        is not None
+    )
 
 
 def _attribute(error: StudentError, script: ScriptText) -> Closer:
@@ -459,6 +485,9 @@ def _own_attribute(owner: str, name: str, script: ScriptText) -> Closer:
     given = script.lines_with(rf"\bself\.{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
     if len(given) == 1 and given[0] > begins:
         return "not_yet_assigned", {"name": name, "given": given[0]}
+    near = [known for known in script.own_values if known != name and known.lower() == name.lower()]
+    if near:
+        return "misspelt", {"suggestion": near[0]}
     local = [] if given else script.lines_with(rf"^[ \t]+{re.escape(name)}[ \t]*(:[^=]*)?=(?!=)")
     if local and local[0] > begins:
         return "local_only", {"name": name, "given": local[0]}

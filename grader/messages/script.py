@@ -154,6 +154,19 @@ class ScriptText:
         deeper = itertools.takewhile(lambda line: not line.strip() or _indent(line) > indent, lines[1:])
         return [*lines[:1], *deeper]
 
+    @property
+    def node_class(self) -> str | None:
+        """The name of the first class that is made from Node."""
+        found = re.search(
+            r"^[ \t]*class[ \t]+(\w+)[ \t]*\([^)\n]*Node\b", "\n".join(self.lines), re.MULTILINE
+        )
+        return found[1] if found else None
+
+    @property
+    def own_values(self) -> list[str]:
+        """The names that are assigned as ``self.name = ...``."""
+        return list(dict.fromkeys(re.findall(r"\bself\.(\w+)[ \t]*=(?!=)", "\n".join(self.lines))))
+
     @cached_property
     def publisher(self) -> str | None:
         """The name under which the script keeps its only publisher of Twist; None when that is not clear."""

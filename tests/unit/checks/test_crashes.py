@@ -147,7 +147,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
             "missing_import",
             ("'twist' from 'geometry_msgs.msg'",),
         ),
-        (error("IndexError", "list index out of range"), "crashed", ("IndexError",)),
+        (error("IndexError", "list index out of range"), "index_range", ("0",)),
         (
             error("IndexError", "list index out of range", "    main(sys.argv)", "    x = sys.argv[1]"),
             "no_arguments",
@@ -155,8 +155,8 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         ),
         (
             error("IndexError", "list index out of range", "    main(sys.argv[1:])", "    x = sides[4]"),
-            "crashed",
-            ("IndexError",),
+            "index_range",
+            ("17",),
         ),
         (
             error("AttributeError", "'Car' object has no attribute '_logger'", "    self._logger.info('')"),

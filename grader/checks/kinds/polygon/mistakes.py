@@ -243,13 +243,15 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     corners, ideal = seen.driven.corners_deg, seen.ideal_deg
     spoilt = ("corner_deg", "gap_pct", "sides", "opposite_corners")
     values = {"corners": listed(corners, "deg"), "ideal": _degree(ideal), "sides": seen.sides}
+    values["radians"] = number(math.radians(ideal), "rad", 4)
     if len(corners) == 0:
         return
     mean = float(np.mean(corners))
     uniform = float(np.ptp(corners)) <= 2.0 * SAME_DEG
     off = np.array([seen.loses("corner_deg", corner) for corner in corners.tolist()])
-    if bool((corners < 0.0).any()):
-        yield mistake("zigzag", spoilt, **values)
+    back = float(np.min(np.abs(corners))) > 180.0 - SAME_DEG  # to which side, is chance
+    if back or bool((corners < 0.0).any()):
+        yield mistake("turned_back" if back else "zigzag", spoilt, **values)
     elif not off.any() and bool(seen.driven.long_way.any()):
         yield mistake(
             "long_way", ("opposite_corners",), turned=listed(seen.driven.turned_deg, "deg"), **values
