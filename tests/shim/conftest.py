@@ -222,6 +222,7 @@ def run_script_text(
     output_bytes: int | None = None,
     steps: int | None = None,
     distro: str = "humble",
+    warm: bool = False,
 ) -> Run:
     """Run `source` in a subprocess on the shim and return what it did.
 
@@ -233,6 +234,7 @@ def run_script_text(
         preload: modules imported before the shim takes over, as the zygote does.
         output_bytes: what the script may print.
         distro: which release of ROS 2 the script finds.
+        warm: load ahead what most scripts need, as the zygote does.
         steps: what it may do.
         cpu_s: backstop against a script that never ends; the process is then killed by SIGXCPU.
     """
@@ -253,7 +255,7 @@ def run_script_text(
     text = json.dumps(start).encode()
     body = struct.pack("<BI", 0x80, len(text)) + text + data
     ours, theirs = socket.socketpair()
-    load = _BARE if bare else _FULL
+    load = (_BARE if bare else _FULL) + ("; import rclpy._process.warm" if warm else "")
     episode = Episode(ours, feed, services or {})
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         with theirs:

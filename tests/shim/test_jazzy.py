@@ -34,8 +34,9 @@ ONLY_ON_JAZZY = (
 )
 
 
+@pytest.mark.parametrize("warm", [False, True])
 @pytest.mark.parametrize("distro", ["humble", "jazzy"])
-def test_what_only_jazzy_has_is_on_jazzy_only(run_script: RunScript, distro: str) -> None:
+def test_what_only_jazzy_has_is_on_jazzy_only(run_script: RunScript, distro: str, warm: bool) -> None:
     probe = f"""
 for line in {ONLY_ON_JAZZY!r}:
     try:
@@ -43,13 +44,24 @@ for line in {ONLY_ON_JAZZY!r}:
     except (ImportError, AttributeError, TypeError) as error:
         print(line, "->", type(error).__name__)
 """
-    missing = run_script(NODE + probe, distro=distro).stdout.splitlines()
+    missing = run_script(NODE + probe, distro=distro, warm=warm).stdout.splitlines()
     assert [line.partition(" -> ")[0] for line in missing] == (
         [] if distro == "jazzy" else list(ONLY_ON_JAZZY)
     )
 
 
-def test_imports_bring_what_they_bring_at_home(run_script: RunScript) -> None:
+@pytest.mark.parametrize("warm", [False, True])
+def test_what_modules_have_copied_of_each_other_changes_with_it(run_script: RunScript, warm: bool) -> None:
+    source = (
+        "import rclpy.timer, rclpy.clock\n"
+        "rclpy.timer.Timer(print, None, 1, rclpy.clock.Clock(), context=rclpy.context.Context())\n"
+    )
+    message = "'NoneType' object does not support the context manager protocol"
+    assert run_script(source, distro="jazzy", warm=warm).exit["message"] == message
+
+
+@pytest.mark.parametrize("warm", [False, True])
+def test_imports_bring_what_they_bring_at_home(run_script: RunScript, warm: bool) -> None:
     run = run_script(
         "import rclpy, os, warnings\n"
         "print(os.environ['ROS_DISTRO'], hasattr(rclpy, 'node'), hasattr(rclpy, 'clock_type'))\n"
@@ -59,6 +71,7 @@ def test_imports_bring_what_they_bring_at_home(run_script: RunScript) -> None:
         "    from rclpy.qos_event import PublisherEventCallbacks\n"
         "print(PublisherEventCallbacks.__module__, *(w.message for w in caught))\n",
         distro="jazzy",
+        warm=warm,
     )
     assert run.stdout == (
         "jazzy False False\n"

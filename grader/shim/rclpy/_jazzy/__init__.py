@@ -77,6 +77,9 @@ def install() -> None:
     from rclpy._process.shelf import shelf
 
     seen = set(sys.modules)
+    for name in shelf.names():
+        if name.startswith("rclpy."):
+            __import__(name)  # what it has copied from others has to change, too
     for name in _CHANGES:
         __import__(f"rclpy._jazzy.{name}")
     LAZY.update(_LATER)

@@ -38,14 +38,9 @@ def extends(changed: type) -> Callable[[ClassT], ClassT]:
 
 def replace(module: ModuleType, **new: Any) -> None:
     """Put values in the place of a module's, and of the copies that modules of rclpy have imported."""
-    for name, value in new.items():
-        old = module.__dict__.get(name)
-        setattr(module, name, value)
-        if old is None:
-            continue
-        for other in tuple(sys.modules.values()):
-            names = getattr(other, "__dict__", None)
-            if names is None or not str(names.get("__name__")).startswith("rclpy."):
-                continue
-            if names.get(name) is old:
-                names[name] = value
+    old = {name: module.__dict__.get(name) for name in new}
+    vars(module).update(new)
+    for other in [vars(sys.modules[name]) for name in sys.modules if name.startswith("rclpy")]:
+        for name, value in new.items():
+            if old[name] is not None and other.get(name) is old[name]:
+                other[name] = value
