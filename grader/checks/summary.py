@@ -31,7 +31,7 @@ def summarise(
     hint = mistakes[0].text if mistakes else next((item.hint for item in wrong if item.hint != EMPTY), EMPTY)
     return Scoring(
         items=tuple(items),
-        summary=_sentence(items, wrong),
+        summary=say("summary.waiting") if _waits(items) else _sentence(items, wrong),
         hint=hint,
         mistakes=tuple(mistake.code for mistake in mistakes),
     )

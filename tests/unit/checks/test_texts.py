@@ -9,8 +9,10 @@ from hypothesis import strategies as st
 
 from grader.checks import evaluate, evaluate_text, problems, published_rubric
 from grader.checks.kinds.number import given_answer
+from grader.checks.summary import summarise
 from grader.contracts.errors import AssignmentError
-from grader.contracts.rubric import ItemStatus
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.text import EMPTY
 from grader.messages.quantity import quantities
 from tests.unit.checks.ideal_turtle import drive, run_of
 from tests.unit.checks.shipped import assignment, item, score
@@ -165,3 +167,12 @@ def test_a_number_needs_no_space_before_or_behind_it(text: str) -> None:
     given = given_answer(text, "s")
     assert given is not None
     assert (given.value, given.unit) == (12.0, "s")
+
+
+def test_no_score_is_told_while_something_waits_for_a_person() -> None:
+    failed, waits = (
+        RubricItem(id=one, title=EMPTY, points=50.0, earned=0.0, status=one)
+        for one in (ItemStatus.FAILED, ItemStatus.NEEDS_MANUAL)
+    )
+    assert "0/100" in summarise([failed, replace(waits, status=ItemStatus.FAILED)], [], []).summary.en
+    assert "0/100" not in summarise([failed, waits], [], []).summary.en
