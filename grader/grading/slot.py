@@ -145,15 +145,21 @@ class Slot:
 
         Raises:
             InfrastructureError: the child died, did not answer in time or reported a fault of its own; a
-                `NoRoomError` if the host had no process, thread or memory to spare.
+                `NoRoomError` if the host had no process, thread or memory to spare for it or for a run.
             SandboxUnavailableError: this host cannot isolate a submission as the mode demands.
         """
         self.start()
         # From one answer to the next, not for all runs: the child says when each of them begins.
-        budget_s = bounds.longest_run_s(job.assignment.limits.wall_s) + _SPARE_S
+        budget_s, has_run = bounds.longest_run_s(job.assignment.limits.wall_s) + _SPARE_S, False
         self._send(_request(job), budget_s)
-        while (answer := self._receive(budget_s)).get("kind") == "running":
-            on_run()
+        try:
+            while (answer := self._receive(budget_s)).get("kind") == "running":
+                has_run = True
+                on_run()
+        except NoRoomError as error:
+            if not has_run:
+                raise
+            raise InfrastructureError(str(error)) from error  # the script may have taken the room
         match answer.get("kind"):
             case "result":
                 return self._result(answer)

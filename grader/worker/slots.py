@@ -165,7 +165,7 @@ class GradingSlot:
             self._sandbox.failed(error)
             self._parts.queue.hand_back(claim)
         except NoRoomError as error:
-            self._wait_for_room(claim, error, had_run=running.is_set())
+            self._wait_for_room(claim, error)
         except Exception as error:
             # no fault of the student, whatever it is: the child is replaced and the submission tried again
             self._fail(claim, error, had_run=running.is_set())
@@ -204,13 +204,10 @@ class GradingSlot:
             following = None
         return stored, following
 
-    def _wait_for_room(self, claim: Claim, error: NoRoomError, *, had_run: bool) -> None:
-        """Put a submission back that could not be started: it waits, which is no try.
-
-        One whose script had run may be what took the room: that counts.
-        """
-        if had_run or self._abandoned is claim:
-            self._fail(claim, error, had_run=had_run)
+    def _wait_for_room(self, claim: Claim, error: NoRoomError) -> None:
+        """Put a submission back that could not be started: it waits, which is no try."""
+        if self._abandoned is claim:
+            self._fail(claim, error, had_run=False)
             return
         self._grader.close()
         self._parts.queue.hand_back(claim, f"{type(error).__name__}: {error}", _ROOM_PAUSE_S)

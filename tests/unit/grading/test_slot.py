@@ -255,6 +255,19 @@ def test_a_host_that_has_nothing_to_spare_is_told_apart(children: list[str], pro
         one.grade(JOB)
 
 
+def test_a_grading_process_that_is_killed_while_the_script_runs_counts_as_a_try(children: list[str]) -> None:
+    children.append("receive(); send({'kind': 'running'}); os.kill(os.getpid(), signal.SIGKILL)")
+    with Slot(SlotConfig()) as one, pytest.raises(InfrastructureError) as error:
+        one.grade(JOB)
+    assert type(error.value) is InfrastructureError
+
+
+def test_a_second_case_that_cannot_be_started_waits_as_the_first_does(children: list[str]) -> None:
+    children.append("receive(); send({'kind': 'running'}); send({'kind': 'no_room', 'message': ''}); serve()")
+    with Slot(SlotConfig()) as one, pytest.raises(NoRoomError):
+        one.grade(JOB)
+
+
 def test_a_grading_process_that_finds_no_room_for_itself_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     def refuse(_: object) -> None:
         raise RuntimeError("can't start new thread")

@@ -71,15 +71,6 @@ def test_what_cannot_be_started_for_lack_of_room_waits_and_uses_no_try(
     assert (bench.row(id_).state, bench.row(id_).tries) == (SubmissionState.GRADED, 1)
 
 
-def test_lack_of_room_while_the_script_ran_counts_as_a_try(bench: Bench) -> None:
-    id_ = bench.upload()
-    bench.grader.runs = True
-    bench.grader.faults = [NoRoomError("killed") for _ in range(2)]
-    for _ in range(2):
-        assert bench.slot().step()
-    assert bench.row(id_).state is SubmissionState.INFRASTRUCTURE_ERROR
-
-
 def test_a_claim_abandoned_while_its_result_is_stored_costs_the_next_no_try(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
