@@ -78,7 +78,7 @@ def test_the_database_is_the_one_the_service_asks_for() -> None:
 
 
 def test_the_database_is_of_the_version_that_the_tests_use(postgres_server: postgres.PostgresServer) -> None:
-    with postgres_server._connected("postgres") as connection:
+    with postgres_server.connected("postgres") as connection:
         version = connection.execute("SHOW server_version").fetchone()[0]
     assert SERVICES["db"]["image"] == f"postgres:{version.split('.')[0]}-bookworm"
 

@@ -78,7 +78,7 @@ def create_course(installation: Installation) -> None:
 
 def on_postgresql(runtime: Runtime, server: postgres.PostgresServer) -> Installation:
     """An installation whose database the containers reach by a socket of this host."""
-    sockets = server._folder
+    sockets = server.folder
     (sockets / ".s.PGSQL.5432").chmod(0o777)  # the image's user is not the server's
     sockets.chmod(0o755)
     server.create(DATABASE, empty=True)

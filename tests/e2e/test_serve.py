@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import httpx
@@ -15,6 +15,7 @@ from grader.contracts.record import from_json
 from grader.contracts.report import GradeReport
 from tests.e2e.grading_slot import LESSON, catalog
 
+Terminal = Callable[..., subprocess.CompletedProcess[str]]
 SCRIPTS = {"hello": "hello_node.py", "straight": "straight_mover.py", "square": "square_mover.py"}
 STUDENT = "20260123"
 
@@ -52,10 +53,9 @@ def refused(client: httpx.Client, assignment: str, name: str, source: bytes) -> 
 
 @pytest.mark.parametrize("assignment", SCRIPTS)
 def test_the_lessons_scripts_get_the_very_report_that_check_prints(
-    client: httpx.Client, lesson: dict[str, str], assignment: str
+    client: httpx.Client, lesson: dict[str, str], assignment: str, at_terminal: Terminal
 ) -> None:
-    command = [sys.executable, "-m", "grader", "check", str(LESSON / SCRIPTS[assignment]), "--json"]
-    local = subprocess.run(command, capture_output=True, check=True).stdout.strip()
+    local = at_terminal("check", LESSON / SCRIPTS[assignment], "--json").stdout.strip().encode()
     report = from_json(GradeReport, local)
     assert report.score == report.max_score == 100
     document = client.get(lesson[assignment]).json()

@@ -69,23 +69,23 @@ class PostgresServer:
         Raises:
             Exception: it cannot be started here; which one depends on why.
         """
-        self._folder = _root() / os.environ[_RUN]
-        with _locked(self._folder / "starting"):
-            if not (self._folder / "ready").exists():
+        self.folder = _root() / os.environ[_RUN]
+        with _locked(self.folder / "starting"):
+            if not (self.folder / "ready").exists():
                 _stop_left_overs()
-                _start(self._folder)
+                _start(self.folder)
                 self.create(_PREPARED, empty=True)
                 database = Database(self.url(_PREPARED))
                 migrate(database)
                 database.close()
-                (self._folder / "ready").touch()
+                (self.folder / "ready").touch()
         self._own = f"own_{os.getpid()}"
         self._shape: str | None = None
         self._washing: Any = None
 
     def url(self, database: str) -> str:
         """Return the address of a database of this server."""
-        return f"postgresql+psycopg://postgres@/{database}?host={self._folder}"
+        return f"postgresql+psycopg://postgres@/{database}?host={self.folder}"
 
     def create(self, database: str, *, empty: bool = False) -> str:
         """Create a database, migrated unless it shall be `empty`; return its address."""
@@ -145,18 +145,19 @@ class PostgresServer:
             except OperationalError:  # a test ended all connections
                 self.close()
         if self._washing is None:
-            self._washing = self._connected(self._own)
+            self._washing = self.connected(self._own)
         return self._washing
 
     def _administer(self, statement: str) -> None:
-        with self._connected("postgres") as connection:
+        with self.connected("postgres") as connection:
             connection.execute(statement)
 
-    def _connected(self, database: str) -> Any:
+    def connected(self, database: str) -> Any:
+        """Return a connection to a database of this server; each statement is its own transaction."""
         import psycopg
 
         return psycopg.connect(
-            host=str(self._folder), user="postgres", dbname=database, autocommit=True, connect_timeout=60
+            host=str(self.folder), user="postgres", dbname=database, autocommit=True, connect_timeout=60
         )
 
 

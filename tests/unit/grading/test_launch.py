@@ -11,6 +11,7 @@ from grader.contracts.assignment import Limits
 from grader.contracts.grading import GradingJob
 from grader.grading import launch
 from grader.grading.slot import Slot, SlotConfig
+from tests.fakes.processes import process_of
 from tests.unit.grading.test_slot import ASSIGNMENT, CHILD, JOB
 
 
@@ -20,8 +21,7 @@ def test_a_process_started_ahead_is_the_first_to_be_used(monkeypatch: pytest.Mon
     ahead = launch._ahead[0]
     with Slot(SlotConfig()) as one:
         assert one.grade(JOB).report.score == 1.0
-        assert one._process is not None
-        assert one._process._pid == ahead.pid
+        assert process_of(one)._pid == ahead.pid
     assert not launch._ahead
 
 

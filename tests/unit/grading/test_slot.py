@@ -18,6 +18,7 @@ from grader.contracts.text import EMPTY
 from grader.grading import child, launch, slot
 from grader.grading.launch import Child
 from grader.grading.slot import Channel, Slot, SlotConfig
+from tests.fakes.processes import process_of
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
 ASSIGNMENT = Assignment(
@@ -137,8 +138,7 @@ def test_a_nice_child_gives_way_with_all_it_starts() -> None:
     before = os.getpriority(os.PRIO_PROCESS, 0)
     with Slot(SlotConfig(mode="best-effort", niceness=before + 7)) as one:
         one.grade(replace(JOB, source=b"pass"))
-        assert one._process is not None
-        grading = str(one._process._pid)
+        grading = str(process_of(one)._pid)
         wait_until(lambda: any(map(is_for_a_script, family(grading))))  # made once nobody waits
         assert {standing(pid) for pid in family(grading)} == {(before + 7, os.SCHED_BATCH, "7")}
     assert os.getpriority(os.PRIO_PROCESS, 0) == before
@@ -155,8 +155,7 @@ def test_a_child_that_dies_is_replaced(children: list[str]) -> None:
 def test_a_child_that_dies_before_it_is_asked_is_replaced(children: list[str]) -> None:
     children += ["sys.exit(7)", "serve()"]
     with Slot(SlotConfig()) as one:
-        assert one._process is not None
-        assert one._process.wait(30.0) == 7
+        assert process_of(one).wait(30.0) == 7
         assert one.grade(JOB).report.score == 1.0
 
 
@@ -181,7 +180,7 @@ def test_a_child_that_hangs_is_ended(
     children.append(program)
     job = GradingJob(file_name="a.py", source=JOB.source, assignment=_hurried())
     with Slot(SlotConfig()) as one:
-        process = one._process
+        process = process_of(one)
         assert process is not None
         with pytest.raises(InfrastructureError, match="no answer in time"):
             one.grade(job)
@@ -231,7 +230,7 @@ def test_nonsense_is_an_infrastructure_error_and_the_next_grading_works(
         with pytest.raises(InfrastructureError):
             one.grade(JOB)
         if goes_on:
-            assert one._process is None
+            assert process_of(one) is None
         assert one.grade(JOB).report.score == 1.0
 
 
@@ -308,11 +307,10 @@ def test_the_whole_group_ends_with_the_slot(children: list[str], tmp_path: Path)
 def test_a_child_whose_parent_is_gone_ends_without_a_word(capfd: pytest.CaptureFixture[str]) -> None:
     with Slot(SlotConfig(mode="dev")) as one:
         assert one._channel is not None
-        assert one._process is not None
         one._channel.send(slot._request(JOB), PATIENCE_S)
         one._channel.close()
         one._channel = None
-        assert one._process.wait(PATIENCE_S) == 0
+        assert process_of(one).wait(PATIENCE_S) == 0
     assert capfd.readouterr().err == ""
 
 

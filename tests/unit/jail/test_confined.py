@@ -35,7 +35,7 @@ def run(sandbox: Sandbox, source: str, limits: Limits = LIMITS) -> JailReport:
 
 def waiting(sandbox: Sandbox) -> int:
     assert spare_of(sandbox) is not None
-    return spare_of(sandbox)._process.pid
+    return process_of(spare_of(sandbox)).pid
 
 
 def exists(pid: int) -> bool:
