@@ -6,7 +6,7 @@ from fastapi import APIRouter, Path, Response
 from pydantic import BaseModel, Field
 
 from grader.checks import published_rubric
-from grader.contracts.assignment import Assignment, ItemSpec
+from grader.contracts.assignment import Assignment, Distro, ItemSpec
 from grader.contracts.rubric import PublishedItem
 from grader.contracts.text import Language
 from grader.routes.dependencies import ENTRY_PROBLEMS, CallerDep, LanguageDep, ServicesDep
@@ -64,6 +64,7 @@ class AssignmentView(AssignmentSummary):
     """An exercise with its whole rubric."""
 
     file_patterns: list[str] = Field(description="File names that tell it.", examples=[["*square*.py"]])
+    distro: Distro = Field(description="Release of ROS 2 that a script finds.")
     cmd_vel_topic: str = Field(description="Topic that moves the car.", examples=["/turtle1/cmd_vel"])
     walls: bool = Field(description="Whether the window's edges stand as walls.")
     cpu_limit_s: float = Field(description="CPU seconds a run may use.", examples=[10.0])
@@ -109,6 +110,7 @@ def read(
     return AssignmentView(
         **_summary(assignment, language),
         file_patterns=list(assignment.file_patterns),
+        distro=assignment.distro,
         cmd_vel_topic=assignment.world.cmd_vel_topic,
         walls=assignment.world.walls,
         cpu_limit_s=assignment.limits.cpu_s,
