@@ -115,6 +115,17 @@ def test_nothing_is_compared_twice(services: Services, monkeypatch: pytest.Monke
     assert len(found(services).pairs) == 3
 
 
+def test_of_a_very_large_class_the_latest_are_compared(
+    services: Services, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grader.use_cases.similar.MOST_SCRIPTS", 2)
+    for student in ("s0", "s2", "s1"):
+        put(services, student, changed_square(1))
+    result = found(services)
+    assert (result.compared, result.not_compared) == (2, 1)
+    assert {result.pairs[0].first.student, result.pairs[0].second.student} == {"s1", "s2"}
+
+
 def test_two_scripts_side_by_side(services: Services) -> None:
     first, second = put(services, "s0", changed_square(1)), put(services, "s1", renamed(changed_square(1)))
     other = put(services, "s2", changed_square(2))
