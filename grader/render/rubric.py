@@ -45,6 +45,8 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
     worth = word("worth", language, points=most)
     if assignment.input == "script":  # a text is read, not run
         worth += word("time_limit", language, seconds=quantity.points(rubric.horizon_s))
+    if assignment.distro != "humble":  # the release that goes without saying
+        worth += f"  ROS 2 {assignment.distro.capitalize()}"
     yield title.append(worth, "cyan")
     if brief := rubric.brief.get(language):
         yield Padding(Prose(visible(brief).strip()), (1, 0, 0, 0))

@@ -45,6 +45,13 @@ def test_a_text_has_no_time_limit() -> None:
     assert "时限 60 虚拟秒" in shown("zh")
 
 
+def test_another_release_than_humble_is_named() -> None:
+    stream = io.StringIO()
+    console(stream, 100).print(render_rubric(replace(assignment(), distro="jazzy"), RUBRIC, language="zh"))
+    assert "ROS 2 Jazzy" in stream.getvalue()
+    assert "ROS 2" not in shown("zh")
+
+
 def test_everything_published_is_shown() -> None:
     text = shown("zh")
     for part in (
