@@ -5,6 +5,7 @@ from pathlib import Path
 from string import Template
 
 from grader.catalog import Catalog
+from grader.catalog.files import SPEC_NAME
 from grader.contracts.errors import AssignmentError
 from grader.contracts.text import trouble
 
@@ -13,8 +14,13 @@ _TEMPLATE_SUFFIX = ".txt"  # of scripts, so that tools do not take them for the 
 _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}")
 
 
-def create(catalog: Catalog, name: str) -> Path:
+def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
     """Make the folder of a new assignment at the end of the checklist; return it.
+
+    Args:
+        catalog: where it is to be.
+        name: its id.
+        like: the folder of an assignment that it begins as a copy of; None: a simple example.
 
     Raises:
         AssignmentError: the name is not a valid id or is taken, or the folder cannot be written.
@@ -31,15 +37,30 @@ def create(catalog: Catalog, name: str) -> Path:
             f"已经有 {folder}：换一个名字，或者直接改它",
         )
     order = max((assignment.order for assignment in catalog.all()), default=0) + 1
+    root = _SKELETON if like is None else like
     try:
-        for source in sorted(path for path in _SKELETON.rglob("*") if path.is_file()):
-            target = folder / str(source.relative_to(_SKELETON)).removesuffix(_TEMPLATE_SUFFIX)
+        for source in sorted(path for path in root.rglob("*") if path.is_file()):
+            target = folder / str(source.relative_to(root)).removesuffix(
+                _TEMPLATE_SUFFIX if like is None else ""
+            )
             target.parent.mkdir(parents=True, exist_ok=True)
             text = source.read_text(encoding="utf-8")
-            if target.suffix == ".yaml":
-                text = Template(text).substitute(id=name, order=order)
+            if target == folder / SPEC_NAME:
+                text = (
+                    Template(text).substitute(id=name, order=order)
+                    if like is None
+                    else _own(text, name, order)
+                )
             target.write_text(text, encoding="utf-8")
     except OSError as error:
         told = trouble(error)
         raise AssignmentError(f"{folder}: {told.en}", f"{folder}：{told.zh}") from error
     return folder
+
+
+def _own(spec: str, name: str, order: int) -> str:
+    """Return the ``assignment.yaml`` of another assignment with id, place and file names of a new one."""
+    lines = {"id": name, "version": "1", "order": str(order), "file_patterns": f'["*{name}*"]'}
+    for field, value in lines.items():
+        spec = re.sub(rf"^{field}:.*$", f"{field}: {value}", spec, count=1, flags=re.MULTILINE)
+    return spec

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from grader.catalog import Catalog
 from grader.commands.options import add_language_option
-from grader.contracts.errors import AssignmentError
+from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.render.terminal import console
 
 
@@ -29,6 +29,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     new = actions.add_parser("new", help="start a new assignment from a working example / 从例子新建一个作业")
     new.add_argument("name", help="its id, e.g. heptagon / 作业 id")
+    new.add_argument(
+        "--from",
+        dest="like",
+        metavar="ID",
+        help="begin with a copy of this one, e.g. letter_l / 从这个作业复制",
+    )
     for action in actions.choices.values():
         add_language_option(action)
         action.add_argument(
@@ -70,11 +76,21 @@ def _new(arguments: argparse.Namespace) -> int:
             "say in which folder of assignments to start it: --assignments DIR (make an empty one at first)",
             "请用 --assignments DIR 指明作业放在哪个文件夹（第一次先新建一个空文件夹）",
         )
-    folder = create(Catalog(arguments.assignments), arguments.name)
+    catalog = Catalog(arguments.assignments)
+    like = None if arguments.like is None else _folder_of(arguments.like, catalog)
+    folder = create(catalog, arguments.name, like)
     command = f"grader assignments validate {arguments.name}"
     command += f" --assignments {shlex.quote(str(arguments.assignments))}"
     console().print(f"→ {folder}\n  {command}", soft_wrap=True)
     return 0
+
+
+def _folder_of(assignment_id: str, catalog: Catalog) -> Path:
+    """Return the folder of one of the assignments here, or else of one that comes with the grader."""
+    try:
+        return catalog.folder(assignment_id)
+    except UnknownAssignmentError:
+        return Catalog().folder(assignment_id)
 
 
 def _show(catalog: Catalog, arguments: argparse.Namespace) -> int:

@@ -1,6 +1,7 @@
 """A new assignment starts from a working example."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -30,6 +31,18 @@ def test_the_skeleton_is_complete(tmp_path: Path) -> None:
     assert [set(names.split(", ")) for names in kinds.groups()] == [set(CHECKS), set(TEXT_CHECKS)]
     create(catalog, "nonagon")
     assert [each.id for each in catalog.all()] == ["heptagon", "nonagon"]
+
+
+@pytest.mark.parametrize("like", ["letter_l", "rosclaw", "theory_publisher_timer"])
+def test_a_new_assignment_may_begin_as_a_copy_of_another(tmp_path: Path, like: str) -> None:
+    source = Catalog().get(like)
+    create(Catalog(tmp_path), "first")
+    folder = create(Catalog(tmp_path), "mine", Catalog().folder(like))
+    copy = Catalog(tmp_path).get("mine")
+    assert problems(copy) == ()
+    assert copy == replace(source, id="mine", order=2, version=1, file_patterns=copy.file_patterns)
+    assert copy.file_patterns in ((), ("*mine*",))
+    assert len(Catalog(tmp_path).wrong_attempts("mine")) == len(list((folder / "wrong").iterdir()))
 
 
 @pytest.mark.parametrize("name", ["Square", "../up", "9sides", "", "a b", "x" * 41])

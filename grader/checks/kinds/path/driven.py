@@ -143,6 +143,15 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     return _with_what_follows(found, points, along, wanted, drive)
 
 
+def roughly_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
+    """Return how far the whole drive is off, point by point at equal distances, as a share of the size."""
+    path = drive.path
+    along = np.maximum.accumulate(path.along_m)
+    points = path.x_m + 1j * path.y_m
+    tried = _tried(points, along, float(along[-1]), tracks(wanted), _Allowed(wanted, start))
+    return min((each.residual for each in tried), default=math.inf)
+
+
 def _ends(points: Points, along: Floats, least_m: float, *, repeats: bool) -> Iterator[float]:
     """Yield how long the part may be that is the figure: the whole drive, or up to where the car was back."""
     total = float(along[-1])

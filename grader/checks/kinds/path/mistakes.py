@@ -7,7 +7,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from grader.checks.drive import Drive
-from grader.checks.kinds.path.driven import DrivenStretch, Figure, corners_deg, figure_in, inner_corners_m
+from grader.checks.kinds.path.driven import (
+    DrivenStretch,
+    Figure,
+    corners_deg,
+    figure_in,
+    inner_corners_m,
+    roughly_off,
+)
 from grader.checks.kinds.path.wanted import Stretch
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
@@ -34,6 +41,7 @@ _SHAPE = (
     "round_pct",
     "gap_pct",
 )
+MUCH_BETTER_SHARE = 0.6  # what leaves more at equal distances is not looked at closely
 LEFT_SHARE = 0.25  # of the distance: what leaves no more explains it
 _OF_ARCS = ("round_pct", "off_pct", "mean_off_pct", "covered_pct", "gap_pct")
 _DRIVES = ("distance_m", *_SHAPE)
@@ -135,10 +143,13 @@ def _other_way(seen: _Seen, share: float) -> str | None:
         "path_elsewhere": replace(wanted, any_start=True),
         "path_size": replace(wanted, any_scale=True),
     }
+    start = seen.assignment.world.start
+    rough = roughly_off(seen.drive, wanted, start)
     for code, other in freer.items():
-        if other == wanted:
+        # a look at equal distances is cheap, and tells most of what does not explain it
+        if other == wanted or roughly_off(seen.drive, other, start) > MUCH_BETTER_SHARE * rough:
             continue
-        figure = figure_in(seen.drive, other, seen.assignment.world.start)
+        figure = figure_in(seen.drive, other, start)
         if figure is None or figure.size_m <= 0.0 or not 0.2 < figure.placed.scale < 5.0:
             continue
         left = frechet(figure.wanted, figure.driven) / figure.size_m
