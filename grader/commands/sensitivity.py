@@ -20,6 +20,7 @@ from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajec
 Commands = Sequence[Command]
 Spoil = Callable[[Commands, float], list[Command]]
 STEP = 0.01
+MOST = 1.0
 # Fine where tolerances lie, coarser where only zeros are looked for.
 _STEPS = (*range(1, 25), *range(25, 50, 3), *range(50, 100, 7))
 _PERIOD_NS = 16_666_667  # poses 1/60 s apart, as the car records them
@@ -104,7 +105,7 @@ def _along(
 ) -> Iterator[Sensitivity]:
     starts: dict[str, float] = {}
     zero: dict[str, float] = {}
-    for step in _STEPS:
+    for step in (each for each in _STEPS if each * STEP < MOST):
         error = sign * step * STEP
         for item in _scored(assignment, run, perturbation, error):
             if item.status is ItemStatus.NOT_CHECKED:
