@@ -37,25 +37,29 @@ def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
             f"已经有 {folder}：换一个名字，或者直接改它",
         )
     order = max((assignment.order for assignment in catalog.all()), default=0) + 1
-    root = _SKELETON if like is None else like
     try:
-        for source in sorted(path for path in root.rglob("*") if path.is_file()):
-            target = folder / str(source.relative_to(root)).removesuffix(
-                _TEMPLATE_SUFFIX if like is None else ""
-            )
-            target.parent.mkdir(parents=True, exist_ok=True)
-            text = source.read_text(encoding="utf-8")
-            if target == folder / SPEC_NAME:
-                text = (
-                    Template(text).substitute(id=name, order=order)
-                    if like is None
-                    else _own(text, name, order)
-                )
-            target.write_text(text, encoding="utf-8")
+        _copy(_SKELETON if like is None else like, folder, name, order)
     except OSError as error:
         told = trouble(error)
         raise AssignmentError(f"{folder}: {told.en}", f"{folder}：{told.zh}") from error
     return folder
+
+
+def _copy(root: Path, folder: Path, name: str, order: int) -> None:
+    """Copy an assignment's files, and give the copy its own id and place.
+
+    Raises:
+        OSError: a file cannot be read or written.
+    """
+    suffix = _TEMPLATE_SUFFIX if root == _SKELETON else ""
+    for source in sorted(path for path in root.rglob("*") if path.is_file()):
+        target = folder / str(source.relative_to(root)).removesuffix(suffix)
+        target.parent.mkdir(parents=True, exist_ok=True)
+        text = source.read_text(encoding="utf-8")
+        if target == folder / SPEC_NAME:
+            is_template = root == _SKELETON
+            text = Template(text).substitute(id=name, order=order) if is_template else _own(text, name, order)
+        target.write_text(text, encoding="utf-8")
 
 
 def _own(spec: str, name: str, order: int) -> str:
