@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grader.catalog.files import interface_files
+from grader.catalog.files import INTERFACES, interface_files
 from grader.commands.check import faults_explained, read_source
 from grader.commands.options import add_grading_options, add_language_option, wrong_value
 from grader.commands.plots import check_plot_path, form_of, write_plot
@@ -155,20 +155,37 @@ def _end(outcome: RunOutcome, track: Trajectory) -> str:
 
 
 def _advise(arguments: argparse.Namespace, report: GradeReport, output: "Console") -> None:
-    """Print what `grader check` would call the next step, unless it is about an exercise."""
+    """Print what `grader check` would call the next step, unless it is about an exercise, and its notes."""
     from grader.render.escape import visible
-    from grader.render.terminal import next_steps
+    from grader.render.prose import Prose
+    from grader.render.terminal import next_steps, run_notes
 
-    if not report.mistakes or report.mistakes[0] in _NOT_ASKED:
-        return
     said = []
-    if report.mistakes[0] != "no_input":  # its hint speaks of an exercise
+    code = report.mistakes[0] if report.mistakes else ""
+    if (folder := _interfaces_for(report)) is not None:
+        said.append(word("give_interfaces", arguments.lang, folder=folder))
+    elif code not in (*_NOT_ASKED, "", "no_input"):  # the hint on input speaks of an exercise
         said.append(visible(report.hint.get(arguments.lang)))
-    if report.mistakes[0] in ("no_input", "asks_again"):
+    if code in ("no_input", "asks_again"):
         command = f"grader run {visible(str(arguments.file))} --input '2.0'"
         said.append(word("give_input", arguments.lang, command=command))
-    output.print()
-    output.print(next_steps(said, arguments.lang))
+    for note in run_notes(report.runs[0].outcome, arguments.lang):
+        output.print(Prose(f"· {note}", style="dim"))
+    if said:
+        output.print()
+        output.print(next_steps(said, arguments.lang))
+
+
+def _interfaces_for(report: GradeReport) -> Path | None:
+    """Return the folder of the built-in assignment that brings the package whose import failed, if any."""
+    error = report.runs[0].outcome.error
+    found = re.match(r"No module named '(\w+)", "" if error is None else error.message)
+    if found is None:
+        return None
+    from grader.catalog import default_root
+
+    folders = (path.parent.parent for path in sorted(default_root().glob(f"*/{INTERFACES}/{found[1]}")))
+    return next(folders, None)
 
 
 def _plot(arguments: argparse.Namespace, report: GradeReport, trajectory: Trajectory) -> None:

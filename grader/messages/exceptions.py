@@ -508,7 +508,8 @@ def _module(error: StudentError, script: ScriptText) -> Closer:
     near = [known for known in _MODULES if known.lower() == name.lower()] or difflib.get_close_matches(
         name, _MODULES, 1, 0.8
     )
-    return ("misspelt", {"suggestion": near[0]}) if near and near[0] != name else None
+    known = near and near[0].partition(".")[0] != name  # the package itself is not there
+    return ("misspelt", {"suggestion": near[0]}) if known else None
 
 
 def _imported_name(error: StudentError) -> Closer:

@@ -178,7 +178,7 @@ def _shortened(text: str, language: Language) -> str:
 
 
 def _notes(report: GradeReport, language: Language) -> Iterator[RenderableType]:
-    notes = list(dict.fromkeys(chain.from_iterable(_run_notes(run.outcome, language) for run in report.runs)))
+    notes = list(dict.fromkeys(chain.from_iterable(run_notes(run.outcome, language) for run in report.runs)))
     if not notes:
         return
     yield Text(word("notes", language), style="bold")
@@ -188,7 +188,8 @@ def _notes(report: GradeReport, language: Language) -> Iterator[RenderableType]:
     yield Padding(table, (0, 0, 1, 1))
 
 
-def _run_notes(outcome: RunOutcome, language: Language) -> Iterator[str]:
+def run_notes(outcome: RunOutcome, language: Language) -> Iterator[str]:
+    """Yield what is worth knowing about a run and costs nothing, safe to show."""
     if outcome.cleanup_error is not None:
         yield cleanup_sentence(outcome.cleanup_error, _in_short(outcome.cleanup_error, language), language)
     if outcome.nonfinite_commands:

@@ -6,6 +6,8 @@ import pytest
 
 from grader.commands import check, cli, run
 from grader.contracts.errors import GraderError, InfrastructureError, SandboxUnavailableError
+from grader.contracts.outcome import StudentError
+from tests.unit.render.samples import outcome, report
 
 DIED = InfrastructureError("the grading process ended unexpectedly (exit code 1)")
 NO_JAIL = SandboxUnavailableError("this host lacks a required layer of isolation: seccomp")
@@ -27,6 +29,17 @@ class FailingSlot:
 
     def grade(self, *job: object) -> None:
         raise self.error
+
+
+@pytest.mark.parametrize(
+    ("module", "folder"), [("rosclaw_msgs", "rosclaw"), ("rosclaw_msgs.srv", "rosclaw"), ("pandas", None)]
+)
+def test_run_knows_which_assignment_brings_an_interface(module: str, folder: str | None) -> None:
+    error = StudentError(
+        type="ModuleNotFoundError", message=f"No module named '{module}'", line=1, traceback=""
+    )
+    found = run._interfaces_for(report(outcome=outcome(error=error)))
+    assert (found and found.name) == folder
 
 
 @pytest.mark.parametrize("command", ["check", "run"])
