@@ -9,17 +9,15 @@ import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from hypothesis import HealthCheck, settings
-from sqlalchemy import URL, Engine
-from sqlalchemy.engine.default import DefaultDialect
 
-from grader.store import database as store_database
-from grader.store.database import Database
-from grader.store.schema import migrate
 from tests.fakes import postgres
+
+if TYPE_CHECKING:  # imported by the fixtures: the process that only hands out the tests does without
+    from sqlalchemy import URL, Engine
 
 # The same examples every time, and no deadline: a loaded machine must not fail a test.
 settings.register_profile(
@@ -82,6 +80,8 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 @pytest.fixture(scope="session", autouse=True)
 def durably() -> Iterator[Callable[..., None]]:
     """SQLite does not wait for the disk in this process: the files are thrown away. How it would is the value."""
+    from grader.store import database as store_database
+
     real = store_database._configure_sqlite
 
     def configure(connection: Any, record: Any) -> None:
@@ -96,9 +96,13 @@ def durably() -> Iterator[Callable[..., None]]:
 @pytest.fixture(scope="session", autouse=True)
 def compiled_once() -> Iterator[dict[str, dict[Any, Any]]]:
     """Statements become SQL once for all databases of a kind: each test has its own, with the same statements."""
+    from sqlalchemy.engine.default import DefaultDialect
+
+    from grader.store import database as store_database
+
     real, caches = store_database.create_engine, defaultdict[str, dict[Any, Any]](dict)
 
-    def create_engine(url: URL, **options: Any) -> Engine:
+    def create_engine(url: "URL", **options: Any) -> "Engine":
         shared = {"compiled_cache": caches[url.drivername]}
         return real(url, **options, execution_options=shared)
 
@@ -124,7 +128,7 @@ def compiled_anew(compiled_once: dict[str, dict[Any, Any]]) -> Iterator[None]:
 @pytest.fixture
 def durable(durably: Callable[..., None], monkeypatch: pytest.MonkeyPatch) -> None:
     """SQLite as the service has it, for databases that are opened after this."""
-    monkeypatch.setattr(store_database, "_configure_sqlite", durably)
+    monkeypatch.setattr("grader.store.database._configure_sqlite", durably)
 
 
 @pytest.fixture
@@ -139,6 +143,9 @@ def open_path() -> Iterator[Path]:
 @pytest.fixture(scope="session")
 def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A migrated SQLite database to copy: migrating anew for each test would take most of the time."""
+    from grader.store.database import Database
+    from grader.store.schema import migrate
+
     path = tmp_path_factory.mktemp("migrated") / "grader.db"
     database = Database(f"sqlite:///{path}")
     migrate(database)

@@ -16,8 +16,6 @@ from pathlib import Path
 from secrets import token_hex
 from typing import Any
 
-from grader.store.database import Database
-from grader.store.schema import migrate
 from tests.fakes.waiting import wait_until
 
 _RUN = "GRADER_TEST_RUN"
@@ -69,6 +67,10 @@ class PostgresServer:
         Raises:
             Exception: it cannot be started here; which one depends on why.
         """
+        # not above: the process that only hands out the tests would import them for nothing, and all wait for it
+        from grader.store.database import Database
+        from grader.store.schema import migrate
+
         self.folder = _root() / os.environ[_RUN]
         with _locked(self.folder / "starting"):
             if not (self.folder / "ready").exists():
