@@ -74,9 +74,8 @@ class School:
         """Let unequal sides of the square lose all their credit soon: one tolerance less, in the next version."""
         path = self.files / SQUARE / "assignment.yaml"
         text = path.read_text(encoding="utf-8")
-        lenient = "measure: side_spread_pct\n    high: 5\n    ramp: 15"
-        assert lenient in text
-        text = text.replace(lenient, "measure: side_spread_pct\n    high: 5\n    ramp: 2")
+        text, count = re.subn(r"(measure: side_spread_pct\n    high: \S+\n    ramp: )\S+", r"\g<1>2", text)
+        assert count == 1
         path.write_text(
             re.sub(r"(?m)^version: (\d+)", lambda at: f"version: {int(at[1]) + 1}", text), "utf-8"
         )
