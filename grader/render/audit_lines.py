@@ -19,7 +19,7 @@ from grader.contracts.text import Language
 from grader.messages import is_on_page, on_page
 
 ACTIONS = (
-    "course.create", "member.add", "member.change", "token.issue", "token.revoke", "rules.change",
+    "course.create", "member.add", "member.change", "member.remove", "token.issue", "token.revoke", "rules.change",
     "extension.change", "submission.hand_in", "grade.judge", "grade.change", "regrade.applied",
     "regrade.discarded",
 )  # fmt: skip
@@ -43,6 +43,8 @@ FIELDS: Mapping[str, str] = {
     "time_zone": "audit.field.time_zone",
     "name": "people.name",
     "role": "people.role",
+    "email": "people.email",
+    "sections": "people.sections",
     "token": "enter.token",
     "expires_at": "audit.field.expires_at",
     "open": "audit.field.open",
