@@ -85,6 +85,7 @@ _SIGNS: Final = tuple(
         (r"AssertionError: The '(?P<field>\w+)' field must be of type 'float'", "int_in_float"),
         (r"Aborted: field '(?P<field>\w+)' of .*`PyFloat_Check", "int_in_float_at_publish"),
         (r"Aborted: field '(?P<field>\w+)' of (?P<owner>[\w/]+): ", "wrong_type_at_publish"),
+        (r"AssertionError: The '(?P<field>\w+)' field must be a set or sequence", "list_in_field"),
         (
             r"AssertionError: The '(?P<field>\w+)' field must be a sub message of type '(?P<owner>\w+)'",
             "message_in_field",
