@@ -12,7 +12,7 @@ imported: building them, and keeping account of objects, would cost more than th
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
-from datetime import datetime, timedelta
+from datetime import UTC, datetime, timedelta
 from statistics import fmean
 from typing import Any
 
@@ -49,6 +49,7 @@ from grader.store.work import ANNOUNCED, Announcement, announcements
 _TROUBLE_CHARACTERS = 2_000
 _MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
 _MOST_TRIES_RUNNING = 2  # once a fault of the host, twice rather of the script
+_LAST_TURN = datetime(9999, 1, 1, tzinfo=UTC)
 _LATEST = 100  # gradings whose durations tell the pace
 # Key of a connection's notes of which assignments are stored. They are notes of a connection, not of the process:
 # when a database is replaced by another one, connections are new, and so are their notes.
@@ -67,11 +68,12 @@ _DUE: Select[str] = (
     .where(
         _row.state == SubmissionState.QUEUED.value,
         _row.not_before <= bindparam("now", type_=UtcDateTime()),
+        _row.turn_at <= bindparam("turn_by", type_=UtcDateTime()),
     )
     .order_by(_row.priority, _row.turn_at, _row.id)
     .limit(1)
 )
-"""The submission to grade next: by priority, then by turn. Takes the instant `now`."""
+"""The submission to grade next: by priority, then by turn. Takes the instants `now` and `turn_by`."""
 
 _CLAIMED = (
     _row.id,
@@ -151,14 +153,17 @@ class Queue:
         """For how long a claim lives without being renewed."""
         return self._retries.lease_s
 
-    def claim(self, worker: str) -> Claim | None:
-        """Take the submission that is due first, or None when nothing is due."""
+    def claim(self, worker: str, *, in_turn: bool = False) -> Claim | None:
+        """Take the submission that is due first, or None when nothing is due.
+
+        `in_turn`: leave what its student's other uploads put back, until its turn has come.
+        """
         if self._database.is_sqlite:  # an idle poll must not take the only write lock
             with self._database.reading() as session:
-                if session.connection().execute(_DUE, {"now": self._clock()}).first() is None:
+                if session.connection().execute(_DUE, _instants(self._clock(), in_turn)).first() is None:
                     return None
         with self._database.writing() as session:
-            return _take(session.connection(), worker, self._clock(), self.lease_s)
+            return _take(session.connection(), worker, self._clock(), self.lease_s, in_turn)
 
     def renew(self, claims: Collection[Claim]) -> set[Claim]:
         """Extend the leases of `claims`; return those that are still valid. One that is not never is again."""
@@ -179,7 +184,12 @@ class Queue:
         return self._finish(claim, result, assignment, None)[0]
 
     def finish_and_claim(
-        self, claim: Claim, result: GradingResult, assignment: Assignment, worker: str
+        self,
+        claim: Claim,
+        result: GradingResult,
+        assignment: Assignment,
+        worker: str,
+        in_turn: bool = False,
     ) -> tuple[bool, Claim | None]:
         """Do what `finish` does and, in the same transaction, what `claim` does.
 
@@ -187,7 +197,7 @@ class Queue:
         When the connection broke during the commit, call it again: it returns what that commit claimed. `worker`
         must then know of no other claim of its own.
         """
-        return self._finish(claim, result, assignment, worker)
+        return self._finish(claim, result, assignment, worker, in_turn)
 
     def fail(self, claim: Claim, trouble: str, *, had_run: bool = False) -> SubmissionState | None:
         """End a try that failed on the grader's side: queued again after a pause, or given up.
@@ -340,7 +350,12 @@ class Queue:
             return valid
 
     def _finish(
-        self, claim: Claim, result: GradingResult, assignment: Assignment | None, worker: str | None
+        self,
+        claim: Claim,
+        result: GradingResult,
+        assignment: Assignment | None,
+        worker: str | None,
+        in_turn: bool = False,
     ) -> tuple[bool, Claim | None]:
         now = self._clock()
         graded = None if assignment is None else self._assignments.of(assignment)
@@ -357,12 +372,12 @@ class Queue:
             stored = current or _stored_already(connection, grading)
             following = None
             if worker is not None:
-                following = self._claim_next(session, worker, again=stored and not current)
+                following = self._claim_next(session, worker, in_turn, again=stored and not current)
         if current and graded is not None:  # after the commit: it may fail
             stored_assignments.add(graded["sha256"])
         return stored, following
 
-    def _claim_next(self, session: Session, worker: str, *, again: bool) -> Claim | None:
+    def _claim_next(self, session: Session, worker: str, in_turn: bool, *, again: bool) -> Claim | None:
         """Claim what is due next, in a transaction that has stored a result.
 
         `again` says that an earlier commit stored the result and its answer was lost. What that commit
@@ -371,7 +386,7 @@ class Queue:
         connection = session.connection()
         claimed = _resume(connection, worker, self._clock(), self.lease_s) if again else None
         if claimed is None:
-            claimed = _take(connection, worker, self._clock(), self.lease_s)
+            claimed = _take(connection, worker, self._clock(), self.lease_s, in_turn)
             if claimed is not None:
                 self._database.announcer.claimed(session, claimed)
         return claimed
@@ -394,10 +409,14 @@ def _outcome(claim: Claim, result: GradingResult, grading: Values) -> Values:
     }
 
 
-def _take(connection: Connection, worker: str, now: datetime, lease_s: float) -> Claim | None:
+def _instants(now: datetime, in_turn: bool) -> dict[str, datetime]:
+    return {"now": now, "turn_by": now if in_turn else _LAST_TURN}
+
+
+def _take(connection: Connection, worker: str, now: datetime, lease_s: float, in_turn: bool) -> Claim | None:
     """Claim the submission that is due first; None when nothing is due, or another worker was quicker."""
     until = now + timedelta(seconds=lease_s)
-    row = connection.execute(_TAKE, {"now": now, "by": worker, "until": until}).first()
+    row = connection.execute(_TAKE, {**_instants(now, in_turn), "by": worker, "until": until}).first()
     return None if row is None else _claim(row, worker)
 
 

@@ -91,8 +91,20 @@ class GradingSlot:
         claim: what is graded now; None between two gradings.
     """
 
-    def __init__(self, name: str, parts: WorkerParts, sandbox: SandboxHealth) -> None:
+    def __init__(
+        self, name: str, parts: WorkerParts, sandbox: SandboxHealth, *, in_turn: bool = False
+    ) -> None:
+        """Make the grader, not started yet.
+
+        Args:
+            name: as which it claims.
+            parts: shared with the other slots of the worker.
+            sandbox: shared as well.
+            in_turn: grade nothing before its turn, though the slot is idle. What somebody hands in beside what
+                waits already, or whose gradings took long, then leaves this slot to others.
+        """
         self.name = name
+        self._in_turn = in_turn
         self._parts = parts
         self._sandbox = sandbox
         self._grader = parts.make_grader()
@@ -115,7 +127,7 @@ class GradingSlot:
         """
         if not self._sandbox.state.ready:
             return False
-        claim = self._parts.queue.claim(self.name)
+        claim = self._parts.queue.claim(self.name, in_turn=self._in_turn)
         if claim is None:
             return False
         until_s = time.monotonic() + _STEP_S
@@ -198,7 +210,9 @@ class GradingSlot:
     ) -> tuple[bool, Claim | None]:
         if self._stopping.is_set() or not self._sandbox.state.ready or time.monotonic() >= until_s:
             return self._parts.queue.finish(claim, result, assignment), None
-        stored, following = self._parts.queue.finish_and_claim(claim, result, assignment, self.name)
+        stored, following = self._parts.queue.finish_and_claim(
+            claim, result, assignment, self.name, self._in_turn
+        )
         if following is not None and self._stopping.is_set():  # told meanwhile
             self._parts.queue.hand_back(following)
             following = None

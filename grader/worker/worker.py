@@ -38,8 +38,11 @@ class Worker:
         self._parts = parts
         self._config = config
         self._sandbox = SandboxHealth(parts.probe)
+        # One slot is kept for those whose turn it is. Not where a slot must use what it was told of (permits).
+        keeps_one = config.slots > 1 and parts.work is None
         self._slots = [
-            GradingSlot(f"{self.id}/{number}", parts, self._sandbox) for number in range(config.slots)
+            GradingSlot(f"{self.id}/{number}", parts, self._sandbox, in_turn=number == 0 and keeps_one)
+            for number in range(config.slots)
         ]
         self._work = parts.work or PolledWork(parts.doorbell, config.poll_s)
         self._heart = Heart(self.id, self._slots, parts, self._sandbox, config.heartbeat_s)

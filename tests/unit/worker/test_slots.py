@@ -12,10 +12,10 @@ from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Claim, SubmissionState
 from grader.store.queue import Queue, Retries
-from grader.worker import SandboxHealth
+from grader.worker import GradingSlot, SandboxHealth
 from tests.fakes.grading import FakeGrader, grade
 from tests.fakes.waiting import PATIENCE_S
-from tests.fakes.worker_bench import Bench
+from tests.fakes.worker_bench import READY, Bench
 
 
 @pytest.fixture
@@ -53,6 +53,19 @@ def test_a_try_that_fails_while_the_script_runs_is_repeated_once(
     for _ in range(2):
         assert bench.slot().step()
     assert bench.row(id_).state is state
+
+
+def test_a_slot_is_kept_for_those_whose_turn_it_is(bench: Bench) -> None:
+    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
+    kept._sandbox.try_out()
+    first = bench.upload(b"good")
+    later = bench.upload(b"good good", "straight")  # of the same student
+    assert kept.step()
+    assert not kept.step()
+    states = [bench.row(one).state for one in (first, later)]
+    assert states == [SubmissionState.GRADED, SubmissionState.QUEUED]
+    assert bench.slot().step()  # any other slot takes it at once
+    assert bench.row(later).state is SubmissionState.GRADED
 
 
 def test_what_cannot_be_started_for_lack_of_room_waits_and_uses_no_try(
@@ -241,10 +254,10 @@ def test_a_report_is_stored_although_the_database_was_away_for_minutes(
     begun, pauses = bench.clock(), []
 
     class Reluctant(Queue):
-        def finish_and_claim(self, claim, result, assignment, worker):
+        def finish_and_claim(self, claim, result, assignment, worker, in_turn=False):
             if (bench.clock() - begun).total_seconds() < 300:
                 raise InfrastructureError("database is locked")
-            return super().finish_and_claim(claim, result, assignment, worker)
+            return super().finish_and_claim(claim, result, assignment, worker, in_turn)
 
     def sleep(seconds: float) -> None:
         pauses.append(seconds)
@@ -264,8 +277,8 @@ def test_a_report_whose_storing_was_not_answered_is_counted_once(bench: Bench) -
     class Unanswered(Queue):
         answers = 0
 
-        def finish_and_claim(self, claim, result, assignment, worker):
-            stored = super().finish_and_claim(claim, result, assignment, worker)
+        def finish_and_claim(self, claim, result, assignment, worker, in_turn=False):
+            stored = super().finish_and_claim(claim, result, assignment, worker, in_turn)
             self.answers += 1
             if self.answers == 1:
                 raise InfrastructureError("the connection broke during the commit")

@@ -83,8 +83,8 @@ def test_stopping_returns_what_was_claimed_by_a_commit_that_nobody_heard_of(benc
 def test_stopping_without_the_database_ends_every_grading(
     bench: Bench, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    for _ in range(2):
-        bench.upload()
+    for student in ("s1", "s2"):
+        bench.upload(student=student)
     graders = [FakeGrader(), FakeGrader()]
     for grader in graders:
         grader.hold()
