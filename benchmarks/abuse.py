@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import asyncio
 import random
+import signal
 import statistics
 import sys
 import tempfile
@@ -74,6 +75,7 @@ class Watch(threading.Thread):
 def main() -> int:
     """Run the evening, print what was seen, return the exit code."""
     options = _options()
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))  # so that the service ends with this process
     console = Console()
     scripts = graded_scripts()
     with ExitStack() as stack:
