@@ -27,7 +27,8 @@ _INDEX_SETTINGS: Final = (
 _SOURCES: Final = Path("/etc/apt/sources.list")
 _SOURCES_FOLDER: Final = Path("/etc/apt/sources.list.d")
 _CONTEXT: Final = (
-    "Dockerfile", ".dockerignore", "README.md", "assignments", "grader", "pyproject.toml",
+    "Dockerfile", ".dockerignore", "README.md", "assignments", "docs/student.md", "docs/student.zh.md", "grader",
+    "lesson", "pyproject.toml",
     "requirements-build.lock", "requirements-postgres.lock",
 )  # fmt: skip
 
@@ -129,6 +130,7 @@ def _build_image(work: Path) -> None:
     context.mkdir()
     for name in _CONTEXT:
         source = ROOT / name
+        (context / name).parent.mkdir(exist_ok=True)
         copy = shutil.copytree if source.is_dir() else shutil.copy
         copy(source, context / name)
     subprocess.run(["chmod", "-R", "a+rX", context], check=True)
