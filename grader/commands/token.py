@@ -21,7 +21,6 @@ from grader.contracts.identity import unknown_members
 from grader.contracts.notation import whole
 from grader.contracts.text import BYTE_ORDER_MARK, Text
 from grader.sheets.writing import as_text
-from grader.store.clock import utc_now
 
 DEFAULT_DAYS = 200  # a term and the exams after it
 _MOST_DAYS = 3_660
@@ -103,13 +102,7 @@ def _issue(storage: OpenedStore, course: str, arguments: argparse.Namespace) -> 
 
 
 def _without_token(storage: OpenedStore, course: str) -> list[str]:
-    now = utc_now()
-    open_tokens = (
-        token
-        for token in storage.tokens.of_course(course)
-        if token.revoked_at is None and token.expires_at > now
-    )
-    served = {token.person for token in open_tokens}
+    served = storage.tokens.holders(course)
     return [member.id for member in storage.courses.members(course) if member.id not in served]
 
 

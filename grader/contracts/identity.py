@@ -1,6 +1,7 @@
 """Courses, the people in them, who asks for something, and what somebody changed."""
 
 import re
+from collections.abc import Iterable
 from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
@@ -174,6 +175,11 @@ class AuditEntry:
     before: object
     after: object
     reason: str
+
+
+def sections_of(members: Iterable[Member]) -> list[str]:
+    """Return every section that one of `members` is in, sorted."""
+    return sorted({name for one in members for name in one.sections})
 
 
 def is_person_id(text: str) -> bool:

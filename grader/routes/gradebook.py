@@ -17,6 +17,7 @@ from grader.routes.dependencies import (
 )
 from grader.routes.middleware import MOST_BYTES
 from grader.routes.problems import responses
+from grader.sheets.writing import MEDIA_TYPE
 from grader.use_cases.gradebook import (
     Format,
     exported,
@@ -38,8 +39,7 @@ AssignmentQuery = Annotated[
     ),
 ]
 ColumnQuery = Annotated[str, Query(min_length=1, max_length=100, examples=["平时成绩"])]
-_XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
-_WORKBOOK = {_XLSX: {"schema": {"type": "string", "format": "binary"}}}
+_WORKBOOK = {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}}
 _JSON = {"application/json": {"schema": {"type": "object"}}}
 _ONE = (*ENTRY_PROBLEMS, "submission_not_found", "not_graded_yet", "invalid_request")
 
@@ -146,7 +146,7 @@ def as_workbook(content: bytes, name: str) -> Response:
         "Cache-Control": "no-store",
         "Vary": "Accept-Language, Authorization",
     }
-    return Response(content, media_type=_XLSX, headers=headers)
+    return Response(content, media_type=MEDIA_TYPE, headers=headers)
 
 
 @exports.get(

@@ -12,6 +12,9 @@ from grader.contracts.text import BYTE_ORDER_MARK
 Cell = str | float | None
 """Text, a number, or nothing."""
 
+MEDIA_TYPE = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
+"""Of a workbook."""
+
 _FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠", "\t", "\r", "\n")
 _NO_TIME = datetime(2000, 1, 1, tzinfo=UTC).replace(tzinfo=None)  # so that the same cells give the same bytes
 

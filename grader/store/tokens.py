@@ -105,6 +105,12 @@ class Tokens:
         with self._database.reading() as session:
             return tuple(as_contract(row, TokenInfo) for row in session.execute(statement).scalars())
 
+    def holders(self, course: str) -> frozenset[str]:
+        """Return who in a course has a token that opens something now."""
+        now = self._clock()
+        tokens = self.of_course(course)
+        return frozenset(one.person for one in tokens if one.revoked_at is None and one.expires_at > now)
+
     def revoke(
         self, course: str, actor: str, *, token_id: str | None = None, person: str | None = None
     ) -> int:

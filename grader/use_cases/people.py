@@ -154,14 +154,14 @@ def give_missing_tokens(services: Services, caller: Caller, days: int) -> list[t
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    course, now = _own_course(caller), services.clock()
-    served = {
-        one.person
-        for one in services.tokens.of_course(course)
-        if one.revoked_at is None and one.expires_at > now
-    }
-    without = [one for one in services.courses.members(course) if one.id not in served]
-    return [(one, give_token(services, caller, one.id, days)) for one in without]
+    course = _own_course(caller)
+    served = services.tokens.holders(course)
+    life, actor = timedelta(days=days), caller.signature
+    return [
+        (one, services.tokens.issue(course, one.id, life, actor)[1])
+        for one in services.courses.members(course)
+        if one.id not in served
+    ]
 
 
 def member_of(services: Services, caller: Caller, person: str) -> Member:

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Depends, Query, Request, Response
 
 from grader import __version__
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Role
+from grader.contracts.identity import Role, sections_of
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.upload import decoded
@@ -38,7 +38,7 @@ def read_matrix(
         "class.html",
         overview=whole,
         matrix=matrix(whole, query, students),
-        sections=sorted({name for one in students for name in one.sections}),
+        sections=sections_of(students),
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
         unread=unread(services, visitor.caller),

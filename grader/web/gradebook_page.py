@@ -11,8 +11,9 @@ from pydantic import Field
 from grader.contracts.assignment import Assignment
 from grader.contracts.dashboard import StudentProgress
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Member
+from grader.contracts.identity import Member, sections_of
 from grader.contracts.rubric import summed
+from grader.sheets.writing import MEDIA_TYPE
 from grader.use_cases import gradebook
 from grader.use_cases.assignments import in_course
 from grader.use_cases.gradebook import Format, Scores
@@ -23,7 +24,6 @@ from grader.web.forms import MOST_FILE_BYTES, require_own_form
 from grader.web.pages import language_of, page
 from grader.web.paging import PageQuery, cut
 
-_XLSX = "application/vnd.openxmlformats-officedocument.spreadsheetml.sheet"
 Section = Annotated[str, Query(max_length=64)]
 Column = Annotated[str, Query(min_length=1, max_length=100)]
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
@@ -112,7 +112,7 @@ def download_workbook(  # noqa: PLR0913, PLR0917
         content = gradebook.registry_workbook(
             services, caller, language, column=column, assignment=assignment, section=section
         )
-    return _file(content, "gradebook.xlsx" if layout == "full" else "registry.xlsx", _XLSX)
+    return _file(content, "gradebook.xlsx" if layout == "full" else "registry.xlsx", MEDIA_TYPE)
 
 
 @router.post("/gradebook/fill", dependencies=[Depends(require_own_form)])
@@ -132,7 +132,7 @@ def fill_in(  # noqa: PLR0913, PLR0917
     except RefusedError as error:
         problem = form_problem(error, language_of(request), field="file")
         return _gradebook_page(request, services, visitor, BookQuery(), problem, column)
-    return _file(filled.content, "filled.xlsx", _XLSX)
+    return _file(filled.content, "filled.xlsx", MEDIA_TYPE)
 
 
 def _file(content: str | bytes, name: str, media_type: str) -> Response:
@@ -161,7 +161,7 @@ def _gradebook_page(  # noqa: PLR0913, PLR0917
         status=200 if problem is None else problem.status,
         book=book_page(chosen, scores, assignments, query),
         assignments=assignments,
-        sections=sorted({name for one in members for name in one.sections}),
+        sections=sections_of(members),
         pass_fraction=services.settings.pass_fraction,
         problem=problem,
         column=column,

@@ -9,7 +9,7 @@ from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Member, Role, RosterEntry, Seen
+from grader.contracts.identity import Member, Role, RosterEntry, Seen, sections_of
 from grader.render.audit_lines import Teller
 from grader.sheets.roster import as_csv
 from grader.sheets.writing import csv_table
@@ -230,7 +230,7 @@ def _people_page(  # noqa: PLR0913
         course=course,
         members=found,
         all=len(everybody),
-        sections=sorted({name for one in everybody for name in one.sections}),
+        sections=sections_of(everybody),
         search=search,
         section=section,
         form=form or MemberForm(),

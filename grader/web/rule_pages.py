@@ -8,7 +8,7 @@ from fastapi.responses import RedirectResponse
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Seen
+from grader.contracts.identity import Seen, sections_of
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts, Shown
 from grader.render.audit_lines import Teller
 from grader.store.rules import CourseRules, tag
@@ -70,7 +70,7 @@ def overview_page(  # noqa: PLR0913
         lines=lines,
         zone=known.zone,
         course=visitor.caller.course,
-        sections=sorted({name for one in members(services, visitor.caller) for name in one.sections}),
+        sections=sections_of(members(services, visitor.caller)),
         shown=tuple(Shown),
         form=form,
         errors=errors or {},
