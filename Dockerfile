@@ -32,13 +32,13 @@ RUN apt-get download \
 # Dependencies before the code: they change less often. The environment that is shipped never contains pip.
 # Where pip must be told about a package index: --secret id=pip.conf,src=/etc/pip.conf (and id=ca.crt, its certificate).
 WORKDIR /src
-COPY requirements-build.lock requirements-postgres.lock ./
+COPY requirements-build.lock requirements-extras.lock ./
 RUN --mount=type=secret,id=pip.conf,target=/etc/pip.conf --mount=type=secret,id=ca.crt,target=/etc/pip-ca.crt \
     python3.11 -m venv /opt/build \
  && python3.11 -m venv --without-pip /opt/grader \
  && /opt/build/bin/pip install --no-cache-dir --require-hashes -r requirements-build.lock \
  && /opt/build/bin/pip --python /opt/grader/bin/python install --no-cache-dir --no-compile --require-hashes \
-        -r requirements-postgres.lock
+        -r requirements-extras.lock
 # What the grader never opens: PyBullet's models, environments and GPU renderer, compilers of extensions, test
 # suites, sources and type stubs of compiled modules; and 126 MB of debugging symbols in PyBullet.
 RUN cd /opt/grader/lib/python3.11/site-packages \

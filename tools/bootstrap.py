@@ -20,7 +20,7 @@ VENV = ROOT / ".venv"
 PYTHON = VENV / "bin" / "python"
 _PACKAGE = f"python{sys.version_info.major}.{sys.version_info.minor}"
 STAMP = VENV / ".lock-digest"
-LOCKS = (ROOT / "requirements-postgres.lock", ROOT / "requirements-dev.lock")
+LOCKS = (ROOT / "requirements-extras.lock", ROOT / "requirements-dev.lock")
 SHIM = ROOT / "grader" / "shim"
 
 COMMANDS: dict[str, list[list[str]]] = {

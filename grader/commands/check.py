@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_grading_options, add_language_option, tell
-from grader.commands.plots import check_plot_path, file_error, form_of, write_plot
+from grader.commands.plots import check_bag_path, check_plot_path, file_error, form_of, of_case, write_file
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import (
     InfrastructureError,
@@ -40,6 +40,12 @@ def configure(parser: argparse.ArgumentParser) -> None:
         help="draw the trajectory to OUT, .png or .svg; of several cases each to OUT-CASE / 把轨迹画到 OUT",
     )
     parser.add_argument(
+        "--record",
+        type=Path,
+        metavar="OUT.mcap",
+        help="write the run as a ROS bag; of several cases each to OUT-CASE.mcap / 把运行写成 ROS bag",
+    )
+    parser.add_argument(
         "--logs", action="store_true", help="show the script's logs and output, too / 同时显示日志和输出"
     )
     add_grading_options(parser)
@@ -49,6 +55,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Grade the file; 0 full marks, 1 not, 2 could not be graded (raised as GraderError)."""
     if arguments.plot is not None:
         check_plot_path(arguments.plot)
+    if arguments.record is not None:
+        check_bag_path(arguments.record)
     source = read_source(arguments.file)
     with Slot(SlotConfig(mode=arguments.isolation)) as slot:  # warms up while the assignment is read
         assignment, result = _grade(slot, arguments, source)
@@ -124,18 +132,28 @@ def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
     """Refuse a script where a text is asked for, and the other way round, as an upload would be.
 
     Raises:
-        RefusedError: the file's name or ``--plot`` does not go with the assignment.
+        RefusedError: the file's name, ``--plot`` or ``--record`` does not go with the assignment.
     """
     from grader.contracts.assignment import SUFFIXES
     from grader.contracts.upload import check_name
 
     check_name(arguments.file.name, SUFFIXES[assignment.input])
-    if arguments.plot is not None and assignment.input == "text":
+    if assignment.input != "text":
+        return
+    if arguments.plot is not None:
         raise RefusedError(
             "plot_text",
             Text(
                 zh=f"作业 {assignment.id} 交的是文字，没有轨迹可画",
                 en=f"{assignment.id} is answered by a text: there is nothing to plot",
+            ),
+        )
+    if arguments.record is not None:
+        raise RefusedError(
+            "record_text",
+            Text(
+                zh=f"作业 {assignment.id} 交的是文字，没有运行可记录",
+                en=f"{assignment.id} is answered by a text: there is no run to record",
             ),
         )
 
@@ -165,6 +183,8 @@ def _show(arguments: argparse.Namespace, assignment: Assignment, result: Grading
         _print_table(arguments, assignment, result)
     if arguments.plot is not None:
         _plot(arguments, assignment, result)
+    if arguments.record is not None:
+        _record(arguments, assignment, result)
 
 
 def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
@@ -197,8 +217,23 @@ def _plot(arguments: argparse.Namespace, assignment: Assignment, result: Grading
     form = form_of(out)
     cases = [run.case for run in result.report.runs]
     for case in cases:
-        file = out if len(cases) == 1 else out.with_stem(f"{out.stem}-{case}")
+        file = of_case(out, case, cases)
         trajectory = result.trajectories[case]
-        write_plot(file, draw(assignment, result.report, trajectory, arguments.lang, form, case=case))
+        picture = draw(assignment, result.report, trajectory, arguments.lang, form, case=case)
+        write_file("--plot", file, picture)
+        if not arguments.json:
+            sys.stdout.write(f"→ {file}\n")
+
+
+def _record(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
+    from grader.use_cases.bags import bagged
+
+    cases = [run.case for run in result.report.runs]
+    content = result.report.canonical_bytes()
+    for case in cases:
+        file = of_case(arguments.record, case, cases)
+        write_file(
+            "--record", file, bagged(assignment, result.report, content, result.trajectories[case], case)
+        )
         if not arguments.json:
             sys.stdout.write(f"→ {file}\n")

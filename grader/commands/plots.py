@@ -1,5 +1,7 @@
-"""The option ``--plot`` of the commands that run a script."""
+"""The options ``--plot`` and ``--record`` of the commands that run a script."""
 
+from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,14 +26,50 @@ def check_plot_path(path: Path) -> None:
                 en=f"--plot {path}: the name must end in .png or .svg",
             ),
         )
-    if not path.resolve().parent.is_dir():
+    _require_folder("--plot", path)
+
+
+def check_bag_path(path: Path) -> None:
+    """Refuse, before anything is run, a bag that could not be written.
+
+    Raises:
+        RefusedError: its name does not end in .mcap, its folder or the package that writes bags does not exist.
+    """
+    if path.suffix.lower() != ".mcap":
         raise RefusedError(
-            "plot_folder",
+            "record_format",
             Text(
-                zh=f"--plot {path}：没有文件夹 {path.resolve().parent}",
-                en=f"--plot {path}: the folder {path.resolve().parent} does not exist",
+                zh=f"--record {path}：文件名要以 .mcap 结尾",
+                en=f"--record {path}: the name must end in .mcap",
             ),
         )
+    _require_folder("--record", path)
+    if find_spec("mcap") is None:
+        raise RefusedError(
+            "bags_not_installed",
+            Text(
+                zh="--record 需要没有安装的软件包 mcap：安装 grader 时请带上附加项 bags，或运行 pip install mcap",
+                en="--record needs the package mcap, which is not installed: install the grader with its extra "
+                "bags, or run pip install mcap",
+            ),
+        )
+
+
+def _require_folder(option: str, path: Path) -> None:
+    folder = path.resolve().parent
+    if not folder.is_dir():
+        raise RefusedError(
+            "no_folder",
+            Text(
+                zh=f"{option} {path}：没有文件夹 {folder}",
+                en=f"{option} {path}: the folder {folder} does not exist",
+            ),
+        )
+
+
+def of_case(path: Path, case: str, cases: Sequence[str]) -> Path:
+    """Return the file of one case: the one that was named, or with the case's name where there are several."""
+    return path if len(cases) == 1 else path.with_stem(f"{path.stem}-{case}")
 
 
 def form_of(path: Path) -> "PictureForm":
@@ -43,16 +81,16 @@ def form_of(path: Path) -> "PictureForm":
     return "png" if path.suffix.lower() == ".png" else "svg"
 
 
-def write_plot(path: Path, picture: bytes) -> None:
-    """Write a picture to the file of ``--plot``.
+def write_file(option: str, path: Path, content: bytes) -> None:
+    """Write the file that an option names.
 
     Raises:
         RefusedError: the operating system refused it.
     """
     try:
-        path.write_bytes(picture)
+        path.write_bytes(content)
     except OSError as error:
-        raise file_error("plot_file", f"--plot {path}", error) from error
+        raise file_error("output_file", f"{option} {path}", error) from error
 
 
 def file_error(code: str, name: str, error: OSError) -> RefusedError:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from grader.catalog.files import INTERFACES, interface_files
 from grader.commands.check import faults_explained, read_source
 from grader.commands.options import add_grading_options, add_language_option, wrong_value
-from grader.commands.plots import check_plot_path, form_of, write_plot
+from grader.commands.plots import check_plot_path, form_of, write_file
 from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, InterfaceDefinition, World
 from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import GradingJob, GradingResult
@@ -195,7 +195,7 @@ def _plot(arguments: argparse.Namespace, report: GradeReport, trajectory: Trajec
     end = _end(report.runs[0].outcome, trajectory)
     told = replace(report, summary=Text(zh=end, en=end))
     picture = plot(_sandpit(arguments), told, trajectory, None, arguments.lang, form=form)
-    write_plot(arguments.plot, picture)
+    write_file("--plot", arguments.plot, picture)
     sys.stdout.write(f"→ {arguments.plot}\n")
 
 

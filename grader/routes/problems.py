@@ -119,6 +119,7 @@ _STATUS = {
     "too_many_at_once": 429,
     "too_many_streams": 429,
     "streams_full": 503,
+    "bags_not_installed": 501,
     "internal_error": 500,
     "unavailable": 503,
     "refused": 400,

@@ -1,5 +1,6 @@
-"""What the car did: the trajectory as columns of numbers, and as a picture."""
+"""What the car did: the trajectory as columns of numbers, as a picture, and as a ROS bag."""
 
+import gzip
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Header, Query, Response
@@ -25,6 +26,7 @@ from grader.use_cases.services import Services
 router = APIRouter(prefix="/api/v1/submissions", tags=["recordings"])
 CaseQuery = Annotated[str | None, Query(description="Which run; the first when left out.", max_length=64)]
 _MEDIA_TYPES: dict[PictureForm, str] = {"png": "image/png", "svg": "image/svg+xml"}
+_BAG_MEDIA_TYPE = "application/octet-stream"
 _PLOT_PROBLEMS = (
     *ENTRY_PROBLEMS,
     "submission_not_found",
@@ -96,6 +98,41 @@ def read_trajectory(
         return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
     headers["Content-Encoding"] = "gzip"  # sent as it is stored
     return Response(recording.compressed, media_type="application/json", headers=headers)
+
+
+@router.get(
+    "/{submission_id}/recording.mcap",
+    dependencies=[COSTLY],
+    summary="The run as a ROS bag",
+    response_class=Response,
+    responses={
+        200: {
+            "description": "One run as MCAP: commands, poses, tf, log, driven and wanted path, rubric. "
+            "`ros2 bag`, Foxglove, Lichtblick and PlotJuggler open it.",
+            "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+        },
+        **responses(*_PLOT_PROBLEMS, "bags_not_installed"),
+    },
+)
+def read_bag(
+    services: ServicesDep,
+    caller: CallerDep,
+    submission_id: SubmissionId,
+    case: CaseQuery = None,
+    accept_encoding: Annotated[str | None, Header(include_in_schema=False)] = None,
+) -> Response:
+    """Return the same bytes each time; they are made when asked for, and nothing is run again."""
+    bag = recordings.bag(services, caller, submission_id, case)
+    headers = {
+        "ETag": f'"{bag.tag}"',
+        "Vary": "Accept-Encoding",
+        "Cache-Control": "private, no-cache",
+        "Content-Disposition": f'attachment; filename="{bag.name}"',
+    }
+    if "gzip" not in (accept_encoding or "").lower():
+        return Response(bag.content, media_type=_BAG_MEDIA_TYPE, headers=headers)
+    headers["Content-Encoding"] = "gzip"
+    return Response(gzip.compress(bag.content, mtime=0), media_type=_BAG_MEDIA_TYPE, headers=headers)
 
 
 @router.get(

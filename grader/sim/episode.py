@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
 
-from grader.contracts.assignment import Distro, InterfaceDefinition, ServiceCall, World
+from grader.contracts.assignment import EPOCH_NS, Distro, InterfaceDefinition, ServiceCall, World
 from grader.contracts.errors import ProtocolError
 from grader.contracts.grading import WorldRequest
 from grader.contracts.outcome import Endpoint, LogRecord, Note, ServiceResult
@@ -45,9 +45,6 @@ AHEAD_NS: Final = 100_000_000
 """A script that has gone this long without ADVANCE runs ahead. One that subscribes sends it every 16 ms."""
 MAX_REQUESTS: Final = 200  # whose values are kept
 NEVER_NS: Final = 1 << 62
-# Within a second, as any program starts: who counts whole seconds only is wrong here as at home. Five eighths, so
-# that floating point rounds times as it would from a whole second on.
-DEFAULT_EPOCH_NS: Final = 1_700_000_000_625_000_000
 
 _TWIST: Final = struct.Struct("<4s6d")
 
@@ -73,7 +70,7 @@ class EpisodeSpec(Record):
     file_name: str
     args: tuple[str, ...] = ()
     stdin: str = ""
-    epoch_ns: int = DEFAULT_EPOCH_NS
+    epoch_ns: int = EPOCH_NS
     calls: tuple[ServiceCall, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
     output_bytes: int | None = None

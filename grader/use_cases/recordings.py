@@ -12,7 +12,7 @@ from grader.contracts.errors import AssignmentError, RefusedError, UnknownAssign
 from grader.contracts.figure import FigureSketch, PictureForm
 from grader.contracts.identity import Caller
 from grader.contracts.judgement import judged
-from grader.contracts.report import CaseRun
+from grader.contracts.report import CaseRun, report_from
 from grader.contracts.scoring import Run
 from grader.contracts.submission import StoredReport
 from grader.contracts.text import Language
@@ -52,6 +52,15 @@ class DrawnRun:
     tag: str
 
 
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BaggedRun:
+    """A run as an MCAP file; `tag` differs between files that differ, `name` is what to save it as."""
+
+    content: bytes
+    tag: str
+    name: str
+
+
 def trajectory(services: Services, caller: Caller, submission_id: str, case: str | None) -> Recording:
     """Return what was recorded in the run `case` of a submission, None: in its first run.
 
@@ -84,6 +93,21 @@ async def picture(  # noqa: PLR0913, PLR0917
     spec = PlotSpec(case=case_id, language=language, form=form)
     content = await services.plots.get(assignment, report, recording.content, spec)
     return DrawnRun(content=content, tag=f"{report.sha256}-{case_id}-{language}-{form}")
+
+
+def bag(services: Services, caller: Caller, submission_id: str, case: str | None) -> BaggedRun:
+    """Return one run as a ROS bag, with nothing in it that the caller may not see.
+
+    Raises:
+        RefusedError: as `picture`, or what writes such files is not installed.
+    """
+    from grader.use_cases.bags import bagged
+
+    assignment, report, recording, case_id = _drawable(services, caller, submission_id, case)
+    graded_report = report_from(report.content)
+    content = bagged(assignment, graded_report, report.content, recording.content, case_id)
+    name = f"{graded_report.assignment}-{submission_id}-{case_id}.mcap"
+    return BaggedRun(content=content, tag=f"{report.sha256}-{case_id}-mcap", name=name)
 
 
 def measured_figure(

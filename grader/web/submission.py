@@ -2,6 +2,7 @@
 
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import asdict, dataclass
+from importlib.util import find_spec
 from typing import Annotated, Any
 from urllib.parse import quote
 
@@ -208,6 +209,20 @@ def read_sketch(
     return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
 
 
+@router.get("/recording.mcap", dependencies=[COSTLY])
+def read_bag(
+    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, case: Case = None
+) -> Response:
+    """Return one run as a ROS bag, to be saved."""
+    access.require_sight(services, visitor, submission_id)
+    bag = recordings.bag(services, visitor.caller, submission_id, case)
+    headers = {
+        "Content-Disposition": f'attachment; filename="{bag.name}"',
+        "Cache-Control": "private, no-cache",
+    }
+    return Response(bag.content, media_type="application/octet-stream", headers=headers)
+
+
 @router.get("/plot.png", dependencies=[DRAWN])
 async def read_plot(
     request: Request,
@@ -320,6 +335,7 @@ def _result(
         "cut": _cut_output(services, stored),
         "parts": () if figure is None else figure_parts(figure, names),
         "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
+        "bags": find_spec("mcap") is not None,
         "replay_words": {word: on_page(language, f"replay.{word}") for word in _REPLAY_WORDS},
     }
 

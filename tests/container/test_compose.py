@@ -132,5 +132,5 @@ def test_the_dockerfile_names_no_package_index_and_only_files_that_exist() -> No
     copied = [
         word for line in re.findall(r"^COPY (?!--from)(.+) \S+$", text, re.MULTILINE) for word in line.split()
     ]
-    assert "requirements-postgres.lock" in copied
+    assert "requirements-extras.lock" in copied
     assert all((ROOT / name).exists() for name in copied)

@@ -1,9 +1,11 @@
 import hashlib
+import io
 import json
 from collections.abc import Callable
 
 import httpx
 import pytest
+from mcap.reader import make_reader
 
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
@@ -155,6 +157,19 @@ def test_a_plot_is_drawn_once(graded: Callable[..., str], client: httpx.Client, 
     assert drawing.headers["ETag"] != first.headers["ETag"]
     problem = client.get(url + "/plot.svg", params={"case": "other"}).json()
     assert (problem["code"], problem["allowed"]) == ("no_trajectory", ["default"])
+
+
+def test_a_run_can_be_fetched_as_a_ros_bag(graded: Callable[..., str], client: httpx.Client) -> None:
+    url = graded(b"good good\n")
+    bag = client.get(url + "/recording.mcap", headers={"Accept-Encoding": "identity"})
+    assert bag.content == client.get(url + "/recording.mcap").content  # packed on the way
+    assert bag.headers["Content-Disposition"].endswith('-default.mcap"')
+    reader = make_reader(io.BytesIO(bag.content))
+    assert [each.data for each in reader.iter_attachments()] == [client.get(url + "/report").content]
+    summary = reader.get_summary()
+    assert summary is not None
+    assert "/turtle1/pose" in {channel.topic for channel in summary.channels.values()}
+    assert client.get(url + "/recording.mcap", params={"case": "other"}).json()["code"] == "no_trajectory"
 
 
 def test_old_plots_are_forgotten(

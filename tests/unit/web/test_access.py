@@ -24,7 +24,7 @@ CLASS_PAGES = (
     "/class/compare",
 )
 LI = Caller(course="ros", person="li", role=Role.STUDENT)
-OWN_DATA = ("", "/state.json", "/trajectory.json", "/sketch.json", "/plot.png")
+OWN_DATA = ("", "/state.json", "/trajectory.json", "/sketch.json", "/plot.png", "/recording.mcap")
 
 
 @pytest.mark.parametrize("path", [*CLASS_PAGES, "/submissions", "/submissions/nothing"])
