@@ -293,7 +293,7 @@ class AssignmentModel(_Model):
     brief: TextModel
     check: str
     input: Input = "script"
-    distro: Distro = "humble"
+    distro: Distro | None = None
     options: Options = {}
     file_patterns: tuple[str, ...] = ()
     horizon_s: Annotated[float, Field(gt=0.0, le=MAX_HORIZON_S)] = 60.0

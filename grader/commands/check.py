@@ -7,7 +7,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_grading_options, add_language_option, tell
+from grader.commands.options import (
+    ASSIGNMENT_HELP,
+    JSON_HELP,
+    add_distro_option,
+    add_grading_options,
+    add_language_option,
+    tell,
+)
 from grader.commands.plots import check_bag_path, check_plot_path, file_error, form_of, of_case, write_file
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import (
@@ -47,6 +54,10 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--logs", action="store_true", help="show the script's logs and output, too / 同时显示日志和输出"
+    )
+    add_distro_option(
+        parser,
+        help="the course's release of ROS 2, for assignments that name none (humble) / 课程的 ROS 2 版本",
     )
     add_grading_options(parser)
 
@@ -96,7 +107,8 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
 
     folder = default_cache_folder()
     catalog = Catalog(arguments.assignments, None if folder is None else AssignmentCache(folder))
-    assignment = catalog.get(arguments.assignment or _guess(catalog, arguments.file))
+    chosen = catalog.get(arguments.assignment or _guess(catalog, arguments.file))
+    assignment = chosen.of_course(arguments.distro)
     _check_input(arguments, assignment)
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
     with faults_explained():

@@ -4,7 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from grader.commands.options import add_language_option, tell
+from grader.commands.options import add_distro_option, add_language_option, tell
 from grader.commands.storage import (
     OpenedStore,
     actor,
@@ -14,11 +14,13 @@ from grader.commands.storage import (
     opened,
 )
 from grader.commands.token import add_days_option, write_tokens
+from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
 from grader.contracts.text import trouble
 from grader.sheets.reading import MAX_FILE_BYTES
 from grader.sheets.roster import read_roster
+from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.costs import Costs
 from grader.store.courses import RosterChange
@@ -28,13 +30,18 @@ _COST_COLUMNS = ("course", "student", "in a slot", "gradings", "waiting", "tries
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    actions = parser.add_subparsers(dest="action", required=True, metavar="create | roster | list | costs")
+    actions = parser.add_subparsers(
+        dest="action", required=True, metavar="create | roster | set | list | costs"
+    )
     create = actions.add_parser(
         "create", help="create a course and print its first tokens / 创建课程并打印令牌"
     )
     create.add_argument("id", help="short name, e.g. ros2-2026 / 课程代号")
     create.add_argument("--title", default="", help="full name (default: the short one) / 课程名称")
     create.add_argument("--time-zone", default="Asia/Shanghai", help="of its dates / 时区 (Asia/Shanghai)")
+    add_distro_option(
+        create, default=DEFAULT_DISTRO, help="release of ROS 2 of its scripts / 脚本用的 ROS 2 版本"
+    )
     create.add_argument(
         "--instructor", required=True, metavar="ID", help="who teaches it, e.g. wang / 教师的 id"
     )
@@ -48,6 +55,17 @@ def configure(parser: argparse.ArgumentParser) -> None:
     roster = actions.add_parser(
         "roster", help="import people from a spreadsheet or CSV: id,name,... / 导入名单：学号,姓名,……"
     )
+    _configure_roster(roster)
+    change = actions.add_parser("set", help="change what a course is like / 修改课程设置")
+    _configure_set(change)
+    listing = actions.add_parser("list", help="list the courses / 列出课程")
+    costs = actions.add_parser("costs", help="who cost most in the last hour / 一小时内谁占用得最多")
+    for one in (create, roster, change, listing, costs):
+        add_data_option(one)
+        add_language_option(one)
+
+
+def _configure_roster(roster: argparse.ArgumentParser) -> None:
     roster.add_argument("verb", choices=("import",))
     roster.add_argument("file", type=Path, metavar="FILE", help=".xlsx, .xls, .ods, .csv")
     roster.add_argument(
@@ -61,16 +79,22 @@ def configure(parser: argparse.ArgumentParser) -> None:
     )
     add_days_option(roster)
     add_course_option(roster)
-    listing = actions.add_parser("list", help="list the courses / 列出课程")
-    costs = actions.add_parser("costs", help="who cost most in the last hour / 一小时内谁占用得最多")
-    for one in (create, roster, listing, costs):
-        add_data_option(one)
-        add_language_option(one)
+
+
+def _configure_set(change: argparse.ArgumentParser) -> None:
+    add_distro_option(
+        change,
+        required=True,
+        help="release of ROS 2 of its scripts; what is graded stays / 脚本用的 ROS 2 版本，已评分的不变",
+    )
+    change.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
+    add_course_option(change)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Do it; what is wrong with a roster is raised as CourseError before anything is changed."""
-    action = {"create": _create, "roster": _import, "list": _list, "costs": _costs}[arguments.action]
+    known = {"create": _create, "roster": _import, "set": _set, "list": _list, "costs": _costs}
+    action = known[arguments.action]
     with opened(arguments, create=arguments.action == "create") as storage:
         action(storage, arguments)
     return 0
@@ -83,7 +107,7 @@ def _create(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     instructor = RosterEntry(id=teacher, name=name, role=Role.INSTRUCTOR)
     entries = [instructor, *(entry for entry in listed if entry.id != instructor.id)]
     course = storage.courses.create(
-        arguments.id, arguments.title or arguments.id, arguments.time_zone, actor()
+        arguments.id, arguments.title or arguments.id, arguments.time_zone, actor(), arguments.distro
     )
     storage.courses.import_roster(course.id, entries, actor())
     tell(
@@ -129,11 +153,21 @@ def _show(change: RosterChange, arguments: argparse.Namespace) -> None:
     )
 
 
+def _set(storage: OpenedStore, arguments: argparse.Namespace) -> None:
+    course, distro = chosen_course(storage, arguments.course), arguments.distro
+    storage.courses.set_distro(distro, Signature(utc_now(), course, actor()), arguments.reason)
+    tell(
+        arguments,
+        zh=f"课程 {course}：ROS 2 {distro.capitalize()}；已评分的不变，要改就重新评分",
+        en=f"course {course}: ROS 2 {distro.capitalize()}; what is graded stays until it is graded again",
+    )
+
+
 def _list(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     for course in storage.courses.all():
         count = len(storage.courses.members(course.id))
         members = f"{count} 人" if arguments.lang == "zh" else _members(count)
-        sys.stdout.write(f"{course.id}\t{course.time_zone}\t{members}\t{course.title}\n")
+        sys.stdout.write(f"{course.id}\t{course.time_zone}\t{course.distro}\t{members}\t{course.title}\n")
 
 
 def _costs(storage: OpenedStore, arguments: argparse.Namespace) -> None:

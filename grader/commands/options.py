@@ -3,7 +3,9 @@
 import argparse
 import sys
 from pathlib import Path
+from typing import Any
 
+from grader.contracts.assignment import DISTROS
 from grader.contracts.text import LANGUAGES, Text
 
 ASSIGNMENT_HELP = "assignment id, else guessed from the file name / 作业 id，不写就从文件名猜"
@@ -30,6 +32,11 @@ def add_grading_options(parser: argparse.ArgumentParser) -> None:
         help="how much of the sandbox must be active (strict); dev: only for your own code, unprotected / "
         "沙箱的严格程度（strict）；dev 不加保护，只用于自己的代码",
     )
+
+
+def add_distro_option(parser: argparse.ArgumentParser, **options: Any) -> None:
+    """Declare the release of ROS 2."""
+    parser.add_argument("--distro", choices=DISTROS, **options)
 
 
 def tell(arguments: argparse.Namespace, *, zh: str, en: str) -> None:

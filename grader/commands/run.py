@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from grader.catalog.files import INTERFACES, interface_files
 from grader.commands.check import faults_explained, read_source
-from grader.commands.options import add_grading_options, add_language_option, wrong_value
+from grader.commands.options import add_distro_option, add_grading_options, add_language_option, wrong_value
 from grader.commands.plots import check_plot_path, form_of, write_file
 from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, InterfaceDefinition, World
 from grader.contracts.errors import AssignmentError
@@ -57,8 +57,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-walls", action="store_true", help="an open world instead of turtlesim's window / 没有墙"
     )
-    parser.add_argument("--distro", choices=("humble", "jazzy"), default="humble",
-                        help="release of ROS 2 that the script finds (humble) / 脚本用的 ROS 2 版本")  # fmt: skip
+    add_distro_option(parser, help="release of ROS 2 that the script finds (humble) / 脚本用的 ROS 2 版本")
     parser.add_argument("--interfaces", type=Path, metavar="DIR",
                         help="import the interfaces of this assignment's folder / 用这个作业的接口")  # fmt: skip
     parser.add_argument(

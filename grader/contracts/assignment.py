@@ -1,6 +1,7 @@
 """An assignment as data: what is handed in, in which world and under which limits it runs, how it earns points."""
 
-from typing import Final, Literal
+from dataclasses import replace
+from typing import Final, Literal, get_args
 
 from grader.contracts.record import Record, field, to_plain
 from grader.contracts.rubric import summed
@@ -9,6 +10,10 @@ from grader.contracts.text import EMPTY, Language, Text
 Profile = Literal["nominal", "rough"]
 Input = Literal["script", "text"]
 Distro = Literal["humble", "jazzy"]
+"""A release of ROS 2."""
+
+DISTROS: Final[tuple[Distro, ...]] = get_args(Distro)
+DEFAULT_DISTRO: Final[Distro] = "humble"
 SUFFIXES: dict[Input, tuple[str, ...]] = {"script": (".py",), "text": (".txt", ".md")}
 """Endings of handed-in files, by kind of input. The assignment's own files have the first one."""
 
@@ -224,7 +229,7 @@ class Assignment(Record):
         answers: of a question whose answer is a number.
         path: what the check ``path`` compares with.
         interfaces: which the script can import besides ROS's own.
-        distro: release of ROS 2 that the script finds.
+        distro: release of ROS 2 that the script finds; None: the course's, see `of_course` and `release`.
     """
 
     id: str
@@ -244,8 +249,17 @@ class Assignment(Record):
     calls: tuple[ServiceCall, ...] = ()
     answers: tuple[Answer, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
-    distro: Distro = "humble"
+    distro: Distro | None = None
     path: WantedPath | None = None
+
+    @property
+    def release(self) -> Distro:
+        """The release of ROS 2 that the script finds."""
+        return self.distro or DEFAULT_DISTRO
+
+    def of_course(self, distro: Distro | None) -> "Assignment":
+        """Return the assignment as a course of the release `distro` grades it; its own release comes first."""
+        return self if distro is None or self.distro is not None else replace(self, distro=distro)
 
     @property
     def max_score(self) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+from grader.contracts.assignment import DEFAULT_DISTRO, Distro
 from grader.contracts.errors import CourseError
 
 _ID = re.compile(r"[A-Za-z0-9][A-Za-z0-9._@-]{0,63}")
@@ -29,12 +30,17 @@ class Role(StrEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Course:
-    """A course. Days and dates without an offset are meant in its IANA time zone."""
+    """A course. Days and dates without an offset are meant in its IANA time zone.
+
+    Attributes:
+        distro: release of ROS 2 that its scripts find where an assignment names none.
+    """
 
     id: str
     title: str
     time_zone: str
     created_at: datetime
+    distro: Distro = DEFAULT_DISTRO
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

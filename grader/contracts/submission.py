@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from enum import StrEnum
 
+from grader.contracts.assignment import Distro
 from grader.contracts.report import GradeStatus
 
 
@@ -107,6 +108,7 @@ class Claim:
     Attributes:
         attempt: fencing token; a result is taken only from the latest claim.
         queued_at: instant of the last (re-)queueing.
+        distro: release of ROS 2 of the course; None without one.
     """
 
     submission_id: str
@@ -117,6 +119,7 @@ class Claim:
     file_name: str
     source: bytes
     queued_at: datetime | None = None
+    distro: Distro | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

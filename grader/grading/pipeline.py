@@ -116,7 +116,7 @@ class Pipeline:
 
 
 def _cut_output(case: Case, jail: JailReport, assignment: Assignment) -> CaseOutput:
-    distro = assignment.distro
+    distro = assignment.release
     return CaseOutput(
         case=case.id,
         stdout=masked_stream(jail.stdout, distro),
@@ -130,7 +130,7 @@ def _scored_run(
     return Run(
         case=case.id,
         trajectory=episode.trajectory,
-        outcome=merge(episode, jail, assignment.distro),
+        outcome=merge(episode, jail, assignment.release),
         calls=episode.calls,
         source=source,
         at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
@@ -150,7 +150,7 @@ def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
         interfaces=job.assignment.interfaces,
         output_bytes=job.assignment.limits.output_bytes,
         steps=job.assignment.limits.steps,
-        distro=job.assignment.distro,
+        distro=job.assignment.release,
     )
 
 
@@ -181,7 +181,7 @@ def _report(
             for run, outcome in zip(runs, outcomes, strict=True)
         ),
         summary=scoring.summary,
-        interface=f"ros2-{assignment.distro}",
+        interface=f"ros2-{assignment.release}",
         hint=scoring.hint,
         mistakes=scoring.mistakes,
     )

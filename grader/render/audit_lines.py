@@ -19,9 +19,9 @@ from grader.contracts.text import Language
 from grader.messages import is_on_page, on_page
 
 ACTIONS = (
-    "course.create", "member.add", "member.change", "member.remove", "token.issue", "token.revoke", "rules.change",
-    "extension.change", "submission.hand_in", "grade.judge", "grade.change", "regrade.applied",
-    "regrade.discarded",
+    "course.create", "course.change", "member.add", "member.change", "member.remove", "token.issue",
+    "token.revoke", "rules.change", "extension.change", "submission.hand_in", "grade.judge", "grade.change",
+    "regrade.applied", "regrade.discarded",
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "submission", "token")
 _RULES = {**kinds_of(Rules), **kinds_of(Extension)}
@@ -41,6 +41,7 @@ FIELDS: Mapping[str, str] = {
     "judgements void": "audit.field.void",
     "title": "audit.field.title",
     "time_zone": "audit.field.time_zone",
+    "distro": "audit.field.distro",
     "name": "people.name",
     "role": "people.role",
     "email": "people.email",

@@ -8,7 +8,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import DEFAULT_DISTRO, Assignment
 from grader.contracts.rubric import PublishedItem, PublishedRubric
 from grader.contracts.text import Language
 from grader.messages import quantity
@@ -45,8 +45,8 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
     worth = word("worth", language, points=most)
     if assignment.input == "script":  # a text is read, not run
         worth += word("time_limit", language, seconds=quantity.points(rubric.horizon_s))
-    if assignment.distro != "humble":  # the release that goes without saying
-        worth += f"  ROS 2 {assignment.distro.capitalize()}"
+    if assignment.release != DEFAULT_DISTRO:  # which goes without saying
+        worth += f"  ROS 2 {assignment.release.capitalize()}"
     yield title.append(worth, "cyan")
     if brief := rubric.brief.get(language):
         yield Padding(Prose(visible(brief).strip()), (1, 0, 0, 0))

@@ -110,7 +110,7 @@ def read(
     return AssignmentView(
         **_summary(assignment, language),
         file_patterns=list(assignment.file_patterns),
-        distro=assignment.distro,
+        distro=assignment.release,
         cmd_vel_topic=assignment.world.cmd_vel_topic,
         walls=assignment.world.walls,
         cpu_limit_s=assignment.limits.cpu_s,

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from fastapi import APIRouter, File, Path, Query, Response, UploadFile, status
 from pydantic import BaseModel, ConfigDict, Field
 
+from grader.contracts.assignment import Distro
 from grader.contracts.identity import Role, RosterEntry
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
@@ -36,6 +37,20 @@ class CourseView(BaseModel):
     id: str = Field(examples=["ros2-2026"])
     title: str = Field(examples=["ROS 2 入门"])
     time_zone: str = Field(examples=["Asia/Shanghai"])
+    distro: Distro = Field(
+        description="Release of ROS 2 that scripts find where an assignment names none.", examples=["humble"]
+    )
+
+
+class CourseBody(BaseModel):
+    """What a course shall be like, and why."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    distro: Distro = Field(
+        description="Release of ROS 2 of its scripts; an assignment that names one keeps its own."
+    )
+    reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
 
 
 class MeView(BaseModel):
@@ -149,6 +164,20 @@ def read_me(services: ServicesDep, caller: CallerDep, response: Response) -> MeV
         name=None if member is None else member.name,
         role=caller.role,
     )
+
+
+@router.put(
+    "/course",
+    summary="Change the course",
+    responses=responses(*_CHANGING, "malformed_body", "too_large"),
+)
+def put_course(
+    services: ServicesDep, caller: InstructorDep, body: CourseBody, response: Response
+) -> CourseView:
+    """Choose the release of ROS 2 for what is graded from now on; a re-grade grades by it, too."""
+    response.headers.update(_PRIVATE)
+    course = people.set_distro(services, caller, body.distro, body.reason)
+    return CourseView.model_validate(course, from_attributes=True)
 
 
 @router.get(

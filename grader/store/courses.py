@@ -2,11 +2,13 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from sqlalchemy import ColumnElement, and_, delete, select
 from sqlmodel import Session, col
 
+from grader.contracts.assignment import DEFAULT_DISTRO, Distro
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import (
     Course,
@@ -15,6 +17,7 @@ from grader.contracts.identity import (
     RosterEntry,
     checked_id,
     checked_name,
+    no_course,
     unknown_course,
     unknown_members,
 )
@@ -69,7 +72,9 @@ class Courses:
                 self._exist = session.execute(select(col(CourseRow.id)).limit(1)).first() is not None
         return self._exist
 
-    def create(self, course_id: str, title: str, time_zone: str, actor: str) -> Course:
+    def create(
+        self, course_id: str, title: str, time_zone: str, actor: str, distro: Distro = DEFAULT_DISTRO
+    ) -> Course:
         """Create a course without members.
 
         Raises:
@@ -81,6 +86,7 @@ class Courses:
             title=checked_name(title),
             time_zone=_checked_zone(time_zone),
             created_at=now,
+            distro=distro,
         )
         with self._database.writing() as session:
             one_at_a_time(session, "course", course_id)
@@ -88,8 +94,34 @@ class Courses:
                 raise CourseError(f"there is a course {course_id} already", f"已经有课程 {course_id}")
             session.add(row)
             signed = Signature(now, course_id, actor)
-            after = {"title": row.title, "time_zone": row.time_zone}
+            after = {"title": row.title, "time_zone": row.time_zone, "distro": row.distro}
             record(session, signed, "course.create", f"course {course_id}", after=after)
+            return _course(row)
+
+    def set_distro(self, distro: Distro, signed: Signature, reason: str = "") -> Course:
+        """Make `distro` the release of ROS 2 of the course of `signed`; return the course.
+
+        Raises:
+            CourseError: there is no such course.
+        """
+        if signed.course is None:
+            raise no_course()
+        with self._database.writing() as session:
+            one_at_a_time(session, "course", signed.course)
+            row = session.get(CourseRow, signed.course)
+            if row is None:
+                raise unknown_course(signed.course)
+            before, row.distro = row.distro, distro
+            if before != distro:
+                record(
+                    session,
+                    signed,
+                    "course.change",
+                    f"course {row.id}",
+                    before={"distro": before},
+                    after={"distro": distro},
+                    reason=reason,
+                )
             return _course(row)
 
     def get(self, course_id: str) -> Course:
@@ -316,7 +348,13 @@ def _checked_zone(name: str) -> str:
 
 
 def _course(row: CourseRow) -> Course:
-    return Course(id=row.id, title=row.title, time_zone=row.time_zone, created_at=row.created_at)
+    return Course(
+        id=row.id,
+        title=row.title,
+        time_zone=row.time_zone,
+        created_at=row.created_at,
+        distro=cast("Distro", row.distro),
+    )
 
 
 def _member(row: MemberRow, sections: Iterable[str]) -> Member:

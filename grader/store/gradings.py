@@ -14,7 +14,7 @@ from typing import Any
 from sqlalchemy import Connection, Insert, Select, insert, select
 from sqlmodel import Session, col
 
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, Distro
 from grader.contracts.grading import GradingResult
 from grader.contracts.record import from_json, to_plain
 from grader.contracts.report import Measurements
@@ -79,13 +79,14 @@ class AssignmentRows:
     """Makes rows of assignments. Remembers the latest of each: encoding one takes long."""
 
     def __init__(self) -> None:
-        self._latest: dict[str, tuple[Assignment, Values]] = {}
+        self._latest: dict[tuple[str, Distro], tuple[Assignment, Values]] = {}
 
     def of(self, assignment: Assignment) -> Values:
         """Return the row of an assignment as it is graded."""
-        known = self._latest.get(assignment.id)
-        if known is None or known[0] is not assignment:
-            known = self._latest[assignment.id] = (assignment, assignment_values(assignment))
+        key = assignment.id, assignment.release
+        known = self._latest.get(key)
+        if known is None or known[0] != assignment:
+            known = self._latest[key] = (assignment, assignment_values(assignment))
         return known[1]
 
 

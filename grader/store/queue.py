@@ -37,6 +37,7 @@ from grader.store.clock import Clock
 from grader.store.database import Database, add_once
 from grader.store.gradings import AssignmentRows, Values, detail_values, grading_values, insert_grading
 from grader.store.tables import (
+    CourseRow,
     GradedAssignmentRow,
     GradingRow,
     SourceRow,
@@ -61,6 +62,7 @@ LONGEST_PAUSE = timedelta(hours=1)
 _submission = table_of(SubmissionRow)
 _row = _submission.c
 _source = table_of(SourceRow)
+_course = table_of(CourseRow)
 _grading = table_of(GradingRow).c
 
 _DUE: Select[str] = (
@@ -83,6 +85,7 @@ _CLAIMED = (
     _row.file_name,
     _row.queued_at,
     select(_source.c.content).where(_source.c.sha256 == _row.source_sha256).scalar_subquery(),
+    select(_course.c.distro).where(_course.c.id == _row.course).scalar_subquery(),
 )
 
 _TAKE = (
@@ -431,7 +434,7 @@ def _resume(connection: Connection, worker: str, now: datetime, lease_s: float) 
 
 
 def _claim(row: Sequence[Any], worker: str) -> Claim:
-    id_, attempt, tries, assignment, file_name, queued_at, source = row
+    id_, attempt, tries, assignment, file_name, queued_at, source, distro = row
     return Claim(
         submission_id=id_,
         attempt=attempt,
@@ -441,6 +444,7 @@ def _claim(row: Sequence[Any], worker: str) -> Claim:
         file_name=file_name,
         source=source,
         queued_at=queued_at,
+        distro=distro,
     )
 
 

@@ -5,12 +5,13 @@ import json
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from functools import lru_cache
-from typing import Any
+from typing import Any, cast
 from zoneinfo import ZoneInfo
 
 from sqlalchemy import and_, bindparam, literal, outerjoin, select
 from sqlmodel import Session, col
 
+from grader.contracts.assignment import Distro
 from grader.contracts.errors import ChangedMeanwhileError
 from grader.contracts.fields import kinds_of
 from grader.contracts.identity import Seen, no_course, unknown_course, unknown_members
@@ -51,11 +52,16 @@ ABOUT_FROM = (
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class CourseRules:
-    """Everything that decides about submissions of a course. Without courses nothing is ruled."""
+    """Everything that decides about submissions of a course. Without courses nothing is ruled.
+
+    Attributes:
+        distro: release of ROS 2 of the course; None without one.
+    """
 
     zone: ZoneInfo
     by_assignment: dict[str, Rules]
     extensions: dict[tuple[str, str], Extension]
+    distro: Distro | None = None
 
     def of(self, assignment: str) -> Rules:
         """Return the rules of one assignment."""
@@ -187,6 +193,7 @@ def rules_of(session: Session, course: str | None) -> CourseRules:
         zone=ZoneInfo(_UTC if row is None else row.time_zone),
         by_assignment={one.assignment: _read(one.document) for one in rows},
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
+        distro=None if row is None else cast("Distro", row.distro),
     )
 
 

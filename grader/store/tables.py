@@ -19,6 +19,7 @@ from sqlalchemy import (
 from sqlalchemy.types import TypeDecorator
 from sqlmodel import Field, SQLModel
 
+from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.identity import Role
 from grader.contracts.submission import SubmissionState
 
@@ -116,6 +117,9 @@ class CourseRow(SQLModel, table=True):
     title: str = Field(max_length=200)
     time_zone: str = Field(max_length=64)
     created_at: datetime = Field(sa_column=instant_column())
+    distro: str = Field(
+        default=DEFAULT_DISTRO, max_length=32, sa_column_kwargs={"server_default": DEFAULT_DISTRO}
+    )
 
 
 class MemberRow(SQLModel, table=True):

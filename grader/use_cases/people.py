@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from datetime import timedelta
 from typing import Any
 
+from grader.contracts.assignment import Distro
 from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import (
     AuditEntry,
@@ -52,6 +53,16 @@ def members(services: Services, caller: Caller, role: Role | None = None) -> Seq
     """
     require_staff(caller)
     return services.courses.members(caller.course, role)
+
+
+def set_distro(services: Services, caller: Caller, distro: Distro, reason: str) -> Course:
+    """Choose the release of ROS 2 of the caller's course; return the course. What is graded already stays.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no course.
+    """
+    _own_course(caller)
+    return services.courses.set_distro(distro, services.signature(caller), reason)
 
 
 def plan_import(services: Services, caller: Caller, content: bytes) -> ImportPlan:

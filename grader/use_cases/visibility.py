@@ -83,16 +83,22 @@ def _seen(caller: Caller, submission: Submission | None) -> Submission:
 
 
 def shown_assignment(services: Services, caller: Caller, assignment: Assignment) -> Assignment:
-    """Return an assignment without the items that the caller does not see now."""
+    """Return an assignment as the course grades it, without the items that the caller does not see now."""
     return shown_assignments(services, caller, (assignment,))[0]
 
 
 def shown_assignments(
     services: Services, caller: Caller, assignments: Sequence[Assignment]
 ) -> tuple[Assignment, ...]:
-    """Return assignments without the items that the caller does not see now."""
-    hidden = _hidden(services, caller, *(one.id for one in assignments))
-    return tuple(_without_items(one, hidden[one.id]) for one in assignments)
+    """Return assignments as the course grades them, without the items that the caller does not see now."""
+    if caller.course is None:
+        return tuple(assignments)
+    known, now = services.rules.of(caller.course), services.clock()
+    hides = caller.role is Role.STUDENT
+    return tuple(
+        _without_items(one.of_course(known.distro), known.of(one.id).hidden_at(now) if hides else frozenset())
+        for one in assignments
+    )
 
 
 def shown(

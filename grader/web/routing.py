@@ -33,6 +33,7 @@ ROUTERS = (
     judging.router,
     regrading.router,
     rule_pages.router,
+    rule_pages.course_router,
     rules_at_once.router,
     people_pages.router,
     similar_pages.router,

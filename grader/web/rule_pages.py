@@ -6,14 +6,14 @@ from typing import Annotated, Any
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
 from fastapi.responses import RedirectResponse
 
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import DISTROS, Assignment, Distro
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen, sections_of
 from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts, Shown
 from grader.render.audit_lines import Teller
 from grader.store.rules import CourseRules, tag
 from grader.use_cases.assignments import require_published
-from grader.use_cases.people import members, names
+from grader.use_cases.people import members, names, set_distro
 from grader.use_cases.rules import change_rules, course_rules
 from grader.use_cases.rules import extend as extend_for
 from grader.use_cases.services import Services
@@ -33,6 +33,9 @@ from grader.web.rule_form import (
 )
 
 router = APIRouter(prefix="/class/rules", include_in_schema=False, dependencies=[Depends(require_staff)])
+course_router = APIRouter(
+    prefix="/class/course", include_in_schema=False, dependencies=[Depends(require_staff)]
+)
 
 
 @router.get("")
@@ -62,7 +65,7 @@ def overview_page(  # noqa: PLR0913
     for assignment in services.assignments.all():
         rules = known.of(assignment.id)
         late = teller.late(asdict(rules.late), in_full=False)
-        lines.append((assignment, rules, late, len(known.extended(assignment.id))))
+        lines.append((assignment.of_course(known.distro), rules, late, len(known.extended(assignment.id))))
     return page(
         request,
         "rules.html",
@@ -70,6 +73,8 @@ def overview_page(  # noqa: PLR0913
         lines=lines,
         zone=known.zone,
         course=visitor.caller.course,
+        distro=known.distro,
+        distros=DISTROS,
         sections=sections_of(members(services, visitor.caller)),
         shown=tuple(Shown),
         form=form,
@@ -77,6 +82,18 @@ def overview_page(  # noqa: PLR0913
         saved=saved,
         may_change=visitor.caller.is_instructor and visitor.caller.course is not None,
     )
+
+
+@course_router.post("", dependencies=[Depends(require_own_form)])
+def change_course(
+    services: ServicesDep,
+    visitor: InstructorDep,
+    distro: Annotated[Distro, Form()],
+    reason: Annotated[str, Form(max_length=1_000)] = "",
+) -> Response:
+    """Choose the release of ROS 2 of the course."""
+    set_distro(services, visitor.caller, distro, reason.strip())
+    return RedirectResponse("/class/rules?saved=1", status_code=303)
 
 
 @router.get("/{assignment_id}")

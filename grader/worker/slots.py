@@ -168,7 +168,7 @@ class GradingSlot:
         begun_s = time.monotonic()
         running = threading.Event()
         try:
-            assignment = self._parts.assignments.get(claim.assignment)
+            assignment = self._parts.assignments.get(claim.assignment).of_course(claim.distro)
             job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
             self._grader.start()
             result = _checked(self._grader.grade(job, running.set), claim)

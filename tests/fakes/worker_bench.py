@@ -41,8 +41,16 @@ class Bench:
         sandbox.try_out()
         return GradingSlot("w/0", self.parts, sandbox)
 
-    def upload(self, source: bytes = b"good good", assignment: str = "square", student: str = "s1") -> str:
-        new = NewSubmission(student=student, assignment=assignment, file_name="square.py", source=source)
+    def upload(
+        self,
+        source: bytes = b"good good",
+        assignment: str = "square",
+        student: str = "s1",
+        course: str | None = None,
+    ) -> str:
+        new = NewSubmission(
+            student=student, assignment=assignment, file_name="square.py", source=source, course=course
+        )
         return self.submissions.add(new).id
 
     def row(self, submission_id: str) -> Submission:

@@ -60,7 +60,14 @@ def test_one_command_makes_a_database_and_a_course_and_prints_its_tokens(
         "ta": Role.ASSISTANT,
     }
     listed, _ = typed("course", "list")
-    assert listed.startswith("ros\tAsia/Shanghai\t3 members")
+    assert listed.startswith("ros\tAsia/Shanghai\thumble\t3 members")
+
+
+def test_a_course_of_jazzy_is_made_and_changed(grader) -> None:
+    grader("course", "create", "ros", "--instructor", "w", "--distro", "jazzy")
+    assert "\tjazzy\t" in grader("course", "list")[0]
+    assert "Humble" in grader("course", "set", "--distro", "humble", "--reason", "the lab's PCs")[1]
+    assert "\thumble\t" in grader("course", "list")[0]
 
 
 def test_a_roster_saved_by_excel_in_china_is_read_and_a_name_shown(grader, tmp_path: Path) -> None:

@@ -74,6 +74,7 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/dashboard/costs": STAFF,
     "get /api/v1/dashboard/events": STAFF,
     "get /api/v1/me": MEMBERS,
+    "put /api/v1/course": INSTRUCTORS,
     "get /api/v1/members": STAFF,
     "post /api/v1/members/import": INSTRUCTORS,
     "put /api/v1/members/{person}": INSTRUCTORS,
@@ -127,6 +128,7 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/dashboard/costs": OPERATOR_ONLY,
     "get /api/v1/dashboard/events": OPERATOR_ONLY,
     "get /api/v1/me": OPEN_TO_ALL,
+    "put /api/v1/course": (401, 401, 409),
     "get /api/v1/members": OPERATOR_ONLY,
     "post /api/v1/members/import": (401, 401, 409),
     "put /api/v1/members/{person}": (401, 401, 409),
@@ -148,6 +150,8 @@ def send(
     path = path.replace("{regrade_id}", "none").replace("{item}", "none")
     path = path.replace("{person}", "new" if method == "put" else "han")
     body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
+    if path.endswith("/course"):
+        body = {"json": {"distro": "humble"}}
     if path.endswith("/comments") and method == "post":
         body = {"json": {"text": "x"}}
     if "regrades" in path and method == "post":

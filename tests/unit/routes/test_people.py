@@ -44,6 +44,20 @@ def test_wrong_rows_are_skipped_only_if_asked(
     assert services.courses.member("ros", "new") is not None
 
 
+def test_the_course_of_another_release_tells_it_to_students(
+    client: httpx.Client, headers: dict[str, str], school: Any
+) -> None:
+    def told() -> tuple[str, str]:
+        one = client.get("/api/v1/assignments/square", headers=school.as_("li")).json()
+        return one["distro"], client.get("/api/v1/me", headers=headers).json()["course"]["distro"]
+
+    assert told() == ("humble", "humble")
+    assert client.put("/api/v1/course", headers=headers, json={"distro": "jazzy"}).json()["distro"] == "jazzy"
+    assert told() == ("jazzy", "jazzy")
+    refused = client.put("/api/v1/course", headers=headers, json={"distro": "kilted"})
+    assert (refused.status_code, refused.json()["code"]) == (422, "invalid_request")
+
+
 def test_who_is_not_in_the_list_is_removed_if_asked(
     client: httpx.Client, headers: dict[str, str], services: Services
 ) -> None:

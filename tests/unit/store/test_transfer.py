@@ -41,7 +41,7 @@ def fill(database: Database) -> str:
     clock = FakeClock()
     courses, submissions = Courses(database, clock), Submissions(database, clock)
     queue, signed = Queue(database, clock, Retries()), Signature(clock(), "ros", "wang")
-    courses.create("ros", "ROS 2 入门", "Asia/Shanghai", "me")
+    courses.create("ros", "ROS 2 入门", "Asia/Shanghai", "me", "jazzy")
     courses.import_roster("ros", [RosterEntry(id="li", name="李雷", sections=("1",))], "me")
     _, token = Tokens(database, clock).issue("ros", "li", timedelta(days=1), "me")
     rules = StoredRules(database)

@@ -73,6 +73,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/regrades/{regrade_id}/state.json": COURSE,
     "GET /class/regrades/{regrade_id}/changes/{submission_id}": COURSE,
     "POST /class/regrades/{regrade_id}": CHANGES,
+    "POST /class/course": (303, 403, 403, 403, 303, 303),
     "GET /class/rules": STAFF,
     "POST /class/rules": (303, 403, 403, 403, 422, 422),  # no assignment is chosen
     "GET /class/rules/{assignment_id}": STAFF,
@@ -158,6 +159,7 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
         "points": "1",
         "person": "new",
         "text": "x",
+        "distro": "humble",
     }
     if operation == "POST /class/rules":
         data.pop("assignment")

@@ -47,6 +47,14 @@ def test_students_see_what_the_course_shows(wang: Browser, li: Browser, services
     assert li.hand_in("spin", b"x = 1\n").status_code == 303
 
 
+def test_the_release_of_the_course_is_chosen_and_shown(wang: Browser, li: Browser) -> None:
+    assert "ROS 2 Jazzy" not in li.get("/assignments/square").text
+    assert wang.post("/class/course", {"distro": "jazzy"}).headers["Location"] == "/class/rules?saved=1"
+    assert "ROS 2 Jazzy" in li.get("/assignments/square").text
+    assert '<option value="jazzy" selected>' in wang.get("/class/rules").text
+    assert "ROS 2 版本" in wang.get("/class/audit").text
+
+
 def test_one_form_sets_dates_of_several_assignments(wang: Browser, services: Services) -> None:
     before = services.rules.of("ros").of("square")
     chosen = {

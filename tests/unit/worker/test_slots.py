@@ -11,6 +11,8 @@ from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUna
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Claim, SubmissionState
+from grader.store.audit import AuditLog, Signature
+from grader.store.courses import Courses
 from grader.store.queue import Queue, Retries
 from grader.worker import GradingSlot, SandboxHealth
 from tests.fakes.grading import FakeGrader, grade
@@ -39,6 +41,26 @@ def test_a_step_goes_on_with_what_is_due_next(bench: Bench) -> None:
     ids = [bench.upload() for _ in range(3)]
     assert bench.slot().step()
     assert [bench.row(one).state for one in ids] == [SubmissionState.GRADED] * 3
+
+
+def test_the_course_chooses_the_release_unless_the_assignment_does(bench: Bench) -> None:
+    courses, signed = Courses(bench.database, bench.clock), Signature(bench.clock(), "ros", "wang")
+    courses.create("ros", "ROS", "UTC", "wang")
+    of_their_own = [replace(one, distro="jazzy") for one in bench.parts.assignments.all()]
+
+    def graded_on(course: str | None) -> str:
+        id_ = bench.upload(course=course)
+        assert bench.slot().step()
+        return bench.submissions.graded_assignment(bench.submissions.report(id_)).release
+
+    assert (graded_on(None), graded_on("ros")) == ("humble", "humble")
+    courses.set_distro("jazzy", signed)
+    assert (graded_on(None), graded_on("ros")) == ("humble", "jazzy")
+    courses.set_distro("humble", signed)
+    bench.parts.assignments.assignments = tuple(of_their_own)
+    assert graded_on("ros") == "jazzy"
+    changes = [one for one in AuditLog(bench.database).entries("ros", 9) if one.action == "course.change"]
+    assert [one.after for one in changes] == [{"distro": "humble"}, {"distro": "jazzy"}]
 
 
 @pytest.mark.parametrize(
