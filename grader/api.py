@@ -14,6 +14,7 @@ from grader import __version__
 from grader.routes import (
     assignments,
     comments,
+    course,
     dashboard,
     documentation,
     events,
@@ -54,6 +55,7 @@ _ROUTERS = (
     gradebook.router,
     gradebook.exports,
     people.router,
+    course.router,
     problems.router,
     health.router,
     metrics.router,

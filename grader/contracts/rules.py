@@ -6,7 +6,7 @@ question always has the same answer.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, time, timedelta
 from enum import StrEnum
 from typing import Annotated, Final, Literal
@@ -174,7 +174,7 @@ class Counted:
     score: float
 
 
-RefusalCode = Literal["not_open_yet", "closed", "no_attempts_left", "no_attempts_today"]
+RefusalCode = Literal["not_open_yet", "closed", "no_attempts_left", "no_attempts_today", "course_archived"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -340,6 +340,14 @@ class Rules:
             for one in graded
         ]
         return kept[-1] if self.counts is Counts.LAST else max(kept, key=lambda one: one.score)
+
+    def moved(self, days: int, zone: ZoneInfo) -> "Rules":
+        """Return the rules with every date `days` days later, at the same time of the day in `zone`."""
+        dates = {name: getattr(self, name) for name in ("opens", "due", "hidden_until")}
+        later = timedelta(days=days)
+        return replace(
+            self, **{name: one.astimezone(zone) + later for name, one in dates.items() if one is not None}
+        )
 
     def hidden_at(self, now: datetime) -> frozenset[str]:
         """Return the ids of the rubric items that students do not see at `now`."""

@@ -103,6 +103,8 @@ _STATUS = {
     "regrade_decided": 409,
     "nothing_to_regrade": 422,
     "no_course": 409,
+    "course_archived": 409,
+    "invalid_course": 422,
     "no_scripts": 409,
     "invalid_rules": 422,
     "invalid_roster": 422,

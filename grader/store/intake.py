@@ -20,7 +20,7 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.store.database import add_once, one_at_a_time
-from grader.store.rules import ABOUT, ABOUT_FROM, rules_about
+from grader.store.rules import ABOUT, ABOUT_FROM, OPEN_TO, rules_about
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, UtcDateTime, table_of
 from grader.store.work import Announcer, announcement_of
 
@@ -55,11 +55,14 @@ class _Known(NamedTuple):
     """What decides about an upload.
 
     Attributes:
+        archived: the course is. member: the student is in it; without courses everybody is.
         keyed: digest and submission of what was sent under the upload's key before; None: nothing was.
         earlier: the student's submissions to the assignment, in order of arrival.
         lately: the student's submissions to any assignment that wait, are graded or were graded lately.
     """
 
+    archived: bool
+    member: bool
     keyed: tuple[str, str] | None
     rules: Rules
     extension: Extension
@@ -94,7 +97,7 @@ def _question(of_course: ColumnElement[bool]) -> Select[Any]:
     lately = or_(_row.state.in_(_BUSY), _row.finished_at >= bindparam("lately", type_=UtcDateTime()))
     own = and_(of_course, _row.student == bindparam("student"), or_(asked_about, lately))
     tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(table_of(SubmissionRow), own)
-    asked = select(_key.digest, _key.submission_id, *ABOUT, *_EARLIER).select_from(tables)
+    asked = select(*OPEN_TO, _key.digest, _key.submission_id, *ABOUT, *_EARLIER).select_from(tables)
     return asked.order_by(_row.received_at, _row.id)
 
 
@@ -110,8 +113,8 @@ def take_in(
         The row of the submission, and whether it is an earlier one.
 
     Raises:
-        RefusedError: the rules of the assignment refuse the upload; or ``key_reused``: its key came with another
-            upload before.
+        RefusedError: the rules of the assignment refuse the upload; the course is archived, or the student is not
+            in it; or ``key_reused``: its key came with another upload before.
         InfrastructureError: the database does not answer.
     """
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are counted by student
@@ -120,8 +123,7 @@ def take_in(
     same = _under_key(upload, digest, known) or _same_as_latest(session, upload, known.earlier, digest)
     if same is not None:
         return session.get_one(SubmissionRow, same), True
-    if upload.ruled and (refused := _refusal(known, now)) is not None:
-        raise refused.error()
+    _require_accepted(upload, known, now)
     row = SubmissionRow(
         id=new_id(now),
         course=upload.course,
@@ -138,6 +140,15 @@ def take_in(
     )
     _insert(session, upload, row, announcer)
     return row, False
+
+
+def _require_accepted(upload: NewSubmission, known: _Known, now: datetime) -> None:
+    if not known.member:  # removed since they asked
+        raise RefusedError("unknown_student", field="student")
+    if known.archived:
+        raise RefusedError("course_archived")
+    if upload.ruled and (refused := _refusal(known, now)) is not None:
+        raise refused.error()
 
 
 def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -> Refusal | None:
@@ -193,10 +204,12 @@ def _known(
         "lately": now - _LATELY,
     }
     rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
-    digest, submission_id, *about = rows[0][: -len(_EARLIER)]
+    archived_at, member, digest, submission_id, *about = rows[0][: -len(_EARLIER)]
     own = [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None]
     recent = now - _LATELY
     return _Known(
+        archived_at is not None,
+        course is None or member is not None,
         None if digest is None else (digest, submission_id),
         *rules_about(*about),
         [one for one in own if one.assignment == assignment],
@@ -228,6 +241,8 @@ def _insert(session: Session, upload: NewSubmission, row: SubmissionRow, announc
 
 
 def _refusal(known: _Known, received_at: datetime) -> Refusal | None:
+    if known.archived:
+        return Refusal(code="course_archived")
     return known.rules.refusal(known.extension, as_attempts(known.earlier), received_at, known.zone)
 
 

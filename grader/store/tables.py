@@ -120,6 +120,7 @@ class CourseRow(SQLModel, table=True):
     distro: str = Field(
         default=DEFAULT_DISTRO, max_length=32, sa_column_kwargs={"server_default": DEFAULT_DISTRO}
     )
+    archived_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 
 class MemberRow(SQLModel, table=True):

@@ -1,7 +1,7 @@
 """What use cases work with, made by the composition root."""
 
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 from grader.contracts.grading import AssignmentSource, Preflight
 from grader.contracts.identity import Caller
@@ -11,6 +11,7 @@ from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
 from grader.store.comments import Comments
 from grader.store.costs import Costs
+from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
@@ -75,6 +76,7 @@ class Services:
     costs: Costs
     rules: StoredRules
     courses: Courses
+    course_life: CourseLife
     tokens: Tokens
     audit: AuditLog
 
@@ -130,14 +132,21 @@ class Services:
             dashboard=Dashboard(database),
             costs=Costs(database, clock),
             rules=StoredRules(database),
-            courses=Courses(database, clock),
-            tokens=Tokens(database, clock),
+            **_of_courses(database, clock),
             audit=AuditLog(database),
             plots=plots,
             comparer=Comparer(Scripts(database), assignments.given_code),
             watching=watching,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
         )
+
+
+def _of_courses(database: Database, clock: Clock) -> dict[str, Any]:
+    return {
+        "courses": Courses(database, clock),
+        "course_life": CourseLife(database, clock),
+        "tokens": Tokens(database, clock),
+    }
 
 
 def _watching(database: Database, settings: Settings, estimates: Estimates) -> Watching:

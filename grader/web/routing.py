@@ -5,6 +5,7 @@ from fastapi.staticfiles import StaticFiles
 
 from grader.web import (
     classroom,
+    course_pages,
     entrance,
     errors,
     gradebook_page,
@@ -36,6 +37,7 @@ ROUTERS = (
     rule_pages.course_router,
     rules_at_once.router,
     people_pages.router,
+    course_pages.router,
     similar_pages.router,
 )
 

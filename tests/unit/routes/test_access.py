@@ -80,6 +80,9 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "put /api/v1/members/{person}": INSTRUCTORS,
     "delete /api/v1/members/{person}": (401, 401, 403, 403, 403, 204, 403, 404),
     "post /api/v1/members/{person}/tokens": (401, 401, 403, 403, 403, 201, 403, 404),
+    "get /api/v1/course": STAFF,
+    "post /api/v1/courses": (401, 401, 403, 403, 403, 201, 403, 422),  # the id is taken by then
+    "put /api/v1/course/archived": INSTRUCTORS,
     "get /api/v1/audit": INSTRUCTORS,
     "get /api/v1/problems/{code}": EVERYBODY,
     "get /healthz": (503,) * 8,  # no worker lives in these tests
@@ -134,6 +137,9 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "put /api/v1/members/{person}": (401, 401, 409),
     "delete /api/v1/members/{person}": (401, 401, 404),
     "post /api/v1/members/{person}/tokens": (401, 401, 404),
+    "get /api/v1/course": (401, 401, 409),
+    "post /api/v1/courses": (401, 401, 409),
+    "put /api/v1/course/archived": (401, 401, 409),
     "get /api/v1/audit": OPERATOR_ONLY,
     "get /api/v1/problems/{code}": (200, 200, 200),
     "get /healthz": (503, 503, 503),
@@ -167,6 +173,10 @@ def send(
         body = {"files": {"file": ("s.csv", b"id,points\nli,\n")}, "params": {"column": "points"}}
     if operation == "post /api/v1/members/{person}/tokens":
         body = {"json": {}}
+    if operation == "post /api/v1/courses":
+        body = {"json": {"id": "next"}}
+    if operation == "put /api/v1/course/archived":
+        body = {"json": {"archived": True}}
     with client.stream(method, path, headers=headers, **body) as response:  # some answers never end
         return response.status_code
 

@@ -91,6 +91,9 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/people/{person}": CHANGES,
     "POST /class/people/{person}/token": (303, 403, 403, 403, 200, 404),
     "POST /class/people/{person}/remove": CHANGES,
+    "GET /class/course": STAFF,
+    "POST /class/course/copy": (303, 403, 403, 403, 200, 422),  # the id is taken by then
+    "POST /class/course/archive": (303, 403, 403, 403, 409, 303),  # its re-grade is not decided
     "GET /class/audit": INSTRUCTORS,
 }
 
@@ -160,6 +163,8 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
         "person": "new",
         "text": "x",
         "distro": "humble",
+        "id": "next",
+        "archived": "true",
     }
     if operation == "POST /class/rules":
         data.pop("assignment")
