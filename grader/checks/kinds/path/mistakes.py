@@ -87,7 +87,7 @@ def path_mistakes(
     found = [*script_mistakes(run), *asleep(run)]
     if drive is None:
         return tuple(found)
-    found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=_SHAPE, drives=_DRIVES)
+    found += command_mistakes(run, assignment.world, turns=_SHAPE, drives=_DRIVES)
     found += _wall(run)
     if figure is not None:
         seen = _Seen(assignment, run, drive, figure, stretches)
