@@ -12,6 +12,7 @@ from fastapi.concurrency import contextmanager_in_threadpool
 
 from grader import __version__
 from grader.routes import (
+    appeals,
     assignments,
     comments,
     course,
@@ -49,6 +50,8 @@ _ROUTERS = (
     regrades.of_submission,
     judgements.router,
     judgements.of_submission,
+    appeals.router,
+    appeals.of_submission,
     comments.router,
     dashboard.router,
     events.dashboard,

@@ -23,6 +23,7 @@ ACTIONS = (
     "member.add", "member.change", "member.remove", "token.issue",
     "token.revoke", "rules.change", "extension.change", "submission.hand_in", "grade.judge", "grade.change",
     "regrade.applied", "regrade.discarded",
+    "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "submission", "token")
 _RULES = {**kinds_of(Rules), **kinds_of(Extension)}

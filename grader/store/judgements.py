@@ -20,6 +20,7 @@ from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, report_from
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import Judgement
+from grader.store import appeals
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
 from grader.store.database import Database
@@ -33,12 +34,14 @@ class Given:
     Attributes:
         corrects: whether they may change what the machine judged, too. That needs a `comment`; the machine's own
             points take earlier corrections back.
+        answers: whether they are the answer to an appeal, which must be open then.
     """
 
     item: str
     points: float
     comment: str
     corrects: bool = False
+    answers: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,6 +89,8 @@ class Judgements:
     def judge(self, submission_id: str, given: Given, seen: Seen | None, signed: Signature) -> None:
         """Add a judgement, and the submission's score and verdict with it, in one transaction.
 
+        It answers the open appeal about the item, if there is one.
+
         Args:
             submission_id: of the course of `signed`.
             given: the points.
@@ -107,6 +112,8 @@ class Judgements:
                 raise JudgementError("stale", "the item was judged or graded again meanwhile")
             if _takes_back(item, given) and (latest is None or latest.out_of == 0.0):
                 raise JudgementError("same", "the machine gave these points, and nothing is to be taken back")
+            if given.answers and not appeals.is_open(session, row.id, item.id):
+                raise JudgementError("stale", "the appeal is not open any more")
             before = _counting(item, own)
             if before is not None:
                 before["score"] = row.score
@@ -121,6 +128,7 @@ class Judgements:
                 before=before,
                 after={**_plain(given.points, given.comment), "score": row.score},
             )
+            appeals.answer_by_points(session, row.id, item.id, given.comment, signed)
 
     def waiting(self, course: str | None, which: WaitingFor, offset: int, limit: int) -> tuple[Waiting, ...]:
         """Return what waits for a person, question by question, each in order of arrival."""

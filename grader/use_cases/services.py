@@ -7,6 +7,7 @@ from grader.contracts.grading import AssignmentSource, Preflight
 from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
 from grader.settings import Settings
+from grader.store.appeals import Appeals
 from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
 from grader.store.comments import Comments
@@ -72,6 +73,7 @@ class Services:
     regrades: Regrades
     judgements: Judgements
     comments: Comments
+    appeals: Appeals
     dashboard: Dashboard
     costs: Costs
     rules: StoredRules
@@ -129,6 +131,7 @@ class Services:
             regrades=Regrades(database),
             judgements=Judgements(database),
             comments=Comments(database),
+            appeals=Appeals(database),
             dashboard=Dashboard(database),
             costs=Costs(database, clock),
             rules=StoredRules(database),

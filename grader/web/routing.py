@@ -4,6 +4,7 @@ from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 
 from grader.web import (
+    appeals,
     classroom,
     course_pages,
     entrance,
@@ -32,6 +33,8 @@ ROUTERS = (
     gradings.router,
     gradebook_page.router,
     judging.router,
+    appeals.router,
+    appeals.of_submission,
     regrading.router,
     rule_pages.router,
     rule_pages.course_router,
