@@ -106,11 +106,13 @@ class JudgementError(GraderError):
             - ``reason``: a correction needs a comment;
             - ``same``: the machine gave the same points, and there is no correction to take back;
             - ``stale``: the item was judged, or the submission graded, after the caller had looked at it.
+        item: about which; empty when it is not about one.
     """
 
     def __init__(self, code: str, message: str) -> None:
         super().__init__(message)
         self.code = code
+        self.item = ""
 
 
 class AppealError(GraderError):

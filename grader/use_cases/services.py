@@ -1,5 +1,6 @@
 """What use cases work with, made by the composition root."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -32,6 +33,18 @@ from grader.use_cases.callers import Allowances, Callers
 from grader.use_cases.comparing import Comparer
 from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
+
+_STORES: Mapping[str, Callable[[Database], Any]] = {
+    "past_gradings": PastGradings,
+    "regrades": Regrades,
+    "judgements": Judgements,
+    "comments": Comments,
+    "appeals": Appeals,
+    "dashboard": Dashboard,
+    "rules": StoredRules,
+    "audit": AuditLog,
+}
+"""What works on the database and needs nothing else, by its name in `Services`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -127,16 +140,9 @@ class Services:
             submissions=Submissions(database, clock),
             queue=queue,
             workers=workers,
-            past_gradings=PastGradings(database),
-            regrades=Regrades(database),
-            judgements=Judgements(database),
-            comments=Comments(database),
-            appeals=Appeals(database),
-            dashboard=Dashboard(database),
+            **{name: store(database) for name, store in _STORES.items()},
             costs=Costs(database, clock),
-            rules=StoredRules(database),
             **_of_courses(database, clock),
-            audit=AuditLog(database),
             plots=plots,
             comparer=Comparer(Scripts(database), assignments.given_code),
             watching=watching,
