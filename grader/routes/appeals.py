@@ -26,7 +26,7 @@ from grader.routes.judgements import IfMatch, ItemId
 from grader.routes.problems import responses
 from grader.store.appeals import AppealsWanted
 from grader.use_cases import appealing
-from grader.use_cases.appealing import Answer
+from grader.use_cases.appealing import AppealAnswer
 from grader.use_cases.assignments import item_title, published
 from grader.use_cases.bodies import Number
 from grader.use_cases.services import Services
@@ -195,7 +195,7 @@ def answer(  # noqa: PLR0913
     Points are given as by `PUT …/judgements/{item}`, with the same If-Match; who may not correct the item is
     refused. Whoever gives points there answers the item's open appeal, too.
     """
-    given = Answer(state=AppealState(body.state), text=body.text, points=body.points)
+    given = AppealAnswer(state=AppealState(body.state), text=body.text, points=body.points)
     appealing.answer(services, caller, submission_id, item, given, seen=seen(if_match))
     found = appealing.appeals_of(services, caller, submission_id)
     return _view(services, caller, next(one for one in found if one.item == item), language)

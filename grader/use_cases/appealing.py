@@ -36,7 +36,7 @@ _POINTS = Text(
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Answer:
+class AppealAnswer:
     """What staff say to an appeal. `points`: those that the item gets, when it is corrected, else None."""
 
     state: AppealState
@@ -187,7 +187,13 @@ def waiting(services: Services, caller: Caller) -> int:
 
 
 def answer(  # noqa: PLR0913
-    services: Services, caller: Caller, submission_id: str, item: str, given: Answer, *, seen: Seen | None
+    services: Services,
+    caller: Caller,
+    submission_id: str,
+    item: str,
+    given: AppealAnswer,
+    *,
+    seen: Seen | None,
 ) -> None:
     """Answer an open appeal in words, by other points, or by refusing it.
 

@@ -13,7 +13,7 @@ from grader.contracts.identity import Role, Seen, sections_of
 from grader.contracts.judgement import JudgedItem
 from grader.store.appeals import AppealsWanted
 from grader.use_cases import appealing, judging
-from grader.use_cases.appealing import Answer
+from grader.use_cases.appealing import AppealAnswer
 from grader.use_cases.assignments import item_title, published
 from grader.use_cases.people import members, named
 from grader.use_cases.services import Services
@@ -126,7 +126,7 @@ def answer(
     if not errors:
         corrects = form.decision == "corrected"
         points = typed_points(form.points.strip()) if corrects else None
-        given = Answer(state=AppealState(form.decision), text=form.text, points=points)
+        given = AppealAnswer(state=AppealState(form.decision), text=form.text, points=points)
         seen = Seen.one(form.seen) if form.seen else None
         try:
             appealing.answer(services, visitor.caller, submission_id, form.item, given, seen=seen)

@@ -36,7 +36,7 @@ STAFF: dict[str, UseCase] = {
     ),
     "appeals": lambda services, caller: appealing.queue(services, caller, AppealsWanted(), offset=0, limit=1),
     "answer": lambda services, caller: appealing.answer(
-        services, caller, "s", "timer", appealing.Answer(state=AppealState.REFUSED, text="x"), seen=None
+        services, caller, "s", "timer", appealing.AppealAnswer(state=AppealState.REFUSED, text="x"), seen=None
     ),
     "extensions": lambda services, caller: rules.extensions(services, caller, "square"),
     "book": gradebook.book,
