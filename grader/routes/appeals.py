@@ -34,7 +34,7 @@ from grader.use_cases.services import Services
 router = APIRouter(prefix="/api/v1/appeals", tags=["appeals"])
 of_submission = APIRouter(prefix="/api/v1/submissions", tags=["appeals"], dependencies=[SIGHT])
 _KNOWN = (*ENTRY_PROBLEMS, "submission_not_found", "invalid_request")
-_BODY = ("malformed_body", "too_large", "forbidden")
+_BODY = ("malformed_body", "too_large", "forbidden", "course_archived")
 _MOST_PER_PAGE = 500
 _MOST = 1_000_000
 _Words = Annotated[str, Field(min_length=1, max_length=LONGEST_TEXT, pattern=COMMENT_PATTERN)]
@@ -158,7 +158,7 @@ def ask(
     "/{submission_id}/appeals/{item:path}",
     status_code=status.HTTP_204_NO_CONTENT,
     summary="Take an open appeal back",
-    responses=responses(*_KNOWN, "forbidden", "appeal_not_found", "appeal_decided"),
+    responses=responses(*_KNOWN, "forbidden", "appeal_not_found", "appeal_decided", "course_archived"),
 )
 def take_back(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId, item: ItemId) -> None:
     """Withdraw one's own appeal while it is open; one may ask again."""

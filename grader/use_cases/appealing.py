@@ -139,7 +139,8 @@ def open_to(
     """Return the items about which the caller may ask now; `known` are the appeals there are, by item."""
     if caller.course is None or caller.role is not Role.STUDENT or stored is None:
         return frozenset()
-    if not services.rules.of(caller.course).of(submission.assignment).may_appeal_at(services.clock()):
+    rules = services.rules.of(caller.course)
+    if rules.archived or not rules.of(submission.assignment).may_appeal_at(services.clock()):
         return frozenset()
     asked = {item for item, one in known.items() if one.state is not AppealState.WITHDRAWN}
     return frozenset(one.id for one in judged(stored).items if _can_gain(one) and one.id not in asked)
