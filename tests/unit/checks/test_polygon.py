@@ -326,6 +326,7 @@ def test_a_wall_is_named() -> None:
     ("name", "legs"),
     [
         ("square", polygon_legs(4, lengths_m=[3.0, 2.0, 3.0, 2.0])),
+        ("square", polygon_legs(4, lengths_m=[3.0, 2.0, 3.0, 1.8])),
         ("rectangle", polygon_legs(4)),
         ("hexagon", polygon_legs(7, 1.0)),
         ("octagon", polygon_legs(7, 1.0)),
