@@ -138,13 +138,7 @@ class History(BaseModel):
     status_code=202,
     summary="Grade again, on trial",
     responses=responses(
-        *_KNOWN,
-        "malformed_body",
-        "too_large",
-        "assignment_not_found",
-        "nothing_to_regrade",
-        "regrade_open",
-        "course_archived",
+        *_KNOWN, "malformed_body", "too_large", "assignment_not_found", "nothing_to_regrade", "regrade_open"
     ),
 )
 def start(

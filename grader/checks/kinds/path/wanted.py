@@ -4,8 +4,7 @@ import cmath
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -44,8 +43,7 @@ class Stretch(PositionalRecord):
     angle_deg: float = 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class Track:
+class Track(PositionalRecord):
     """One way to drive the wanted path.
 
     Attributes:
@@ -67,7 +65,7 @@ class Track:
         ends = np.cumsum([stretch.length_m for stretch in self.stretches])
         return [float(end / ends[-1]) for end in ends]
 
-    @cached_property
+    @property
     def points(self) -> Points:
         """`SAMPLES` points along it at equal distances."""
         return sampled(np.array([point for stretch in self.stretches for point in stretch.points]))
@@ -109,7 +107,6 @@ def track_of(wanted: WantedPath) -> Track | None:
     return Track(stretches) if stretches else None
 
 
-@lru_cache(maxsize=64)
 def tracks(wanted: WantedPath) -> tuple[Track, ...]:
     """Return the ways in which the path may be driven: forth and back, and from each corner of a closed one."""
     given = track_of(wanted)
