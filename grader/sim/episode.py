@@ -24,6 +24,7 @@ from grader.sim.frames import (
     SUBSCRIPTION,
     SYNTAX_ERROR,
     Advance,
+    CarState,
     Entity,
     Exit,
     Frame,
@@ -224,6 +225,7 @@ class Episode:
             raise ProtocolError(f"time went back from {self._now_ns} to {t_ns} ns")
 
     def _graph_change(self, frame: Entity | Gone | Request | Response) -> None:
+        self._world.take_back(frame.t_ns)
         if isinstance(frame, Entity):
             self._graph.add(frame)
             self._connect(frame)
@@ -287,21 +289,34 @@ class Episode:
 
     def _advance(self, frame: Advance, link: Link) -> None:
         """Answer ADVANCE: run to the first instant at which something is due, or as far as is asked."""
-        if self._asked_ns is None:
-            self._take_turns(True)
         outbox, t_ns = self._world.outbox, frame.t_ns
+        self._world.take_back(self._now_ns)
         limit_ns = min(t_ns, self._spec.horizon_ns)
         together_ns = min(frame.together_ns, limit_ns)
-        while together_ns > self._now_ns and not outbox.full and not self._run_to_next(together_ns):
-            pass
+        while together_ns > self._now_ns and not self._run_to_next(together_ns):
+            if outbox.full:
+                together_ns = outbox.last_ns  # what comes later is due in the next answer
         while not outbox and not self._run_to_next(limit_ns):
             pass
         due_ns, events = outbox.take(together_ns) if outbox else (t_ns, [])
         # What became due while the script was computing is sent with the present time, not one in its past.
-        self._asked_ns = self._now_ns = min(max(due_ns, self._now_ns), t_ns)
+        self._now_ns = min(max(due_ns, self._now_ns), t_ns)
         left_ns = outbox.first_ns
         quiet_ns = self._next_due() if left_ns is None else left_ns
-        link.send(encode_events(self._now_ns, quiet_ns, events))
+        car = self._let_reckon()
+        if car is None:
+            if self._asked_ns is None:
+                self._take_turns(True)
+            self._asked_ns = self._now_ns
+        link.send(encode_events(self._now_ns, quiet_ns, events, car))
+
+    def _let_reckon(self) -> CarState | None:
+        """Let the script reckon the poses by itself while nothing else can become due."""
+        car = self._world.let_reckon() if self._calls.next_ns() is None else None
+        if car is None:
+            return None
+        drivers = tuple(identity for identity, sink in self._sinks.items() if sink != self._log)
+        return car._replace(publishers=drivers)
 
     def _next_due(self) -> int:
         """Return the next instant at which something may become due, whatever is commanded until then."""

@@ -60,6 +60,10 @@ class Outbox:
         """Return whether a message on one of `topics` would reach anyone."""
         return not self._listeners.keys().isdisjoint(topics)
 
+    def only_listeners(self, topic: str, others: Iterable[str]) -> tuple[int, ...]:
+        """Return who hears `topic`; nobody while anybody hears one of `others`."""
+        return () if self.has_listener_of(others) else tuple(self._listeners.get(topic, ()))
+
     def publish(self, topic: str, t_ns: int, payload: bytes) -> None:
         """Queue one message for everyone who listens."""
         for identity in self._listeners.get(topic, ()):
@@ -83,6 +87,11 @@ class Outbox:
     def first_ns(self) -> int | None:
         """Instant of the first queued event, None when nothing is queued."""
         return self._queue[0].t_ns if self._queue else None
+
+    @property
+    def last_ns(self) -> int:
+        """Instant of the last queued event; one must be queued."""
+        return self._queue[-1].t_ns
 
     def take(self, together_ns: int = 0) -> tuple[int, list[Event]]:
         """Return an instant and the events queued up to it: the first event's, or `together_ns` if that is later.
@@ -139,6 +148,12 @@ class Feeds:
     def heard(self) -> bool:
         """Whether anybody listens."""
         return self._outbox.has_listener_of(self._feeds)
+
+    @property
+    def pose_listeners(self) -> tuple[int, ...]:
+        """Who hears the pose; nobody while anybody hears anything else."""
+        pose, *others = self._feeds
+        return self._outbox.only_listeners(pose, others)
 
     def emit(self, t_ns: int) -> None:
         """Queue what the update of `t_ns` publishes."""

@@ -111,3 +111,26 @@ class Event(NamedTuple):
     sequence: int
     t_ns: int
     payload: bytes
+
+
+class CarState(NamedTuple):
+    """All that the poses of the nominal car depend on, until the script does more than drive.
+
+    Attributes:
+        subscriptions: ids that hear the poses, in the order in which they do.
+        publishers: ids whose messages are commands.
+        t_ns: instant of the last update; the rest is as it left it.
+        velocity: (v, w) in that update. commanded: (v, w) from the next one on, until `drop_ns`.
+        resting: whether updates would change nothing.
+        window_m: width and height of the window, whose walls hold the car; 0: it has none.
+    """
+
+    subscriptions: tuple[int, ...]
+    publishers: tuple[int, ...]
+    t_ns: int
+    pose: tuple[float, float, float]
+    velocity: tuple[float, float]
+    commanded: tuple[float, float]
+    drop_ns: int
+    resting: bool
+    window_m: float

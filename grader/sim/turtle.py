@@ -7,6 +7,7 @@ from grader.contracts.assignment import WINDOW_M, World
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
 from grader.sim.bullet import BulletCar
 from grader.sim.car import UPDATE_NS, PlanarPose, clamp_command, next_update, turtlesim_update
+from grader.sim.frames import CarState
 from grader.sim.recorder import Recorder
 
 _NEVER: Final = 1 << 62
@@ -156,6 +157,26 @@ class Turtle:
         self.kill()
         self._car.put(pose)
         self.alive = True
+
+    @property
+    def reckonable(self) -> bool:
+        """Whether its poses follow from its commands alone: no noise that a script could foresee by knowing it."""
+        return self.alive and self._world.profile == "nominal"
+
+    def state(self, subscriptions: tuple[int, ...]) -> CarState:
+        """Return what the poses that these subscriptions hear depend on, besides the ids of publishers."""
+        car = self._car
+        return CarState(
+            subscriptions,
+            (),
+            car.now_ns,
+            car.pose,
+            car.velocity,
+            car.commanded,
+            self._drop_ns,
+            car.resting,
+            WINDOW_M if self._world.walls else 0.0,
+        )
 
     def finish(self, end_ns: int) -> None:
         """Drive up to `end_ns`, when the episode ended, and record the last sample."""

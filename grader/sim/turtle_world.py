@@ -13,7 +13,7 @@ from grader.sim import parameters
 from grader.sim.car import UPDATE_NS, PlanarPose, fold, next_update
 from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import Feeds, Outbox, Pen
-from grader.sim.frames import GRAPH_EVENT, Event, Request
+from grader.sim.frames import GRAPH_EVENT, CarState, Event, Request
 from grader.sim.parameters import Parameters
 from grader.sim.rotate_action import RotateAction
 from grader.sim.turtle import AnyTurtle, SpawnedTurtle, Turtle
@@ -103,6 +103,7 @@ class TurtleWorld:
         self._parameters = Parameters(distro)
         self._pending: deque[tuple[str, Request]] = deque()
         self._now_ns = 0
+        self._reckoned = False  # whether the script reckons the poses by itself
         self._heard = False  # whether anybody listens; asked several times an update
         self._heard_at = -1  # as of so many changes of the outbox
         self._handlers: dict[str, Callable[[Values, int], Values]] = {
@@ -169,7 +170,29 @@ class TurtleWorld:
         if self._heard_at != self.outbox.changes:
             self._heard_at = self.outbox.changes
             self._heard = any(each.feeds.heard for each in self._present.values())
-        return next_update(self._now_ns) * UPDATE_NS if self._heard or self._busy else None
+        if (self._heard and not self._reckoned) or self._busy:
+            return next_update(self._now_ns) * UPDATE_NS
+        return None
+
+    def let_reckon(self) -> CarState | None:
+        """Let the script reckon the poses, if only its commands decide them; return what it needs for that.
+
+        From then on no pose is published, until `take_back`.
+        """
+        if not self.turtle.reckonable or self.outbox or self._busy or self._others:
+            return None
+        listeners = self._feeds.pose_listeners
+        if not listeners:
+            return None
+        self._reckoned = True
+        self.turtle.advance(self._now_ns)
+        return self.turtle.state(listeners)
+
+    def take_back(self, t_ns: int) -> None:
+        """Publish the poses again that come after `t_ns`."""
+        if self._reckoned:
+            self.advance(t_ns)
+            self._reckoned = False
 
     def advance(self, t_ns: int) -> None:
         """Run until `t_ns`, through every update that serves or tells somebody."""

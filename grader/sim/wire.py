@@ -20,6 +20,7 @@ from grader.sim.frames import (
     NODE,
     TOO_MANY_STEPS,
     Advance,
+    CarState,
     Entity,
     Event,
     Exit,
@@ -31,7 +32,7 @@ from grader.sim.frames import (
     Response,
 )
 
-PROTOCOL: Final = 3
+PROTOCOL: Final = 4
 MAX_NAME_BYTES: Final = 1_024
 MAX_ENTITY_NAME_BYTES: Final = 255  # as in rmw, the middleware's interface
 MAX_NODE_NAME_BYTES: Final = 501  # a namespace of 245, a slash and a name of 255, as in rmw
@@ -50,6 +51,7 @@ _CALL_HEAD: Final = struct.Struct("<BHIq")
 _ADVANCE: Final = struct.Struct("<Bqq")
 _EVENTS_HEAD: Final = struct.Struct("<BqqH")
 _EVENT_HEAD: Final = struct.Struct("<BHIqI")
+_CAR: Final = struct.Struct("<q7dqBd")
 
 
 def decode(body: bytes) -> Frame:
@@ -72,12 +74,25 @@ def encode_start(fields: Mapping[str, Any], source: bytes) -> bytes:
     return _U8.pack(START) + _U32.pack(len(text)) + text + source
 
 
-def encode_events(now_ns: int, quiet_ns: int, events: Iterable[Event]) -> bytes:
-    """Build EVENTS, the answer to ADVANCE; before `quiet_ns` nothing more becomes due by itself."""
+def encode_events(now_ns: int, quiet_ns: int, events: Iterable[Event], car: CarState | None = None) -> bytes:
+    """Build EVENTS, the answer to ADVANCE; before `quiet_ns` nothing more becomes due by itself.
+
+    With `car`, nothing but its poses does until the script does more than drive.
+    """
     chunks: list[bytes] = []
     for what, identity, sequence, t_ns, payload in events:
         chunks += (_EVENT_HEAD.pack(what, identity, sequence, t_ns, len(payload)), payload)
-    return _EVENTS_HEAD.pack(EVENTS, now_ns, quiet_ns, len(chunks) // 2) + b"".join(chunks)
+    head = _EVENTS_HEAD.pack(EVENTS, now_ns, quiet_ns, len(chunks) // 2)
+    return head + b"".join(chunks) + (b"" if car is None else _car(car))
+
+
+def _car(car: CarState) -> bytes:
+    ids = b"".join(
+        struct.pack(f"<{1 + len(those)}H", len(those), *those)
+        for those in (car.subscriptions, car.publishers)
+    )
+    numbers = (car.t_ns, *car.pose, *car.velocity, *car.commanded, car.drop_ns, car.resting, car.window_m)
+    return ids + _CAR.pack(*numbers)
 
 
 class _Cursor:

@@ -99,6 +99,7 @@ class Answer:
     now_ns: int
     quiet_ns: int
     events: list[tuple[int, int, int, int, bytes]]
+    car: bytes = b""
 
     def messages(self, identity: int, type: str) -> list[dict[str, Any]]:
         return [decode(type, event[4]) for event in self.events if event[:2] == (1, identity)]
@@ -117,8 +118,7 @@ def read_events(body: bytes) -> Answer:
         offset += 19
         events.append((what, identity, sequence, t_ns, body[offset : offset + length]))
         offset += length
-    assert offset == len(body)
-    return Answer(now_ns, quiet_ns, events)
+    return Answer(now_ns, quiet_ns, events, body[offset:])
 
 
 Script = Generator[bytes, Answer | None, None]

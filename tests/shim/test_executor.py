@@ -333,7 +333,7 @@ def test_a_future_awaited_in_asyncio_costs_no_question_per_microsecond(run_scrip
 
 LONG_WAY = (
     "import rclpy.executors\n"
-    "rclpy.executors.SingleThreadedExecutor._wait_for_lone_timer = lambda self, timeout_sec: None\n"
+    "rclpy.executors.SingleThreadedExecutor._wait_for_lone_callback = lambda self, timeout_sec: None\n"
 )
 TIMERS = """
 import rclpy, random, time

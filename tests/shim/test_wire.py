@@ -68,13 +68,24 @@ def test_what_the_jail_reads(case: dict[str, Any]) -> None:
         assert json.loads(text) == fields["json"]
         assert source == bytes.fromhex(fields["source"])
     else:
-        now_ns, quiet_ns, events = wire.read_events(body)
+        now_ns, quiet_ns, events, car = wire.read_events(body)
         assert (now_ns, quiet_ns) == (fields["now_ns"], fields["quiet_ns"])
         events = [(e.what, e.id, e.sequence, e.t_ns, e.cdr.hex()) for e in events]
         assert events == [tuple(event) for event in fields["events"]]
+        told = fields.get("car")
+        assert car == (
+            told and tuple(tuple(each) if isinstance(each, list) else each for each in told.values())
+        )
 
 
-@pytest.mark.parametrize("body", [b"\x15" + bytes(16), b"\x81" + bytes(16) + b"\x01\x00" + b"\x01" * 19])
+@pytest.mark.parametrize(
+    "body",
+    [
+        b"\x15" + bytes(16),
+        b"\x81" + bytes(16) + b"\x01\x00" + b"\x01" * 19,
+        b"\x81" + bytes(18) + b"\x01\x00\x02",
+    ],
+)
 def test_what_is_not_a_frame_is_refused(body: bytes) -> None:
     with pytest.raises((ValueError, struct.error)):
         wire.read_events(body)

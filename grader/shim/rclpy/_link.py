@@ -10,6 +10,7 @@ import os
 
 from rclpy import _wire
 from rclpy._kernel import Kernel, kernel
+from rclpy._reckoning import Reckoning
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -95,6 +96,9 @@ class Link:
         self._flush_ns = 0
         self._prompt = PROMPT_FLUSHES
         self._last: dict[int, bytes] = {}
+        self._reckoning: Reckoning | None = None
+        self._reckoned: list[tuple[int, bytes]] = []  # poses that are due, with their times
+        self._listeners: tuple[int, ...] = ()  # the subscriptions they are for
         self._next_id = 1
         self._wanted: set[int] = set()
         self._counts: dict[int, int] = {}
@@ -147,6 +151,7 @@ class Link:
                 f"more than {MAX_ENTITIES} nodes, publishers, subscriptions, services and clients"
             )
         self._next_id += 1
+        self._ask_again()
         quality = (1 if reliable else 2, 1 if transient else 2, depth)
         self._tell(_wire.entity(ident, _WHAT[what], self._kernel.now_ns, (node, name, type), quality))
         self._living[ident] = (what, (name, type))
@@ -190,6 +195,7 @@ class Link:
 
     def unregister(self, ident: int) -> None:
         """Tell that the entity is gone."""
+        self._ask_again()
         self._tell(_wire.gone(ident, self._kernel.now_ns))
         self._living.pop(ident, None)
         self._sort_out(ident)
@@ -209,7 +215,13 @@ class Link:
             if count % COUNT_EVERY:
                 return
             cdr = b""
-        frame = _wire.publish(ident, self._kernel.now_ns, cdr)
+        now_ns = self._kernel.now_ns
+        frame = _wire.publish(ident, now_ns, cdr)
+        reckoning = self._reckoning
+        if reckoning is not None and ident in reckoning.publishers:
+            if reckoning.next_ns <= now_ns:
+                self._reckon(now_ns)
+            reckoning.command(now_ns, cdr)
         if self._last.get(ident) == cdr:
             self._send(frame)
         else:
@@ -218,6 +230,7 @@ class Link:
 
     def request(self, ident: int, sequence: int, cdr: bytes) -> None:
         """Send a request of client `ident` to a service of the world."""
+        self._ask_again()
         self._tell(_wire.service(_wire.REQUEST, ident, sequence, self._kernel.now_ns, cdr))
         if ident in self._clients:
             self._requests.add((ident, sequence))
@@ -225,6 +238,7 @@ class Link:
 
     def respond(self, ident: int, sequence: int, cdr: bytes) -> None:
         """Answer a request of the world to service `ident`."""
+        self._ask_again()
         self._tell(_wire.service(_wire.RESPONSE, ident, sequence, self._kernel.now_ns, cdr))
 
     def attach(self, ident: int, deliver: Deliver) -> None:
@@ -240,9 +254,14 @@ class Link:
 
         All events up to `together_ns` are delivered together.
         """
+        if self._reckoning is not None or self._reckoned:
+            return self._advance_alone(target_ns, together_ns)
         self._send(_wire.advance(target_ns, together_ns))
         self.flush()
-        now_ns, self.quiet_ns, events = _wire.read_events(self._receive())
+        now_ns, self.quiet_ns, events, car = _wire.read_events(self._receive())
+        if car is not None:
+            self._reckoning = Reckoning(*car)
+            self._listeners = self._reckoning.subscriptions
         for event in events:
             if event.what == _wire.TO_GRAPH:
                 self._change_world(event.cdr)
@@ -254,6 +273,42 @@ class Link:
             if deliver is not None:
                 deliver(event.sequence, event.t_ns, event.cdr)
         return now_ns
+
+    def _advance_alone(self, target_ns: int, together_ns: int) -> int:
+        """Do what ADVANCE asks of the episode, while nothing but poses can become due."""
+        limit_ns = min(target_ns, self._kernel.horizon_ns)
+        together_ns = min(together_ns, limit_ns)
+        reckoned, reckoning = self._reckoned, self._reckoning
+        if reckoning is not None:
+            self._reckon(together_ns)
+            if not reckoned and reckoning.next_ns <= limit_ns:
+                self._reckon(reckoning.next_ns)
+        if reckoned:
+            target_ns = min(max(reckoned[0][0], together_ns), target_ns)
+        due = [one for one in reckoned if one[0] <= target_ns]
+        del reckoned[: len(due)]
+        next_ns = 0 if reckoning is None else reckoning.next_ns
+        self.quiet_ns = reckoned[0][0] if reckoned else next_ns
+        for t_ns, cdr in due:
+            for ident in self._listeners:
+                deliver = self._deliver.get(ident)
+                if deliver is not None:
+                    deliver(0, t_ns, cdr)
+        return target_ns
+
+    def _reckon(self, until_ns: int) -> None:
+        """Run the car's updates up to `until_ns`."""
+        reckoning, reckoned = self._reckoning, self._reckoned
+        assert reckoning is not None
+        while reckoning.next_ns <= until_ns:
+            t_ns = reckoning.next_ns
+            reckoned.append((t_ns, reckoning.update()))
+
+    def _ask_again(self) -> None:
+        """Ask the episode from now on: the script is about to do more than drive."""
+        if self._reckoning is not None:
+            self._reckon(self._kernel.now_ns)
+            self._reckoning = None
 
     def exit(self, end: _wire.Exit) -> None:
         """Send EXIT, the last frame of a run."""

@@ -8,6 +8,14 @@ from __future__ import annotations
 
 import struct
 
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    Pair = tuple[float, float]
+    Car = tuple[
+        tuple[int, ...], tuple[int, ...], int, tuple[float, float, float], Pair, Pair, int, bool, float
+    ]
+    """What `Reckoning` is made of, in order."""
+
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
 START, EVENTS = 0x80, 0x81
 
@@ -29,6 +37,8 @@ _ADVANCE = struct.Struct("<IBqq")
 _EVENTS = struct.Struct("<BqqH")
 _SERVICE = struct.Struct("<IBHIq")
 _EVENT = struct.Struct("<BHIqI")
+_COUNT = struct.Struct("<H")
+_CAR = struct.Struct("<q7dqBd")
 
 
 class Event:
@@ -148,8 +158,10 @@ def read_start(body: bytes) -> tuple[str, bytes]:
     return body[5 : 5 + length].decode(), body[5 + length :]
 
 
-def read_events(body: bytes) -> tuple[int, int, list[Event]]:
-    """Return the instant reached, the one before which nothing more becomes due, and what is due now.
+def read_events(body: bytes) -> tuple[int, int, list[Event], Car | None]:
+    """Return the instant reached, the one before which nothing more becomes due, what is due now, and the car.
+
+    The car comes with the answer when nothing but its poses can become due until the script does more than drive.
 
     Raises:
         ValueError, struct.error: `body` is not EVENTS.
@@ -166,4 +178,18 @@ def read_events(body: bytes) -> tuple[int, int, list[Event]]:
             raise ValueError("EVENTS ends inside an event")
         events.append(Event(what, ident, sequence, t_ns, body[offset : offset + length]))
         offset += length
-    return now_ns, quiet_ns, events
+    return now_ns, quiet_ns, events, _read_car(body, offset) if offset < len(body) else None
+
+
+def _read_car(body: bytes, offset: int) -> Car:
+    subscriptions, offset = _read_ids(body, offset)
+    publishers, offset = _read_ids(body, offset)
+    t_ns, x, y, heading, v, w, v_asked, w_asked, drop_ns, resting, window_m = _CAR.unpack_from(body, offset)
+    pose, velocity, commanded = (x, y, heading), (v, w), (v_asked, w_asked)
+    return subscriptions, publishers, t_ns, pose, velocity, commanded, drop_ns, resting == 1, window_m
+
+
+def _read_ids(body: bytes, offset: int) -> tuple[tuple[int, ...], int]:
+    (count,) = _COUNT.unpack_from(body, offset)
+    offset += _COUNT.size
+    return struct.unpack_from(f"<{count}H", body, offset), offset + 2 * count

@@ -236,28 +236,30 @@ class Executor:
         timeout_sec: float | TimeoutObject | None = None,
         nodes: Sequence[Node] | None = None,
         condition: Callable[[], bool] = _never,
+        waited: tuple[Watch, int | None] | None = None,
     ) -> Generator[Ready, None, None]:
         """Yield what is ready after one wait: unfinished tasks first, then what `Watch.served` says.
+
+        Or after a wait that is over: `waited`, with its deadline.
 
         Raises:
             TimeoutException: nothing (more) came in time. ShutdownException: the executor was shut down.
             ExternalShutdownException: the context was. ConditionReachedException: `condition` holds.
         """
-        deadline_ns = self._deadline_of(timeout_sec)
+        deadline_ns = self._deadline_of(timeout_sec) if waited is None else waited[1]
         yielded = False
         while not yielded and not self._is_shutdown and not condition():
-            self._woken.clear()
-            using = self.get_nodes() if nodes is None else nodes
-            for task, entity, node in reversed(tuple(self._tasks)) if self._tasks else ():
-                if not task.executing() and not task._done and (node is None or node in using):
-                    yielded = True
-                    yield task, entity, node
-            self._tasks = [item for item in self._tasks if not (item[0]._done or item[0]._abandoned)]
-            self._require_context(f"failed to initialize wait set: {WAIT_CONTEXT}")
-            watch = self._take_watch(using)
-            self._block(watch, deadline_ns)
+            if waited is None:
+                self._woken.clear()
+                using = self.get_nodes() if nodes is None else nodes
+                for task, entity, node in reversed(tuple(self._tasks)) if self._tasks else ():
+                    if not task.executing() and not task._done and (node is None or node in using):
+                        yielded = True
+                        yield task, entity, node
+                watch = self._wait_once(using, deadline_ns)
+            else:
+                watch, waited = waited[0], None
             timed_out = deadline_ns is not None and kernel.now_ns >= deadline_ns
-            watch.settle()
             for kind, entity, node in watch.served():
                 yielded = True
                 yield self._handler_of(kind, entity, node), entity, node
@@ -269,6 +271,15 @@ class Executor:
             raise ShutdownException()
         if condition():
             raise ConditionReachedException()
+
+    def _wait_once(self, nodes: Sequence[Node], deadline_ns: int | None) -> Watch:
+        """Block until the nodes have something ready, the executor is woken or the deadline has come."""
+        self._tasks = [item for item in self._tasks if not (item[0]._done or item[0]._abandoned)]
+        self._require_context(f"failed to initialize wait set: {WAIT_CONTEXT}")
+        watch = self._take_watch(nodes)
+        self._block(watch, deadline_ns)
+        watch.settle()
+        return watch
 
     def _take_watch(self, nodes: Sequence[Node]) -> Watch:
         """Return the watch of the last wait if it still holds; nobody else has it until it is put back."""
@@ -501,27 +512,43 @@ class SingleThreadedExecutor(Executor):
             return _Call(self, kind, entity)
         return super()._handler_of(kind, entity, node)
 
-    def _wait_for_lone_timer(self, timeout_sec: float | TimeoutObject | None) -> _Call | None:
-        """Wait for the next timer and return its call, if nothing else can happen until then; else do nothing.
+    def _wait_for_lone_callback(self, timeout_sec: float | TimeoutObject | None) -> _Call | None:
+        """Wait for the next callback and return its call, if it is a plain one and the only one that is ready.
 
-        `wait_for_ready_callbacks` comes to the same and takes three times as long.
+        `wait_for_ready_callbacks` comes to the same and takes three times as long. What else the wait finds, that
+        one returns next.
         """
-        watch = self._watch
-        if watch is None or self._cb_iter is not None or self._tasks or self._is_shutdown:
+        if self._cb_iter is not None or self._tasks or self._is_shutdown or not self._context._valid():
             return None
-        if not self._context._valid():
-            return None
-        timer = watch.lone_timer() if watch.holds(self.can_execute, self.get_nodes()) else None
+        deadline_ns = None if timeout_sec is None else self._deadline_of(timeout_sec)
+        watch = self._take_watch(self.get_nodes())
+        self._woken.clear()
+        call = self._skip_to_lone_timer(watch, deadline_ns)
+        if call is None:
+            self._block(watch, deadline_ns)
+            watch.settle()
+            place = watch.lone()
+            in_time = deadline_ns is None or kernel.now_ns < deadline_ns
+            if place is None or not in_time or is_coroutine_function(place[3].callback):
+                self._last_args, self._last_kwargs = (), {"timeout_sec": timeout_sec}
+                self._cb_iter = self._wait_for_ready_callbacks(timeout_sec, waited=(watch, deadline_ns))
+                return None
+            call = _Call(self, place[1], place[3])
+        if watch.lasting:
+            self._watch = watch
+        return call
+
+    def _skip_to_lone_timer(self, watch: Watch, deadline_ns: int | None) -> _Call | None:
+        """Wait for the next timer and return its call, if nothing else can happen until then; else do nothing."""
+        timer = watch.lone_timer()
         if timer is None or is_coroutine_function(timer.callback):
             return None
         late_ns = min(watch.period_ns // 5, MAX_LATENESS_NS)
         due_ns = watch.deadline_ns or 0
-        deadline_ns = None if timeout_sec is None else self._deadline_of(timeout_sec)
         if deadline_ns is not None and due_ns + late_ns >= deadline_ns:
             return None
         if not kernel.skip_to(due_ns, due_ns + late_ns):
             return None
-        self._woken.clear()
         kernel.be_late(late_ns)
         return _Call(self, TIMER, timer)
 
@@ -532,7 +559,7 @@ class SingleThreadedExecutor(Executor):
             if self._cb_iter is not None:
                 ready = self._left_of_last_wait((), {"timeout_sec": timeout_sec})
             if ready is None and type(self) is SingleThreadedExecutor:
-                handler = self._wait_for_lone_timer(timeout_sec)
+                handler = self._wait_for_lone_callback(timeout_sec)
             if handler is None:
                 handler, _, _ = ready or self.wait_for_ready_callbacks(timeout_sec=timeout_sec)
         except (ShutdownException, TimeoutException):

@@ -28,7 +28,7 @@ def test_start_says_what_the_world_is(car: BulletCar) -> None:
     )
     Episode(spec, car).run(link)
     assert link.source == spec.source
-    assert link.start["protocol"] == 3
+    assert link.start["protocol"] == 4
     assert (link.start["file_name"], link.start["args"], link.start["stdin"]) == (
         "hello.py",
         ["--fast"],

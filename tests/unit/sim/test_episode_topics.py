@@ -1,6 +1,7 @@
 """What an episode hears and says on topics and services."""
 
 import math
+import struct
 from typing import Any
 
 import pytest
@@ -131,13 +132,50 @@ def test_the_answer_says_until_when_nothing_is_due(car: BulletCar) -> None:
     assert answers == [(5, 16, 0), (16, 32, 1), (100, 112, 5), (1_000, 1_008, 56)]
 
 
+def test_what_does_not_fit_into_an_answer_comes_with_the_next(car: BulletCar) -> None:
+    answers = []
+
+    def script() -> Script:
+        yield jail.entity(3, 3, name="/odom", type="nav_msgs/msg/Odometry")
+        while not answers or answers[-1][0] < 10 * SECOND:
+            answer = yield jail.advance(10 * SECOND, 10 * SECOND)
+            assert answer is not None
+            answers.append((answer.now_ns, answer.quiet_ns, answer.events[-1][3]))
+        yield jail.ended(10 * SECOND)
+
+    play(car, script())
+    assert answers == [
+        (4_096 * MS, 4_112 * MS, 4_096 * MS),
+        (8_192 * MS, 8_208 * MS, 8_192 * MS),
+        (10_000 * MS, 10_000 * MS + 16 * MS, 10_000 * MS),
+    ]
+
+
+def test_a_script_that_only_hears_the_pose_is_told_the_car(car: BulletCar) -> None:
+    told = []
+
+    def script() -> Script:
+        yield jail.driver()
+        yield jail.entity(3, 3, name="/turtle1/pose", type="turtlesim/msg/Pose")
+        for topic in ((), ((4, "/odom", "nav_msgs/msg/Odometry"),)):
+            for identity, name, kind in topic:
+                yield jail.entity(identity, 3, 16 * MS, name=name, type=kind)
+            answer = yield jail.advance(20 * MS)
+            assert answer is not None
+            told.append(answer.car[:8])
+        yield jail.ended(20 * MS)
+
+    play(car, script())
+    assert told == [struct.pack("<HHHH", 1, 3, 1, 2), b""]
+
+
 def test_it_tells_while_script_and_world_wait_for_each_other(car: BulletCar) -> None:
     told: list[bool | str] = []
 
     def script() -> Script:
         yield jail.driver()
         yield jail.publish(2, SECOND // 2, jail.twist(1.0))
-        yield jail.entity(3, 3, SECOND // 2, name="/turtle1/pose", type="turtlesim/msg/Pose")
+        yield jail.entity(3, 3, SECOND // 2, name="/odom", type="nav_msgs/msg/Odometry")
         for _ in range(3):
             told.append("asks")
             yield jail.advance(SECOND)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from grader.contracts.errors import ProtocolError
 from grader.sim import wire
-from grader.sim.frames import Entity, Event, Exit, NoteFrame
+from grader.sim.frames import CarState, Entity, Event, Exit, NoteFrame
 from tests.fakes import jail
 
 GOLDEN = Path(__file__).parents[2] / "golden" / "wire"
@@ -39,7 +39,8 @@ def test_golden_frames_are_written(body: bytes, fields: dict[str, Any]) -> None:
         assert wire.encode_start(fields["json"], bytes.fromhex(fields["source"])) == body
     else:
         events = [Event(*event[:4], bytes.fromhex(event[4])) for event in fields["events"]]
-        assert wire.encode_events(fields["now_ns"], fields["quiet_ns"], events) == body
+        car = CarState(**fields["car"]) if "car" in fields else None
+        assert wire.encode_events(fields["now_ns"], fields["quiet_ns"], events, car) == body
 
 
 @pytest.mark.parametrize(("body", "fields"), golden("jail_to_episode.json"))

@@ -171,6 +171,13 @@ class Watch:
         place = self._clockwork[number][2]
         return None if place is None else place[3]
 
+    def lone(self) -> Place | None:
+        """Return the timer or subscription that is ready, after `settle`, if it is the only thing that is."""
+        if len(self._ready) != 1 or self._ready_waitables:
+            return None
+        place = self._ready[0]
+        return place if place[1] in (TIMER, SUBSCRIPTION) and _free(place[3]) else None
+
     def settle(self) -> None:
         """Note what is ready now, consuming triggers."""
         ready = self._due_timers()

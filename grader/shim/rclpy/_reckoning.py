@@ -1,0 +1,120 @@
+"""The poses of the nominal car, reckoned by turtlesim's law as the episode does: no round trip for each of them.
+
+This says only what the script sees. The episode gets every command with its time, moves the car by the same law
+(`grader.sim.car`, `turtle`, `bullet`) and records what counts. Whatever may change the car otherwise (a service,
+a rotation, a turtle of the same name) or adds a listener, the episode is asked about, as ever; `Link` gives the
+reckoning up then, and the episode's next answer brings a new one.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+
+UPDATE_NS = 16_000_000
+UPDATE_S = 0.016
+LIFE_NS = 1_000_000_000
+"""How long a command acts: the first update later than that after the one that took it drops it."""
+
+MOST = 100.0
+"""Of a command's components, in m/s and rad/s."""
+
+NEVER_NS = 1 << 62
+
+_HEADER = b"\x00\x01\x00\x00"
+_POSE = struct.Struct("<4s5f")
+_TWIST = struct.Struct("<4s6d")
+_cos, _sin, _remainder = math.cos, math.sin, math.remainder
+
+
+class Reckoning:
+    """The car between two answers of the episode.
+
+    Attributes:
+        subscriptions: whom each pose is for.
+        publishers: whose messages are commands.
+        next_ns: instant of the next update.
+
+    Args:
+        now_ns: instant of the update after which the rest holds: pose, (v, w) in that update, (v, w) commanded,
+            when that command is dropped, whether updates would change nothing.
+        window_m: width and height of the window, whose walls hold the car; 0: it has none.
+    """
+
+    def __init__(
+        self,
+        subscriptions: tuple[int, ...],
+        publishers: tuple[int, ...],
+        now_ns: int,
+        pose: tuple[float, float, float],
+        velocity: tuple[float, float],
+        commanded: tuple[float, float],
+        drop_ns: int,
+        resting: bool,
+        window_m: float,
+    ) -> None:
+        self.subscriptions = subscriptions
+        self.publishers = publishers
+        self.next_ns = now_ns + UPDATE_NS
+        self._x_m, self._y_m, self._heading_rad = pose
+        self._velocity = velocity
+        self._commanded = commanded
+        self._drop_ns = drop_ns
+        self._resting = resting
+        self._window_m = window_m
+        self._at_rest: bytes | None = None
+
+    def update(self) -> bytes:
+        """Run the next update; return the pose that it publishes."""
+        now_ns = self.next_ns
+        self.next_ns = now_ns + UPDATE_NS
+        if self._drop_ns <= now_ns:
+            self._drop_ns = NEVER_NS
+            self._order((0.0, 0.0))
+        if self._resting:
+            if self._at_rest is None:
+                self._at_rest = self._published()
+            return self._at_rest
+        self._move(*self._commanded)
+        return self._published()
+
+    def command(self, t_ns: int, cdr: bytes) -> None:
+        """Take what was published as a command at `t_ns`, which no update up to then has seen."""
+        if len(cdr) != _TWIST.size or cdr[:4] != _HEADER:
+            return
+        _, v, _, _, _, _, w = _TWIST.unpack(cdr)
+        if not (-MOST <= v <= MOST and -MOST <= w <= MOST):
+            if math.isfinite(v) and math.isfinite(w):
+                v, w = min(max(v, -MOST), MOST), min(max(w, -MOST), MOST)
+            else:
+                v = w = 0.0
+        self._order((v, w))
+        update = t_ns // UPDATE_NS + 1
+        self._drop_ns = (update + LIFE_NS // UPDATE_NS + 1) * UPDATE_NS - 1 if v or w else NEVER_NS
+
+    def _order(self, command: tuple[float, float]) -> None:
+        if command != self._commanded:
+            self._commanded = command
+            self._resting = False
+            self._at_rest = None
+
+    def _move(self, v: float, w: float) -> None:
+        self._heading_rad = heading = _fold(self._heading_rad + w * UPDATE_S)
+        reach_m = v * UPDATE_S
+        x, y = self._x_m + _cos(heading) * reach_m, self._y_m + _sin(heading) * reach_m
+        most_m = self._window_m
+        if most_m and not (0.0 <= x <= most_m and 0.0 <= y <= most_m):
+            x, y = min(max(x, 0.0), most_m), min(max(y, 0.0), most_m)
+        self._x_m, self._y_m = x, y
+        self._velocity = (v, w)
+        self._resting = v == w == 0.0
+
+    def _published(self) -> bytes:
+        v, w = self._velocity
+        return _POSE.pack(_HEADER, self._x_m, self._y_m, _fold(self._heading_rad), abs(v), w)
+
+
+def _fold(angle_rad: float) -> float:
+    """Fold an angle to [-pi, pi); one that lies there keeps its bits."""
+    folded = _remainder(angle_rad, math.tau)
+    return -math.pi if folded >= math.pi else folded
