@@ -12,8 +12,10 @@ from fastapi.concurrency import contextmanager_in_threadpool
 
 from grader import __version__
 from grader.routes import (
+    appeals,
     assignments,
     comments,
+    course,
     dashboard,
     documentation,
     events,
@@ -48,12 +50,15 @@ _ROUTERS = (
     regrades.of_submission,
     judgements.router,
     judgements.of_submission,
+    appeals.router,
+    appeals.of_submission,
     comments.router,
     dashboard.router,
     events.dashboard,
     gradebook.router,
     gradebook.exports,
     people.router,
+    course.router,
     problems.router,
     health.router,
     metrics.router,

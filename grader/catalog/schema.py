@@ -136,6 +136,7 @@ class WorldModel(_Model):
     start: StartModel = StartModel()
     cmd_vel_topic: Topic = "/turtle1/cmd_vel"
     seed: Annotated[int, Field(ge=0)] = 0
+    odometry: bool = False
 
     def to_contract(self) -> World:
         """Return the contract."""

@@ -1,12 +1,13 @@
 """What the checks on motion share: the driven path, the part of it that counts, and how it ended."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
-from grader.contracts.trajectory import Command, Ints, Trajectory
+from grader.contracts.trajectory import Command, Contact, Ints, Trajectory
 from grader.geometry.path import Path, driven_path
 
 # Slower than this counts as rest, because a car that settles keeps creeping.
@@ -61,6 +62,21 @@ def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
 def is_motion(command: Command) -> bool:
     """Whether the command asks for a motion worth the name."""
     return abs(command.v_mps) > MOVING_MPS or abs(command.w_radps) > MOVING_RADPS
+
+
+def pushed_m(trajectory: Trajectory, until_ns: int) -> float:
+    """Return how much further the car was told to go where a wall held it most, up to `until_ns`."""
+    return max(
+        (_pushed_m(trajectory, one) for one in trajectory.contacts if one.start_ns <= until_ns), default=0.0
+    )
+
+
+def _pushed_m(trajectory: Trajectory, contact: Contact) -> float:
+    at = min(int(np.searchsorted(trajectory.t_ns, contact.start_ns)), len(trajectory) - 1)
+    heading_rad = float(trajectory.heading_rad[at])
+    across = math.cos(heading_rad) if contact.wall in ("left", "right") else math.sin(heading_rad)
+    told = (one.v_mps for one in reversed(trajectory.commands) if one.t_ns <= contact.start_ns)
+    return abs(across * next(told, 0.0)) * (contact.end_ns - contact.start_ns) / 1e9
 
 
 def _counted(trajectory: Trajectory, *, until_contact: bool) -> int:

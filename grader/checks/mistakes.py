@@ -12,6 +12,7 @@ import numpy as np
 
 from grader.checks.drive import MOVING_MPS, is_motion
 from grader.checks.measure import Measure, Mistake, mistake
+from grader.contracts.assignment import World
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
@@ -109,24 +110,27 @@ def _killed(outcome: RunOutcome) -> Mistake:
 TWIST = "geometry_msgs/msg/Twist"
 _USAGE = 2  # argparse's exit code
 _OWN_TOPICS = ("/rosout", "/parameter_events")  # every node publishes these
+_OF_ROBOTS = ("/odom", "/tf", "/scan", "/imu", "/joint_states", "/camera/image_raw")
 _SAME_M, _SAME_RAD = 0.01, 0.01
 _TIMEOUT_SLACK_NS = 50_000_000
 
 
 def command_mistakes(
-    run: Run, topic: str, *, turns: tuple[str, ...], drives: tuple[str, ...]
+    run: Run, world: World, *, turns: tuple[str, ...], drives: tuple[str, ...]
 ) -> tuple[Mistake, ...]:
-    """Return why the car got no commands on `topic`, or stopped obeying them.
+    """Return why the car got no commands, or stopped obeying them.
 
     Args:
         run: the run to look at.
-        topic: where commands belong.
+        world: in which it drove.
         turns: measures that a turn spoils when it ends too early.
         drives: those that a drive spoils.
     """
-    outcome = run.outcome
+    outcome, topic = run.outcome, world.cmd_vel_topic
     if _teleports(run.trajectory):
         return (mistake("teleported", topic=topic),)
+    if not any(map(is_motion, run.trajectory.commands)) and (missing := _unpublished(run, world)) is not None:
+        return (missing,)
     if outcome.command_count == 0:
         return _silence(run, topic)
     if outcome.nonfinite_commands:
@@ -232,6 +236,16 @@ def without_node(run: Run) -> Mistake:
     if run.outcome.stdout.text.strip():
         return mistake("only_printed")
     return mistake("nothing_ran")
+
+
+def _unpublished(run: Run, world: World) -> Mistake | None:
+    """Recognise a script that never ended and listens to what robots publish and turtlesim does not."""
+    if world.odometry or run.outcome.status is not RunStatus.INTERRUPTED:
+        return None
+    published = {one.name for one in run.outcome.endpoints if one.kind == "publisher"}
+    heard = (one.name for one in run.outcome.endpoints if one.kind == "subscription")
+    missing = next((name for name in heard if name in _OF_ROBOTS and name not in published), None)
+    return None if missing is None else mistake("not_published", topic=missing)
 
 
 def _silence(run: Run, topic: str) -> tuple[Mistake, ...]:

@@ -1,9 +1,12 @@
 """`grader check FILE`: the local pre-check, with the same grading core as the service."""
 
 import argparse
+import json
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -21,6 +24,7 @@ from grader.contracts.errors import (
     InfrastructureError,
     RefusedError,
     SandboxUnavailableError,
+    SettingsError,
     UnknownAssignmentError,
 )
 from grader.contracts.grading import GradingJob, GradingResult
@@ -32,6 +36,7 @@ if TYPE_CHECKING:
 
 EXIT_FULL_MARKS = 0
 EXIT_NOT_FULL = 1
+FORMATS = ("gradescope", "prairielearn", "autolab", "classroom50")
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
@@ -40,6 +45,11 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-a", "--assignment", help=ASSIGNMENT_HELP)
     add_language_option(parser)
     parser.add_argument("--json", action="store_true", help=JSON_HELP)
+    parser.add_argument(
+        "--result",
+        choices=FORMATS,
+        help="print the result as another platform reads it / 以其他平台的格式输出结果",
+    )
     parser.add_argument(
         "--plot",
         type=Path,
@@ -63,16 +73,19 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Grade the file; 0 full marks, 1 not, 2 could not be graded (raised as GraderError)."""
+    """Grade the file; 0 full marks (with ``--result`` any), 1 not, 2 not gradable (raised as GraderError)."""
     if arguments.plot is not None:
         check_plot_path(arguments.plot)
     if arguments.record is not None:
         check_bag_path(arguments.record)
     source = read_source(arguments.file)
+    _check_environment(arguments)
     with Slot(SlotConfig(mode=arguments.isolation)) as slot:  # warms up while the assignment is read
         assignment, result = _grade(slot, arguments, source)
         _show(arguments, assignment, result)
     report = result.report
+    if arguments.result is not None:
+        return EXIT_FULL_MARKS  # other platforms take anything else for a fault of the grader
     return EXIT_FULL_MARKS if report.score == report.max_score else EXIT_NOT_FULL
 
 
@@ -112,7 +125,7 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
     _check_input(arguments, assignment)
     job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
     with faults_explained():
-        result = slot.grade(job, _import_output if not arguments.json else lambda: None)
+        result = slot.grade(job, _import_output if _for_people(arguments) else lambda: None)
     slot.abort()  # such a large process takes a while to die: let it do so while the table is printed
     return assignment, result
 
@@ -188,15 +201,56 @@ def _guess(catalog: "Catalog", file: Path) -> str:
     return guess
 
 
+def _check_environment(arguments: argparse.Namespace) -> None:
+    """Refuse Classroom 50's format where its runner has not said which submission this is.
+
+    Raises:
+        SettingsError: names the variables that are missing.
+    """
+    if arguments.result != "classroom50":
+        return
+    from grader.render.documents import CLASSROOM50_FIELDS
+
+    missing = [
+        name for field, name in CLASSROOM50_FIELDS.items() if field != "review" and not os.environ.get(name)
+    ]
+    if missing:
+        raise SettingsError(
+            f"--result classroom50 needs these environment variables, which its runner sets: {', '.join(missing)}",
+            f"--result classroom50 需要它的运行器设置的环境变量：{', '.join(missing)}",
+        )
+
+
+def _for_people(arguments: argparse.Namespace) -> bool:
+    return not arguments.json and arguments.result is None
+
+
 def _show(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     if arguments.json:
         sys.stdout.write(result.report.canonical_bytes().decode() + "\n")
+    elif arguments.result is not None:
+        for document in _documents(arguments, result):
+            sys.stdout.write(json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n")
     else:
         _print_table(arguments, assignment, result)
     if arguments.plot is not None:
         _plot(arguments, assignment, result)
     if arguments.record is not None:
         _record(arguments, assignment, result)
+
+
+def _documents(arguments: argparse.Namespace, result: GradingResult) -> tuple[dict[str, object], ...]:
+    """Return the lines of the format that ``--result`` asks for."""
+    from grader.render import documents
+
+    report, language = result.report, arguments.lang
+    if arguments.result == "gradescope":
+        return (documents.to_gradescope(report, language),)
+    if arguments.result == "prairielearn":
+        return (documents.to_prairielearn(report, language),)
+    if arguments.result == "autolab":
+        return documents.to_autolab(report, language)
+    return (documents.to_classroom50(report, os.environ, datetime.now(UTC), language),)
 
 
 def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
@@ -233,7 +287,7 @@ def _plot(arguments: argparse.Namespace, assignment: Assignment, result: Grading
         trajectory = result.trajectories[case]
         picture = draw(assignment, result.report, trajectory, arguments.lang, form, case=case)
         write_file("--plot", file, picture)
-        if not arguments.json:
+        if _for_people(arguments):
             sys.stdout.write(f"→ {file}\n")
 
 
@@ -247,5 +301,5 @@ def _record(arguments: argparse.Namespace, assignment: Assignment, result: Gradi
         write_file(
             "--record", file, bagged(assignment, result.report, content, result.trajectories[case], case)
         )
-        if not arguments.json:
+        if _for_people(arguments):
             sys.stdout.write(f"→ {file}\n")

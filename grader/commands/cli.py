@@ -30,6 +30,9 @@ COMMANDS: dict[str, str] = {
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
     "rules": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
     "db": "back the service's database up, restore, move it / 数据库的备份、恢复与迁移",
+    "gradescope": "pack an assignment as an autograder for Gradescope / 打包成 Gradescope 自动评分器",
+    "prairielearn": "grade as an external grader of PrairieLearn / 作为 PrairieLearn 外部评分器",
+    "regrade-folder": "grade a downloaded class without a service / 离线评一整班的提交",
     "completion": "print the completion script of a shell / 输出 shell 自动补全脚本",
     "doctor": "try every layer of the sandbox and say what is active / 检查沙箱",
     "demo": "grade a small class over HTTP and show the dashboard / 演示",
@@ -122,9 +125,14 @@ def _parse(parser: Parser, argv: list[str], passes_on: str) -> argparse.Namespac
     return arguments
 
 
+def module_of(command: str) -> ModuleType:
+    """Import the module of a command."""
+    return importlib.import_module(f"grader.commands.{command.replace('-', '_')}")
+
+
 def _prepared(command: str, argv: list[str]) -> tuple[ModuleType, argparse.Namespace]:
     """Import the command and parse its arguments."""
-    module = importlib.import_module(f"grader.commands.{command}")
+    module = module_of(command)
     parser = Parser(prog=f"grader {command}", description=COMMANDS[command])
     module.configure(parser)
     return module, _parse(parser, argv, getattr(module, "PASSES_ON", ""))
@@ -137,7 +145,7 @@ def run(argv: Sequence[str]) -> int:
         prog="grader",
         description="Auto-grader for introductory ROS 2 (rclpy) motion exercises / ROS 2 运动练习自动评分",
         formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="\n".join(f"  {name:<12} {text}" for name, text in COMMANDS.items()),
+        epilog="\n".join(f"  {name:<14} {text}" for name, text in COMMANDS.items()),
     )
     parser.add_argument("--version", action="version", version=f"grader {__version__}")
     parser.add_argument("command", choices=list(COMMANDS), metavar="command", help="one of these / 以下之一")

@@ -1,7 +1,6 @@
 """`grader completion SHELL`: print what makes a shell complete the commands, their options and assignment ids."""
 
 import argparse
-import importlib
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,13 +23,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def whole_command_line() -> argparse.ArgumentParser:
     """Return one parser with all commands, whose arguments know what may stand there."""
-    from grader.commands.cli import COMMANDS
+    from grader.commands.cli import COMMANDS, module_of
 
     parser = argparse.ArgumentParser(prog="grader", description="ROS 2")
     commands = parser.add_subparsers(dest="command")
     for name, text in COMMANDS.items():
         command = commands.add_parser(name, help=text)
-        importlib.import_module(f"grader.commands.{name}").configure(command)
+        module_of(name).configure(command)
         for action in _actions(command):
             _tell(action)
     return parser

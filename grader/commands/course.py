@@ -4,6 +4,7 @@ import argparse
 import sys
 from pathlib import Path
 
+from grader.commands import course_life
 from grader.commands.options import add_distro_option, add_language_option, tell
 from grader.commands.storage import (
     OpenedStore,
@@ -17,7 +18,7 @@ from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.errors import CourseError
 from grader.contracts.identity import Role, RosterEntry, checked_id
-from grader.contracts.text import trouble
+from grader.contracts.text import Text, trouble
 from grader.sheets.reading import MAX_FILE_BYTES
 from grader.sheets.roster import read_roster
 from grader.store.audit import Signature
@@ -30,9 +31,7 @@ _COST_COLUMNS = ("course", "student", "in a slot", "gradings", "waiting", "tries
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    actions = parser.add_subparsers(
-        dest="action", required=True, metavar="create | roster | set | list | costs"
-    )
+    actions = parser.add_subparsers(dest="action", required=True, metavar="create | copy | archive | …")
     create = actions.add_parser(
         "create", help="create a course and print its first tokens / 创建课程并打印令牌"
     )
@@ -60,7 +59,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     _configure_set(change)
     listing = actions.add_parser("list", help="list the courses / 列出课程")
     costs = actions.add_parser("costs", help="who cost most in the last hour / 一小时内谁占用得最多")
-    for one in (create, roster, change, listing, costs):
+    for one in (create, roster, change, listing, costs, *course_life.configure(actions)):
         add_data_option(one)
         add_language_option(one)
 
@@ -94,7 +93,7 @@ def _configure_set(change: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Do it; what is wrong with a roster is raised as CourseError before anything is changed."""
     known = {"create": _create, "roster": _import, "set": _set, "list": _list, "costs": _costs}
-    action = known[arguments.action]
+    action = {**known, **course_life.ACTIONS}[arguments.action]
     with opened(arguments, create=arguments.action == "create") as storage:
         action(storage, arguments)
     return 0
@@ -167,7 +166,9 @@ def _list(storage: OpenedStore, arguments: argparse.Namespace) -> None:
     for course in storage.courses.all():
         count = len(storage.courses.members(course.id))
         members = f"{count} 人" if arguments.lang == "zh" else _members(count)
-        sys.stdout.write(f"{course.id}\t{course.time_zone}\t{course.distro}\t{members}\t{course.title}\n")
+        archived = Text(zh="已归档", en="archived").get(arguments.lang) if course.archived_at else ""
+        line = f"{course.id}\t{course.time_zone}\t{course.distro}\t{members}\t{course.title}\t{archived}"
+        sys.stdout.write(line.rstrip() + "\n")
 
 
 def _costs(storage: OpenedStore, arguments: argparse.Namespace) -> None:

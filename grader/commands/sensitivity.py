@@ -23,6 +23,7 @@ STEP = 0.01
 MOST = 1.0
 # Fine where tolerances lie, coarser where only zeros are looked for.
 _STEPS = (*range(1, 25), *range(25, 50, 3), *range(50, 100, 7))
+_COARSE = 10  # of these, each so-manieth is looked at first
 _PERIOD_NS = 16_666_667  # poses 1/60 s apart, as the car records them
 _MOVING = 1e-6  # slower is rest: velocities are commanded, so anything else is rounding
 
@@ -105,17 +106,52 @@ def _along(
 ) -> Iterator[Sensitivity]:
     starts: dict[str, float] = {}
     zero: dict[str, float] = {}
-    for step in (each for each in _STEPS if each * STEP < MOST):
-        error = sign * step * STEP
-        for item in _scored(assignment, run, perturbation, error):
-            if item.status is ItemStatus.NOT_CHECKED:
-                continue  # lost with the item it needs
-            if item.earned < item.points:
-                starts.setdefault(item.id, error)
-            if item.earned <= 0.0:
-                zero.setdefault(item.id, error)
+    steps = [each for each in _STEPS if each * STEP < MOST]
+    lost = _Losses(assignment, run, perturbation, sign)
+    for at in _looked_at(steps, lost):
+        error = sign * at * STEP
+        for item_id, nothing_left in lost.at(at).items():
+            starts.setdefault(item_id, error)
+            if nothing_left:
+                zero.setdefault(item_id, error)
     for item_id, start in starts.items():
         yield Sensitivity(perturbation=perturbation, item=item_id, starts=start, zero=zero.get(item_id))
+
+
+class _Losses:
+    """What errors of some sizes cost; each is looked at once."""
+
+    def __init__(self, assignment: Assignment, run: Run, perturbation: Perturbation, sign: float) -> None:
+        self._of = (assignment, run, perturbation)
+        self._sign = sign
+        self._known: dict[int, dict[str, bool]] = {}
+
+    def at(self, step: int) -> dict[str, bool]:
+        """Return the items that lose points at an error of that many steps, and whether nothing is left of them.
+
+        An item that is not checked was lost with the one that it needs.
+        """
+        if step not in self._known:
+            items = _scored(*self._of, self._sign * step * STEP)
+            checked = [item for item in items if item.status is not ItemStatus.NOT_CHECKED]
+            self._known[step] = {item.id: item.earned <= 0.0 for item in checked if item.earned < item.points}
+        return self._known[step]
+
+
+def _looked_at(steps: Sequence[int], lost: _Losses) -> list[int]:
+    """Return the steps to look at: every so-manieth, and those between from which on something else is lost."""
+    found = [steps[0]]
+    for at in range(0, len(steps) - 1, _COARSE):
+        found += _changes(steps[at : at + _COARSE + 1], lost)
+    return found
+
+
+def _changes(steps: Sequence[int], lost: _Losses) -> list[int]:
+    """Return the last of the steps, and before it those from which on something else is lost, found by halving."""
+    if len(steps) <= 2 or lost.at(steps[0]) == lost.at(steps[-1]):
+        return [steps[-1]]
+    middle = len(steps) // 2
+    return _changes(steps[: middle + 1], lost) + _changes(steps[middle:], lost)
 
 
 def _scored(

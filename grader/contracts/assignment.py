@@ -78,6 +78,7 @@ class World(Record):
         walls: whether turtlesim's window edges stand as walls.
         cmd_vel_topic: fully qualified topic that moves the car.
         seed: of the rough profile's noise.
+        odometry: whether the car publishes ``/odom`` and ``/tf``, which turtlesim does not.
     """
 
     profile: Profile = "nominal"
@@ -85,6 +86,7 @@ class World(Record):
     start: StartPose = field(default_factory=StartPose)
     cmd_vel_topic: str = "/turtle1/cmd_vel"
     seed: int = 0
+    odometry: bool = False
 
 
 Scalar = float | int | str | bool

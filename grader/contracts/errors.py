@@ -8,6 +8,7 @@ GraderError
 │   └── ChangedMeanwhileError     somebody else changed the same since it was looked at
 ├── RegradeError           a re-grade cannot be opened or decided
 ├── JudgementError         a person's points for a rubric item cannot be taken
+├── AppealError            an appeal cannot be made, withdrawn or answered
 ├── SettingsError          the operator's configuration is wrong
 ├── SandboxError           the sandbox could not run the script: infrastructure, never a low mark
 │   └── SandboxUnavailableError   a required layer is missing: the service refuses to grade
@@ -105,6 +106,20 @@ class JudgementError(GraderError):
             - ``reason``: a correction needs a comment;
             - ``same``: the machine gave the same points, and there is no correction to take back;
             - ``stale``: the item was judged, or the submission graded, after the caller had looked at it.
+        item: about which; empty when it is not about one.
+    """
+
+    def __init__(self, code: str, message: str) -> None:
+        super().__init__(message)
+        self.code = code
+        self.item = ""
+
+
+class AppealError(GraderError):
+    """An appeal cannot be made, withdrawn or answered.
+
+    Attributes:
+        code: ``exists``, ``unknown`` or ``decided``.
     """
 
     def __init__(self, code: str, message: str) -> None:

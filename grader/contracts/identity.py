@@ -34,6 +34,7 @@ class Course:
 
     Attributes:
         distro: release of ROS 2 that its scripts find where an assignment names none.
+        archived_at: since when it can only be read; None: it is taught.
     """
 
     id: str
@@ -41,6 +42,7 @@ class Course:
     time_zone: str
     created_at: datetime
     distro: Distro = DEFAULT_DISTRO
+    archived_at: datetime | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -6,7 +6,7 @@ question always has the same answer.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime, time, timedelta
 from enum import StrEnum
 from typing import Annotated, Final, Literal
@@ -63,6 +63,13 @@ class Shown(StrEnum):
     ALWAYS = "always"
     WHEN_OPEN = "when_open"
     DRAFT = "draft"
+
+
+class Corrector(StrEnum):
+    """Who corrects the points that the machine gave."""
+
+    INSTRUCTORS = "instructors"
+    STAFF = "staff"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -174,7 +181,7 @@ class Counted:
     score: float
 
 
-RefusalCode = Literal["not_open_yet", "closed", "no_attempts_left", "no_attempts_today"]
+RefusalCode = Literal["not_open_yet", "closed", "no_attempts_left", "no_attempts_today", "course_archived"]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -203,6 +210,8 @@ class Rules:
         accept_late_s: how long after `due` submissions are accepted; None: for ever, 0: not at all.
         attempts, attempts_per_day: how many in all, and in one calendar day of the course; None: any number.
         hidden_items: rubric items that students do not see before `hidden_until`; None: they never see them.
+        appeals_until: how long students may ask for another look at an item; None: they may not.
+        corrected_by: who may correct what the machine judged.
     """
 
     shown: Annotated[
@@ -224,9 +233,16 @@ class Rules:
         tuple[str, ...], Names("Rubric items that students do not see.", most=MOST_HIDDEN_ITEMS)
     ] = ()
     hidden_until: Annotated[datetime | None, Instant("Null: students never see them.")] = None
+    appeals_until: Annotated[
+        datetime | None,
+        Instant("Until then students may ask for another look at an item; null: they may not."),
+    ] = None
+    corrected_by: Annotated[
+        Corrector, Choice("Who corrects what the machine judged.", options=tuple(Corrector))
+    ] = Corrector.INSTRUCTORS
 
     def __post_init__(self) -> None:
-        for name in ("opens", "due", "hidden_until"):
+        for name in ("opens", "due", "hidden_until", "appeals_until"):
             instant: datetime | None = getattr(self, name)
             if instant is not None and instant.tzinfo is None:
                 raise RuleError(name, "instant", zh=f"{name} 要有时区。", en=f"{name} needs a time zone")
@@ -340,6 +356,18 @@ class Rules:
             for one in graded
         ]
         return kept[-1] if self.counts is Counts.LAST else max(kept, key=lambda one: one.score)
+
+    def moved(self, days: int, zone: ZoneInfo) -> "Rules":
+        """Return the rules with every date `days` days later, at the same time of the day in `zone`."""
+        dates = {name: getattr(self, name) for name in ("opens", "due", "hidden_until", "appeals_until")}
+        later = timedelta(days=days)
+        return replace(
+            self, **{name: one.astimezone(zone) + later for name, one in dates.items() if one is not None}
+        )
+
+    def may_appeal_at(self, now: datetime) -> bool:
+        """Return whether students may ask for another look at `now`."""
+        return self.appeals_until is not None and now < self.appeals_until
 
     def hidden_at(self, now: datetime) -> frozenset[str]:
         """Return the ids of the rubric items that students do not see at `now`."""

@@ -63,38 +63,74 @@ def resampled(points: Points, along: Floats, at: Floats) -> Points:
 
 def matched(first: Points, second: Points) -> NDArray[np.intp]:
     """Return (k, 2) pairs of indices that match two paths in order, at the least sum of squared distances."""
-    squares = np.abs(first[:, None] - second[None, :]) ** 2
-    cost = _accumulated(squares, "sum")
-    i, j = len(first) - 1, len(second) - 1
-    pairs = [(i, j)]
-    while i or j:
-        steps = [(i - 1, j - 1)] if i and j else []
-        steps += [(i - 1, j)] if i else []
-        steps += [(i, j - 1)] if j else []
-        i, j = min(steps, key=lambda step: float(cost[step]))
-        pairs.append((i, j))
-    return np.array(pairs[::-1], dtype=np.intp)
+    return matched_each(first[None, :], second[None, :])[0]
+
+
+def matched_each(first: Points, second: Points) -> list[NDArray[np.intp]]:
+    """Return what `matched` says of each row of (b, n) and (b, m) points; all at once is many times faster."""
+    squares = np.abs(first[:, :, None] - second[:, None, :]) ** 2
+    ways = _ways_back(_accumulated(squares, "sum"))
+    return [_walked_back(way, first.shape[1], second.shape[1]) for way in ways]
 
 
 def frechet(first: Points, second: Points) -> float:
     """Return the discrete Frechet distance: how far apart two walkers get at most who walk both to their ends."""
-    return float(_accumulated(np.abs(first[:, None] - second[None, :]), "largest")[-1, -1])
+    apart = np.abs(first[:, None] - second[None, :])[None]
+    return float(_accumulated(apart, "largest")[-1, 0, -1])
 
 
 def _accumulated(cost: Floats, how: Literal["sum", "largest"]) -> Floats:
-    """Return the least cost of the ways from the first cell to each, by diagonals: their cells are independent."""
-    rows, columns = cost.shape
-    total = np.full((rows + 1, columns + 1), np.inf)  # a border of infinity around the table
-    total[0, 0] = 0.0
-    for diagonal in range(rows + columns - 1):
-        i = np.arange(max(0, diagonal - columns + 1), min(rows, diagonal + 1))
-        j = diagonal - i
-        before = np.minimum(np.minimum(total[i, j], total[i, j + 1]), total[i + 1, j])
-        here = cost[i, j]
-        total[i + 1, j + 1] = before + here if how == "sum" else np.maximum(before, here)
-        if diagonal == 0:
-            total[0, 0] = np.inf
-    return total[1:, 1:]
+    """Return the least cost of the ways from the first cell to each, by diagonals: their cells are independent.
+
+    Args:
+        cost: (b, rows, columns) of b tables.
+        how: what a way costs: its cells together, or the dearest of them.
+
+    Returns:
+        (rows + columns + 1, b, rows + 1): the cell (i, j) of table k stands at [i + j + 2, k, i + 1]; around the
+        tables is infinity.
+    """
+    slanted = _slanted(cost)
+    total = np.full((len(slanted) + 2, cost.shape[0], cost.shape[1] + 1), np.inf)
+    total[2, :, 1:] = slanted[0]
+    before = np.empty(cost.shape[:2])
+    join = np.add if how == "sum" else np.maximum
+    for diagonal in range(1, len(slanted)):
+        last = total[diagonal + 1]
+        np.minimum(total[diagonal, :, :-1], last[:, 1:], out=before)
+        np.minimum(before, last[:, :-1], out=before)
+        join(before, slanted[diagonal], out=total[diagonal + 2, :, 1:])
+    return total
+
+
+def _slanted(cost: Floats) -> Floats:
+    """Return tables by diagonals: [i + j, k, i] is the cell (i, j) of table k; infinity where there is none."""
+    tables, rows, columns = cost.shape
+    wide = np.full((tables, rows, rows + columns), np.inf)
+    wide[:, :, :columns] = cost
+    shifted = wide.reshape(tables, -1)[:, :-rows].reshape(tables, rows, rows + columns - 1)
+    return np.ascontiguousarray(shifted.transpose(2, 0, 1))
+
+
+def _ways_back(total: Floats) -> list[bytes]:
+    """Return for each table, cell by cell as in `total`, from where the cheapest way to it comes.
+
+    That is 0 from before in both paths, 1 in the first, 2 in the second; of equal ones the first.
+    """
+    both, first, second = total[:-2, :, :-1], total[1:-1, :, :-1], total[1:-1, :, 1:]
+    code = np.where((both <= first) & (both <= second), 0, np.where(first <= second, 1, 2)).astype(np.uint8)
+    return [np.ascontiguousarray(code[:, k]).tobytes() for k in range(total.shape[1])]
+
+
+def _walked_back(way: bytes, rows: int, columns: int) -> NDArray[np.intp]:
+    """Return the cells of the cheapest way, from the first to the last."""
+    i, j = rows - 1, columns - 1
+    pairs = [(i, j)]
+    while i or j:
+        step = way[(i + j) * rows + i]
+        i, j = i - (step != 2), j - (step != 1)
+        pairs.append((i, j))
+    return np.array(pairs[::-1], dtype=np.intp)
 
 
 class Circle(PositionalRecord):

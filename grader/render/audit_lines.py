@@ -19,9 +19,11 @@ from grader.contracts.text import Language
 from grader.messages import is_on_page, on_page
 
 ACTIONS = (
-    "course.create", "course.change", "member.add", "member.change", "member.remove", "token.issue",
+    "course.create", "course.change", "course.copy", "course.archive", "course.unarchive",
+    "member.add", "member.change", "member.remove", "token.issue",
     "token.revoke", "rules.change", "extension.change", "submission.hand_in", "grade.judge", "grade.change",
     "regrade.applied", "regrade.discarded",
+    "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "submission", "token")
 _RULES = {**kinds_of(Rules), **kinds_of(Extension)}
@@ -48,6 +50,8 @@ FIELDS: Mapping[str, str] = {
     "sections": "people.sections",
     "token": "enter.token",
     "expires_at": "audit.field.expires_at",
+    "copy": "audit.field.copy",
+    "copy_of": "audit.field.copy_of",
     "open": "audit.field.open",
     "student": "student",
     "assignment": "assignment",

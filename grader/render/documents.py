@@ -1,5 +1,8 @@
 """Reports as other platforms read them."""
 
+from collections.abc import Mapping
+from datetime import datetime
+
 from grader.contracts.report import GradeReport, GradeStatus
 from grader.contracts.rubric import ItemStatus, RubricItem, summed
 from grader.contracts.rules import is_hidden
@@ -68,7 +71,12 @@ def _gradescope_test(
 
 
 def to_prairielearn(report: GradeReport, language: Language = "zh") -> dict[str, object]:
-    """Return PrairieLearn's ``results.json`` for external grading (PrairieLearn docs/externalGrading.md)."""
+    """Return PrairieLearn's ``results.json`` for external grading (PrairieLearn docs/externalGrading.md).
+
+    A file that is not Python is not gradable, which costs no attempt there.
+    """
+    if report.status is GradeStatus.SYNTAX_ERROR:
+        return {"gradable": False, "format_errors": [_overview(report, language)]}
     return {
         "gradable": True,
         "score": _share(report),
@@ -86,6 +94,68 @@ def _prairielearn_test(item: RubricItem, language: Language) -> dict[str, object
         "max_points": item.points,
         "message": item_status_word(item.status, language),
         "output": _evidence(item, language),
+    }
+
+
+def to_autolab(report: GradeReport, language: Language = "zh") -> tuple[dict[str, object], dict[str, object]]:
+    """Return the last two lines of an Autolab autograder (Autolab docs/lab.md, formatted-feedback.md).
+
+    The first is how Autolab shows the feedback, the second the points by problem. An item's id is the problem's
+    name; the course's problems have to be called so. What waits for a person has no points.
+    """
+    stage = report.assignment
+    shown: dict[str, object] = {
+        "_presentation": "semantic",
+        "stages": [stage],
+        stage: {
+            f"{number}. {visible(item.title.get(language))}": {
+                "passed": item.status is ItemStatus.PASSED,
+                "hint": _evidence(item, language),
+            }
+            for number, item in enumerate(report.items, start=1)
+        },
+    }
+    scores = {item.id: item.earned for item in report.items if item.status is not ItemStatus.NEEDS_MANUAL}
+    return shown, {"scores": scores}
+
+
+CLASSROOM50_FIELDS: Mapping[str, str] = {
+    "classroom": "CLASSROOM",
+    "assignment": "ASSIGNMENT",
+    "submission": "SUBMISSION_TAG",
+    "commit": "COMMIT_URL",
+    "release": "RELEASE_URL",
+    "review": "REVIEW_URL",
+}
+"""Of Classroom 50's ``result.json``, what its runner tells an autograder in the environment."""
+
+
+def to_classroom50(
+    report: GradeReport, environment: Mapping[str, str], written_at: datetime, language: Language = "zh"
+) -> dict[str, object]:
+    """Return Classroom 50's ``result.json`` (foundation50/classroom50, wiki/Advanced-Autograding.md).
+
+    Points are whole there: each item's are rounded, and the score is their sum.
+    """
+    tests = [
+        {
+            "test-name": visible(item.title.get(language)),
+            "passed": item.status is ItemStatus.PASSED,
+            "score": round(item.earned),
+            "max-score": round(item.points),
+            "output": _evidence(item, language),
+        }
+        for item in report.items
+    ]
+    known = {field: environment.get(name, "") for field, name in CLASSROOM50_FIELDS.items()}
+    return {
+        "schema": "classroom50/result/v1",
+        **known,
+        "review": known["review"] or known["commit"],
+        "datetime": written_at.strftime("%Y-%m-%dT%H:%M:%SZ"),
+        "score": sum(round(item.earned) for item in report.items),
+        "max-score": sum(round(item.points) for item in report.items),
+        "tests": tests,
     }
 
 

@@ -68,7 +68,9 @@ def read_comments(services: ServicesDep, caller: CallerDep, submission_id: Submi
     "/{submission_id}/comments",
     status_code=status.HTTP_201_CREATED,
     summary="Write about it",
-    responses=responses(*ENTRY_PROBLEMS, "submission_not_found", "no_course", "invalid_request"),
+    responses=responses(
+        *ENTRY_PROBLEMS, "submission_not_found", "no_course", "course_archived", "invalid_request"
+    ),
 )
 def add_comment(
     services: ServicesDep, caller: CallerDep, submission_id: SubmissionId, body: CommentBody

@@ -239,6 +239,7 @@ def read_judgement(  # noqa: PLR0913
             "too_large",
             "item_not_found",
             "judged_meanwhile",
+            "course_archived",
             "invalid_points",
             "points_unchanged",
         ),

@@ -26,7 +26,7 @@ from grader.use_cases.people import changes, members, myself
 router = APIRouter(prefix="/api/v1", tags=["people"])
 _PAGE = 100
 _LARGEST_ID = 2**63 - 1  # of a row in the database
-_CHANGING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "invalid_request")
+_CHANGING = (*ENTRY_PROBLEMS, "forbidden", "no_course", "course_archived", "invalid_request")
 _PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
 PersonId = Annotated[str, Path(max_length=64, description="Id of a member.", examples=["20260123"])]
 
@@ -40,6 +40,7 @@ class CourseView(BaseModel):
     distro: Distro = Field(
         description="Release of ROS 2 that scripts find where an assignment names none.", examples=["humble"]
     )
+    archived_at: datetime | None = Field(description="Since when it can only be read; null: it is taught.")
 
 
 class CourseBody(BaseModel):

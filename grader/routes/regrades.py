@@ -138,7 +138,13 @@ class History(BaseModel):
     status_code=202,
     summary="Grade again, on trial",
     responses=responses(
-        *_KNOWN, "malformed_body", "too_large", "assignment_not_found", "nothing_to_regrade", "regrade_open"
+        *_KNOWN,
+        "malformed_body",
+        "too_large",
+        "assignment_not_found",
+        "nothing_to_regrade",
+        "regrade_open",
+        "course_archived",
     ),
 )
 def start(

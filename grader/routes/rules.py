@@ -29,7 +29,7 @@ from grader.use_cases.rules import course_rules
 
 router = APIRouter(prefix="/api/v1/assignments/{assignment_id}", tags=["rules"])
 _KNOWN = (*ENTRY_PROBLEMS, "assignment_not_found", "invalid_request")
-_CHANGING = ("forbidden", "malformed_body", "too_large", "no_course", "changed_meanwhile")
+_CHANGING = ("forbidden", "malformed_body", "too_large", "no_course", "course_archived", "changed_meanwhile")
 _ETAG = {
     "ETag": {"description": "Of the rules; for assistants and instructors.", "schema": {"type": "string"}}
 }

@@ -288,6 +288,7 @@ def read_all(  # noqa: PLR0913
             "closed",
             "no_attempts_left",
             "no_attempts_today",
+            "course_archived",
             "unknown_assignment",
             "empty",
             "not_utf8",

@@ -1,6 +1,6 @@
 """What the world has for the script: events that wait, and what a turtle publishes by itself.
 
-A turtle publishes pose and colour; the graded one odometry and its transform as well.
+A turtle publishes pose and colour; the graded one odometry and its transform as well, if the world has them.
 """
 
 import math

@@ -94,7 +94,7 @@ class TurtleWorld:
         self.on_change: Callable[[frozenset[str]], None] = lambda topics: None
         self._walls = world.walls
         self._epoch_ns = epoch_ns
-        self._feeds = Feeds(GRADED, turtle, self.outbox, epoch_ns, odometry=True)
+        self._feeds = Feeds(GRADED, turtle, self.outbox, epoch_ns, odometry=world.odometry)
         self._action = RotateAction(GRADED, turtle, self.outbox, epoch_ns)
         graded = Presence(GRADED, turtle, self._feeds, self._action, world.cmd_vel_topic)
         self._present = {GRADED: graded}

@@ -7,9 +7,17 @@ from datetime import datetime
 from sqlalchemy import select
 from sqlmodel import Session, col
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.identity import AuditEntry
+from grader.contracts.text import Text
 from grader.store.database import Database
-from grader.store.tables import AuditRow, as_contract
+from grader.store.tables import AuditRow, CourseRow, as_contract
+
+IN_ARCHIVE = frozenset({
+    "course.archive", "course.copy", "course.retain", "course.unarchive", "member.forget", "token.issue",
+    "token.revoke",
+})  # fmt: skip
+"""What is done to an archived course, too: everything else changes what the archive keeps."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,7 +55,13 @@ def record(  # noqa: PLR0913
     after: object = None,
     reason: str = "",
 ) -> None:
-    """Add an entry in the transaction of `session`; `before` and `after` are JSON-ready data."""
+    """Add an entry in the transaction of `session`; `before` and `after` are JSON-ready data.
+
+    Raises:
+        RefusedError: the course is archived, and `action` would change what the archive keeps.
+    """
+    if action not in IN_ARCHIVE:
+        require_open(session, signed.course)
     session.add(
         AuditRow(
             at=signed.at,
@@ -60,6 +74,23 @@ def record(  # noqa: PLR0913
             reason=reason,
         )
     )
+
+
+def require_open(session: Session, course: str | None) -> None:
+    """Let changes of a course through.
+
+    Raises:
+        RefusedError: the course is archived.
+    """
+    row = None if course is None else session.get(CourseRow, course)
+    if row is not None and row.archived_at is not None:
+        raise RefusedError(
+            "course_archived",
+            Text(
+                zh=f"课程 {course} 已归档，只能查看；要修改请先取消归档。",
+                en=f"Course {course} is archived and can only be read; reopen it to change something.",
+            ),
+        )
 
 
 def _entry(row: AuditRow) -> AuditEntry:

@@ -6,7 +6,7 @@ from sqlalchemy import ColumnElement, func, select, update
 from sqlmodel import Session, col
 
 from grader.contracts.comment import MOST_COMMENTS, Comment
-from grader.store.audit import Signature
+from grader.store.audit import Signature, require_open
 from grader.store.courses import in_class
 from grader.store.database import Database
 from grader.store.tables import CommentRow, SubmissionRow
@@ -21,8 +21,13 @@ class Comments:
     def add(
         self, submission_id: str, text: str, line: int | None, signed: Signature, *, by_student: bool
     ) -> Comment | None:
-        """Add a comment to a submission, or nothing, and return None, when there are `MOST_COMMENTS`."""
+        """Add a comment to a submission, or nothing, and return None, when there are `MOST_COMMENTS`.
+
+        Raises:
+            RefusedError: the course is archived.
+        """
         with self._database.writing() as session:
+            require_open(session, signed.course)
             session.get(SubmissionRow, submission_id, with_for_update=True)  # one number after the other
             last = session.execute(
                 select(func.max(col(CommentRow.number))).where(col(CommentRow.submission_id) == submission_id)

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import cast
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from sqlalchemy import ColumnElement, and_, delete, select
@@ -31,6 +30,7 @@ from grader.store.tables import (
     SectionRow,
     SubmissionRow,
     TokenRow,
+    as_contract,
 )
 
 
@@ -80,23 +80,10 @@ class Courses:
         Raises:
             CourseError: there is one of that id, or id, title or time zone are not fit.
         """
-        now = self._clock()
-        row = CourseRow(
-            id=checked_id(course_id, "id of a course"),
-            title=checked_name(title),
-            time_zone=_checked_zone(time_zone),
-            created_at=now,
-            distro=distro,
-        )
         with self._database.writing() as session:
-            one_at_a_time(session, "course", course_id)
-            if session.get(CourseRow, course_id) is not None:
-                raise CourseError(f"there is a course {course_id} already", f"已经有课程 {course_id}")
-            session.add(row)
-            signed = Signature(now, course_id, actor)
-            after = {"title": row.title, "time_zone": row.time_zone, "distro": row.distro}
-            record(session, signed, "course.create", f"course {course_id}", after=after)
-            return _course(row)
+            now = self._clock()
+            new = Course(id=course_id, title=title, time_zone=time_zone, created_at=now, distro=distro)
+            return add_course(session, new, actor)
 
     def set_distro(self, distro: Distro, signed: Signature, reason: str = "") -> Course:
         """Make `distro` the release of ROS 2 of the course of `signed`; return the course.
@@ -174,7 +161,7 @@ class Courses:
         with self._database.writing() as session:
             one_at_a_time(session, "course", course_id)
             change = _roster_change(session, course_id, entries)
-            _add(session, signed, change.added)
+            add_members(session, signed, change.added)
             for one in change.changed:
                 _change(session, signed, one)
             if any(one.before.role is Role.INSTRUCTOR for one in change.changed):
@@ -204,6 +191,49 @@ class Courses:
                 record(session, signed, "member.remove", f"member {person}", before=before, reason=reason)
             if any(known[one].role is Role.INSTRUCTOR for one in people):
                 _check_instructor(session, course_id)
+
+
+def add_course(session: Session, new: Course, actor: str, copy_of: str | None = None) -> Course:
+    """Add a course without members; return it as it is kept.
+
+    Raises:
+        CourseError: there is one of that id, or id, title or time zone are not fit.
+    """
+    row = CourseRow(
+        id=checked_id(new.id, "id of a course"),
+        title=checked_name(new.title),
+        time_zone=_checked_zone(new.time_zone),
+        created_at=new.created_at,
+        distro=new.distro,
+    )
+    one_at_a_time(session, "course", row.id)
+    if session.get(CourseRow, row.id) is not None:
+        raise CourseError(f"there is a course {row.id} already", f"已经有课程 {row.id}")
+    session.add(row)
+    session.flush()
+    after = {"title": row.title, "time_zone": row.time_zone, "distro": row.distro}
+    if copy_of is not None:
+        after["copy_of"] = copy_of
+    signed = Signature(new.created_at, row.id, actor)
+    record(session, signed, "course.create", f"course {row.id}", after=after)
+    return _course(row)
+
+
+def add_members(session: Session, signed: Signature, members: Sequence[Member]) -> None:
+    """Add people to the course of `signed`, who are not in it."""
+    for one in members:
+        row = MemberRow(
+            course=one.course,
+            person=one.id,
+            name=one.name,
+            role=one.role.value,
+            email=one.email,
+            created_at=signed.at,
+        )
+        session.add(row)
+        record(session, signed, "member.add", f"member {one.id}", after=_audited(one))
+    session.flush()  # before what refers to them
+    session.add_all(section for one in members for section in _sections(one))
 
 
 def in_class(course: str | None) -> ColumnElement[bool]:
@@ -304,22 +334,6 @@ def _audited(member: Member) -> dict[str, object]:
     return said
 
 
-def _add(session: Session, signed: Signature, members: Sequence[Member]) -> None:
-    for one in members:
-        row = MemberRow(
-            course=one.course,
-            person=one.id,
-            name=one.name,
-            role=one.role.value,
-            email=one.email,
-            created_at=signed.at,
-        )
-        session.add(row)
-        record(session, signed, "member.add", f"member {one.id}", after=_audited(one))
-    session.flush()  # before what refers to them
-    session.add_all(section for one in members for section in _sections(one))
-
-
 def _change(session: Session, signed: Signature, change: MemberChange) -> None:
     member = change.after
     row = session.get_one(MemberRow, (member.course, member.id))
@@ -348,13 +362,7 @@ def _checked_zone(name: str) -> str:
 
 
 def _course(row: CourseRow) -> Course:
-    return Course(
-        id=row.id,
-        title=row.title,
-        time_zone=row.time_zone,
-        created_at=row.created_at,
-        distro=cast("Distro", row.distro),
-    )
+    return as_contract(row, Course)
 
 
 def _member(row: MemberRow, sections: Iterable[str]) -> Member:

@@ -20,6 +20,7 @@ from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, report_from
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.submission import Judgement
+from grader.store import appeals
 from grader.store.audit import Signature, record
 from grader.store.courses import in_class
 from grader.store.database import Database
@@ -33,12 +34,14 @@ class Given:
     Attributes:
         corrects: whether they may change what the machine judged, too. That needs a `comment`; the machine's own
             points take earlier corrections back.
+        answers: whether they are the answer to an appeal, which must be open then.
     """
 
     item: str
     points: float
     comment: str
     corrects: bool = False
+    answers: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -84,12 +87,20 @@ class Judgements:
         self._database = database
 
     def judge(self, submission_id: str, given: Given, seen: Seen | None, signed: Signature) -> None:
-        """Add a judgement, and the submission's score and verdict with it, in one transaction.
+        """Add one judgement, as `judge_all` does."""
+        self.judge_all(submission_id, [(given, seen)], signed)
+
+    def judge_all(
+        self, submission_id: str, wanted: Sequence[tuple[Given, Seen | None]], signed: Signature
+    ) -> None:
+        """Add judgements, and the submission's score and verdict with them, all in one transaction or none.
+
+        Each answers the open appeal about its item, if there is one.
 
         Args:
             submission_id: of the course of `signed`.
-            given: the points.
-            seen: the states, by their `tag`, that are meant; None: nobody had judged the item then.
+            wanted: the points, each with the states of its item, by their `tag`, that are meant; None: nobody had
+                judged the item then.
             signed: who gives them.
 
         Raises:
@@ -100,27 +111,12 @@ class Judgements:
             report = None if row is None or row.course != signed.course else report_of(session, row)
             if row is None or report is None or row.regrade is not None:  # a trial is nobody's to judge
                 raise JudgementError("submission", "there is no such grading")
-            item = _item(report, given)
-            own = [one for one in judgements_of(session, [row.id]) if one.item == item.id]
-            latest = own[-1] if own else None
-            if not (latest is None if seen is None else seen.includes(tag(latest, row.report_sha256))):
-                raise JudgementError("stale", "the item was judged or graded again meanwhile")
-            if _takes_back(item, given) and (latest is None or latest.out_of == 0.0):
-                raise JudgementError("same", "the machine gave these points, and nothing is to be taken back")
-            before = _counting(item, own)
-            if before is not None:
-                before["score"] = row.score
-            session.add(_row(row, item, given, signed, 1 if latest is None else latest.revision + 1))
-            session.flush()
-            settle(session, row)
-            record(
-                session,
-                signed,
-                "grade.judge",
-                f"submission {row.id}, item {item.id}",
-                before=before,
-                after={**_plain(given.points, given.comment), "score": row.score},
-            )
+            for given, seen in wanted:
+                try:
+                    _judge(session, row, _item(report, given), given, seen, signed)
+                except JudgementError as error:
+                    error.item = given.item
+                    raise
 
     def waiting(self, course: str | None, which: WaitingFor, offset: int, limit: int) -> tuple[Waiting, ...]:
         """Return what waits for a person, question by question, each in order of arrival."""
@@ -175,6 +171,29 @@ def tag(latest: Judgement | None, report_sha256: str | None) -> str:
     """Return what names the state of an item: its latest judgement, and the report that was judged."""
     revision = 0 if latest is None else latest.revision
     return f"{revision}.{(report_sha256 or '')[:16]}"
+
+
+def _judge(  # noqa: PLR0913, PLR0917
+    session: Session, row: SubmissionRow, item: RubricItem, given: Given, seen: Seen | None, signed: Signature
+) -> None:
+    own = [one for one in judgements_of(session, [row.id]) if one.item == item.id]
+    latest = own[-1] if own else None
+    if not (latest is None if seen is None else seen.includes(tag(latest, row.report_sha256))):
+        raise JudgementError("stale", "the item was judged or graded again meanwhile")
+    if _takes_back(item, given) and (latest is None or latest.out_of == 0.0):
+        raise JudgementError("same", "the machine gave these points, and nothing is to be taken back")
+    if given.answers and not appeals.is_open(session, row.id, item.id):
+        raise JudgementError("stale", "the appeal is not open any more")
+    before = _counting(item, own)
+    if before is not None:
+        before["score"] = row.score
+    session.add(_row(row, item, given, signed, 1 if latest is None else latest.revision + 1))
+    session.flush()
+    settle(session, row)
+    after = {**_plain(given.points, given.comment), "score": row.score}
+    subject = f"submission {row.id}, item {item.id}"
+    record(session, signed, "grade.judge", subject, before=before, after=after)
+    appeals.answer_by_points(session, row.id, item.id, given.comment, signed)
 
 
 def _item(report: GradeReport, given: Given) -> RubricItem:

@@ -21,7 +21,7 @@ from grader.contracts.record import from_json, from_plain
 from grader.contracts.regrade import ItemChange, PastGrading, Regrade, RegradeState, ScoreChange, Wanted
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import Judgement, SubmissionState
-from grader.store.audit import Signature, record
+from grader.store.audit import Signature, record, require_open
 from grader.store.database import Database, one_at_a_time
 from grader.store.intake import new_id
 from grader.store.judgements import judgements_of, settle
@@ -80,6 +80,7 @@ class Regrades:
 
         Raises:
             RegradeError: ``nothing``: no submission fits; ``open``: the assignment has a re-grade already.
+            RefusedError: the course is archived.
         """
         row = RegradeRow(
             id=secrets.token_hex(_ID_BYTES),
@@ -92,6 +93,7 @@ class Regrades:
         )
         with self._database.writing() as session:
             one_at_a_time(session, "regrade", signed.course, wanted.assignment)
+            require_open(session, signed.course)
             if session.execute(_open_ones(signed.course, wanted.assignment)).first() is not None:
                 raise RegradeError("open", "the assignment has an open re-grade: apply or discard it first")
             originals = _chosen(session, wanted, signed.course)

@@ -25,15 +25,24 @@ _UTC = "UTC"
 _TAG_LENGTH = 16
 ANY_STATE = Seen(None)
 
-_course_of, _rules_of, _extension_of = (table_of(row).c for row in (CourseRow, RulesRow, ExtensionRow))
+_course_of, _member_of, _rules_of, _extension_of = (
+    table_of(row).c for row in (CourseRow, MemberRow, RulesRow, ExtensionRow)
+)
 ABOUT = (_course_of.time_zone, _rules_of.document, _extension_of.due, _extension_of.extra_attempts)
 """Columns of `ABOUT_FROM`, in the order of the parameters of `rules_about`."""
+
+OPEN_TO = (_course_of.archived_at, _member_of.person)
+"""Columns of `ABOUT_FROM`: since when the course is archived, and the student if it has one of that id."""
 
 _ASKED = select(
     literal(1).label("asked")
 ).subquery()  # one row, which the outer joins keep whatever is missing
 ABOUT_FROM = (
     outerjoin(_ASKED, table_of(CourseRow), _course_of.id == bindparam("course"))
+    .outerjoin(
+        table_of(MemberRow),
+        and_(_member_of.course == _course_of.id, _member_of.person == bindparam("student")),
+    )
     .outerjoin(
         table_of(RulesRow),
         and_(_rules_of.course == _course_of.id, _rules_of.assignment == bindparam("assignment")),
@@ -59,6 +68,7 @@ class CourseRules:
     """
 
     zone: ZoneInfo
+    archived: bool
     by_assignment: dict[str, Rules]
     extensions: dict[tuple[str, str], Extension]
     distro: Distro | None = None
@@ -169,6 +179,14 @@ class StoredRules:
                 )
 
 
+def add_rules(session: Session, assignment: str, rules: Rules, signed: Signature) -> None:
+    """Give an assignment its first rules in the course of `signed`."""
+    document = to_document(rules)
+    text, course = json.dumps(document, sort_keys=True), _course(signed)
+    session.add(RulesRow(course=course, assignment=assignment, document=text, changed_at=signed.at))
+    record(session, signed, "rules.change", f"assignment {assignment}", after=document)
+
+
 def tag(rules: Rules | Extension) -> str:
     """Return a digest of the rules or of the extension: different ones have different tags.
 
@@ -184,13 +202,14 @@ def tag(rules: Rules | Extension) -> str:
 def rules_of(session: Session, course: str | None) -> CourseRules:
     """Return all rules of a course in the transaction of `session`."""
     if course is None:
-        return CourseRules(zone=ZoneInfo(_UTC), by_assignment={}, extensions={})
+        return CourseRules(zone=ZoneInfo(_UTC), archived=False, by_assignment={}, extensions={})
     row = session.get(CourseRow, course)
     ruled = select(RulesRow).where(col(RulesRow.course) == course)
     extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)
     rows, extensions = session.execute(ruled).scalars(), session.execute(extended).scalars()
     return CourseRules(
         zone=ZoneInfo(_UTC if row is None else row.time_zone),
+        archived=row is not None and row.archived_at is not None,
         by_assignment={one.assignment: _read(one.document) for one in rows},
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
         distro=None if row is None else cast("Distro", row.distro),

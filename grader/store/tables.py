@@ -19,6 +19,7 @@ from sqlalchemy import (
 from sqlalchemy.types import TypeDecorator
 from sqlmodel import Field, SQLModel
 
+from grader.contracts.appeal import AppealState
 from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.identity import Role
 from grader.contracts.submission import SubmissionState
@@ -120,6 +121,7 @@ class CourseRow(SQLModel, table=True):
     distro: str = Field(
         default=DEFAULT_DISTRO, max_length=32, sa_column_kwargs={"server_default": DEFAULT_DISTRO}
     )
+    archived_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 
 class MemberRow(SQLModel, table=True):
@@ -235,7 +237,6 @@ class SubmissionRow(SQLModel, table=True):
         Index("submission_regrade", "regrade"),
         Index("submission_class", "course", "student", "assignment", "received_at"),
         Index("submission_finished", "finished_at"),
-        Index("submission_lately", "course", "student", "finished_at"),
         Index("submission_original", "original"),
     )
 
@@ -366,6 +367,32 @@ class CommentRow(SQLModel, table=True):
     line: int | None = None
     text: str = Field(sa_column=text_column())
     written_at: datetime = Field(sa_column=instant_column())
+    seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+
+
+_APPEAL_STATES = ", ".join(f"'{state.value}'" for state in AppealState)
+
+
+class AppealRow(SQLModel, table=True):
+    """That a student asks for another look at a rubric item, and the answer. `seen_at`: the student saw that."""
+
+    __tablename__: ClassVar[str] = "appeal"
+    __table_args__ = (
+        CheckConstraint(f"state IN ({_APPEAL_STATES})", name="appeal_state"),
+        Index("appeal_waiting", "state", "made_at"),
+    )
+
+    submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
+    item: str = Field(primary_key=True, max_length=128)
+    reason: str = Field(sa_column=text_column())
+    made_at: datetime = Field(sa_column=instant_column())
+    attempt: int
+    earned: float
+    points: float
+    state: str = Field(max_length=16)
+    answer: str = Field(default="", sa_column=text_column())
+    answered_by: str = Field(default="", max_length=64)
+    answered_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
     seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 

@@ -8,7 +8,7 @@ from zoneinfo import ZoneInfo
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError, UnknownAssignmentError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.rules import NO_EXTENSION, Attempt, Counted, Refusal, Rules, Shown
+from grader.contracts.rules import NO_EXTENSION, Attempt, Counted, Extension, Refusal, Rules, Shown
 from grader.contracts.text import Language
 from grader.store.intake import as_attempts
 from grader.store.rules import CourseRules
@@ -128,10 +128,18 @@ def _terms(
         attempts_used=sum(one.costs for one in attempts),
         attempts_left=rules.attempts_left(extension, attempts),
         counted=None if is_student and hides else rules.counting(extension, attempts),
-        refusal=rules.refusal(extension, attempts, now, known.zone) if is_student else None,
+        refusal=_refusal(known, rules, extension, attempts, now) if is_student else None,
         kept_share=rules.kept_share(extension, now),
         hides=hides,
     )
+
+
+def _refusal(
+    known: CourseRules, rules: Rules, extension: Extension, attempts: Sequence[Attempt], now: datetime
+) -> Refusal | None:
+    if known.archived:
+        return Refusal(code="course_archived")
+    return rules.refusal(extension, attempts, now, known.zone)
 
 
 def item_title(assignment: Assignment | None, item_id: str, language: Language) -> str:

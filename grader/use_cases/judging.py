@@ -9,12 +9,13 @@ from grader.contracts.judgement import JudgedItem, standing
 from grader.contracts.notation import written
 from grader.contracts.report import report_from
 from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rules import Corrector
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Text
 from grader.store.judgements import Given, Neighbours, Waiting, WaitingFor, tag
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
-from grader.use_cases.visibility import graded
+from grader.use_cases.visibility import graded, visible_submission
 
 _REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
 _REASON = Text(
@@ -92,29 +93,39 @@ def give(  # noqa: PLR0913
     points: float,
     comment: str,
     seen: Seen | None,
+    answers: bool = False,
 ) -> None:
     """Keep the points and the comment that a person gives for an item in one of the states `seen`.
 
     None as `seen` means that nobody had judged the item. Assistants and instructors may. What the machine judged
-    only instructors correct, with a comment; the machine's own points take a correction back.
+    only those correct whom `may_correct` names, with a comment; the machine's own points take a correction back.
+    `answers`: to an appeal, which must be open; one that is open is answered by any points.
 
     Raises:
-        RefusedError: the points do not fit, there is no such item, only an instructor may correct it, the reason
-            is missing, or somebody judged it meanwhile.
+        RefusedError: the points do not fit, there is no such item, the caller may not correct it, the reason is
+            missing, or somebody judged it meanwhile.
     """
     require_staff(caller)
+    submission = visible_submission(services, caller, submission_id)
     if not math.isclose(points, round(points, 2), abs_tol=1e-9):
         raise RefusedError("invalid_points", field="points")
     given = Given(
         item=item,
         points=round(points, 2),
         comment=comment.replace("\r\n", "\n"),
-        corrects=caller.is_instructor,
+        corrects=may_correct(services, caller, submission.assignment),
+        answers=answers,
     )
     try:
         services.judgements.judge(submission_id, given, seen, services.signature(caller))
     except JudgementError as error:
         raise _refusal(services, caller, submission_id, given, error) from None
+
+
+def may_correct(services: Services, caller: Caller, assignment: str) -> bool:
+    """Return whether the caller may correct what the machine judged: instructors, and whom the rules name."""
+    rules = services.rules.of(caller.course).of(assignment)
+    return caller.is_instructor or (caller.is_staff and rules.corrected_by is Corrector.STAFF)
 
 
 def _refusal(

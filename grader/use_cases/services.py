@@ -1,16 +1,19 @@
 """What use cases work with, made by the composition root."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Self
+from typing import Any, Self
 
 from grader.contracts.grading import AssignmentSource, Preflight
 from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
 from grader.settings import Settings
+from grader.store.appeals import Appeals
 from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
 from grader.store.comments import Comments
 from grader.store.costs import Costs
+from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
@@ -30,6 +33,18 @@ from grader.use_cases.callers import Allowances, Callers
 from grader.use_cases.comparing import Comparer
 from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
+
+_STORES: Mapping[str, Callable[[Database], Any]] = {
+    "past_gradings": PastGradings,
+    "regrades": Regrades,
+    "judgements": Judgements,
+    "comments": Comments,
+    "appeals": Appeals,
+    "dashboard": Dashboard,
+    "rules": StoredRules,
+    "audit": AuditLog,
+}
+"""What works on the database and needs nothing else, by its name in `Services`."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -71,10 +86,12 @@ class Services:
     regrades: Regrades
     judgements: Judgements
     comments: Comments
+    appeals: Appeals
     dashboard: Dashboard
     costs: Costs
     rules: StoredRules
     courses: Courses
+    course_life: CourseLife
     tokens: Tokens
     audit: AuditLog
 
@@ -123,21 +140,22 @@ class Services:
             submissions=Submissions(database, clock),
             queue=queue,
             workers=workers,
-            past_gradings=PastGradings(database),
-            regrades=Regrades(database),
-            judgements=Judgements(database),
-            comments=Comments(database),
-            dashboard=Dashboard(database),
+            **{name: store(database) for name, store in _STORES.items()},
             costs=Costs(database, clock),
-            rules=StoredRules(database),
-            courses=Courses(database, clock),
-            tokens=Tokens(database, clock),
-            audit=AuditLog(database),
+            **_of_courses(database, clock),
             plots=plots,
             comparer=Comparer(Scripts(database), assignments.given_code),
             watching=watching,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
         )
+
+
+def _of_courses(database: Database, clock: Clock) -> dict[str, Any]:
+    return {
+        "courses": Courses(database, clock),
+        "course_life": CourseLife(database, clock),
+        "tokens": Tokens(database, clock),
+    }
 
 
 def _watching(database: Database, settings: Settings, estimates: Estimates) -> Watching:

@@ -52,6 +52,7 @@ class Visitor:
         open: the service has no courses, so that a student only says an id.
         course: title of the visitor's course. zone: its IANA time zone, on whose clock every page is. None
             without one.
+        archived: the course can only be read.
     """
 
     caller: Caller
@@ -59,6 +60,7 @@ class Visitor:
     open: bool
     course: str | None
     zone: str | None
+    archived: bool = False
 
     @property
     def staff(self) -> bool:
@@ -84,7 +86,7 @@ def visitor_of(request: Request) -> Visitor:
 
 
 def _identified(request: Request) -> Visitor:
-    visitor, services = visitor_of(request), _services(request)
+    visitor, services = visitor_of(request), services_of(request)
     if visitor.caller.course is not None and not visitor.staff:
         services.allowances.requests.take(f"{visitor.caller.course}/{visitor.caller.person}")
     return visitor
@@ -98,7 +100,7 @@ async def present(
     Raises:
         RefusedError: a student of a course asks too often, or somebody for too much at once.
     """
-    with under_way(request, _services(request), visitor.caller):
+    with under_way(request, services_of(request), visitor.caller):
         yield visitor
 
 
@@ -207,7 +209,7 @@ def enter_student(request: Request, response: Response, student: str) -> None:
 
 def enter_by_token(request: Request, response: Response, token: str) -> Caller | None:
     """Open a session on this browser by a token and return whose it is; a token of nobody opens none."""
-    callers = _services(request).callers
+    callers = services_of(request).callers
     session = callers.open_session(token)
     if session is None:
         return None
@@ -219,7 +221,7 @@ def leave(request: Request, response: Response) -> None:
     """Forget who used this browser."""
     session = request.cookies.get(SESSION_COOKIE)
     if session is not None:
-        _services(request).callers.close_session(session)
+        services_of(request).callers.close_session(session)
     for name in (STUDENT_COOKIE, SESSION_COOKIE):
         response.delete_cookie(name, httponly=True, samesite="strict")
 
@@ -231,7 +233,7 @@ def ask_to_enter(request: Request) -> RedirectResponse:
 
 
 def _visitor(request: Request) -> Visitor:
-    services = _services(request)
+    services = services_of(request)
     is_open = services.callers.identify(None) is not None
     session = request.cookies.get(SESSION_COOKIE)
     caller = ANYBODY if session is None else services.callers.of_session(session) or ANYBODY
@@ -240,9 +242,17 @@ def _visitor(request: Request) -> Visitor:
     if caller.course is None:
         return Visitor(caller=caller, student=student, open=is_open, course=None, zone=None)
     course = services.courses.get(caller.course)
-    return Visitor(caller=caller, student=student, open=is_open, course=course.title, zone=course.time_zone)
+    return Visitor(
+        caller=caller,
+        student=student,
+        open=is_open,
+        course=course.title,
+        zone=course.time_zone,
+        archived=course.archived_at is not None,
+    )
 
 
-def _services(request: Request) -> Services:
+def services_of(request: Request) -> Services:
+    """Return what use cases work with."""
     services: Services = request.app.state.services
     return services

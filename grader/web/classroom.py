@@ -11,6 +11,7 @@ from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.upload import decoded
 from grader.messages import outline
+from grader.use_cases.appealing import waiting
 from grader.use_cases.commenting import unread
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
 from grader.use_cases.people import members, names, person
@@ -42,6 +43,7 @@ def read_matrix(
         shows=SHOWS,
         stuck_attempts=STUCK_ATTEMPTS,
         unread=unread(services, visitor.caller),
+        appeals=waiting(services, visitor.caller),
     )
 
 

@@ -102,9 +102,9 @@ def judge(
                 services, visitor.caller, submission.id, form.item, points=points, comment=comment, seen=seen
             )
         except RefusedError as problem:
-            if problem.code not in _AT_FIELDS:
+            if problem.code not in AT_FIELDS:
                 raise
-            errors = dict([_AT_FIELDS[problem.code]])
+            errors = dict([AT_FIELDS[problem.code]])
     if errors:
         return _desk(request, services, visitor, submission.id, form, errors)
     around = judging.neighbours(services, visitor.caller, submission, form.item)
@@ -120,7 +120,7 @@ def judge(
     return RedirectResponse(address, status_code=303)
 
 
-_AT_FIELDS: Mapping[str, tuple[str, str]] = {
+AT_FIELDS: Mapping[str, tuple[str, str]] = {
     "invalid_points": ("points", "judge.error.points"),
     "points_unchanged": ("points", "judge.error.same"),
     "invalid_request": ("comment", "judge.error.reason"),
@@ -136,13 +136,13 @@ def _read(form: PointsForm) -> tuple[tuple[float, str] | None, dict[str, str]]:
     if len(comment) > LONGEST_COMMENT or not re.search(COMMENT_PATTERN, comment):
         errors["comment"] = "judge.error.comment"
     try:
-        points = _points(form.points.strip())
+        points = typed_points(form.points.strip())
     except ValueError:
         errors["points"] = "judge.error.points"
     return (None if errors else (points, comment)), errors
 
 
-def _points(text: str) -> float:
+def typed_points(text: str) -> float:
     """Return what was typed as points; a comma before one or two digits is a decimal one.
 
     Raises:
@@ -166,7 +166,8 @@ def _desk(  # noqa: PLR0913, PLR0917
     errors: dict[str, str] | None = None,
 ) -> Response:
     submission, items = judging.items_of(services, visitor.caller, submission_id)
-    item = _chosen(items, form.item, corrects=visitor.caller.is_instructor)
+    corrects = judging.may_correct(services, visitor.caller, submission.assignment)
+    item = _chosen(items, form.item, corrects=corrects)
     return page(
         request,
         "judge.html",

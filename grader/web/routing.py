@@ -4,7 +4,9 @@ from fastapi import FastAPI
 from fastapi.staticfiles import StaticFiles
 
 from grader.web import (
+    appeals,
     classroom,
+    course_pages,
     entrance,
     errors,
     gradebook_page,
@@ -31,11 +33,14 @@ ROUTERS = (
     gradings.router,
     gradebook_page.router,
     judging.router,
+    appeals.router,
+    appeals.of_submission,
     regrading.router,
     rule_pages.router,
     rule_pages.course_router,
     rules_at_once.router,
     people_pages.router,
+    course_pages.router,
     similar_pages.router,
 )
 

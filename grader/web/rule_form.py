@@ -23,6 +23,7 @@ from grader.contracts.rules import (
     MOST_HIDDEN_ITEMS,
     MOST_STEPS,
     YEARS,
+    Corrector,
     Counts,
     Extension,
     LateKind,
@@ -74,6 +75,7 @@ class RuleForm(BaseModel):
     step_keep: list[str] = Field(default_factory=list, max_length=MOST_STEPS)
     shown: Shown = Shown.ALWAYS
     counts: Counts = Counts.BEST
+    corrected_by: Corrector = Corrector.INSTRUCTORS
     hidden_items: list[str] = Field(default_factory=list, max_length=MOST_HIDDEN_ITEMS)
     reason: str = Field(default="", max_length=1_000)
     seen: str = _SHORT
@@ -145,6 +147,7 @@ def form_of(rules: Rules, zone: ZoneInfo, seen: str = "") -> RuleForm:
             "step_keep": [_text(step["keep"], one.keep, zone) for one in late.steps],
             "shown": rules.shown,
             "counts": rules.counts,
+            "corrected_by": rules.corrected_by,
             "hidden_items": list(rules.hidden_items),
             "seen": seen,
         }
@@ -207,6 +210,7 @@ class Reader:
             "late": before.late if untouched else self._late(form),
             "shown": Shown(form.shown),
             "counts": Counts(form.counts),
+            "corrected_by": Corrector(form.corrected_by),
             "hidden_items": tuple(form.hidden_items),
             **{name: self._value(name, form, before) for name in _short(Rules)},
         }

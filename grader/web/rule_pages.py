@@ -9,7 +9,7 @@ from fastapi.responses import RedirectResponse
 from grader.contracts.assignment import DISTROS, Assignment, Distro
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen, sections_of
-from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Counts, Shown
+from grader.contracts.rules import LATE_PARAMETERS, NO_EXTENSION, Corrector, Counts, Shown
 from grader.render.audit_lines import Teller
 from grader.store.rules import CourseRules, tag
 from grader.use_cases.assignments import require_published
@@ -77,6 +77,7 @@ def overview_page(  # noqa: PLR0913
         distros=DISTROS,
         sections=sections_of(members(services, visitor.caller)),
         shown=tuple(Shown),
+        correctors=tuple(Corrector),
         form=form,
         errors=errors or {},
         saved=saved,
@@ -202,6 +203,7 @@ def _page(  # noqa: PLR0913
         "late_parameters": late_parameters(),
         "late_kinds": tuple(LATE_PARAMETERS),
         "counts": tuple(Counts),
+        "correctors": tuple(Corrector),
         "shown": tuple(Shown),
         "saved": saved,
     }

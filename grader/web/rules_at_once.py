@@ -11,7 +11,7 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role
-from grader.contracts.rules import NO_EXTENSION, Extension, RuleError, Rules, Shown
+from grader.contracts.rules import NO_EXTENSION, Corrector, Extension, RuleError, Rules, Shown
 from grader.use_cases.people import members
 from grader.use_cases.rules import change_rules, course_rules, extend
 from grader.use_cases.services import Services
@@ -33,6 +33,8 @@ class SeveralForm(BaseModel):
     shown: Literal["", "always", "when_open", "draft"] = ""
     opens: str = Field(default="", max_length=40)
     due: str = Field(default="", max_length=40)
+    appeals_until: str = Field(default="", max_length=40)
+    corrected_by: Literal["", "instructors", "staff"] = ""
     students: str = Field(default="", max_length=20_000)
     section: list[str] = Field(default_factory=list, max_length=_MOST)
     new_due: str = Field(default="", max_length=40)
@@ -62,9 +64,10 @@ def _change(services: Services, visitor: Visitor, form: SeveralForm) -> dict[str
     known = {one: course_rules(services, visitor.caller, one) for one in form.assignment}
     reader = Reader(next(iter(known.values())).zone)
     values: dict[str, object] = {
-        name: reader.typed(Rules, name, getattr(form, name)) for name in ("opens", "due")
+        name: reader.typed(Rules, name, getattr(form, name)) for name in ("opens", "due", "appeals_until")
     }
     values["shown"] = Shown(form.shown) if form.shown else None
+    values["corrected_by"] = Corrector(form.corrected_by) if form.corrected_by else None
     given = {name: value for name, value in values.items() if value is not None}
     changed: dict[str, Rules] = {}
     for assignment, rules in known.items():

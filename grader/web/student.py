@@ -14,6 +14,7 @@ from grader.messages import on_page, quantity
 from grader.render.audit_lines import Teller
 from grader.routes.middleware import UploadRoute, arrival_of
 from grader.telemetry.context import note
+from grader.use_cases.appealing import pending
 from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
 from grader.use_cases.commenting import unread
 from grader.use_cases.handing_in import Upload, hand_in
@@ -43,6 +44,7 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
         terms=all_terms(services, visitor.caller),
         now=services.clock(),
         unread=unread(services, visitor.caller),
+        appeals=pending(services, visitor.caller),
     )
 
 

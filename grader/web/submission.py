@@ -11,6 +11,7 @@ from fastapi.concurrency import run_in_threadpool
 from fastapi.responses import JSONResponse, RedirectResponse, StreamingResponse
 from fastapi.sse import EventSourceResponse, ServerSentEvent
 
+from grader.contracts.appeal import LONGEST_TEXT
 from grader.contracts.assignment import Assignment
 from grader.contracts.comment import LONGEST_COMMENT, Comment
 from grader.contracts.errors import RefusedError
@@ -23,10 +24,10 @@ from grader.contracts.text import Language
 from grader.contracts.upload import decoded
 from grader.messages import on_page
 from grader.routes.events import LastEventId, events, owner_of, watched
-from grader.use_cases import commenting, recordings, submissions
+from grader.use_cases import appealing, commenting, recordings, submissions
 from grader.use_cases.assignments import published, terms_of
 from grader.use_cases.following import SubjectWatch
-from grader.use_cases.judging import judged_items
+from grader.use_cases.judging import judged_items, may_correct
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import hiding
 from grader.web import access
@@ -82,10 +83,11 @@ def read(  # noqa: PLR0913
         late=found.lateness,
         hiding=hiding(services, submission),
         same=same,
-        corrections=_corrections(visitor, found.grading),
+        corrections=_corrections(services, visitor, submission, found.grading),
         source=_source(services, submission, found.grading),
         **_beside(services, visitor, submission),
         **_comments(services, visitor, submission),
+        **_appeals(services, visitor, submission, found.grading),
         **_result(request, services, assignment, found.grading, case),
     )
 
@@ -244,9 +246,11 @@ async def read_plot(
     return Response(drawn.content, media_type="image/png", headers=headers)
 
 
-def _corrections(visitor: Visitor, stored: StoredReport | None) -> dict[str, JudgedItem]:
+def _corrections(
+    services: Services, visitor: Visitor, submission: Submission, stored: StoredReport | None
+) -> dict[str, JudgedItem]:
     """Return the items by id, for whoever may correct what the machine gave; else none."""
-    if stored is None or not visitor.caller.is_instructor:
+    if stored is None or not may_correct(services, visitor.caller, submission.assignment):
         return {}
     return {one.id: one for one in judged_items(stored)}
 
@@ -280,6 +284,18 @@ def _comments(services: Services, visitor: Visitor, submission: Submission) -> d
         "authors": commenting.author_names(services, found, submission.course),
         "longest_comment": LONGEST_COMMENT,
         "may_comment": visitor.caller.course is not None,
+    }
+
+
+def _appeals(
+    services: Services, visitor: Visitor, submission: Submission, stored: StoredReport | None
+) -> dict[str, Any]:
+    """Return the appeals by item, and the items about which the visitor may ask now."""
+    known = appealing.look(services, visitor.caller, submission)
+    return {
+        "appeals": known,
+        "appealable": appealing.open_to(services, visitor.caller, submission, stored, known),
+        "longest_appeal": LONGEST_TEXT,
     }
 
 

@@ -40,7 +40,6 @@ EXPECTED = {
     "pose_log_csv": Expectation(
         plan=(Leg(0.1, 2.0, 1.0),), stdout="logs/pose_20231114_221320.csv True True\n", exit_code=0
     ),
-    "odom_distance": Expectation(plan=(Leg(0.02, 3.0, 0.5),), says=("distance 1.50 m",)),
     # After two seconds of sleep the first pose is an old one, out of the queue.
     "global_pose_callback": Expectation(plan=(Leg(2.0, 1.5, 2.0),), stdout="moved\n"),
     "wait_for_message_start": Expectation(plan=(Leg(0.016, 4.0, 1.0),), stdout="True 5.544 5.544\n"),

@@ -147,7 +147,7 @@ def motion_mistakes(
     lost = {name for name, value in values.items() if fits(assignment, name, value) is False}
     if "turned_deg" not in lost or not _right_speed(drive, backward=backward):
         found += _wrong_way(values["advance_m"], backward=backward)
-    found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=(), drives=("advance_m",))
+    found += command_mistakes(run, assignment.world, turns=(), drives=("advance_m",))
     if "turned_deg" in lost:
         found.append(_turning(drive, values))
     if "way_back_m" in lost and values["advance_m"] > -MIN_MOTION_M:

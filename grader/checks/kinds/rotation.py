@@ -126,7 +126,7 @@ def rotation_mistakes(
     if fits(assignment, "drift_m", drift) is False:
         found.append(_strayed(turned, drift, drive, ("drift_m",) if short else ("drift_m", "turned_deg")))
     if not _goals(run):
-        found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=("turned_deg",), drives=())
+        found += command_mistakes(run, assignment.world, turns=("turned_deg",), drives=())
     if short and turned > MIN_TURN_DEG:
         found += _short_turn(turned, drive, run)
     found += lost_at_home(run)

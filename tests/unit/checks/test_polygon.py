@@ -1,14 +1,16 @@
 """The polygon check on ideal and less than ideal motions."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from grader.contracts.assignment import WINDOW_M
 from grader.contracts.outcome import RunStatus
 from grader.contracts.rubric import ItemStatus
-from grader.contracts.trajectory import Contact
-from tests.unit.checks.ideal_turtle import Leg, drive, polygon_legs
+from grader.contracts.trajectory import Contact, Trajectory
+from tests.unit.checks.ideal_turtle import START, Leg, drive, polygon_legs
 from tests.unit.checks.shipped import POLYGONS, graded, item, score
 
 INTERRUPTED = RunStatus.INTERRUPTED
@@ -295,20 +297,27 @@ def test_never_moving_earns_nothing() -> None:
     assert score(graded("square", drive([(5.0, 0.0, 0.0)]))) == 0
 
 
-def test_a_wall_is_named() -> None:
-    trajectory = drive(polygon_legs(4, 7.0))
-    touched = type(trajectory)(
-        t_ns=trajectory.t_ns,
-        x_m=np.minimum(trajectory.x_m, 11.0),
-        y_m=trajectory.y_m,
-        heading_rad=trajectory.heading_rad,
-        v_mps=trajectory.v_mps,
-        w_radps=trajectory.w_radps,
-        end_ns=trajectory.end_ns,
-        contacts=(Contact(start_ns=5_500_000_000, end_ns=7_000_000_000, wall="right"),),
-        commands=trajectory.commands,
+def at_a_wall(side_m: float) -> Trajectory:
+    trajectory = drive(polygon_legs(4, side_m))
+    touched = int(trajectory.t_ns[np.argmax(trajectory.x_m > WINDOW_M)])
+    contact = Contact(
+        start_ns=touched, end_ns=touched + round((START[0] + side_m - WINDOW_M) * 1e9), wall="right"
     )
-    scoring = graded("square", touched)
+    return replace(trajectory, x_m=np.minimum(trajectory.x_m, WINDOW_M), contacts=(contact,))
+
+
+def test_what_a_wall_takes_off_a_side_costs_the_more_the_longer_it_was_meant() -> None:
+    scores = [
+        sum(one.earned for one in graded("square", at_a_wall(side_m)).items)
+        for side_m in (5.6, 5.7, 5.8, 5.9, 6.2)
+    ]
+    assert scores == sorted(scores, reverse=True)
+    assert scores[0] == 100.0
+    assert scores[3] < 95.0
+
+
+def test_a_wall_is_named() -> None:
+    scoring = graded("square", at_a_wall(7.0))
     assert scoring.mistakes[0] == "wall_hit"
     assert "右" in scoring.hint.zh
 
@@ -317,6 +326,7 @@ def test_a_wall_is_named() -> None:
     ("name", "legs"),
     [
         ("square", polygon_legs(4, lengths_m=[3.0, 2.0, 3.0, 2.0])),
+        ("square", polygon_legs(4, lengths_m=[3.0, 2.0, 3.0, 1.8])),
         ("rectangle", polygon_legs(4)),
         ("hexagon", polygon_legs(7, 1.0)),
         ("octagon", polygon_legs(7, 1.0)),

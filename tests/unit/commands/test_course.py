@@ -165,3 +165,19 @@ def test_a_mistyped_folder_is_refused_and_not_made(typed, tmp_path: Path, comman
 def test_a_new_course_makes_its_folder(typed, tmp_path: Path) -> None:
     typed("course", "create", "ros", "--instructor", "wang", "--data", str(tmp_path / "new"))
     assert (tmp_path / "new" / "grader.db").is_file()
+
+
+def test_a_course_is_copied_and_archived(grader, recognised) -> None:
+    grader("course", "create", "ros", "--instructor", "wang")
+    grader("rules", "set", "square", "due=2026-03-20T23:59:59")
+    output, _ = grader(
+        "course", "copy", "next", "--instructor", "chen", "--move-days", "364", "--course", "ros"
+    )
+    assert recognised(tokens_of(output)["chen"]).course == "next"
+    assert '"due": "2027-03-19T23:59:59+08:00"' in grader("rules", "show", "--course", "next")[0]
+    grader("course", "archive", "--course", "ros")
+    assert "archived" in grader("course", "list")[0]
+    refused = grader("rules", "set", "square", "attempts=1", "--course", "ros", status=2)[1]
+    assert "archived and can only be read" in refused
+    grader("course", "reopen", "--course", "ros")
+    grader("rules", "set", "square", "attempts=1", "--course", "ros")

@@ -60,6 +60,20 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/submissions/{submission_id}/comments": SUBMISSION,
     "post /api/v1/submissions/{submission_id}/comments": (401, 401, 201, 404, 201, 201, 404, 404),
     "get /api/v1/judgements/waiting": STAFF,
+    "get /api/v1/appeals": STAFF,
+    "get /api/v1/submissions/{submission_id}/appeals": SUBMISSION,
+    "post /api/v1/submissions/{submission_id}/appeals": (
+        401,
+        401,
+        403,
+        404,
+        403,
+        403,
+        404,
+        404,
+    ),  # none are taken
+    "put /api/v1/submissions/{submission_id}/appeals/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
+    "delete /api/v1/submissions/{submission_id}/appeals/{item}": (401, 401, 404, 404, 403, 403, 404, 404),
     "post /api/v1/regrades": (401, 401, 403, 403, 403, 202, 403, 422),  # the other course has nothing
     "get /api/v1/regrades": STAFF,
     "get /api/v1/regrades/{regrade_id}": (401, 401, 403, 403, 404, 404, 403, 404),  # there is none
@@ -80,6 +94,9 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "put /api/v1/members/{person}": INSTRUCTORS,
     "delete /api/v1/members/{person}": (401, 401, 403, 403, 403, 204, 403, 404),
     "post /api/v1/members/{person}/tokens": (401, 401, 403, 403, 403, 201, 403, 404),
+    "get /api/v1/course": STAFF,
+    "post /api/v1/courses": (401, 401, 403, 403, 403, 201, 403, 422),  # the id is taken by then
+    "put /api/v1/course/archived": INSTRUCTORS,
     "get /api/v1/audit": INSTRUCTORS,
     "get /api/v1/problems/{code}": EVERYBODY,
     "get /healthz": (503,) * 8,  # no worker lives in these tests
@@ -114,6 +131,11 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/submissions/{submission_id}/comments": OPEN_TO_ALL,
     "post /api/v1/submissions/{submission_id}/comments": (409, 401, 409),
     "get /api/v1/judgements/waiting": OPERATOR_ONLY,
+    "get /api/v1/appeals": OPERATOR_ONLY,
+    "get /api/v1/submissions/{submission_id}/appeals": OPEN_TO_ALL,
+    "post /api/v1/submissions/{submission_id}/appeals": (409, 401, 409),
+    "put /api/v1/submissions/{submission_id}/appeals/{item}": (401, 401, 404),
+    "delete /api/v1/submissions/{submission_id}/appeals/{item}": (404, 401, 403),
     "post /api/v1/regrades": (401, 401, 202),
     "get /api/v1/regrades": OPERATOR_ONLY,
     "get /api/v1/regrades/{regrade_id}": (401, 401, 404),
@@ -134,6 +156,9 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "put /api/v1/members/{person}": (401, 401, 409),
     "delete /api/v1/members/{person}": (401, 401, 404),
     "post /api/v1/members/{person}/tokens": (401, 401, 404),
+    "get /api/v1/course": (401, 401, 409),
+    "post /api/v1/courses": (401, 401, 409),
+    "put /api/v1/course/archived": (401, 401, 409),
     "get /api/v1/audit": OPERATOR_ONLY,
     "get /api/v1/problems/{code}": (200, 200, 200),
     "get /healthz": (503, 503, 503),
@@ -154,6 +179,10 @@ def send(
         body = {"json": {"distro": "humble"}}
     if path.endswith("/comments") and method == "post":
         body = {"json": {"text": "x"}}
+    if path.endswith("/appeals") and method == "post":
+        body = {"json": {"item": "closed", "reason": "x"}}
+    if "/appeals/" in path and method == "put":
+        body = {"json": {"state": "refused", "text": "x"}}
     if "regrades" in path and method == "post":
         body = {"json": {"reason": "x"} if "none" in path else {"assignment": "square"}}
     if operation == "post /api/v1/submissions":
@@ -167,6 +196,10 @@ def send(
         body = {"files": {"file": ("s.csv", b"id,points\nli,\n")}, "params": {"column": "points"}}
     if operation == "post /api/v1/members/{person}/tokens":
         body = {"json": {}}
+    if operation == "post /api/v1/courses":
+        body = {"json": {"id": "next"}}
+    if operation == "put /api/v1/course/archived":
+        body = {"json": {"archived": True}}
     with client.stream(method, path, headers=headers, **body) as response:  # some answers never end
         return response.status_code
 

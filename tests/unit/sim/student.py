@@ -94,7 +94,7 @@ def run(
         yield from story
         yield jail.ended(student.now)
 
-    world = World(walls=walls, start=StartPose(heading_deg=heading_deg))
+    world = World(walls=walls, start=StartPose(heading_deg=heading_deg), odometry=True)
     spec = EpisodeSpec(world=world, horizon_ns=60 * SECOND, source=b"", file_name="a.py")
     result = Episode(spec, car).run(FakeLink(script()))
     assert result.violation is None

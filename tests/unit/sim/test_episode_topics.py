@@ -210,7 +210,7 @@ def test_odometry_starts_at_zero_and_stamps_wall_clock(car: BulletCar) -> None:
             seen.append(odom)
         yield jail.ended(SECOND // 2)
 
-    world = World(walls=False, start=StartPose(x_m=3.0, y_m=2.0, heading_deg=90.0))
+    world = World(walls=False, start=StartPose(x_m=3.0, y_m=2.0, heading_deg=90.0), odometry=True)
     play(car, script(), world=world, epoch_ns=100 * SECOND)
     assert seen[-1]["header"] == {"stamp": {"sec": 100, "nanosec": 400 * MS}, "frame_id": "odom"}
     assert seen[-1]["child_frame_id"] == "base_link"

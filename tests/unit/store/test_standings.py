@@ -48,6 +48,8 @@ def test_a_class_stands_elsewhere_after_every_change(
         marks.append(one.mark)
         return one.queued, one.running, one.graded
 
+    member = RosterEntry(id="s1", name="s1", role=Role.STUDENT)
+    courses.import_roster("ros", [member], "test")
     assert look() == (0, 0, 0)
     upload(submissions, clock, "s1", "ros")
     assert look() == (1, 0, 0)
@@ -58,9 +60,10 @@ def test_a_class_stands_elsewhere_after_every_change(
     assert look() == (1, 0, 0)
     grade_next(queue, FakeAssignments())
     assert look() == (0, 0, 1)
-    courses.import_roster("ros", [RosterEntry(id="s1", name="s1", role=Role.STUDENT)], "test")
+    courses.import_roster("ros", [RosterEntry(id="s2", name="s2", role=Role.STUDENT)], "test")
     look()
     assert len(set(marks)) == len(marks)
+    courses.import_roster("other", [member], "test")
     upload(submissions, clock, "s1", "other")
     upload(submissions, clock, "s1")
     look()

@@ -16,6 +16,7 @@ from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Extension, Rules
 from grader.contracts.submission import NewSubmission, WorkerState
 from grader.store import transfer as module
+from grader.store.appeals import Appeals, Asked
 from grader.store.audit import Signature
 from grader.store.backups import back_up, restore_rows
 from grader.store.comments import Comments
@@ -73,6 +74,8 @@ def fill(database: Database) -> str:
         claim.submission_id, Given(item="timer", points=0.1, comment="好"), None, signed
     )
     Comments(database).add(claim.submission_id, "好", 1, signed, by_student=False)
+    asked = Asked(item="timer", reason="为什么？", attempt=1, earned=0.1, points=45.0)
+    Appeals(database).ask(claim.submission_id, asked, signed)
     now = clock()
     state = {"id": "h:1", "slots": 2, "busy": 0, "sandbox_ready": True, "isolation": "strict", "detail": ""}
     Workers(database, clock).report(WorkerState(**state, started_at=now, seen_at=now))

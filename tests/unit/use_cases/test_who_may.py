@@ -5,12 +5,14 @@ from typing import Any, cast
 
 import pytest
 
+from grader.contracts.appeal import AppealState
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, Role
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import NO_EXTENSION, NO_RULES
+from grader.store.appeals import AppealsWanted
 from grader.store.judgements import WaitingFor
-from grader.use_cases import dashboard, gradebook, judging, people, regrading, rules
+from grader.use_cases import appealing, dashboard, gradebook, judging, people, regrading, rules
 from grader.use_cases.services import Services
 
 NO_SERVICES = cast(Services, None)  # whatever is looked up fails with another error
@@ -31,6 +33,10 @@ STAFF: dict[str, UseCase] = {
     "items_of": lambda services, caller: judging.items_of(services, caller, "s"),
     "give": lambda services, caller: judging.give(
         services, caller, "s", "timer", points=1.0, comment="", seen=None
+    ),
+    "appeals": lambda services, caller: appealing.queue(services, caller, AppealsWanted(), offset=0, limit=1),
+    "answer": lambda services, caller: appealing.answer(
+        services, caller, "s", "timer", appealing.AppealAnswer(state=AppealState.REFUSED, text="x"), seen=None
     ),
     "extensions": lambda services, caller: rules.extensions(services, caller, "square"),
     "book": gradebook.book,

@@ -82,6 +82,11 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/judgements": STAFF,
     "GET /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody judges a motion
     "POST /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),
+    "GET /class/appeals": STAFF,
+    "GET /class/appeals/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody asked
+    "POST /class/appeals/{submission_id}": (303, 403, 403, 404, 404, 404),
+    "POST /submissions/{submission_id}/appeals": (303, 403, 404, 403, 403, 404),  # the rules take none
+    "POST /submissions/{submission_id}/appeals/withdraw": (303, 404, 404, 403, 403, 404),
     "GET /class/people": STAFF,
     "POST /class/people": (303, 403, 403, 403, 303, 303),
     "POST /class/people/preview": (303, 403, 403, 403, 200, 200),
@@ -91,6 +96,9 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/people/{person}": CHANGES,
     "POST /class/people/{person}/token": (303, 403, 403, 403, 200, 404),
     "POST /class/people/{person}/remove": CHANGES,
+    "GET /class/course": STAFF,
+    "POST /class/course/copy": (303, 403, 403, 403, 200, 422),  # the id is taken by then
+    "POST /class/course/archive": (303, 403, 403, 403, 409, 303),  # its re-grade is not decided
     "GET /class/audit": INSTRUCTORS,
 }
 
@@ -160,9 +168,13 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
         "person": "new",
         "text": "x",
         "distro": "humble",
+        "id": "next",
+        "archived": "true",
     }
     if operation == "POST /class/rules":
         data.pop("assignment")
+    if "appeals" in path:
+        data["decision"] = "refused"
     if operation == "POST /class/people/import":
         data |= {"entries": "id,name\nnew,x\n", "seen": "x"}
     answered = []

@@ -16,7 +16,6 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, Point, SketchCorner, SketchLabel, SketchSide
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
-from grader.geometry.matching import frechet
 from grader.messages import say
 from grader.messages.quantity import number
 
@@ -60,7 +59,7 @@ def _settled(drive: Drive, figure: Figure | None) -> Measure:
 
 def _of_the_whole(figure: Figure) -> dict[str, Measure]:
     size, length = figure.size_m, figure.track.length_m * figure.placed.scale
-    away, nearest = frechet(figure.wanted, figure.driven), figure.distances_m
+    away, nearest = figure.apart_m, figure.distances_m
     mean = float(np.mean(nearest))
     gap = abs((figure.driven[-1] - figure.driven[0]) - (figure.wanted[-1] - figure.wanted[0]))
     if size <= 0.0 or length <= 0.0:

@@ -3,8 +3,9 @@
 import cmath
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -19,7 +20,16 @@ from grader.checks.kinds.path.wanted import (
     tracks,
 )
 from grader.contracts.assignment import StartPose, WantedPath
-from grader.geometry.matching import Floats, Points, Similarity, circle_through, fitted, matched, resampled
+from grader.geometry.matching import (
+    Floats,
+    Points,
+    Similarity,
+    circle_through,
+    fitted,
+    frechet,
+    matched_each,
+    resampled,
+)
 from grader.geometry.segmentation import segment
 
 LEAST_M = 0.05  # a path that went less far is none
@@ -61,7 +71,7 @@ class DrivenStretch:
     swept_rad: float = math.nan
 
 
-@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Figure:
     """The wanted path laid on the driven one.
 
@@ -91,6 +101,11 @@ class Figure:
     def size_m(self) -> float:
         """Diagonal of the box around the wanted path, as large as it is here."""
         return size_m(self.track.points) * self.placed.scale
+
+    @cached_property
+    def apart_m(self) -> float:
+        """The discrete Frechet distance of the wanted path from the driven one."""
+        return frechet(self.wanted, self.driven)
 
     @property
     def distances_m(self) -> Floats:
@@ -131,15 +146,16 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     found: Figure | None = None
     ways, allowed = tracks(wanted), _Allowed(wanted, start)
     least_m = 0.0 if wanted.any_scale or not ways else LAP_SHARE * ways[0].length_m
+    likely: list[Figure] = []  # longer parts come first
     for end_m in _ends(points, along, least_m, repeats=bool(ways) and ways[0].is_closed):
         tried = _tried(points, along, end_m, ways, allowed)  # of equal ones the plainest comes first
-        likely = sorted(tried, key=lambda each: round(each.residual, 3))[:LIKELY]
-        for one in (_refined(each, allowed, THIN) for each in likely):
-            if found is None or one.residual < (found.residual - NEARLY_SHARE) / LONGER_SHARE:
-                found = one  # longer parts come first
+        likely += sorted(tried, key=lambda each: round(each.residual, 3))[:LIKELY]
+    for one in _refined(likely, allowed, THIN):
+        if found is None or one.residual < (found.residual - NEARLY_SHARE) / LONGER_SHARE:
+            found = one
     if found is None:
         return None
-    found = _refined(found, allowed)
+    found = _refined([found], allowed)[0]
     return _with_what_follows(found, points, along, wanted, drive)
 
 
@@ -195,24 +211,38 @@ def _residual(there: Points, driven: Points) -> float:
     return float(np.sqrt(np.mean(np.abs(there - driven) ** 2))) / size if size > LEAST_M else math.inf
 
 
-def _refined(figure: Figure, allowed: _Allowed, thinned: int = 1) -> Figure:
-    """Return the figure with a match in order, so that one side that is too long does not shift all others.
+def _refined(figures: Sequence[Figure], allowed: _Allowed, thinned: int = 1) -> list[Figure]:
+    """Return the figures with a match in order, so that one side that is too long does not shift all others.
 
     Args:
-        figure: the figure.
-        allowed: where it may lie.
+        figures: laid on parts of one drive.
+        allowed: where they may lie.
         thinned: only each so-manieth point is looked at; the pairs are of these, and not to be used.
     """
-    given, driven = figure.track.points[::thinned], figure.driven[::thinned]
-    placed = figure.placed
+    if not figures:
+        return []
+    given = [figure.track.points[::thinned] for figure in figures]
+    driven = np.array([figure.driven[::thinned] for figure in figures])
+    placed = [figure.placed for figure in figures]
     for _ in range(REFINED):
-        pairs = matched(placed.of(given), driven)
-        first, second = given[pairs[:, 0]], driven[pairs[:, 1]]
-        placed = allowed.placed(first, second, mirrored=placed.mirrored)
-    pairs = matched(placed.of(given), driven)
-    residual = _residual(placed.of(given)[pairs[:, 0]], driven[pairs[:, 1]])
-    wanted = placed.of(figure.track.points)
-    return replace(figure, placed=placed, wanted=wanted, pairs=pairs, residual=residual)
+        pairs = _matched(placed, given, driven)
+        placed = [
+            allowed.placed(here[pair[:, 0]], there[pair[:, 1]], mirrored=one.mirrored)
+            for one, here, there, pair in zip(placed, given, driven, pairs, strict=True)
+        ]
+    found = []
+    last = _matched(placed, given, driven)
+    for figure, one, here, there, pair in zip(figures, placed, given, driven, last, strict=True):
+        residual = _residual(one.of(here)[pair[:, 0]], there[pair[:, 1]])
+        wanted = one.of(figure.track.points)
+        found.append(replace(figure, placed=one, wanted=wanted, pairs=pair, residual=residual))
+    return found
+
+
+def _matched(placed: Sequence[Similarity], given: Sequence[Points], driven: Points) -> list[np.ndarray]:
+    """Return the match of each of the wanted paths, where it is placed, with its part of the drive."""
+    there = np.array([one.of(points) for one, points in zip(placed, given, strict=True)])
+    return matched_each(there, driven)
 
 
 def _with_what_follows(

@@ -22,7 +22,6 @@ from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment, WantedPath
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
-from grader.geometry.matching import frechet
 from grader.messages import say
 from grader.messages.quantity import number
 from grader.messages.script import ScriptText
@@ -87,7 +86,7 @@ def path_mistakes(
     found = [*script_mistakes(run), *asleep(run)]
     if drive is None:
         return tuple(found)
-    found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=_SHAPE, drives=_DRIVES)
+    found += command_mistakes(run, assignment.world, turns=_SHAPE, drives=_DRIVES)
     found += _wall(run)
     if figure is not None:
         seen = _Seen(assignment, run, drive, figure, stretches)
@@ -106,7 +105,7 @@ def _wall(run: Run) -> Iterator[Mistake]:
 def _shape(seen: _Seen) -> Iterator[Mistake]:
     """Name the one difference that explains the others best, then those of single pieces."""
     size = seen.figure.size_m
-    away = frechet(seen.figure.wanted, seen.figure.driven)
+    away = seen.figure.apart_m
     if size <= 0.0:
         return
     off = seen.loses("off_pct", 100.0 * away / size)
@@ -152,7 +151,7 @@ def _other_way(seen: _Seen, share: float) -> str | None:
         figure = figure_in(seen.drive, other, start)
         if figure is None or figure.size_m <= 0.0 or not 0.2 < figure.placed.scale < 5.0:
             continue
-        left = frechet(figure.wanted, figure.driven) / figure.size_m
+        left = figure.apart_m / figure.size_m
         if left < LEFT_SHARE * share and not seen.loses("off_pct", 100.0 * left):
             return code
     return None

@@ -4,7 +4,8 @@ import cmath
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 from typing import Literal
 
 import numpy as np
@@ -43,7 +44,8 @@ class Stretch(PositionalRecord):
     angle_deg: float = 0.0
 
 
-class Track(PositionalRecord):
+@dataclass(frozen=True, eq=False)
+class Track:
     """One way to drive the wanted path.
 
     Attributes:
@@ -65,7 +67,7 @@ class Track(PositionalRecord):
         ends = np.cumsum([stretch.length_m for stretch in self.stretches])
         return [float(end / ends[-1]) for end in ends]
 
-    @property
+    @cached_property
     def points(self) -> Points:
         """`SAMPLES` points along it at equal distances."""
         return sampled(np.array([point for stretch in self.stretches for point in stretch.points]))
@@ -107,6 +109,7 @@ def track_of(wanted: WantedPath) -> Track | None:
     return Track(stretches) if stretches else None
 
 
+@lru_cache(maxsize=64)
 def tracks(wanted: WantedPath) -> tuple[Track, ...]:
     """Return the ways in which the path may be driven: forth and back, and from each corner of a closed one."""
     given = track_of(wanted)

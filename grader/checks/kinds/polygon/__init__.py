@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 
+from grader.checks.drive import pushed_m
 from grader.checks.kinds.polygon.figures import DrivenPolygon, WantedPolygon, driven_polygon, wanted_polygon
 from grader.checks.kinds.polygon.mistakes import polygon_mistakes
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
@@ -42,10 +43,10 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     mistakes = polygon_mistakes(assignment, run, wanted, driven)
     if driven is None:
         return Findings(mistakes=mistakes)
-    return Findings(_measures(wanted, driven), mistakes)
+    return Findings(_measures(wanted, driven, _wall_m(run, driven)), mistakes)
 
 
-def _measures(wanted: WantedPolygon, driven: DrivenPolygon) -> dict[str, Measure]:
+def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> dict[str, Measure]:
     figure = driven.figure
     taken = {
         "distance_m": Measure(float(driven.drive.path.along_m[-1])),
@@ -55,7 +56,7 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon) -> dict[str, Measure
     if figure is None:
         return taken
     taken["sides"] = Measure(float(len(figure.sides_m)), {"lengths": listed(figure.sides_m, "m")})
-    taken["side_spread_pct"] = _spread(figure)
+    taken["side_spread_pct"] = _spread(figure, wall_m)
     if wanted.lengths_m is not None:
         taken["side_error_pct"] = _side_error(wanted, figure)
     taken["curved_pct"] = Measure(100.0 * figure.curved_share)
@@ -81,12 +82,23 @@ def _settled(driven: DrivenPolygon) -> Measure:
     return Measure(0.0 if under_way or went_on else 1.0)
 
 
-def _spread(figure: PolygonFigure) -> Measure:
+def _wall_m(run: Run, driven: DrivenPolygon) -> float:
+    """Return how much a wall took off a side of the figure, at most."""
+    end = 0 if driven.figure is None else driven.figure.end
+    return pushed_m(run.trajectory, int(driven.drive.t_ns[end]))
+
+
+def _spread(figure: PolygonFigure, wall_m: float) -> Measure:
+    """Return by how much the sides differ; what a wall took off one counts, too: it was meant to be longer."""
     longest, shortest = max(figure.sides_m), min(figure.sides_m)
     mean = figure.perimeter_m / len(figure.sides_m)
     return Measure(
-        100.0 * (longest - shortest) / mean if mean > 0.0 else math.nan,
-        {"longest": number(longest, "m"), "shortest": number(shortest, "m")},
+        100.0 * (longest - shortest + wall_m) / mean if mean > 0.0 else math.nan,
+        {
+            "longest": number(longest, "m"),
+            "shortest": number(shortest, "m"),
+            "wall": say("polygon.wall_took", length=number(wall_m, "m")) if wall_m > 0.0 else EMPTY,
+        },
     )
 
 

@@ -96,7 +96,9 @@ def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
 SAME_DEG = 4.0  # corners this close to a value that tells a mistake are taken to be that value
 OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
 EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
-ALIKE_PCT = 4.0  # by which opposite sides of a rectangle may differ
+ALIKE_PCT = (
+    12.0  # by which opposite sides may differ, and it is a rectangle still, with one side that is short
+)
 LIKE_DEG = (
     1.0  # a last turn that is further off than the worst corner by no more than this was meant as a corner
 )
@@ -160,7 +162,8 @@ def _is_oblong(sides_m: Sequence[float]) -> bool:
     """Whether these are the sides of a rectangle that is no square."""
     if len(sides_m) != 4 or _worst_pct(sides_m[:2], sides_m[2:]) > ALIKE_PCT:
         return False
-    return max(sides_m) > EQUAL_RATIO * min(sides_m)
+    pairs = sides_m[0] + sides_m[2], sides_m[1] + sides_m[3]
+    return max(pairs) > EQUAL_RATIO * min(pairs)
 
 
 def driven_polygon(assignment: Assignment, wanted: WantedPolygon, run: Run) -> DrivenPolygon | None:

@@ -73,7 +73,7 @@ def polygon_mistakes(
     found += _degrees(seen)
     found += _kept_driving(seen)
     found += _kept_turning(seen)
-    found += command_mistakes(run, assignment.world.cmd_vel_topic, turns=_TURNS, drives=_DRIVES)
+    found += command_mistakes(run, assignment.world, turns=_TURNS, drives=_DRIVES)
     found += _wall(seen)
     cut = _cut_at_the_end(seen)
     if cut:

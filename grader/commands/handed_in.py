@@ -1,0 +1,105 @@
+"""What other platforms hand in: which file is meant, and its grading, or why there is none that counts."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
+from pathlib import Path
+
+from grader.contracts.assignment import SUFFIXES, Assignment
+from grader.contracts.errors import InfrastructureError, RefusedError
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.text import Text, trouble
+from grader.contracts.upload import MAX_SOURCE_BYTES, check_name, check_source
+from grader.grading.slot import Slot
+
+_TRIES = 2
+_MOST_FILES = 1_000
+_SHOWN_NAMES = 8
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ChosenFile:
+    """One file as somebody handed it in."""
+
+    name: str
+    source: bytes
+
+
+def pick(folder: Path, assignment: Assignment) -> ChosenFile:
+    """Return the file that is meant: the only one of its kind in a folder, or the one whose name says so.
+
+    Raises:
+        RefusedError: there is none or more than one, or it could not be handed in to a service either.
+    """
+    endings = SUFFIXES[assignment.input]
+    paths = [path for path in _files(folder) if path.name.lower().endswith(endings)]
+    if len(paths) > 1:
+        named = [path for path in paths if _named(path.name, assignment.file_patterns)]
+        paths = named if len(named) == 1 else paths
+    if len(paths) != 1:
+        raise _refusal(folder, paths, endings)
+    source = _read(paths[0])
+    check_name(paths[0].name, endings)
+    check_source(source)
+    return ChosenFile(name=paths[0].name, source=source)
+
+
+def graded(slot: Slot, assignment: Assignment, handed_in: ChosenFile) -> GradingResult:
+    """Return the grading of a file; what the grader itself got wrong is tried once more.
+
+    Raises:
+        InfrastructureError: the grader failed again: this says nothing about the file.
+        SandboxUnavailableError: this machine cannot confine scripts.
+    """
+    job = GradingJob(file_name=handed_in.name, source=handed_in.source, assignment=assignment)
+    for _ in range(_TRIES - 1):
+        try:
+            return slot.grade(job)
+        except InfrastructureError:
+            continue
+    return slot.grade(job)
+
+
+def _files(folder: Path) -> list[Path]:
+    """Return the ordinary files below a folder, without links and what systems and editors leave there."""
+    found: list[Path] = []
+    for path in sorted(folder.rglob("*")):
+        parts = path.relative_to(folder).parts
+        if any(part.startswith((".", "__")) for part in parts) or path.is_symlink() or not path.is_file():
+            continue
+        found.append(path)
+        if len(found) > _MOST_FILES:
+            break
+    return found
+
+
+def _named(name: str, patterns: Sequence[str]) -> bool:
+    return any(fnmatchcase(name.lower(), pattern.lower()) for pattern in patterns)
+
+
+def _read(path: Path) -> bytes:
+    try:
+        with path.open("rb") as file:
+            return file.read(MAX_SOURCE_BYTES + 1)
+    except OSError as error:
+        told = trouble(error)
+        raise RefusedError(
+            "unreadable", Text(zh=f"{path.name}：{told.zh}", en=f"{path.name}: {told.en}")
+        ) from error
+
+
+def _refusal(folder: Path, paths: list[Path], endings: Sequence[str]) -> RefusedError:
+    kinds = Text(zh=" 或 ".join(endings), en=" or ".join(endings))
+    if not paths:
+        there = ", ".join(path.name for path in _files(folder)[:_SHOWN_NAMES])
+        zh = f"没有交上来以 {kinds.zh} 结尾的文件" + (f"，只有：{there}。" if there else "。")
+        en = f"no file that ends in {kinds.en} was handed in" + (f", only: {there}" if there else "")
+        return RefusedError("wrong_file_type", Text(zh=zh + "请交一个文件。", en=f"{en}; hand in one file"))
+    names = ", ".join(path.name for path in paths[:_SHOWN_NAMES])
+    return RefusedError(
+        "several_files",
+        Text(
+            zh=f"交了 {len(paths)} 个文件（{names}），看不出要评哪一个：请只交一个。",
+            en=f"{len(paths)} files were handed in ({names}), and nothing tells which to grade: hand in one",
+        ),
+    )

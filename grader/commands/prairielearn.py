@@ -1,0 +1,99 @@
+"""`grader prairielearn`: the entrypoint of an external grader of PrairieLearn (docs/externalGrading.md there)."""
+
+import argparse
+import base64
+import json
+import os
+from pathlib import Path
+from typing import Any, Final
+
+from grader.catalog import Catalog
+from grader.commands.handed_in import graded, pick
+from grader.commands.options import add_language_option
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import RefusedError, SettingsError
+from grader.contracts.grading import GradingResult
+from grader.contracts.text import Language
+from grader.grading.slot import Slot, SlotConfig
+from grader.render.documents import to_prairielearn
+
+_ROOT: Final = Path("/grade")
+_VARIABLE: Final = "GRADER_ASSIGNMENT"
+_MOST_BYTES: Final = 1_000_000  # of results.json, which PrairieLearn takes up to 1 MB of
+_MOST_DATA_BYTES: Final = 1 << 20
+_MOST_PICTURES: Final = 4
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument("--root", type=Path, default=_ROOT, help=argparse.SUPPRESS)
+    parser.add_argument(
+        "-a",
+        "--assignment",
+        help=f"assignment id, else params.assignment of data.json, else ${_VARIABLE} / 作业 id",
+    )
+    parser.add_argument("--assignments", type=Path, metavar="DIR", help="folder of assignments / 作业文件夹")
+    add_language_option(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write results.json; 0 whatever the score is.
+
+    A fault of the grader (raised as GraderError) writes none: PrairieLearn then calls the job failed.
+    """
+    root: Path = arguments.root
+    assignment = Catalog(arguments.assignments).get(arguments.assignment or _assignment_id(root))
+    document = _document(root / "student", assignment, arguments.lang)
+    folder = root / "results"
+    folder.mkdir(parents=True, exist_ok=True)
+    unfinished = folder / "results.json.new"
+    unfinished.write_text(json.dumps(document, ensure_ascii=False, allow_nan=False), "utf-8")
+    unfinished.replace(folder / "results.json")
+    return 0
+
+
+def _assignment_id(root: Path) -> str:
+    path = root / "data" / "data.json"
+    try:
+        with path.open("rb") as file:
+            params = json.loads(file.read(_MOST_DATA_BYTES))["params"]
+        named = params.get("assignment")
+    except (OSError, ValueError, KeyError, AttributeError):
+        named = None
+    found = named if isinstance(named, str) and named else os.environ.get(_VARIABLE)
+    if not found:
+        raise SettingsError(
+            f"which assignment? Say it with params.assignment in {path}, ${_VARIABLE} or --assignment",
+            f"不知道是哪个作业：请写在 {path} 的 params.assignment、环境变量 {_VARIABLE} 或 --assignment 里",
+        )
+    return found
+
+
+def _document(student: Path, assignment: Assignment, language: Language) -> dict[str, Any]:
+    try:
+        handed_in = pick(student, assignment)
+    except RefusedError as refusal:
+        return {"gradable": False, "format_errors": [refusal.told(language)]}
+    with Slot(SlotConfig()) as slot:
+        result = graded(slot, assignment, handed_in)
+    document = to_prairielearn(result.report, language)
+    pictures = _pictures(assignment, result, language) if document["gradable"] else []
+    with_pictures = {**document, "images": pictures}
+    return (
+        with_pictures
+        if len(json.dumps(with_pictures, ensure_ascii=False).encode()) <= _MOST_BYTES
+        else document
+    )
+
+
+def _pictures(assignment: Assignment, result: GradingResult, language: Language) -> list[dict[str, str]]:
+    from grader.use_cases.pictures import draw
+
+    if assignment.input == "text":
+        return []
+    pictures = []
+    for run_ in result.report.runs[:_MOST_PICTURES]:
+        picture = draw(assignment, result.report, result.trajectories[run_.case], language, case=run_.case)
+        url = f"data:image/png;base64,{base64.b64encode(picture).decode()}"
+        pictures.append({"label": assignment.title.get(language), "url": url})
+    return pictures

@@ -1,0 +1,249 @@
+"""`grader regrade-folder`: grade a class that was handed in somewhere else, without a service.
+
+It reads what Gradescope's "Download Submissions" gives, as a zip or unpacked, or any folder with a file or a
+folder for each submission.
+"""
+
+import argparse
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+from typing import Any, Final
+
+import yaml
+
+from grader.catalog import Catalog
+from grader.commands.handed_in import ChosenFile, graded, pick
+from grader.commands.options import add_grading_options, add_language_option, tell
+from grader.commands.plots import file_error
+from grader.contracts.assignment import SUFFIXES, Assignment
+from grader.contracts.errors import InfrastructureError, RefusedError
+from grader.contracts.report import GradeReport
+from grader.contracts.text import Language, Text
+from grader.contracts.upload import MAX_SOURCE_BYTES, check_source
+from grader.grading.slot import Slot, SlotConfig
+from grader.messages import quantity
+from grader.sheets.writing import csv_table
+
+_METADATA: Final = "submission_metadata.yml"
+_MOST_MEMBERS: Final = 20_000
+_MOST_BYTES: Final = 1 << 30  # of an unpacked export
+_MOST_METADATA_BYTES: Final = 32 << 20
+_COLUMNS: Final = (
+    "submission",
+    "id",
+    "email",
+    "name",
+    "file",
+    "status",
+    "score",
+    "max_score",
+    "score_there",
+    "next_step",
+)
+_EXIT_FAULT: Final = 1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Entry:
+    """One submission: whose it is, as far as that is told, and where its files are."""
+
+    name: str
+    path: Path
+    about: dict[str, str]
+
+
+def configure(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's arguments."""
+    parser.add_argument(
+        "export", type=Path, metavar="EXPORT", help="zip or folder of submissions / 提交的压缩包或文件夹"
+    )
+    parser.add_argument("-a", "--assignment", required=True, help="assignment id / 作业 id")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="OUT.csv", help="the scores (default: printed) / 成绩表"
+    )
+    parser.add_argument(
+        "--reports", type=Path, metavar="DIR", help="a report of each as JSON / 每份的完整报告"
+    )
+    add_language_option(parser)
+    add_grading_options(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Grade everything; 0 done, 1 the grader failed at some, whose scores are empty."""
+    assignment = Catalog(arguments.assignments).get(arguments.assignment)
+    if arguments.reports is not None:
+        arguments.reports.mkdir(parents=True, exist_ok=True)
+    rows: list[dict[str, str]] = []
+    with unpacked(arguments.export) as folder, Slot(SlotConfig(mode=arguments.isolation)) as slot:
+        for entry in entries(folder, SUFFIXES[assignment.input]):
+            rows.append(_row(slot, assignment, entry, arguments))
+            if arguments.output is not None:
+                tell(arguments, zh=_line(rows[-1]), en=_line(rows[-1]))
+    _write(arguments, rows)
+    faults = [row["submission"] for row in rows if row["status"] == "infrastructure_error"]
+    if not faults:
+        return 0
+    tell(
+        arguments,
+        zh=f"grader: {len(faults)} 份因评分程序自己的错误没有成绩，请再试一次：{', '.join(faults[:8])}",
+        en=f"grader: {len(faults)} have no score because the grader failed, try again: {', '.join(faults[:8])}",
+    )
+    return _EXIT_FAULT
+
+
+@contextmanager
+def unpacked(export: Path) -> Iterator[Path]:
+    """Yield the folder of an export; a zip is unpacked into one that is removed afterwards.
+
+    Raises:
+        RefusedError: it is no zip or folder, or a zip that must not be unpacked.
+    """
+    if export.is_dir():
+        yield export
+        return
+    with tempfile.TemporaryDirectory(prefix="grader-export-") as name:
+        try:
+            with zipfile.ZipFile(export) as archive:
+                _unpack(archive, Path(name), export)
+        except OSError as error:
+            raise file_error("unreadable", str(export), error) from error
+        except (zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
+            raise _refused(
+                export, zh="不是可以解开的 zip 文件", en="is not a zip that can be unpacked"
+            ) from error
+        yield Path(name)
+
+
+def _unpack(archive: zipfile.ZipFile, folder: Path, export: Path) -> None:
+    """Unpack ordinary files only, none of them outside `folder`, and of each no more than can be handed in."""
+    members = [member for member in archive.infolist() if not member.is_dir()]
+    if len(members) > _MOST_MEMBERS or sum(member.file_size for member in members) > _MOST_BYTES:
+        raise _refused(
+            export,
+            zh="太大：文件太多或解开后超过 1 GiB",
+            en="is too large: too many files, or over 1 GiB unpacked",
+        )
+    for member in members:
+        parts = PurePosixPath(member.filename.replace("\\", "/")).parts
+        kind = member.external_attr >> 28
+        if not parts or parts[0] == "/" or ".." in parts or "\0" in member.filename or kind not in (0, 8):
+            raise _refused(
+                export,
+                zh=f"里有不该有的文件名 {member.filename!r}",
+                en=f"has a file called {member.filename!r}",
+            )
+        most = _MOST_METADATA_BYTES if parts[-1] == _METADATA else MAX_SOURCE_BYTES + 1
+        place = folder.joinpath(*parts)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        with archive.open(member) as packed:
+            place.write_bytes(packed.read(most))
+
+
+def _refused(export: Path, *, zh: str, en: str) -> RefusedError:
+    return RefusedError("export", Text(zh=f"{export}：{zh}", en=f"{export}: {en}"))
+
+
+def entries(folder: Path, endings: tuple[str, ...]) -> list[Entry]:
+    """Return the submissions of an unpacked export, in the order of their names.
+
+    Raises:
+        RefusedError: the metadata cannot be read, or there is no submission.
+    """
+    inner = [path for path in folder.iterdir() if not path.name.startswith((".", "__"))]
+    if len(inner) == 1 and inner[0].is_dir() and not (folder / _METADATA).exists():
+        folder = inner[0]
+    known = _metadata(folder / _METADATA)
+    paths = sorted(
+        path
+        for path in folder.iterdir()
+        if not path.name.startswith((".", "__")) and (path.is_dir() or path.name.lower().endswith(endings))
+    )
+    found = [Entry(name=path.name, path=path, about=known.get(path.name, {})) for path in paths]
+    if not found:
+        raise _refused(folder, zh="里没有提交", en="has no submissions")
+    return found
+
+
+def _metadata(path: Path) -> dict[str, dict[str, str]]:
+    """Return what Gradescope tells of each submission. Its YAML is read as text only: no tag makes an object."""
+    if not path.is_file():
+        return {}
+    try:
+        content = path.read_bytes()[:_MOST_METADATA_BYTES].decode("utf-8")
+        document = yaml.load(content, Loader=yaml.BaseLoader)  # noqa: S506  (texts only)
+    except (OSError, UnicodeDecodeError, yaml.YAMLError, RecursionError) as error:
+        raise _refused(path, zh="读不懂", en="cannot be read") from error
+    if not isinstance(document, dict):
+        return {}
+    return {str(name): _about(each) for name, each in document.items() if isinstance(each, dict)}
+
+
+def _about(each: dict[str, Any]) -> dict[str, str]:
+    submitters = each.get(":submitters")
+    first = (
+        submitters[0]
+        if isinstance(submitters, list) and submitters and isinstance(submitters[0], dict)
+        else {}
+    )
+    told = {
+        "id": first.get(":sid"),
+        "email": first.get(":email"),
+        "name": first.get(":name"),
+        "score_there": each.get(":score"),
+    }
+    return {key: value for key, value in told.items() if isinstance(value, str)}
+
+
+def _row(slot: Slot, assignment: Assignment, entry: Entry, arguments: argparse.Namespace) -> dict[str, str]:
+    language: Language = arguments.lang
+    row = dict.fromkeys(_COLUMNS, "") | {"submission": entry.name} | entry.about
+    row["max_score"] = quantity.points(assignment.max_score)
+    try:
+        handed_in = pick(entry.path, assignment) if entry.path.is_dir() else _file(entry.path)
+    except RefusedError as refusal:
+        return row | {"status": "refused", "score": "0", "next_step": refusal.told(language)}
+    row["file"] = handed_in.name
+    try:
+        report = graded(slot, assignment, handed_in).report
+    except InfrastructureError as error:
+        return row | {"status": "infrastructure_error", "next_step": error.told(language)}
+    if arguments.reports is not None:
+        (arguments.reports / f"{entry.name}.json").write_bytes(report.canonical_bytes())
+    return row | _graded_row(report, language)
+
+
+def _file(path: Path) -> ChosenFile:
+    with path.open("rb") as file:
+        source = file.read(MAX_SOURCE_BYTES + 1)
+    check_source(source)
+    return ChosenFile(name=path.name, source=source)
+
+
+def _graded_row(report: GradeReport, language: Language) -> dict[str, str]:
+    score = "" if report.score is None else quantity.points(report.score)
+    return {"status": report.status.value, "score": score, "next_step": report.hint.get(language)}
+
+
+def _line(row: dict[str, str]) -> str:
+    return f"{row['submission']}: {row['status']} {row['score'] or '—'}/{row['max_score']}"
+
+
+def _write(arguments: argparse.Namespace, rows: list[dict[str, str]]) -> None:
+    table = csv_table([_COLUMNS, *([row[column] for column in _COLUMNS] for row in rows)])
+    if arguments.output is None:
+        sys.stdout.write(table)
+        return
+    try:
+        arguments.output.write_text(table, "utf-8", newline="")
+    except OSError as error:
+        raise file_error("output_file", str(arguments.output), error) from error
+    tell(
+        arguments,
+        zh=f"→ {arguments.output}：{len(rows)} 份",
+        en=f"→ {arguments.output}: {len(rows)} submissions",
+    )

@@ -1,0 +1,244 @@
+"""Appeals: a student asks for another look at a rubric item, staff answer, correct the points, or refuse.
+
+An appeal belongs to one submission. Grading that again and handing in another one leave it open: staff see what
+the item has now. Whatever points a person gives for its item answer it.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from grader.contracts.appeal import ANSWERS, LONGEST_TEXT, Appeal, AppealState
+from grader.contracts.errors import AppealError, RefusedError
+from grader.contracts.identity import Caller, Role, Seen
+from grader.contracts.judgement import COMMENT_PATTERN, judged
+from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rules import is_hidden
+from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.text import Text
+from grader.store.appeals import AppealsWanted, Asked
+from grader.use_cases import judging
+from grader.use_cases.callers import require_staff
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import graded, visible_submission
+
+_CODES = {"exists": "appeal_exists", "unknown": "appeal_not_found", "decided": "appeal_decided"}
+_TEXT = Text(
+    zh=f"要写 1 到 {LONGEST_TEXT} 个字符，不能有控制字符。",
+    en=f"Write 1 to {LONGEST_TEXT} characters and no control characters.",
+)
+_WAITS = Text(zh="这一项还没有评分。", en="The item has not been judged yet.")
+_FULL = Text(zh="这一项已经是满分。", en="The item has all its points.")
+_POINTS = Text(
+    zh="改分（corrected）要给 points，其他答复不改分。",
+    en="A correction (`corrected`) takes points; other answers change none.",
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AppealAnswer:
+    """What staff say to an appeal. `points`: those that the item gets, when it is corrected, else None."""
+
+    state: AppealState
+    text: str
+    points: float | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class AppealPage:
+    """Some of a class's appeals; `total`: of all pages. `waiting`: all that are open, whatever was asked for."""
+
+    appeals: Sequence[Appeal]
+    total: int
+    waiting: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Pending:
+    """What a student is told of their appeals: those that wait, and those whose answer is new."""
+
+    open: Sequence[Appeal]
+    answered: Sequence[Appeal]
+
+
+def ask(services: Services, caller: Caller, submission_id: str, item: str, reason: str) -> Appeal:
+    """Keep the caller's appeal about an item of their own submission.
+
+    Raises:
+        RefusedError: the caller may not see the submission or is no student of a course; it has no grading; there
+            is no such item, it waits for a person or has all points; the rules take no appeals now; the reason is
+            missing; or the caller has asked before.
+    """
+    submission, stored = graded(services, caller, submission_id)
+    if caller.course is None:
+        raise RefusedError("no_course")
+    if caller.role is not Role.STUDENT:
+        raise RefusedError("forbidden")
+    if not services.rules.of(caller.course).of(submission.assignment).may_appeal_at(services.clock()):
+        raise RefusedError("appeals_closed")
+    items = judged(stored).items
+    found = next((one for one in items if one.id == item), None)
+    if found is None:
+        raise RefusedError("item_not_found", field="item", allowed=[one.id for one in items])
+    if not _can_gain(found):
+        waits = found.status is ItemStatus.NEEDS_MANUAL
+        raise RefusedError("invalid_request", _WAITS if waits else _FULL, field="item")
+    asked = Asked(
+        item=item,
+        reason=_checked(reason, "reason"),
+        attempt=stored.attempt,
+        earned=found.earned,
+        points=found.points,
+    )
+    try:
+        return services.appeals.ask(submission.id, asked, services.signature(caller))
+    except AppealError as error:
+        raise RefusedError(_CODES[error.code], field="item") from None
+
+
+def take_back(services: Services, caller: Caller, submission_id: str, item: str) -> None:
+    """Withdraw the caller's open appeal; the student may ask again while the rules take appeals.
+
+    Raises:
+        RefusedError: the caller may not see the submission or is no student; there is no open appeal.
+    """
+    submission = visible_submission(services, caller, submission_id)
+    if caller.role is not Role.STUDENT:
+        raise RefusedError("forbidden" if caller.role is not None else "appeal_not_found")
+    try:
+        services.appeals.withdraw(submission.id, item, services.signature(caller))
+    except AppealError as error:
+        raise RefusedError(_CODES[error.code]) from None
+
+
+def appeals_of(services: Services, caller: Caller, submission_id: str) -> tuple[Appeal, ...]:
+    """Return the appeals about a submission; a student sees none about items that are hidden now.
+
+    Raises:
+        RefusedError: the caller may not see it.
+    """
+    return _shown(services, caller, visible_submission(services, caller, submission_id))
+
+
+def look(services: Services, caller: Caller, submission: Submission) -> dict[str, Appeal]:
+    """Return the appeals about a submission by item, and note that its student has seen the answers."""
+    found = _shown(services, caller, submission)
+    news = [one.item for one in found if one.state in ANSWERS and not one.seen]
+    if news and caller.role is Role.STUDENT:
+        services.appeals.seen(submission.id, news, services.clock())
+    return {one.item: one for one in found}
+
+
+def open_to(
+    services: Services,
+    caller: Caller,
+    submission: Submission,
+    stored: StoredReport | None,
+    known: Mapping[str, Appeal],
+) -> frozenset[str]:
+    """Return the items about which the caller may ask now; `known` are the appeals there are, by item."""
+    if caller.course is None or caller.role is not Role.STUDENT or stored is None:
+        return frozenset()
+    rules = services.rules.of(caller.course)
+    if rules.archived or not rules.of(submission.assignment).may_appeal_at(services.clock()):
+        return frozenset()
+    asked = {item for item, one in known.items() if one.state is not AppealState.WITHDRAWN}
+    return frozenset(one.id for one in judged(stored).items if _can_gain(one) and one.id not in asked)
+
+
+def pending(services: Services, caller: Caller) -> Pending | None:
+    """Return what a student of a course is told of their appeals; None when there is nothing."""
+    if caller.course is None or caller.person is None or caller.role is not Role.STUDENT:
+        return None
+    found = services.appeals.of_student(caller.course, caller.person)
+    if not found:
+        return None
+    known, now = services.rules.of(caller.course), services.clock()
+    shown = [one for one in found if not is_hidden(one.item, known.of(one.assignment).hidden_at(now))]
+    told = Pending(
+        open=[one for one in shown if one.is_open], answered=[one for one in shown if not one.is_open]
+    )
+    return told if shown else None
+
+
+def queue(
+    services: Services, caller: Caller, wanted: AppealsWanted, *, offset: int, limit: int
+) -> AppealPage:
+    """Return at most `limit` appeals of the caller's class.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    return AppealPage(
+        appeals=services.appeals.listed(caller.course, wanted, offset, limit),
+        total=services.appeals.count(caller.course, wanted),
+        waiting=waiting(services, caller),
+    )
+
+
+def waiting(services: Services, caller: Caller) -> int:
+    """Return how many appeals of the caller's class wait for an answer.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    return services.appeals.count(caller.course, AppealsWanted())
+
+
+def answer(  # noqa: PLR0913
+    services: Services,
+    caller: Caller,
+    submission_id: str,
+    item: str,
+    given: AppealAnswer,
+    *,
+    seen: Seen | None,
+) -> None:
+    """Answer an open appeal in words, by other points, or by refusing it.
+
+    Points are given as `judging.give` does it, of an item in one of the states `seen`.
+
+    Raises:
+        RefusedError: the caller may not see the class or the submission; there is no open appeal; words or points
+            are missing; or as `judging.give`.
+    """
+    require_staff(caller)
+    submission = visible_submission(services, caller, submission_id)
+    text = _checked(given.text, "text")
+    if given.state not in ANSWERS or (given.points is not None) is not (given.state is AppealState.CORRECTED):
+        raise RefusedError("invalid_request", _POINTS, field="points")
+    known = {one.item: one for one in services.appeals.of(submission.id)}
+    if item not in known:
+        raise RefusedError("appeal_not_found")
+    if not known[item].is_open:
+        raise RefusedError("appeal_decided")
+    if given.points is not None:
+        judging.give(
+            services, caller, submission.id, item, points=given.points, comment=text, seen=seen, answers=True
+        )
+        return
+    try:
+        services.appeals.answer(submission.id, item, given.state, text, services.signature(caller))
+    except AppealError as error:
+        raise RefusedError(_CODES[error.code]) from None
+
+
+def _shown(services: Services, caller: Caller, submission: Submission) -> tuple[Appeal, ...]:
+    found = services.appeals.of(submission.id)
+    if not found or caller.is_staff:
+        return found
+    hidden = services.rules.of(submission.course).of(submission.assignment).hidden_at(services.clock())
+    return tuple(one for one in found if not is_hidden(one.item, hidden))
+
+
+def _can_gain(item: RubricItem) -> bool:
+    return item.status is not ItemStatus.NEEDS_MANUAL and item.earned < item.points
+
+
+def _checked(text: str, field: str) -> str:
+    text = text.replace("\r\n", "\n").strip()
+    if not text or len(text) > LONGEST_TEXT or not re.search(COMMENT_PATTERN, text):
+        raise RefusedError("invalid_request", _TEXT, field=field)
+    return text

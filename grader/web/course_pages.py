@@ -1,0 +1,100 @@
+"""The course itself: what it is, a copy for the next term, the archive."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Depends, Form, Query, Request, Response
+from fastapi.responses import RedirectResponse
+from pydantic import BaseModel, Field
+
+from grader.contracts.errors import RefusedError
+from grader.store.course_life import MOST_DAYS_MOVED, NewCourse
+from grader.use_cases import course_life
+from grader.use_cases.course_life import CopiedCourse
+from grader.use_cases.people import members
+from grader.web.access import (
+    InstructorDep,
+    QueryWhole,
+    ServicesDep,
+    StaffDep,
+    Visitor,
+    require_staff,
+    services_of,
+)
+from grader.web.errors import form_problem
+from grader.web.forms import require_own_form
+from grader.web.pages import language_of, page
+
+router = APIRouter(prefix="/class/course", include_in_schema=False, dependencies=[Depends(require_staff)])
+Done = Annotated[Literal["", "archived", "reopened"], Query()]
+_A_YEAR = 364  # the same days of the week
+
+
+class CopyForm(BaseModel):
+    """A course that begins as a copy."""
+
+    id: str = Field(default="", max_length=200)
+    title: str = Field(default="", max_length=200)
+    move_days: Annotated[QueryWhole, Field(ge=0, le=MOST_DAYS_MOVED)] = _A_YEAR
+
+
+@router.get("")
+def read_course(request: Request, visitor: StaffDep, done: Done = "") -> Response:
+    """Show what the course is, and what can be done with it."""
+    return _course_page(request, visitor, done=done)
+
+
+@router.post("/copy", dependencies=[Depends(require_own_form)])
+def copy_course(
+    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[CopyForm, Form()]
+) -> Response:
+    """Make a course with the rules of this one and show its token, this once."""
+    new = NewCourse(id=form.id.strip(), title=form.title.strip() or form.id.strip(), move_days=form.move_days)
+    try:
+        copied = course_life.copy_course(services, visitor.caller, new)
+    except RefusedError as error:
+        return _course_page(request, visitor, form=form, error=error, of="copy")
+    return _course_page(request, visitor, copied=copied)
+
+
+@router.post("/archive", dependencies=[Depends(require_own_form)])
+def archive_course(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    archived: Annotated[bool, Form()],
+    reason: Annotated[str, Form(max_length=1_000)] = "",
+) -> Response:
+    """Archive the course, or reopen it."""
+    try:
+        course_life.archive_course(services, visitor.caller, reason.strip(), archived=archived)
+    except RefusedError as error:
+        return _course_page(request, visitor, error=error, of="archive")
+    return RedirectResponse(f"/class/course?done={'archived' if archived else 'reopened'}", status_code=303)
+
+
+def _course_page(  # noqa: PLR0913
+    request: Request,
+    visitor: Visitor,
+    *,
+    form: CopyForm | None = None,
+    error: RefusedError | None = None,
+    of: str = "",
+    copied: CopiedCourse | None = None,
+    done: str = "",
+) -> Response:
+    services = services_of(request)
+    problem = None if error is None else form_problem(error, language_of(request), field=of)
+    has_course = visitor.caller.course is not None
+    return page(
+        request,
+        "course.html",
+        status=200 if problem is None else problem.status,
+        course=course_life.own_course(services, visitor.caller) if has_course else None,
+        members=len(members(services, visitor.caller)),
+        form=form or CopyForm(),
+        most_days=MOST_DAYS_MOVED,
+        problem=problem,
+        problem_of=of,
+        copied=copied,
+        done=done,
+    )

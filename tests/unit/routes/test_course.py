@@ -1,0 +1,109 @@
+"""A course from one term to the next."""
+
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import Any
+
+import httpx
+import pytest
+
+from grader.contracts.rules import Rules, Shown
+from grader.store.audit import Signature
+from grader.use_cases.services import Services
+from tests.unit.routes.conftest import School
+
+DUE = datetime(2026, 3, 20, 15, 59, 59, tzinfo=UTC)
+
+
+@pytest.fixture
+def ruled(services: Services, school: School) -> Services:
+    """Let the course of `school` have rules: a due date for one assignment, another one as a draft."""
+    signed = Signature(services.clock(), "ros", "wang")
+    services.rules.set("square", Rules(due=DUE, attempts=3), signed)
+    services.rules.set("spin", Rules(shown=Shown.DRAFT), signed)
+    return services
+
+
+def test_a_copy_has_the_rules_and_nobody_but_its_teacher(
+    client: httpx.Client, upload: Callable[..., httpx.Response], school: School, ruled: Services
+) -> None:
+    upload(student="", headers=school.as_("li"))
+    body = {"id": "ros-2027", "title": "Next", "move_days": 364}
+    answer = client.post("/api/v1/courses", json=body, headers=school.as_("wang"))
+    assert answer.status_code == 201
+    made = answer.json()
+    assert (made["course"]["title"], made["person"]) == ("Next", "wang")
+    new = {"Authorization": f"Bearer {made['token']}"}
+    assert client.get("/api/v1/me", headers=new).json()["role"] == "instructor"
+    assert [one["id"] for one in client.get("/api/v1/members", headers=new).json()["members"]] == ["wang"]
+    assert client.get("/api/v1/submissions", headers=new).json()["submissions"] == []
+    known = ruled.rules.of("ros-2027")
+    assert known.of("square") == Rules(due=datetime(2027, 3, 19, 15, 59, 59, tzinfo=UTC), attempts=3)
+    assert known.of("spin").shown is Shown.DRAFT
+    told = {
+        one["action"] for one in client.get("/api/v1/audit", headers=school.as_("wang")).json()["entries"]
+    }
+    assert "course.copy" in told
+    again = client.post("/api/v1/courses", json=body, headers=school.as_("wang"))
+    assert (again.status_code, again.json()["code"]) == (422, "invalid_course")
+
+
+def archive(client: httpx.Client, school: School, archived: bool) -> httpx.Response:
+    return client.put("/api/v1/course/archived", json={"archived": archived}, headers=school.as_("wang"))
+
+
+CHANGES: list[tuple[str, str, dict[str, Any]]] = [
+    ("put", "/api/v1/assignments/square/rules", {"attempts": 1}),
+    ("put", "/api/v1/assignments/square/extensions/li", {"extra_attempts": 1}),
+    ("put", "/api/v1/members/new", {"name": "x"}),
+    ("delete", "/api/v1/members/han", {}),
+    ("post", "/api/v1/regrades", {"assignment": "square"}),
+    ("post", "{submission}/comments", {"text": "x"}),
+]
+
+
+def test_an_archived_course_can_only_be_read(
+    client: httpx.Client,
+    upload: Callable[..., httpx.Response],
+    graded: Callable[..., str],
+    school: School,
+) -> None:
+    submission = graded(student="", headers=school.as_("li"))
+    assert archive(client, school, True).json()["archived_at"] is not None
+    for person, student in (("li", ""), ("wang", ""), ("wang", "li")):
+        refused = upload(student=student, headers=school.as_(person))
+        assert (refused.status_code, refused.json()["code"]) == (409, "course_archived")
+    for method, path, body in CHANGES:
+        kwargs = {"json": body} if body else {}
+        url = path.format(submission=submission)
+        refused = client.request(method, url, headers=school.as_("wang"), **kwargs)
+        assert (refused.status_code, refused.json()["code"]) == (409, "course_archived"), path
+    for path in (submission, "/api/v1/gradebook.csv", "/api/v1/dashboard", "/api/v1/audit"):
+        assert client.get(path, headers=school.as_("wang")).status_code == 200
+    assert client.get("/api/v1/me", headers=school.as_("li")).json()["course"]["archived_at"] is not None
+    assert archive(client, school, False).json()["archived_at"] is None
+    assert upload(student="", headers=school.as_("li")).status_code == 202
+
+
+def test_a_course_with_an_open_regrade_is_not_archived(
+    client: httpx.Client, graded: Callable[..., str], school: School
+) -> None:
+    graded(student="", headers=school.as_("li"))
+    client.post("/api/v1/regrades", json={"assignment": "square"}, headers=school.as_("wang"))
+    assert archive(client, school, True).json()["code"] == "regrade_open"
+
+
+def test_an_upload_of_somebody_who_was_just_removed_is_not_stored(
+    services: Services, school: School, upload: Callable[..., httpx.Response], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Between finding out who asks and storing the file somebody else may remove them."""
+    accept = services.submissions.accept
+
+    def late(new: Any) -> Any:
+        services.courses.remove("ros", ["li"], "wang")
+        return accept(new)
+
+    monkeypatch.setattr(services.submissions, "accept", late)
+    refused = upload(student="", headers=school.as_("li"))
+    assert (refused.status_code, refused.json()["code"]) == (422, "unknown_student")
+    assert services.submissions.of_student("li", course="ros") == ()
