@@ -25,12 +25,14 @@ _HELD_S: Final = 20.0
 _READERS, _SLEEPERS, _STREAMS, _CROWD = 6, 5, 10, 20
 _SEEN: Final = ("", "/report", "/trajectory", "/plot.png", "/plot.svg?lang=en", "/gradescope.json")
 _LONG: Final = b"\n".join(b"def f%d(a): return [b for b in a if b]" % number for number in range(5_000))
-_LOOPS: Final = (
-    b"while True: pass",
-    b"import threading\nx = 0\ndef f():\n    global x\n    while True: x += 1\nthreading.Thread(target=f).start()",
-    b"import re\nre.match('(a|aa)+$', 'a' * 60 + 'b')",
-    b"sum(range(10**12))",
-)
+LOOPS: Final = {
+    "loop": b"while True: pass",
+    "thread": b"import threading\nx = 0\ndef f():\n    global x\n    while True: x += 1\n"
+    b"threading.Thread(target=f).start()",
+    "regex": b"import re\nre.match('(a|aa)+$', 'a' * 60 + 'b')",
+    "sum": b"sum(range(10**12))",
+}
+"""Scripts that never end."""
 
 
 @dataclass(slots=True)
@@ -139,7 +141,7 @@ def _files() -> Iterator[tuple[str, str, bytes]]:
     for path in (*own, *own, *sorted((ATTACKS / "episode" / "scripts").glob("*.py"))):
         yield "square", path.name, path.read_bytes()
     yield "rosclaw", "frames_without_end.py", (ATTACKS / "abuse" / "frames_without_end.py").read_bytes()
-    for number, source in enumerate((*_LOOPS, _LONG)):
+    for number, source in enumerate((*LOOPS.values(), _LONG)):
         yield "square", f"endless{number}.py", source
 
 

@@ -85,9 +85,14 @@ class Pipeline:
         )
 
     def _run_repeatably(self, job: GradingJob, case: Case, on_run: Callable[[], None]) -> Account:
-        """Run one case; a run that only a clock ended is tried once more, when the host may be less busy."""
-        account = self._run(job, case, on_run)
-        return self._run(job, case, on_run) if ended_by_the_clock(*account) else account
+        """Run one case; one that only a clock ended is run once more, when the host may be less busy.
+
+        Not one that had sent and printed nothing for the second half of its CPU time: it hangs on any host.
+        """
+        episode, jail = self._run(job, case, on_run)
+        if ended_by_the_clock(episode, jail) and not jail.settled:
+            return self._run(job, case, on_run)
+        return episode, jail
 
     def _run(self, job: GradingJob, case: Case, on_run: Callable[[], None]) -> Account:
         def meanwhile() -> None:

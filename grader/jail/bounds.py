@@ -112,8 +112,11 @@ WALL_STRETCH_S: Final = 480.0
 processes on two cores a run of the service, which gives way to them, gets a fortieth of a core: 10 s of CPU time,
 which all the steps that are granted take, are 400 s there."""
 ENOUGH_CPU: Final = 0.4
-"""Of the CPU time granted: a run that has used so much when it reaches that bound is the script's excess. All the
+"""Of the CPU time granted: a run that is past its wall limit and has used so much is the script's excess. All the
 steps that are granted take a third, so only what cannot be counted takes more."""
+ENOUGH_SILENT_CPU: Final = 0.2
+"""The same for a run that has sent and printed nothing for half of the CPU time it has used: it hangs. Where it
+gets a seventieth of a core, as beside eight busy processes and others, it would hardly come to more."""
 STARVED_NS: Final = 10_000_000_000
 """Beyond its wall limit a run must use some CPU time as often as this, or the host is at fault."""
 WORK_PER_CPU: Final = 3.0

@@ -102,6 +102,7 @@ class Clocks:
         self._idle_ns = 0
         self._busy = False
         self._busy_cpu_ns = self._busy_idle_ns = 0
+        self._looked_cpu_ns = 0
 
     @property
     def wall_ns(self) -> int:
@@ -129,7 +130,7 @@ class Clocks:
 
     def look(self) -> int:
         """Return the CPU time used so far, and remember it if the script was busy since the last look."""
-        cpu_ns = self._process.cpu_ns()
+        self._looked_cpu_ns = cpu_ns = self._process.cpu_ns()
         if self._busy:
             self._busy, self._busy_cpu_ns, self._busy_idle_ns = False, cpu_ns, self._idle_ns
         return cpu_ns
@@ -171,12 +172,13 @@ class Clocks:
             self._progress = (now_ns, cpu_ns)
         starved = now_ns - self._progress[0] > bounds.STARVED_NS
         left_ns = self._wall_grant_ns + host_ns - elapsed_ns
+        enough = bounds.ENOUGH_SILENT_CPU if self.was_quiet(RunEnd.CPU_LIMIT) else bounds.ENOUGH_CPU
+        if left_ns > 0 and self._used_ns(cpu_ns) > enough * self._limits.cpu_s * 1e9:
+            spent = f"{self._used_ns(cpu_ns) / 1e9:.0f} s of CPU time"
+            return Ending(RunEnd.CPU_LIMIT, f"no end after {spent}, for which a busy host took long")
         if left_ns > 0 and not starved and elapsed_ns < self._longest_ns:
             self._wall_deadline_ns = now_ns + min(max(left_ns, TICK_NS), bounds.STARVED_NS // 2)
             return None
-        if left_ns > 0 and self._used_ns(cpu_ns) > bounds.ENOUGH_CPU * self._limits.cpu_s * 1e9:
-            spent = f"{self._used_ns(cpu_ns) / 1e9:.0f} s of CPU time"
-            return Ending(RunEnd.CPU_LIMIT, f"no end after {spent}, for which a busy host took long")
         if left_ns > 0:
             return Ending(RunEnd.INFRASTRUCTURE, f"no end after {elapsed_ns / 1e9:.0f} s on a busy host")
         if disk_pressure_ns() - (self._pressed_ns or 0) > (now_ns - self._half_ns) // 2:
@@ -220,7 +222,7 @@ class Clocks:
             return False
         if end is RunEnd.STALLED:
             return self._idle_ns - self._busy_idle_ns >= bounds.IDLE_LIMIT_NS // 2
-        return self._cpu_deadline_ns - self._busy_cpu_ns >= self._cpu_grant_ns // 2
+        return self._looked_cpu_ns - self._busy_cpu_ns >= self._used_ns(self._looked_cpu_ns) // 2
 
 
 def disk_pressure_ns() -> int:

@@ -12,7 +12,19 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 from zoneinfo import ZoneInfo
 
-from sqlalchemy import ColumnElement, Select, and_, bindparam, delete, insert, or_, select, update
+from sqlalchemy import (
+    ColumnElement,
+    Select,
+    and_,
+    bindparam,
+    delete,
+    insert,
+    or_,
+    select,
+    true,
+    union,
+    update,
+)
 from sqlmodel import Session, col
 
 from grader.contracts.errors import RefusedError
@@ -27,7 +39,9 @@ from grader.store.work import Announcer, announcement_of
 _LATELY = timedelta(minutes=10)
 """Far longer than anybody waits, so that whoever waits for a first grading goes before anybody's second."""
 _COST_WEIGHT = 10
-_BUSY = (SubmissionState.QUEUED.value, SubmissionState.RUNNING.value)
+_MOST_LATELY = 100
+"""So many of a person's latest submissions decide about the next one's turn, and as many of those that wait: an
+upload costs the same after any number of others."""
 _KEY_LIFE = timedelta(days=7)
 _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 _SMALLEST_STEP = timedelta(microseconds=1)
@@ -57,7 +71,7 @@ class _Known(NamedTuple):
     Attributes:
         archived: the course is. member: the student is in it; without courses everybody is.
         keyed: digest and submission of what was sent under the upload's key before; None: nothing was.
-        earlier: the student's submissions to the assignment, in order of arrival.
+        latest: the student's last submission to the assignment.
         lately: the student's submissions to any assignment that wait, are graded or were graded lately.
     """
 
@@ -67,7 +81,7 @@ class _Known(NamedTuple):
     rules: Rules
     extension: Extension
     zone: ZoneInfo
-    earlier: Sequence[_Earlier]
+    latest: _Earlier | None
     lately: Sequence[_Earlier]
 
 
@@ -86,22 +100,42 @@ _SET_TURN = (
 def _question(of_course: ColumnElement[bool]) -> Select[Any]:
     """Return the query that reads all of `_Known` at once, because each query is a round trip to PostgreSQL.
 
-    Its rows are the student's submissions; what does not depend on a submission stands in every row.
+    Its rows are those of the student's submissions that decide, however many others there are; what does not
+    depend on a submission stands in every row.
     """
     keyed = and_(
         _key.owner == bindparam("owner"),
         _key.key == bindparam("key"),
         _key.at >= bindparam("since", type_=UtcDateTime()),
     )
-    asked_about = _row.assignment == bindparam("assignment")
-    lately = or_(_row.state.in_(_BUSY), _row.finished_at >= bindparam("lately", type_=UtcDateTime()))
-    own = and_(of_course, _row.student == bindparam("student"), or_(asked_about, lately))
-    tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(table_of(SubmissionRow), own)
-    asked = select(*OPEN_TO, _key.digest, _key.submission_id, *ABOUT, *_EARLIER).select_from(tables)
-    return asked.order_by(_row.received_at, _row.id)
+    own = select(*_EARLIER).where(of_course, _row.student == bindparam("student"))
+    of_assignment = own.where(_row.assignment == bindparam("assignment"))
+    latest = of_assignment.order_by(_row.received_at.desc(), _row.id.desc()).limit(1)
+    waiting = own.where(_row.finished_at.is_(None)).limit(_MOST_LATELY)
+    since = bindparam("lately", type_=UtcDateTime())
+    graded = own.where(_row.finished_at >= since).order_by(_row.finished_at.desc()).limit(_MOST_LATELY)
+    parts = (select(part.subquery()) for part in (latest, waiting, graded))
+    deciding = union(*parts).subquery()
+    tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(deciding, true())
+    asked = select(*OPEN_TO, _key.digest, _key.submission_id, *ABOUT, *deciding.c).select_from(tables)
+    return asked.order_by(deciding.c.received_at, deciding.c.id)
 
 
-_IN_COURSE, _WITHOUT_COURSE = _question(_row.course == bindparam("course")), _question(_row.course.is_(None))
+def _costly_of(of_course: ColumnElement[bool]) -> Select[Any]:
+    """Return the query for a student's latest submissions to an assignment that cost an attempt."""
+    own = select(*_EARLIER).where(
+        of_course,
+        _row.student == bindparam("student"),
+        _row.assignment == bindparam("assignment"),
+        _row.state != SubmissionState.INFRASTRUCTURE_ERROR.value,
+        or_(_row.verdict.is_(None), _row.verdict != GradeStatus.SYNTAX_ERROR.value),
+    )
+    return own.order_by(_row.received_at.desc(), _row.id.desc()).limit(bindparam("most"))
+
+
+_OF_COURSE, _OF_NO_COURSE = _row.course == bindparam("course"), _row.course.is_(None)
+_IN_COURSE, _WITHOUT_COURSE = _question(_OF_COURSE), _question(_OF_NO_COURSE)
+_COSTLY_IN_COURSE, _COSTLY_WITHOUT_COURSE = _costly_of(_OF_COURSE), _costly_of(_OF_NO_COURSE)
 
 
 def take_in(
@@ -120,10 +154,10 @@ def take_in(
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are counted by student
     digest = hashlib.sha256(upload.source).hexdigest()
     known = _known(session, upload.student, upload.assignment, upload.course, (upload.key, now))
-    same = _under_key(upload, digest, known) or _same_as_latest(session, upload, known.earlier, digest)
+    same = _under_key(upload, digest, known) or _same_as_latest(session, upload, known.latest, digest)
     if same is not None:
         return session.get_one(SubmissionRow, same), True
-    _require_accepted(upload, known, now)
+    _require_accepted(session, upload, known, now)
     row = SubmissionRow(
         id=new_id(now),
         course=upload.course,
@@ -142,23 +176,27 @@ def take_in(
     return row, False
 
 
-def _require_accepted(upload: NewSubmission, known: _Known, now: datetime) -> None:
+def _require_accepted(session: Session, upload: NewSubmission, known: _Known, now: datetime) -> None:
     if not known.member:  # removed since they asked
         raise RefusedError("unknown_student", field="student")
     if known.archived:
         raise RefusedError("course_archived")
-    if upload.ruled and (refused := _refusal(known, now)) is not None:
+    if upload.ruled and (refused := _refusal(session, upload, known, now)) is not None:
         raise refused.error()
 
 
 def refusal_of(session: Session, upload: NewSubmission, received_at: datetime) -> Refusal | None:
     """Return why the rules do not accept an upload, or None."""
-    return _refusal(_known(session, upload.student, upload.assignment, upload.course), received_at)
+    known = _known(session, upload.student, upload.assignment, upload.course)
+    return _refusal(session, upload, known, received_at)
 
 
 def attempts_of(session: Session, student: str, assignment: str, course: str | None) -> tuple[Attempt, ...]:
     """Return a student's submissions to an assignment as the rules see them, in order of arrival."""
-    return as_attempts(_known(session, student, assignment, course).earlier)
+    own = select(*_EARLIER).where(
+        _row.course == course, _row.student == student, _row.assignment == assignment
+    )  # SQLAlchemy writes IS NULL for None
+    return as_attempts(session.connection().execute(own.order_by(_row.received_at, _row.id)).all())
 
 
 def as_attempts(submissions: Iterable[Any]) -> tuple[Attempt, ...]:
@@ -212,7 +250,7 @@ def _known(
         course is None or member is not None,
         None if digest is None else (digest, submission_id),
         *rules_about(*about),
-        [one for one in own if one.assignment == assignment],
+        next((one for one in reversed(own) if one.assignment == assignment), None),
         [one for one in own if one.finished_at is None or one.finished_at >= recent],
     )
 
@@ -240,19 +278,33 @@ def _insert(session: Session, upload: NewSubmission, row: SubmissionRow, announc
     announcer.queued(session, [announcement_of(row)], row.queued_at)
 
 
-def _refusal(known: _Known, received_at: datetime) -> Refusal | None:
+def _refusal(session: Session, upload: NewSubmission, known: _Known, received_at: datetime) -> Refusal | None:
     if known.archived:
         return Refusal(code="course_archived")
-    return known.rules.refusal(known.extension, as_attempts(known.earlier), received_at, known.zone)
+    counted = _counted(session, known, upload.student, upload.assignment, upload.course)
+    return known.rules.refusal(known.extension, counted, received_at, known.zone)
+
+
+def _counted(
+    session: Session, known: _Known, student: str, assignment: str, course: str | None
+) -> tuple[Attempt, ...]:
+    """Return a student's latest attempts, as many as decide whether there may be another one."""
+    rules, extra = known.rules, known.extension.extra_attempts
+    in_all = 0 if rules.attempts is None else rules.attempts + extra
+    most = max(in_all, rules.attempts_per_day or 0)
+    if not most:
+        return ()
+    asked = {"student": student, "assignment": assignment, "course": course, "most": most}
+    costly = _COSTLY_WITHOUT_COURSE if course is None else _COSTLY_IN_COURSE
+    return as_attempts(session.connection().execute(costly, asked).all()[::-1])
 
 
 def _same_as_latest(
-    session: Session, upload: NewSubmission, earlier: Sequence[_Earlier], digest: str
+    session: Session, upload: NewSubmission, latest: _Earlier | None, digest: str
 ) -> str | None:
     """Return the student's latest submission if it has the same bytes and would be graded the same."""
-    if upload.assignment_version is None or not earlier or earlier[-1].source_sha256 != digest:
+    if upload.assignment_version is None or latest is None or latest.source_sha256 != digest:
         return None
-    latest = earlier[-1]
     if latest.state == SubmissionState.INFRASTRUCTURE_ERROR.value:
         return None
     if latest.graded_attempt is not None:
@@ -271,7 +323,8 @@ def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime)
     the end of the student's own. So the newest upload is graded first, and no other student waits longer for it.
     """
     last = now + _handicap(known.lately, now)
-    if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in known.earlier):
+    of_assignment = (one for one in known.lately if one.assignment == upload.assignment)
+    if not any(one.state == SubmissionState.QUEUED.value and one.priority == 0 for one in of_assignment):
         return last
     statement = select(_row.id, _row.turn_at).where(
         _row.assignment == upload.assignment,

@@ -237,6 +237,7 @@ class SubmissionRow(SQLModel, table=True):
         Index("submission_regrade", "regrade"),
         Index("submission_class", "course", "student", "assignment", "received_at"),
         Index("submission_finished", "finished_at"),
+        Index("submission_lately", "course", "student", "finished_at"),
         Index("submission_original", "original"),
     )
 

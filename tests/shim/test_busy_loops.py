@@ -100,3 +100,19 @@ def test_whoever_listens_to_the_pose_asks_the_world_once_a_pose(run_script: RunS
     run = run_script(script + loop, horizon_s=2.0, feed=poses)
     asked = len(run.of("ADVANCE"))
     assert 100 < asked <= 2 * 62.5 + 2  # and once after each of the two announcements
+
+
+def test_a_loop_that_main_has_left_alone_ends_by_its_steps(run_bare: RunScript) -> None:
+    """As in the main thread: no time passes beside it, so it is not the horizon that ends it."""
+    source = "import threading\ndef work():\n    while True: pass\nthreading.Thread(target=work).start()\n"
+    end = run_bare(source, steps=1_000).exit
+    assert (end["reason"], end["after_interrupt"]) == (5, 0)
+    assert end["t_ns"] < 0.01 * 10**9
+
+
+def test_time_passes_for_a_loop_that_a_sleeper_may_end_after_main(run_bare: RunScript) -> None:
+    run = run_bare(
+        CLOCK + SET_LATER + "def work():\n    while not done: pass\n    print('seen', now())\n"
+        "for target in (work, later): threading.Thread(target=target).start()\n"
+    )
+    assert run.stdout.splitlines()[0] == "set 2.0"

@@ -78,7 +78,8 @@ SPINS_PER_SLICE = 1_000
 STEPS_PER_SPIN = 100
 """What `SPINS_PER_SLICE` turns count for of a loop that nothing but itself can end.
 
-Of one beside which time passes they count for a tenth: a script may wait in a busy loop for a thread of 1 kHz."""
+Nothing can end one, either, that a main thread has left alone. Of one beside which time passes they count for a
+tenth: a script may wait in a busy loop for a thread of 1 kHz."""
 
 HAND_OVER_STEPS = 3
 """What a turn of another thread counts for, besides the wait that made room for it.
@@ -172,6 +173,7 @@ class Kernel:
         epoch_ns: wall clock at virtual time 0, nanoseconds since 1970.
         horizon_ns: virtual instant of Ctrl+C.
         interrupted: whether the horizon has been reached.
+        main_ended: whether the main thread does no more than wait for the end of the others.
         running: the thread that runs.
         threads: those alive, in order of creation; the first is the main thread.
         deliver: called in the main thread with the number of a signal that arrived there.
@@ -187,6 +189,7 @@ class Kernel:
         self.horizon_ns = FOREVER_NS
         self.interrupted = False
         self.main = Thread("main thread", FIRST_IDENT)
+        self.main_ended = False
         self.running = self.main
         self.threads = [self.main]
         self.deliver: Callable[[int], None] = _raise_keyboard_interrupt
@@ -561,16 +564,27 @@ class Kernel:
     def _spin(self) -> None:
         """A loop has gone round `SPINS_PER_SLICE` times: if it may wait for others, let time pass."""
         self._spins = SPINS_PER_SLICE
-        self.steps += STEPS_PER_SPIN // 10 if self._slices else STEPS_PER_SPIN
+        others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=FOREVER_NS)
+        alone = not self._slices or (self.main_ended and others_ns == FOREVER_NS and self._is_left_alone())
+        self.steps += STEPS_PER_SPIN if alone else STEPS_PER_SPIN // 10
         if self.steps > self._most_steps:
             self.end("steps")
-        if not self._slices:
-            return  # alone and uncoupled: nothing can change what the loop waits for, and computing takes no time
-        others_ns = min((t.deadline_ns for t in self.threads if t is not self.running), default=FOREVER_NS)
+        if alone:
+            return  # and uncoupled: nothing can change what the loop waits for, and computing takes no time
         self._streak += 1
         slice_ns = charge_of(self._streak) * SPINS_PER_SLICE
         self._move_to(max(self.now_ns, min(self.now_ns + slice_ns, others_ns, self._limit_ns)))
         self._yield()
+
+    def _is_left_alone(self) -> bool:
+        """Return whether neither a thread that could go on, nor a signal, nor the world is beside this thread."""
+        others = (thread for thread in self.threads if thread is not self.running)
+        return (
+            self._coupled() is None
+            and not self.interrupted
+            and self._alarm_ns == FOREVER_NS
+            and not any(thread.ready() for thread in others)
+        )
 
     def _deliver(self) -> None:
         while self._signals:

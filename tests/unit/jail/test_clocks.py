@@ -148,15 +148,23 @@ def test_no_run_lasts_for_ever_on_a_busy_host(process: Process, wall: Wall) -> N
     assert ending == Ending(RunEnd.INFRASTRUCTURE, "no end after 15 s on a busy host")
 
 
-def test_a_run_that_computed_for_long_on_a_busy_host_is_the_scripts(process: Process, wall: Wall) -> None:
-    clocks = make(process, wall_s=1.0, cpu_s=2.0)
+@pytest.mark.parametrize(("busy_share", "enough_s"), [(1.0, 4.0), (0.4, 2.0)])
+def test_a_run_that_computed_for_long_on_a_busy_host_is_the_scripts(
+    process: Process, wall: Wall, busy_share: float, enough_s: float
+) -> None:
+    """Sooner where it was silent for half of its time, long before the wall limit has moved as far as it can."""
+    clocks = make(process, wall_s=1.0, cpu_s=10.0)
     process.waited = 3600 * S
-    ending = None
+    begun_ns, ending = process.now_ns, None
     while ending is None:
         wall(0.01)
-        process.now_ns += S // 100 // 16
+        process.now_ns += S // 100
+        if process.now_ns - begun_ns < busy_share * enough_s * S:
+            clocks.note_life()
         ending = clocks.passed_limit()
-    assert ending == Ending(RunEnd.CPU_LIMIT, "no end after 1 s of CPU time, for which a busy host took long")
+    spent = f"no end after {enough_s:g} s of CPU time, for which a busy host took long"
+    assert ending == Ending(RunEnd.CPU_LIMIT, spent)
+    assert clocks.wall_ns < 2 * enough_s * S + bounds.STARVED_NS
 
 
 def test_a_long_wall_limit_moves_by_eight_minutes_at_most(process: Process, wall: Wall) -> None:

@@ -18,7 +18,7 @@ UNCONDITIONAL = (
     "clock_nanosleep poll ppoll select pselect6 epoll_create1 epoll_create epoll_ctl epoll_wait epoll_pwait "
     "epoll_pwait2 eventfd2 pause getpid getppid gettid getuid geteuid getgid getegid getresuid getresgid "
     "getgroups getpgid getpgrp getsid uname sysinfo getrusage getrlimit getrandom recvfrom getsockname "
-    "getpeername getsockopt shutdown"
+    "getpeername shutdown"
 )
 CONDITIONAL = {
     "clone",
@@ -34,6 +34,7 @@ CONDITIONAL = {
     "prctl",
     "socketpair",
     "sendto",
+    "getsockopt",
 }
 
 

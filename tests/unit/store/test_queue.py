@@ -2,9 +2,11 @@ import gzip
 import threading
 from collections import Counter
 from dataclasses import replace
+from itertools import count
 
 import pytest
-from sqlalchemy import text
+from sqlalchemy import inspect, text
+from sqlalchemy.event import listen
 from sqlmodel import select
 
 from grader.contracts.grading import GradingJob
@@ -13,7 +15,7 @@ from grader.store.costs import Costs
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
-from grader.store.tables import GradedItemRow, GradingRow, TrajectoryRow
+from grader.store.tables import GradedItemRow, GradingRow, SubmissionRow, TrajectoryRow
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
 
@@ -389,3 +391,33 @@ def test_queue_state_counts(queue: Queue, submissions: Submissions, clock: FakeC
     state = queue.state()
     assert (state.queued, state.running, state.infrastructure_errors) == (2, 1, 0)
     assert state.oldest_queued_at == second.queued_at
+
+
+def test_an_upload_costs_the_same_however_many_came_before(
+    sqlite_database: Database, clock: FakeClock
+) -> None:
+    """Counted in steps of the database, which do not depend on the machine."""
+    submissions, steps = Submissions(sqlite_database, clock), count()
+    listen(
+        sqlite_database.engine,
+        "before_cursor_execute",
+        lambda connection, *_: connection.connection.driver_connection.set_progress_handler(
+            lambda: next(steps) < 0, 1
+        ),
+    )
+    submissions.add(upload())
+    columns = [column.name for column in inspect(SubmissionRow).columns]
+    copied = ", ".join("hex(randomblob(18))" if name == "id" else name for name in columns)
+    taken = []
+    for source in (b"second", b"third"):
+        with sqlite_database.writing() as session:
+            session.execute(text("UPDATE submission SET state = 'graded', finished_at = received_at"))
+        clock.advance(3600)
+        before = next(steps)
+        submissions.add(upload(source=source))
+        taken.append(next(steps) - before)
+        with sqlite_database.writing() as session:
+            numbers = "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < 1000)"
+            first = "(SELECT * FROM submission ORDER BY received_at LIMIT 1)"
+            session.execute(text(f"INSERT INTO submission {numbers} SELECT {copied} FROM n, {first}"))
+    assert taken[1] < 1.5 * taken[0]

@@ -256,6 +256,7 @@ def _join_threads() -> None:
     if not kernel.interrupted:
         for call in reversed(threading._threading_atexits):
             call()
+        kernel.main_ended = True
         kernel.wait(_only_daemons, None, "the end of the program waits for the other threads")
 
 
