@@ -1,9 +1,11 @@
-"""What `grader course` does with a course from one term to the next: copy it, archive and reopen it."""
+"""What `grader course` does from one term to the next: copy, archive, reopen, forget people, erase what is old."""
 
 import argparse
+import sys
+from collections.abc import Mapping
 from typing import Any
 
-from grader.commands.options import tell
+from grader.commands.options import tell, wrong_value
 from grader.commands.storage import OpenedStore, actor, add_course_option, chosen_course
 from grader.commands.token import add_days_option, write_tokens
 from grader.contracts.identity import Member, Role, checked_id
@@ -11,6 +13,7 @@ from grader.contracts.notation import whole
 from grader.store.audit import Signature
 from grader.store.clock import utc_now
 from grader.store.course_life import CourseLife, NewCourse
+from grader.store.erasing import Space
 
 
 def configure(actions: Any) -> list[argparse.ArgumentParser]:
@@ -23,10 +26,40 @@ def configure(actions: Any) -> list[argparse.ArgumentParser]:
     reopen = actions.add_parser("reopen", help="let an archived course be changed again / 取消归档")
     for one in (archive, reopen):
         one.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
-    made = [copy, archive, reopen]
+    forget = actions.add_parser(
+        "forget", help="erase a student's work and every trace of them / 删除一名学生的全部数据"
+    )
+    forget.add_argument("person", help="id of the student / 学号")
+    forget.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
+    made = [copy, archive, reopen, forget]
     for one in made:
         add_course_option(one)
-    return made
+    space = actions.add_parser("space", help="what each course takes / 各课程占用的空间")
+    return [*made, space, _configure_retention(actions)]
+
+
+def _configure_retention(actions: Any) -> argparse.ArgumentParser:
+    retention: argparse.ArgumentParser = actions.add_parser(
+        "retention", help="erase submissions of an age, of every course / 删除各课程中过期的提交"
+    )
+    retention.add_argument(
+        "--older-than", type=_days, required=True, metavar="DAYS", help="e.g. 400d / 天数，例如 400d"
+    )
+    retention.add_argument(
+        "--dry-run", action="store_true", help="erase nothing, show what would be / 只显示会删除什么"
+    )
+    retention.add_argument("--reason", default="", help="goes into the audit log / 写进操作记录")
+    retention.add_argument("--course", metavar="ID", help="of this course only / 只限这门课程")
+    return retention
+
+
+def _days(text: str) -> int:
+    try:
+        return whole(text.removesuffix("d"))
+    except ValueError:
+        raise wrong_value(
+            zh=f"{text!r} 不行：写天数，例如 400d", en=f"{text!r} will not do: days, as in 400d"
+        ) from None
 
 
 def _configure_copy(copy: argparse.ArgumentParser) -> None:
@@ -77,4 +110,43 @@ def _archive(storage: OpenedStore, arguments: argparse.Namespace) -> None:
         tell(arguments, zh=f"课程 {course} 已取消归档", en=f"course {course} is open again")
 
 
-ACTIONS = {"copy": _copy, "archive": _archive, "reopen": _archive}
+def _forget(storage: OpenedStore, arguments: argparse.Namespace) -> None:
+    course = chosen_course(storage, arguments.course)
+    signed = Signature(utc_now(), course, actor())
+    found = CourseLife(storage.database, utc_now).forget(arguments.person, signed, arguments.reason)
+    tell(
+        arguments,
+        zh=f"已删除 {found.submissions} 份提交；操作记录里现在称为 {found.pseudonym}",
+        en=f"{found.submissions} submissions erased; the audit log says {found.pseudonym} now",
+    )
+
+
+def _space(storage: OpenedStore, _: argparse.Namespace) -> None:
+    _print(CourseLife(storage.database, utc_now).space())
+
+
+def _retention(storage: OpenedStore, arguments: argparse.Namespace) -> None:
+    course = None if arguments.course is None else chosen_course(storage, arguments.course)
+    life = CourseLife(storage.database, utc_now)
+    if arguments.dry_run:
+        _print(life.old_work(course, arguments.older_than))
+        tell(arguments, zh="没有删除任何东西", en="nothing was erased")
+    else:
+        _print(life.erase_old_work(course, arguments.older_than, actor(), arguments.reason))
+
+
+def _print(spaces: Mapping[str, Space]) -> None:
+    sys.stdout.write("course\tsubmissions\tsources\treports\ttrajectories\tbytes\n")
+    for course, one in sorted(spaces.items()):
+        sizes = (one.submissions, one.sources_bytes, one.reports_bytes, one.trajectories_bytes, one.all_bytes)
+        sys.stdout.write("\t".join([course, *map(str, sizes)]) + "\n")
+
+
+ACTIONS = {
+    "copy": _copy,
+    "archive": _archive,
+    "reopen": _archive,
+    "forget": _forget,
+    "space": _space,
+    "retention": _retention,
+}

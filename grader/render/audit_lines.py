@@ -19,8 +19,8 @@ from grader.contracts.text import Language
 from grader.messages import is_on_page, on_page
 
 ACTIONS = (
-    "course.create", "course.change", "course.copy", "course.archive", "course.unarchive",
-    "member.add", "member.change", "member.remove", "token.issue",
+    "course.create", "course.change", "course.copy", "course.archive", "course.unarchive", "course.retain",
+    "member.add", "member.change", "member.remove", "member.forget", "token.issue",
     "token.revoke", "rules.change", "extension.change", "submission.hand_in", "grade.judge", "grade.change",
     "regrade.applied", "regrade.discarded",
     "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
@@ -51,6 +51,8 @@ FIELDS: Mapping[str, str] = {
     "token": "enter.token",
     "expires_at": "audit.field.expires_at",
     "copy": "audit.field.copy",
+    "submissions": "audit.field.submissions",
+    "older_than_days": "audit.field.older_than_days",
     "copy_of": "audit.field.copy_of",
     "open": "audit.field.open",
     "student": "student",

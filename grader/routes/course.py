@@ -1,4 +1,4 @@
-"""The caller's course from one term to the next: copied, archived."""
+"""The caller's course from one term to the next: copied, archived, emptied of what is old."""
 
 from typing import Annotated
 
@@ -6,9 +6,9 @@ from fastapi import APIRouter, Response, status
 from pydantic import BaseModel, ConfigDict, Field
 
 from grader.routes.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
-from grader.routes.people import CourseView
+from grader.routes.people import CourseView, PersonId
 from grader.routes.problems import responses
-from grader.store.course_life import MOST_DAYS_MOVED, NewCourse
+from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_life
 from grader.use_cases.bodies import Whole
 
@@ -45,6 +45,46 @@ class ArchiveBody(BaseModel):
 
     archived: bool
     reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
+
+
+class SpaceView(BaseModel):
+    """How many submissions, trials included, and how many bytes of them."""
+
+    submissions: int = Field(examples=[6300])
+    sources_bytes: int = Field(examples=[7_600_000])
+    reports_bytes: int = Field(examples=[21_000_000])
+    trajectories_bytes: int = Field(examples=[80_000_000])
+
+
+class OldWorkBody(BaseModel):
+    """Which submissions shall be erased."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    older_than_days: Annotated[Whole, Field(ge=1, le=MOST_DAYS_OLD)] = Field(examples=[400])
+    dry_run: bool = Field(default=False, description="Only tell what would be erased.")
+    reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
+
+
+class OldWorkView(SpaceView):
+    """What is erased, or would be."""
+
+    dry_run: bool = Field(description="Nothing was erased.")
+
+
+class ForgetBody(BaseModel):
+    """Why somebody is forgotten."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    reason: str = Field(default="", max_length=1_000, description="Goes into the audit log.")
+
+
+class ForgottenView(BaseModel):
+    """What stands where a student's id stood, and how many submissions were erased."""
+
+    pseudonym: str = Field(examples=["forgotten-9f2c01aa"])
+    submissions: int = Field(examples=[17])
 
 
 @router.get("/course", summary="The caller's course", responses=responses(*_READING))
@@ -88,3 +128,39 @@ def archive_course(
         course_life.archive_course(services, caller, body.reason, archived=body.archived),
         from_attributes=True,
     )
+
+
+@router.get("/course/space", summary="What the course takes", responses=responses(*_READING))
+def read_space(services: ServicesDep, caller: StaffDep, response: Response) -> SpaceView:
+    """Return what is stored of the course's submissions; rows and indexes come on top."""
+    response.headers.update(_PRIVATE)
+    return SpaceView.model_validate(course_life.space(services, caller)[0], from_attributes=True)
+
+
+@router.post("/course/retention", summary="Erase what is old", responses=responses(*_CHANGING))
+def erase_old_work(
+    services: ServicesDep, caller: InstructorDep, body: OldWorkBody, response: Response
+) -> OldWorkView:
+    """Erase submissions of an age, with reports, grades and comments; or tell what that would be."""
+    response.headers.update(_PRIVATE)
+    if body.dry_run:
+        space = course_life.old_work(services, caller, body.older_than_days)
+    else:
+        space = course_life.erase_old_work(services, caller, body.older_than_days, body.reason)
+    return OldWorkView(
+        **SpaceView.model_validate(space, from_attributes=True).model_dump(), dry_run=body.dry_run
+    )
+
+
+@router.post(
+    "/members/{person}/forget",
+    summary="Forget a student",
+    responses=responses(*_CHANGING, "member_not_found", "only_students"),
+)
+def forget_student(
+    services: ServicesDep, caller: InstructorDep, person: PersonId, body: ForgetBody, response: Response
+) -> ForgottenView:
+    """Erase what a student handed in and every trace of who they are; this cannot be undone."""
+    response.headers.update(_PRIVATE)
+    found = course_life.forget_student(services, caller, person, body.reason)
+    return ForgottenView.model_validate(found, from_attributes=True)

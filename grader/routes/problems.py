@@ -107,6 +107,8 @@ _STATUS = {
     "appeal_decided": 409,
     "nothing_to_regrade": 422,
     "no_course": 409,
+    "only_students": 409,
+    "not_the_same": 422,
     "course_archived": 409,
     "invalid_course": 422,
     "no_scripts": 409,

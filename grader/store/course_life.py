@@ -1,23 +1,36 @@
-"""From one term to the next: copying a course, and archiving it so that it can only be read."""
+"""A course from one term to the next: copied, archived so that it can only be read, emptied of what is old."""
 
 from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 from zoneinfo import ZoneInfo
 
-from sqlalchemy import select
+from sqlalchemy import delete, select
 from sqlmodel import Session, col
 
 from grader.contracts.errors import CourseError, RefusedError
-from grader.contracts.identity import Course, Member, unknown_course
+from grader.contracts.identity import Course, Member, Role, unknown_course, unknown_members
 from grader.contracts.regrade import RegradeState
 from grader.contracts.text import Text
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.courses import add_course, add_members
-from grader.store.database import Database, one_at_a_time
+from grader.store.database import Database, empty_log, one_at_a_time
+from grader.store.erasing import Space, before, erase, ids_of, in_lots, space_of
+from grader.store.forgetting import Forgotten, is_known, known_as, new_pseudonym, rename_everywhere
 from grader.store.rules import add_rules, rules_of
-from grader.store.tables import CourseRow, RegradeRow, as_contract
+from grader.store.tables import (
+    CourseRow,
+    ExtensionRow,
+    MemberRow,
+    RegradeRow,
+    SectionRow,
+    SubmissionRow,
+    TokenRow,
+    as_contract,
+)
 
 MOST_DAYS_MOVED = 3_660
+MOST_DAYS_OLD = 36_600
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -96,6 +109,87 @@ class CourseLife:
                 row.archived_at = None
                 record(session, signed, "course.unarchive", f"course {row.id}", reason=reason)
             return as_contract(row, Course)
+
+    def forget(self, person: str, signed: Signature, reason: str = "") -> Forgotten:
+        """Remove a student from the course of `signed`, erase their work, and put a pseudonym in their place.
+
+        Raises:
+            CourseError: there is no such course, nothing names such a person, or they are no student.
+        """
+        course = signed.course or ""
+        pseudonym = new_pseudonym()
+        with self._database.writing() as session:  # from here on nothing of theirs is taken in
+            _held(session, signed)
+            _require_student(session, course, person)
+            known = known_as(session, course, person)
+            for table in (TokenRow, ExtensionRow, SectionRow, MemberRow):
+                theirs = col(table.course) == course, col(table.person) == person
+                session.execute(delete(table).where(*theirs))
+        with self._database.writing() as session:  # after the last upload that had begun before
+            one_at_a_time(session, "uploads", course, person)
+            row = SubmissionRow
+            own = ids_of(session, col(row.course) == course, col(row.student) == person)
+            erase(session, own)
+            scrub = rename_everywhere(session, course, person, pseudonym, known)
+            after = {"submissions": len(own)}
+            record(session, signed, "member.forget", f"member {pseudonym}", after=after, reason=scrub(reason))
+        empty_log(self._database)
+        return Forgotten(pseudonym=pseudonym, submissions=len(own))
+
+    def space(self, course: str | None = None) -> dict[str, Space]:
+        """Return by course (of one, or of all) what is stored of its submissions."""
+        of = col(SubmissionRow.course)
+        which = of.is_not(None) if course is None else of == course
+        with self._database.reading() as session:
+            return {key: one for key, one in space_of(session, which).items() if key is not None}
+
+    def old_work(self, course: str | None, older_than_days: int) -> dict[str, Space]:
+        """Return by course what `erase_old_work` would erase."""
+        with self._database.reading() as session:
+            found = space_of(session, *before(self._since(older_than_days), course))
+            return {key: one for key, one in found.items() if key is not None}
+
+    def erase_old_work(
+        self, course: str | None, older_than_days: int, actor: str, reason: str = ""
+    ) -> dict[str, Space]:
+        """Erase submissions (of one course, or of all) that arrived so long ago; return what that was.
+
+        Raises:
+            CourseError: the age is none.
+        """
+        since, erased = self._since(older_than_days), self.old_work(course, older_than_days)
+        for one, space in sorted(erased.items()):
+            with self._database.reading() as session:
+                ids = ids_of(session, *before(since, one))
+            for some in in_lots(ids):  # transactions that keep nobody waiting for long
+                with self._database.writing() as session:
+                    erase(session, some)
+            with self._database.writing() as session:
+                signed = Signature(self._clock(), one, actor)
+                after = {"submissions": space.submissions, "older_than_days": older_than_days}
+                record(session, signed, "course.retain", f"course {one}", after=after, reason=reason)
+        if erased:
+            empty_log(self._database)
+        return erased
+
+    def _since(self, older_than_days: int) -> datetime:
+        if not 1 <= older_than_days <= MOST_DAYS_OLD:
+            raise CourseError(
+                f"an age has 1 to {MOST_DAYS_OLD} days, not {older_than_days}",
+                f"天数从 1 到 {MOST_DAYS_OLD}，不能是 {older_than_days}",
+            )
+        return self._clock() - timedelta(days=older_than_days)
+
+
+def _require_student(session: Session, course: str, person: str) -> None:
+    member = session.get(MemberRow, (course, person))
+    if member is None and not is_known(session, course, person):
+        raise unknown_members(course, person)
+    if member is not None and member.role != Role.STUDENT.value:
+        raise CourseError(
+            f"{person} is no student: only students are forgotten",
+            f"{person} 不是学生：只能删除学生的数据",
+        )
 
 
 def _held(session: Session, signed: Signature) -> CourseRow:

@@ -216,9 +216,20 @@ def checkpoints(database: Database, every_s: float = _CHECKPOINT_EVERY_S) -> Ite
 
 def checkpoint(database: Database) -> None:
     """Make one checkpoint now, as far as readers of older snapshots allow; nobody waits for it."""
+    _checkpoint(database, "PASSIVE")
+
+
+def empty_log(database: Database) -> None:
+    """Leave nothing in SQLite's log of what was deleted; waits for readers of older snapshots."""
+    if database.is_sqlite:
+        with _explained():
+            _checkpoint(database, "TRUNCATE")
+
+
+def _checkpoint(database: Database, how: str) -> None:
     connection = database.engine.raw_connection()  # a checkpoint cannot run inside a transaction
     try:
-        connection.cursor().execute("PRAGMA wal_checkpoint(PASSIVE)")
+        connection.cursor().execute(f"PRAGMA wal_checkpoint({how})")
     finally:
         connection.close()
 
@@ -291,6 +302,7 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
     for pragma in (
         "synchronous=FULL",
         "foreign_keys=ON",
+        "secure_delete=ON",  # what is deleted is overwritten: somebody may have asked to be forgotten
         f"wal_autocheckpoint={_LONGEST_LOG_PAGES}",
     ):
         connection.execute(f"PRAGMA {pragma}")

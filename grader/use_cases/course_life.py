@@ -1,4 +1,4 @@
-"""What becomes of a course from one term to the next: it is copied, archived, and reopened.
+"""What becomes of a course from one term to the next: it is copied, archived, reopened, emptied of what is old.
 
 Only the operator makes the first course, on the server. An instructor makes further ones as copies of the own, and
 teaches them: whom else a course belongs to, its instructors decide.
@@ -11,6 +11,8 @@ from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import Caller, Course, Role
 from grader.contracts.text import Text
 from grader.store.course_life import NewCourse
+from grader.store.erasing import Space
+from grader.store.forgetting import Forgotten
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.people import member_of
 from grader.use_cases.services import Services
@@ -67,3 +69,61 @@ def archive_course(services: Services, caller: Caller, reason: str, *, archived:
     own_course(services, caller)
     change = services.course_life.archive if archived else services.course_life.reopen
     return change(services.signature(caller), reason)
+
+
+def forget_student(services: Services, caller: Caller, person: str, reason: str) -> Forgotten:
+    """Erase what a student handed in and every trace of who they are; also of one who was removed before.
+
+    Raises:
+        RefusedError: the caller is no instructor, there is no course, nobody of that id was in it, or not as a
+            student.
+    """
+    require_instructor(caller)
+    course = own_course(services, caller)
+    member = services.courses.member(course.id, person)
+    if member is not None and member.role is not Role.STUDENT:
+        raise RefusedError("only_students")
+    try:
+        return services.course_life.forget(person, services.signature(caller), reason)
+    except CourseError:
+        raise RefusedError("member_not_found") from None
+
+
+def old_work(services: Services, caller: Caller, older_than_days: int) -> Space:
+    """Return what `erase_old_work` would erase.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no course.
+    """
+    require_instructor(caller)
+    course = own_course(services, caller)
+    return services.course_life.old_work(course.id, older_than_days).get(course.id, Space())
+
+
+def erase_old_work(services: Services, caller: Caller, older_than_days: int, reason: str) -> Space:
+    """Erase the submissions of the caller's course that arrived so long ago, with their grades; return them.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no course.
+    """
+    require_instructor(caller)
+    course = own_course(services, caller)
+    erased = services.course_life.erase_old_work(course.id, older_than_days, caller.signature, reason)
+    return erased.get(course.id, Space())
+
+
+def space(services: Services, caller: Caller) -> tuple[Space, Space]:
+    """Return what is stored of the caller's course, and of all others together.
+
+    Raises:
+        RefusedError: the caller may not see the class, or there is no course.
+    """
+    course = own_course(services, caller)
+    found = services.course_life.space()
+    others = [one for of, one in found.items() if of != course.id]
+    return found.get(course.id, Space()), Space(
+        submissions=sum(one.submissions for one in others),
+        sources_bytes=sum(one.sources_bytes for one in others),
+        reports_bytes=sum(one.reports_bytes for one in others),
+        trajectories_bytes=sum(one.trajectories_bytes for one in others),
+    )

@@ -13,6 +13,7 @@ from grader.contracts.upload import decoded
 from grader.messages import outline
 from grader.use_cases.appealing import waiting
 from grader.use_cases.commenting import unread
+from grader.use_cases.course_life import space
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
 from grader.use_cases.people import members, names, person
 from grader.use_cases.services import Services
@@ -119,6 +120,7 @@ def read_service(request: Request, services: ServicesDep, visitor: StaffDep) -> 
         health=services.health(),
         troubles=services.assignments.troubles(),
         costs=costly,
+        space=None if visitor.caller.course is None else space(services, visitor.caller),
         version=__version__,
     )
 

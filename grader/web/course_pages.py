@@ -1,4 +1,4 @@
-"""The course itself: what it is, a copy for the next term, the archive."""
+"""The course itself: what it is, a copy for the next term, the archive, what is erased."""
 
 from typing import Annotated, Literal
 
@@ -7,7 +7,7 @@ from fastapi.responses import RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
-from grader.store.course_life import MOST_DAYS_MOVED, NewCourse
+from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_life
 from grader.use_cases.course_life import CopiedCourse
 from grader.use_cases.people import members
@@ -25,7 +25,7 @@ from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 
 router = APIRouter(prefix="/class/course", include_in_schema=False, dependencies=[Depends(require_staff)])
-Done = Annotated[Literal["", "archived", "reopened"], Query()]
+Done = Annotated[Literal["", "archived", "reopened", "erased", "forgotten"], Query()]
 _A_YEAR = 364  # the same days of the week
 
 
@@ -38,9 +38,14 @@ class CopyForm(BaseModel):
 
 
 @router.get("")
-def read_course(request: Request, visitor: StaffDep, done: Done = "") -> Response:
-    """Show what the course is, and what can be done with it."""
-    return _course_page(request, visitor, done=done)
+def read_course(
+    request: Request,
+    visitor: StaffDep,
+    older_than: Annotated[QueryWhole | None, Query(ge=1, le=MOST_DAYS_OLD)] = None,
+    done: Done = "",
+) -> Response:
+    """Show what the course is, what can be done with it, and what of it is older than some days."""
+    return _course_page(request, visitor, older_than=older_than, done=done)
 
 
 @router.post("/copy", dependencies=[Depends(require_own_form)])
@@ -72,6 +77,37 @@ def archive_course(
     return RedirectResponse(f"/class/course?done={'archived' if archived else 'reopened'}", status_code=303)
 
 
+@router.post("/erase", dependencies=[Depends(require_own_form)])
+def erase_old_work(
+    services: ServicesDep,
+    visitor: InstructorDep,
+    older_than: Annotated[QueryWhole, Form(ge=1, le=MOST_DAYS_OLD)],
+    reason: Annotated[str, Form(max_length=1_000)] = "",
+) -> Response:
+    """Erase the submissions that are older than so many days."""
+    course_life.erase_old_work(services, visitor.caller, older_than, reason.strip())
+    return RedirectResponse("/class/course?done=erased", status_code=303)
+
+
+@router.post("/forget", dependencies=[Depends(require_own_form)])
+def forget_student(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    person: Annotated[str, Form(max_length=64)],
+    again: Annotated[str, Form(max_length=64)],
+    reason: Annotated[str, Form(max_length=1_000)] = "",
+) -> Response:
+    """Forget a student whose id was typed twice."""
+    try:
+        if person.strip() != again.strip():
+            raise RefusedError("not_the_same")
+        course_life.forget_student(services, visitor.caller, person.strip(), reason.strip())
+    except RefusedError as error:
+        return _course_page(request, visitor, error=error, of="forget")
+    return RedirectResponse("/class/course?done=forgotten", status_code=303)
+
+
 def _course_page(  # noqa: PLR0913
     request: Request,
     visitor: Visitor,
@@ -80,11 +116,13 @@ def _course_page(  # noqa: PLR0913
     error: RefusedError | None = None,
     of: str = "",
     copied: CopiedCourse | None = None,
+    older_than: int | None = None,
     done: str = "",
 ) -> Response:
     services = services_of(request)
     problem = None if error is None else form_problem(error, language_of(request), field=of)
-    has_course = visitor.caller.course is not None
+    caller, has_course = visitor.caller, visitor.caller.course is not None
+    shows_old = older_than is not None and has_course and caller.is_instructor
     return page(
         request,
         "course.html",
@@ -95,6 +133,9 @@ def _course_page(  # noqa: PLR0913
         most_days=MOST_DAYS_MOVED,
         problem=problem,
         problem_of=of,
+        older_than=older_than,
+        most_days_old=MOST_DAYS_OLD,
+        old=course_life.old_work(services, caller, older_than) if shows_old and older_than else None,
         copied=copied,
         done=done,
     )

@@ -91,6 +91,10 @@ def _local(instant: datetime, zone: str) -> str:
     return instant.astimezone(ZoneInfo(zone)).strftime("%Y-%m-%d %H:%M")
 
 
+def _megabytes(number: int) -> str:
+    return f"{number / 1e6:.1f} MB"
+
+
 def _environment() -> Environment:
     environment = Environment(
         loader=FileSystemLoader(FOLDER / "templates"),
@@ -103,7 +107,7 @@ def _environment() -> Environment:
     environment.filters["points"] = quantity.points
     environment.filters["number"] = quantity.exact
     environment.filters["local"] = _local
-    environment.globals.update(status_word=status_word)
+    environment.globals.update(status_word=status_word, megabytes=_megabytes)
     return environment
 
 

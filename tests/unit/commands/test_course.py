@@ -181,3 +181,10 @@ def test_a_course_is_copied_and_archived(grader, recognised) -> None:
     assert "archived and can only be read" in refused
     grader("course", "reopen", "--course", "ros")
     grader("rules", "set", "square", "attempts=1", "--course", "ros")
+
+
+def test_space_retention_and_forgetting_are_typed(grader) -> None:
+    grader("course", "create", "ros", "--instructor", "wang")
+    assert grader("course", "space")[0].startswith("course\tsubmissions")
+    assert "nothing was erased" in grader("course", "retention", "--older-than", "400d", "--dry-run")[1]
+    assert "no member nobody" in grader("course", "forget", "nobody", status=2)[1]

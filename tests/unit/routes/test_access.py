@@ -95,6 +95,9 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "delete /api/v1/members/{person}": (401, 401, 403, 403, 403, 204, 403, 404),
     "post /api/v1/members/{person}/tokens": (401, 401, 403, 403, 403, 201, 403, 404),
     "get /api/v1/course": STAFF,
+    "get /api/v1/course/space": STAFF,
+    "post /api/v1/course/retention": INSTRUCTORS,
+    "post /api/v1/members/{person}/forget": (401, 401, 403, 403, 403, 200, 403, 404),
     "post /api/v1/courses": (401, 401, 403, 403, 403, 201, 403, 422),  # the id is taken by then
     "put /api/v1/course/archived": INSTRUCTORS,
     "get /api/v1/audit": INSTRUCTORS,
@@ -157,6 +160,9 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "delete /api/v1/members/{person}": (401, 401, 404),
     "post /api/v1/members/{person}/tokens": (401, 401, 404),
     "get /api/v1/course": (401, 401, 409),
+    "get /api/v1/course/space": (401, 401, 409),
+    "post /api/v1/course/retention": (401, 401, 409),
+    "post /api/v1/members/{person}/forget": (401, 401, 409),
     "post /api/v1/courses": (401, 401, 409),
     "put /api/v1/course/archived": (401, 401, 409),
     "get /api/v1/audit": OPERATOR_ONLY,
@@ -195,6 +201,10 @@ def send(
     if operation == "post /api/v1/gradebook/fill":
         body = {"files": {"file": ("s.csv", b"id,points\nli,\n")}, "params": {"column": "points"}}
     if operation == "post /api/v1/members/{person}/tokens":
+        body = {"json": {}}
+    if operation == "post /api/v1/course/retention":
+        body = {"json": {"older_than_days": 400}}
+    if path.endswith("/forget"):
         body = {"json": {}}
     if operation == "post /api/v1/courses":
         body = {"json": {"id": "next"}}

@@ -107,3 +107,50 @@ def test_an_upload_of_somebody_who_was_just_removed_is_not_stored(
     refused = upload(student="", headers=school.as_("li"))
     assert (refused.status_code, refused.json()["code"]) == (422, "unknown_student")
     assert services.submissions.of_student("li", course="ros") == ()
+
+
+def test_a_removed_student_is_in_no_export_and_comes_back_with_the_work(
+    client: httpx.Client, graded: Callable[..., str], school: School
+) -> None:
+    submission = graded(student="", headers=school.as_("li"))
+    wang = school.as_("wang")
+
+    def students() -> list[str]:
+        rows = client.get("/api/v1/gradebook.csv", headers=wang).text.splitlines()[1:]
+        canvas = client.get("/api/v1/gradebook.csv?format=canvas", headers=wang).text
+        matrix = client.get("/api/v1/dashboard", headers=wang).json()["students"]
+        found = [one.split(",")[0] for one in rows]
+        assert [one["student"] for one in matrix] == [one for one in found if one == "li"]  # who has work
+        assert (",li," in canvas) == ("li" in found)
+        return found
+
+    assert students() == ["han", "li"]
+    before = client.get("/api/v1/gradebook.csv", headers=wang).text
+    client.delete("/api/v1/members/li", headers=wang)
+    assert students() == ["han"]
+    listed = client.get("/api/v1/submissions", headers=wang).json()["submissions"]
+    assert [one["student"] for one in listed] == []
+    assert client.get(submission, headers=wang).status_code == 200  # stored, and staff may look
+    client.put("/api/v1/members/li", json={"name": "li"}, headers=wang)
+    assert client.get("/api/v1/gradebook.csv", headers=wang).text == before
+
+
+def test_forgetting_and_erasing_over_http(
+    client: httpx.Client, graded: Callable[..., str], school: School
+) -> None:
+    submission = graded(student="", headers=school.as_("li"))
+    wang = school.as_("wang")
+    body = {"older_than_days": 1, "dry_run": True}
+    assert client.post("/api/v1/course/retention", json=body, headers=wang).json()["submissions"] == 0
+    space = client.get("/api/v1/course/space", headers=wang).json()
+    assert (space["submissions"], space["sources_bytes"] > 0) == (1, True)
+    told = client.post("/api/v1/members/li/forget", json={"reason": "asked for"}, headers=wang).json()
+    assert told["submissions"] == 1
+    assert client.get(submission, headers=wang).status_code == 404
+    assert client.get("/api/v1/me", headers=school.as_("li")).status_code == 401
+    assert client.get("/api/v1/course/space", headers=wang).json()["submissions"] == 0
+    entry = client.get("/api/v1/audit", headers=wang).json()["entries"][0]
+    assert (entry["actor"], entry["subject"]) == ("wang", f"member {told['pseudonym']}")
+    again = client.post("/api/v1/members/li/forget", json={}, headers=wang)
+    assert (again.status_code, again.json()["code"]) == (404, "member_not_found")
+    assert client.post("/api/v1/members/ta/forget", json={}, headers=wang).json()["code"] == "only_students"

@@ -1,5 +1,8 @@
 """The course's page: a copy, the archive."""
 
+from collections.abc import Callable
+from datetime import timedelta
+
 import httpx
 import pytest
 
@@ -46,3 +49,33 @@ def test_every_page_says_that_the_course_is_archived(
     teacher.enter(token=tokens["wang"])
     teacher.post("/class/course/archive", {"archived": "false"}, page="/class/course")
     assert "本课程已归档" not in teacher.get("/class").text
+
+
+def test_what_is_old_is_shown_before_it_is_erased(
+    teacher: Browser, put: Callable[..., str], services: Services
+) -> None:
+    put(student="li", course="ros")
+    services.clock.advance(401 * 86_400)
+    teacher.enter(token=services.tokens.issue("ros", "wang", timedelta(days=1), "test")[1])
+    shown = teacher.get("/class/course?older_than=400").text
+    assert "400 天以前的提交有 1 份" in shown
+    assert "ROS" in teacher.get("/class/service").text
+    assert "占用的空间" in teacher.get("/class/service").text
+    gone = teacher.post("/class/course/erase", {"older_than": "400"}, page="/class/course?older_than=400")
+    assert gone.headers["Location"] == "/class/course?done=erased"
+    assert services.submissions.of_student("li", course="ros") == ()
+
+
+def test_a_student_is_forgotten_whose_id_was_typed_twice(
+    teacher: Browser, put: Callable[..., str], services: Services
+) -> None:
+    put(student="li", course="ros")
+    page = "/class/course"
+    refused = teacher.post("/class/course/forget", {"person": "li", "again": "han"}, page=page)
+    assert (refused.status_code, "两次输入不一样" in refused.text) == (422, True)
+    refused = teacher.post("/class/course/forget", {"person": "ta", "again": "ta"}, page=page)
+    assert (refused.status_code, "只能删除学生的数据" in refused.text) == (409, True)
+    done = teacher.post("/class/course/forget", {"person": "li", "again": "li"}, page=page)
+    assert done.headers["Location"] == "/class/course?done=forgotten"
+    assert services.courses.member("ros", "li") is None
+    assert "删除学生数据" in teacher.get("/class/audit").text

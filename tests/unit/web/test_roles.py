@@ -97,6 +97,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/people/{person}/token": (303, 403, 403, 403, 200, 404),
     "POST /class/people/{person}/remove": CHANGES,
     "GET /class/course": STAFF,
+    "POST /class/course/erase": (303, 403, 403, 403, 303, 303),
+    "POST /class/course/forget": (303, 403, 403, 403, 422, 422),  # the second id is another one
     "POST /class/course/copy": (303, 403, 403, 403, 200, 422),  # the id is taken by then
     "POST /class/course/archive": (303, 403, 403, 403, 409, 303),  # its re-grade is not decided
     "GET /class/audit": INSTRUCTORS,
@@ -169,6 +171,8 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
         "text": "x",
         "distro": "humble",
         "id": "next",
+        "older_than": "400",
+        "again": "other",
         "archived": "true",
     }
     if operation == "POST /class/rules":

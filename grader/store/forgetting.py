@@ -1,0 +1,161 @@
+"""Forgetting a person: what they handed in is erased, and a pseudonym stands where their id stood.
+
+Free texts and the audit log are searched for the id, for every name and address that the course knew them by.
+"""
+
+import json
+import re
+import secrets
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Column, ColumnElement, Table, Text, or_, select, update
+from sqlmodel import Session, SQLModel, col
+
+from grader.store.tables import AuditRow, MemberRow, PlainText, SubmissionRow
+
+_ID_BYTES = 4
+_LEAST = 2  # characters of a name that is searched for
+_NOTHING = "null"
+_SILENT = ("rules", "grading", "submission", "token", "worker")
+"""Tables whose texts are of machines, or name nobody."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Forgotten:
+    """Who is now called `pseudonym`, and how many submissions were erased."""
+
+    pseudonym: str
+    submissions: int
+
+
+def new_pseudonym() -> str:
+    """Return a name that tells nothing about a person."""
+    return f"forgotten-{secrets.token_hex(_ID_BYTES)}"
+
+
+def is_known(session: Session, course: str, person: str) -> bool:
+    """Return whether anything of the course names a person, who may have been removed."""
+    places = (
+        select(col(MemberRow.person)).where(col(MemberRow.course) == course, col(MemberRow.person) == person),
+        select(col(SubmissionRow.id)).where(
+            col(SubmissionRow.course) == course, col(SubmissionRow.student) == person
+        ),
+        select(col(AuditRow.id)).where(_about(course, person)),
+    )
+    return any(session.execute(one.limit(1)).first() is not None for one in places)
+
+
+def rename_everywhere(
+    session: Session, course: str, person: str, pseudonym: str, known: Iterable[str]
+) -> Callable[[str], str]:
+    """Put `pseudonym` where the course's rows name `person`; return what does so with a text.
+
+    What the person handed in is erased by then. Entries of the audit log about them lose what they say.
+    """
+    scrub = _scrubber(known, pseudonym)
+    about = _about(course, person)
+    blank = {"before": _NOTHING, "after": _NOTHING, "reason": ""}
+    named = [col(AuditRow.subject) == f"member {person}"]
+    session.execute(update(AuditRow).where(about, *named).values(blank))
+    session.execute(update(AuditRow).where(about).values(reason=""))
+    for table in SQLModel.metadata.sorted_tables:
+        if table.name not in _SILENT and (own := _of_course(table, course)) is not None:
+            _rename(session, table, own, (person, pseudonym), scrub)
+    return scrub
+
+
+def _rename(
+    session: Session,
+    table: Table,
+    own: ColumnElement[bool],
+    renamed: tuple[str, str],
+    scrub: Callable[[str], str],
+) -> None:
+    person, pseudonym = renamed
+    for column in table.c:
+        if column.name.endswith("_by") or column.name == "actor":
+            session.execute(update(table).where(own, column == person).values({column.name: pseudonym}))
+    texts = [one for one in table.c if isinstance(one.type, PlainText | Text) or one.name == "subject"]
+    if not texts:
+        return
+    keys = list(table.primary_key.columns)
+    for row in session.execute(select(*keys, *texts).where(own)).all():
+        values = row._asdict()
+        changed = {
+            one.name: new
+            for one in texts
+            if values[one.name] is not None and (new := scrub(values[one.name])) != values[one.name]
+        }
+        if changed:
+            session.execute(update(table).where(*(key == values[key.name] for key in keys)).values(changed))
+
+
+def _of_course(table: Table, course: str) -> ColumnElement[bool] | None:
+    """Return which rows of a table are of the course; None: no row is of any."""
+    if "course" in table.c:
+        found: Column[Any] = table.c.course
+        return found == course
+    if "submission_id" in table.c:
+        theirs = select(col(SubmissionRow.id)).where(col(SubmissionRow.course) == course)
+        return table.c.submission_id.in_(theirs)
+    return None
+
+
+def _about(course: str, person: str) -> ColumnElement[bool]:
+    """Return which entries of the audit log name a person as what was changed."""
+    subject = col(AuditRow.subject)
+    names = or_(subject == f"member {person}", subject.endswith(f", member {person}", autoescape=True))
+    return (col(AuditRow.course) == course) & names
+
+
+def known_as(session: Session, course: str, person: str) -> set[str]:
+    """Return the id, and every name and e-mail address that the course knew a person by."""
+    known = {person}
+    row = session.get(MemberRow, (course, person))
+    if row is not None:
+        known |= {row.name, row.email}
+    entries = session.execute(select(AuditRow.before, AuditRow.after).where(_about(course, person)))  # type: ignore[call-overload]
+    for document in (json.loads(text) for entry in entries for text in entry):
+        if isinstance(document, dict):
+            known |= {str(document.get(name) or "") for name in ("name", "email")}
+    return {one for one in known if len(one) >= _LEAST or one == person}
+
+
+def _scrubber(known: Iterable[str], pseudonym: str) -> Callable[[str], str]:
+    longest_first = sorted(known, key=len, reverse=True)
+    pattern = re.compile("|".join(_whole(one) for one in longest_first), re.IGNORECASE)
+
+    def scrub(text: str) -> str:
+        if text[:1] in ("{", "[", '"'):
+            try:
+                document = json.loads(text)
+            except ValueError:
+                return pattern.sub(pseudonym, text)
+            changed = _walked(document, lambda one: pattern.sub(pseudonym, one))
+            if changed != document:
+                return json.dumps(changed, ensure_ascii=False, sort_keys=True)
+            return text
+        return pattern.sub(pseudonym, text)
+
+    return scrub
+
+
+def _whole(name: str) -> str:
+    """Return the pattern of a name that is no part of a longer word."""
+    start = r"(?<![A-Za-z0-9])" if name[:1].isascii() and name[:1].isalnum() else ""
+    end = r"(?![A-Za-z0-9])" if name[-1:].isascii() and name[-1:].isalnum() else ""
+    return start + re.escape(name) + end
+
+
+def _walked(document: Any, change: Callable[[str], str]) -> Any:
+    match document:
+        case str():
+            return change(document)
+        case list():
+            return [_walked(one, change) for one in document]
+        case dict():
+            return {change(name): _walked(one, change) for name, one in document.items()}
+        case _:
+            return document
