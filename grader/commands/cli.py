@@ -29,6 +29,7 @@ COMMANDS: dict[str, str] = {
     "course": "create a course and import its people / 创建课程、导入名单",
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
     "rules": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
+    "regrade": "list re-grades, and undo one that was applied / 重新评分：查看、撤销",
     "db": "back the service's database up, restore, move it / 数据库的备份、恢复与迁移",
     "gradescope": "pack an assignment as an autograder for Gradescope / 打包成 Gradescope 自动评分器",
     "prairielearn": "grade as an external grader of PrairieLearn / 作为 PrairieLearn 外部评分器",

@@ -85,7 +85,8 @@ class RegradeError(GraderError):
     """A re-grade cannot be opened or decided.
 
     Attributes:
-        code: ``unknown``, ``nothing``, ``open``, ``waiting`` or ``decided``.
+        code: ``unknown``, ``nothing``, ``open``, ``waiting`` or ``decided``; of one to be undone ``not_applied``,
+            or ``superseded``: a later re-grade has taken the place of its gradings.
     """
 
     def __init__(self, code: str, message: str) -> None:

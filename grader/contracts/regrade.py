@@ -11,11 +11,15 @@ Which = Literal["latest", "best", "all", "faults"]
 
 
 class RegradeState(StrEnum):
-    """Where a re-grade is. While ``open``, its trial gradings run or wait for a decision."""
+    """Where a re-grade is. While ``open``, its trial gradings run or wait for a decision.
+
+    ``undone``: it was applied, and the gradings from before it stand again.
+    """
 
     OPEN = "open"
     APPLIED = "applied"
     DISCARDED = "discarded"
+    UNDONE = "undone"
 
 
 class Wanted(Record):
@@ -82,6 +86,7 @@ class Regrade:
         changes: of the submissions whose score or items change, by student. same: how many stay as they are.
         kept: judgements by people that stand in the new gradings, of all submissions.
         decided_by, decided_at: who applied or discarded it, and when; empty and None while it is open.
+        undone_by, undone_at, undone_reason: who undid an applied one, when and why.
     """
 
     id: str
@@ -98,6 +103,9 @@ class Regrade:
     same: int
     changes: tuple[ScoreChange, ...]
     kept: int = 0
+    undone_at: datetime | None = None
+    undone_by: str = ""
+    undone_reason: str = ""
 
     @property
     def gain(self) -> int:
@@ -122,7 +130,11 @@ class Regrade:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PastGrading:
-    """One grading in a submission's history. `by` is who applied the re-grade it came from, or empty."""
+    """One grading in a submission's history. `by` is who applied the re-grade it came from, or empty.
+
+    Attributes:
+        stands: it is the one that counts.
+    """
 
     attempt: int
     finished_at: datetime
@@ -134,3 +146,22 @@ class PastGrading:
     report_sha256: str
     by: str
     reason: str
+    stands: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ToldChange:
+    """What a re-grade changed of a submission, as its student is told.
+
+    Attributes:
+        undone: the re-grade was undone, which changed this. reason: why, as whoever did it said.
+        seen: the student has opened the submission since.
+    """
+
+    submission: str
+    assignment: str
+    change: ScoreChange
+    undone: bool
+    reason: str
+    at: datetime
+    seen: bool

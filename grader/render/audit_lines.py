@@ -22,7 +22,7 @@ ACTIONS = (
     "course.create", "course.change", "course.copy", "course.archive", "course.unarchive", "course.retain",
     "member.add", "member.change", "member.remove", "member.forget", "token.issue",
     "token.revoke", "rules.change", "extension.change", "submission.hand_in", "grade.judge", "grade.change",
-    "regrade.applied", "regrade.discarded",
+    "regrade.applied", "regrade.discarded", "regrade.undone",
     "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "submission", "token")

@@ -103,6 +103,8 @@ _STATUS = {
     "regrade_open": 409,
     "regrade_running": 409,
     "regrade_decided": 409,
+    "regrade_not_applied": 409,
+    "regrade_superseded": 409,
     "appeal_exists": 409,
     "appeal_decided": 409,
     "nothing_to_regrade": 422,

@@ -11,6 +11,7 @@ from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     SIGHT,
     Address,
+    CallerDep,
     InstructorDep,
     QueryWhole,
     RegradeId,
@@ -44,7 +45,7 @@ class RegradeOrder(BaseModel):
 
 
 class Decision(BaseModel):
-    """Why a re-grade is applied or discarded."""
+    """Why a re-grade is applied, discarded or undone."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -92,6 +93,9 @@ class RegradeSummary(BaseModel):
     same: int = Field(description="Submissions that nothing changes for.", examples=[25])
     gain: int = Field(description="Submissions whose score rises.", examples=[4])
     lose: int = Field(description="Submissions whose score falls.", examples=[1])
+    undone_at: datetime | None
+    undone_by: str
+    undone_reason: str
     kept: int = Field(description="Judgements by people that stand in the new gradings.", examples=[0])
     changed: int = Field(description="Submissions whose score or items change.", examples=[6])
 
@@ -110,6 +114,28 @@ class RegradeList(BaseModel):
     regrades: list[RegradeSummary]
 
 
+class ToldChangeView(BaseModel):
+    """What a re-grade changed of one submission, as its student is told."""
+
+    at: datetime
+    undone: bool = Field(description="A re-grade was undone, and this is what that changed.")
+    reason: str = Field(examples=["the tolerance was too tight"])
+    before: float | None = Field(
+        validation_alias=AliasPath("change", "before"),
+        description="The score; null: none, or items are hidden that are part of it.",
+        examples=[5.0],
+    )
+    after: float | None = Field(validation_alias=AliasPath("change", "after"), examples=[10.0])
+    items: list[ItemChangeView] = Field(validation_alias=AliasPath("change", "items"))
+    seen: bool = Field(description="The student has opened the submission's page since.")
+
+
+class ToldChanges(BaseModel):
+    """What re-grades changed of a submission, the latest first."""
+
+    changes: list[ToldChangeView]
+
+
 class PastGradingView(BaseModel):
     """One grading of a submission."""
 
@@ -125,10 +151,11 @@ class PastGradingView(BaseModel):
     report_sha256: str
     by: str = Field(description="Who applied the re-grade it came from; empty: the upload itself.")
     reason: str
+    stands: bool = Field(description="The one that counts: the last one, unless its re-grade was undone.")
 
 
 class History(BaseModel):
-    """All gradings of a submission, oldest first; the last one stands."""
+    """All gradings of a submission, oldest first."""
 
     gradings: list[PastGradingView]
 
@@ -207,6 +234,43 @@ def discard(
 ) -> RegradeView:
     """Drop the trial gradings; every submission stays as it is."""
     return _view(regrading.decide(services, caller, regrade_id, "discard", decision.reason))
+
+
+@router.post(
+    "/{regrade_id}/undo",
+    summary="Let the earlier gradings count again",
+    responses=responses(
+        *_KNOWN,
+        "malformed_body",
+        "too_large",
+        "course_archived",
+        "regrade_not_found",
+        "regrade_not_applied",
+        "regrade_superseded",
+    ),
+)
+def undo(
+    services: ServicesDep, caller: InstructorDep, regrade_id: RegradeId, decision: Decision
+) -> RegradeView:
+    """Let the gradings stand again that an applied re-grade replaced, all of them; judgements by people stay.
+
+    Later re-grades of the same submissions must be undone first.
+    """
+    return _view(regrading.decide(services, caller, regrade_id, "undo", decision.reason))
+
+
+@of_submission.get(
+    "/{submission_id}/changes",
+    summary="What re-grades changed",
+    responses=responses(*ENTRY_PROBLEMS, "invalid_request", "submission_not_found"),
+)
+def read_changes(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> ToldChanges:
+    """Return old and new points, when and why, as the page of the submission tells its student.
+
+    Items that are hidden from the caller are left out. Reading it here does not mark it as seen.
+    """
+    found = regrading.told_changes(services, caller, submission_id)
+    return ToldChanges(changes=[ToldChangeView.model_validate(one, from_attributes=True) for one in found])
 
 
 @of_submission.get(

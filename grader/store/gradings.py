@@ -202,6 +202,8 @@ class PastGradings:
             ).scalar_one_or_none()
             if applied is not None:
                 earlier = _of(submission_id).where(col(GradingRow.attempt) < applied.attempt)
+                if applied.replaced is not None:  # gradings of older versions do not say
+                    earlier = earlier.where(col(GradingRow.attempt) == applied.replaced)
                 before = _newest(session, earlier, submission_id)
                 return before, stored_report(session, applied, submission_id)
             trial = (

@@ -1,30 +1,30 @@
 """Re-grades. A trial is a row of its own in the queue, behind all fresh submissions, that belongs to no student.
 
 So trials are claimed, leased, fenced and retried like every submission, and change nothing until they are applied:
-then their gradings are copied to the submissions they were made of, in one transaction.
+then their gradings are copied to the submissions they were made of, in one transaction. No grading is deleted: an
+applied re-grade is undone by letting those stand again that it replaced.
 """
 
 import json
 import secrets
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Insert, Select, and_, case, delete, func, insert, literal, or_, select
+from sqlalchemy import Insert, Select, and_, case, delete, func, insert, literal, or_, select, update
 from sqlalchemy.orm import aliased
 from sqlmodel import Session, SQLModel, col
 
 from grader.contracts.errors import RegradeError
-from grader.contracts.judgement import ItemScore, settled, standing, total
 from grader.contracts.record import from_json, from_plain
-from grader.contracts.regrade import ItemChange, PastGrading, Regrade, RegradeState, ScoreChange, Wanted
-from grader.contracts.rubric import ItemStatus
-from grader.contracts.submission import Judgement, SubmissionState
+from grader.contracts.regrade import PastGrading, Regrade, RegradeState, ScoreChange, ToldChange, Wanted
+from grader.contracts.submission import SubmissionState
 from grader.store.audit import Signature, record, require_open
 from grader.store.database import Database, one_at_a_time
 from grader.store.intake import new_id
-from grader.store.judgements import judgements_of, settle
+from grader.store.judgements import settle
+from grader.store.score_changes import StandingScores, item_scores, judgements_by, score_change
 from grader.store.tables import (
     GradedItemRow,
     GradedMistakeRow,
@@ -32,9 +32,11 @@ from grader.store.tables import (
     JudgementRow,
     RegradeRow,
     SubmissionRow,
+    ToldChangeRow,
     TrajectoryRow,
     as_contract,
 )
+from grader.store.undoing import undo
 from grader.store.work import announcement_of
 
 _BEHIND_FRESH = 10
@@ -43,9 +45,7 @@ _REMEMBERED = 20  # re-grades whose changes are kept in memory
 
 
 _OF_GRADING: tuple[type[SQLModel], ...] = (TrajectoryRow, GradedMistakeRow, GradedItemRow, GradingRow)
-_AT_ONCE = 500  # below SQLite's limit of variables
 _Mark = tuple[Any, ...]
-_STATUSES = {status.value: status for status in ItemStatus}
 _ENDS = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)
 
 
@@ -147,7 +147,7 @@ class Regrades:
             if any(trial.waits for trial in trials):
                 raise RegradeError("waiting", "not every trial grading is made yet")
             for trial in _adopt(session, trials, row.id):
-                _note_change(session, trial, signed, reason)
+                _note_change(session, trial.change, row, signed, reason)
 
         return self._decide(regrade_id, signed, reason, RegradeState.APPLIED, adopt_all)
 
@@ -155,16 +155,68 @@ class Regrades:
         """Forget the trial gradings. Raises as `apply` does, but trials may still run."""
         return self._decide(regrade_id, signed, reason, RegradeState.DISCARDED, lambda *_: None)
 
+    def undo(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
+        """Let the gradings stand again that stood before an applied re-grade.
+
+        What people judged stays, as when a re-grade is applied. Where there was no grading before, there is none
+        again.
+
+        Raises:
+            RegradeError: ``unknown``; ``not_applied``: it is in another state; ``superseded``: a later re-grade
+                has taken the place of one of its gradings, and must be undone first.
+        """
+        with self._database.writing() as session:
+            row = session.get(RegradeRow, regrade_id, with_for_update=True)
+            if row is None or row.course != signed.course:
+                raise RegradeError("unknown", "there is no such re-grade")
+            if row.state != RegradeState.APPLIED.value:
+                raise RegradeError("not_applied", f"the re-grade is {row.state}")
+            row.state, row.undone_reason = RegradeState.UNDONE.value, reason
+            row.undone_at, row.undone_by = signed.at, signed.actor
+            for change in undo(session, row.id):
+                _note_change(session, change, row, signed, reason)
+            session.flush()
+            subject = f"regrade {row.id} of {row.assignment}"
+            record(session, signed, "regrade.undone", subject, before=row.id, reason=reason)
+            return _regrade(session, row)
+
+    def told(self, submission_id: str) -> tuple[ToldChange, ...]:
+        """Return what re-grades changed of a submission, the latest first."""
+        own = _told().where(col(ToldChangeRow.submission_id) == submission_id)
+        return self._read_told(own.order_by(col(ToldChangeRow.at).desc(), col(ToldChangeRow.undone).desc()))
+
+    def unseen(self, course: str, student: str) -> tuple[ToldChange, ...]:
+        """Return what re-grades changed of a student's submissions that the student has not seen, oldest first."""
+        theirs = (col(SubmissionRow.course) == course, col(SubmissionRow.student) == student)
+        unseen = _told().where(*theirs, col(ToldChangeRow.seen_at).is_(None))
+        return self._read_told(unseen.order_by(col(ToldChangeRow.at), col(ToldChangeRow.submission_id)))
+
+    def seen(self, submission_id: str, now: datetime) -> None:
+        """Note that the student has seen what re-grades changed of a submission."""
+        with self._database.writing() as session:
+            session.execute(
+                update(ToldChangeRow)
+                .where(
+                    col(ToldChangeRow.submission_id) == submission_id, col(ToldChangeRow.seen_at).is_(None)
+                )
+                .values(seen_at=now)
+            )
+
+    def _read_told(self, statement: Select[Any]) -> tuple[ToldChange, ...]:
+        with self._database.reading() as session:
+            return tuple(_told_change(*row) for row in session.execute(statement))
+
     def history(self, submission_id: str) -> tuple[PastGrading, ...]:
         """Return every grading of a submission, oldest first."""
         statement = (
-            select(GradingRow, RegradeRow)
+            select(GradingRow, RegradeRow, col(SubmissionRow.graded_attempt))
+            .join(SubmissionRow, col(SubmissionRow.id) == col(GradingRow.submission_id))
             .outerjoin(RegradeRow, col(RegradeRow.id) == col(GradingRow.regrade))
             .where(col(GradingRow.submission_id) == submission_id)
             .order_by(col(GradingRow.attempt))
         )
         with self._database.reading() as session:
-            return tuple(_past(grading, regrade) for grading, regrade in session.execute(statement))
+            return tuple(_past(*row) for row in session.execute(statement))
 
     def _decide(
         self,
@@ -281,12 +333,45 @@ def _regrade(session: Session, row: RegradeRow, trials: list[_Trial] | None = No
     )
 
 
-def _note_change(session: Session, trial: _Trial, signed: Signature, reason: str) -> None:
-    change = trial.change
-    if change.before != change.after or change.items:
-        subject = f"submission {change.submission}"
-        before, after = {"score": change.before}, {"score": change.after, **_judgements_in_log(change)}
-        record(session, signed, "grade.change", subject, before=before, after=after, reason=reason)
+def _note_change(
+    session: Session, change: ScoreChange, regrade: RegradeRow, signed: Signature, reason: str
+) -> None:
+    """Tell the audit log and the student of a change, if it is one."""
+    if change.before == change.after and not change.items:
+        return
+    before, after = {"score": change.before}, {"score": change.after, **_judgements_in_log(change)}
+    subject = f"submission {change.submission}"
+    record(session, signed, "grade.change", subject, before=before, after=after, reason=reason)
+    session.add(
+        ToldChangeRow(
+            submission_id=change.submission,
+            regrade=regrade.id,
+            undone=regrade.state == RegradeState.UNDONE.value,
+            change=json.dumps(asdict(change)),
+            at=signed.at,
+        )
+    )
+
+
+def _told() -> Select[Any]:
+    row: Any = ToldChangeRow
+    return (
+        select(row, RegradeRow)
+        .join(RegradeRow, col(RegradeRow.id) == col(ToldChangeRow.regrade))
+        .join(SubmissionRow, col(SubmissionRow.id) == col(ToldChangeRow.submission_id))
+    )
+
+
+def _told_change(row: ToldChangeRow, regrade: RegradeRow) -> ToldChange:
+    return as_contract(
+        row,
+        ToldChange,
+        submission=row.submission_id,
+        assignment=regrade.assignment,
+        change=from_json(ScoreChange, row.change),
+        reason=regrade.undone_reason if row.undone else regrade.reason,
+        seen=row.seen_at is not None,
+    )
 
 
 def _judgements_in_log(change: ScoreChange) -> dict[str, list[str]]:
@@ -295,7 +380,7 @@ def _judgements_in_log(change: ScoreChange) -> dict[str, list[str]]:
     return {name: items for name, items in told.items() if items}
 
 
-def _past(grading: GradingRow, regrade: RegradeRow | None) -> PastGrading:
+def _past(grading: GradingRow, regrade: RegradeRow | None, standing: int | None) -> PastGrading:
     return PastGrading(
         attempt=grading.attempt,
         finished_at=grading.finished_at,
@@ -307,6 +392,7 @@ def _past(grading: GradingRow, regrade: RegradeRow | None) -> PastGrading:
         report_sha256=grading.report_sha256,
         by="" if regrade is None else regrade.decided_by,
         reason="" if regrade is None else regrade.reason,
+        stands=grading.attempt == standing,
     )
 
 
@@ -321,10 +407,25 @@ def _trials_of(session: Session, regrade_id: str) -> list[_Trial]:
         .order_by(col(SubmissionRow.student), col(SubmissionRow.received_at), col(SubmissionRow.id))
     )
     originals = list(session.execute(statement).scalars())
-    scores = _scores(session, [*originals, *trials.values()])
-    judgements = _judgements(session, originals)
+    latest = {one.id: one.graded_attempt for one in (*originals, *trials.values())}
+    scores = item_scores(session, {id_: attempt for id_, attempt in latest.items() if attempt is not None})
+    judgements = judgements_by(session, [one.id for one in originals])
+
+    def standing_of(row: SubmissionRow) -> StandingScores:
+        return StandingScores(items=tuple(scores.get(row.id, ())), score=row.score)
+
     return [
-        _Trial(trials[one.id], one, _change(one, trials[one.id], scores, judgements.get(one.id, ())))
+        _Trial(
+            trials[one.id],
+            one,
+            score_change(
+                one.id,
+                one.student,
+                standing_of(one),
+                standing_of(trials[one.id]),
+                judgements.get(one.id, ()),
+            ),
+        )
         for one in originals
     ]
 
@@ -369,10 +470,10 @@ def _judged_ones(regrade_id: str) -> Select[str]:
 def _copy(table: type[SQLModel], regrade_id: str) -> Insert:
     """Copy what belongs to the trials' gradings to the next attempts of their submissions."""
     trial, original, rows = aliased(SubmissionRow), aliased(SubmissionRow), table.__table__  # type: ignore[attr-defined]
-    of_its_own = ("submission_id", "attempt", "regrade")
+    of_its_own = ("submission_id", "attempt", "regrade", "replaced")
     names = [column.name for column in rows.columns if column.name not in of_its_own]
     key: list[Any] = [col(original.id), col(original.attempt) + 1]
-    origin = [literal(regrade_id)] if table is GradingRow else []
+    origin: list[Any] = [literal(regrade_id), col(original.graded_attempt)] if table is GradingRow else []
     of_trial = and_(rows.c.submission_id == trial.id, rows.c.attempt == trial.graded_attempt)
     source = (
         select(*key, *origin, *(rows.c[name] for name in names))
@@ -386,7 +487,7 @@ def _copy(table: type[SQLModel], regrade_id: str) -> Insert:
         )
     )
     return insert(rows).from_select(
-        ["submission_id", "attempt", *(["regrade"] if origin else []), *names], source
+        ["submission_id", "attempt", *(["regrade", "replaced"] if origin else []), *names], source
     )
 
 
@@ -428,64 +529,3 @@ def _mark_of(session: Session, regrade_id: str) -> _Mark:
         .where(col(trial.regrade) == regrade_id)
     )
     return (*session.execute(statement).one(), session.execute(judged).scalar_one())
-
-
-def _scores(session: Session, rows: list[SubmissionRow]) -> dict[str, list[ItemScore]]:
-    """Return what the machine gave for each item in the latest grading of each of `rows`, by submission."""
-    latest = {row.id: row.graded_attempt for row in rows if row.graded_attempt is not None}
-    scores: dict[str, list[ItemScore]] = {id_: [] for id_ in latest}
-    item = GradedItemRow
-    told = (col(item.item), col(item.points), col(item.earned), col(item.status))
-    statement = select(col(item.submission_id), col(item.attempt), *told)
-    ids = list(latest)
-    for start in range(0, len(ids), _AT_ONCE):
-        part = statement.where(col(item.submission_id).in_(ids[start : start + _AT_ONCE]))
-        for submission, attempt, name, points, earned, status in session.execute(part):
-            if attempt == latest[submission]:
-                scores[submission].append(ItemScore(name, points, earned, _STATUSES[status]))
-    return scores
-
-
-def _judgements(session: Session, rows: list[SubmissionRow]) -> dict[str, list[Judgement]]:
-    """Return what people decided about `rows`, by submission."""
-    ids = [row.id for row in rows]
-    judgements: dict[str, list[Judgement]] = {}
-    for start in range(0, len(ids), _AT_ONCE):
-        for one in judgements_of(session, ids[start : start + _AT_ONCE]):
-            judgements.setdefault(one.submission, []).append(one)
-    return judgements
-
-
-def _change(
-    original: SubmissionRow,
-    made: SubmissionRow,
-    scores: Mapping[str, Sequence[ItemScore]],
-    judgements: Sequence[Judgement],
-) -> ScoreChange:
-    old, new = tuple(scores.get(original.id, ())), tuple(scores.get(made.id, ()))
-    settled_old, settled_new = settled(old, judgements), settled(new, judgements)
-    before, after = _earned(settled_old), _earned(settled_new)
-    items = tuple(
-        ItemChange(item=item, before=before.get(item), after=after.get(item))
-        for item in dict.fromkeys([*before, *after])
-        if before.get(item) != after.get(item)
-    )
-    kept = _judged(new, judgements)
-    return ScoreChange(
-        submission=original.id,
-        student=original.student,
-        before=original.score,
-        after=made.score if settled_new == new else total(settled_new),
-        items=items,
-        kept=kept,
-        void=tuple(item for item in _judged(old, judgements) if new and item not in kept),
-    )
-
-
-def _earned(items: Sequence[ItemScore]) -> dict[str, float]:
-    return {item.item: item.earned for item in items}
-
-
-def _judged(items: Sequence[ItemScore], judgements: Sequence[Judgement]) -> tuple[str, ...]:
-    """Return the items that a person's judgement counts for."""
-    return tuple(one.item for one in items if standing(one.item, one.points, judgements) is not None)

@@ -22,6 +22,7 @@ from sqlmodel import Field, SQLModel
 from grader.contracts.appeal import AppealState
 from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.identity import Role
+from grader.contracts.regrade import RegradeState
 from grader.contracts.submission import SubmissionState
 
 SHA256_LENGTH = 64
@@ -285,9 +286,13 @@ class UploadKeyRow(SQLModel, table=True):
 
 
 class GradingRow(SQLModel, table=True):
-    """One finished grading; a re-grade adds a row and leaves the older ones. `report` is canonical bytes."""
+    """One finished grading; a re-grade adds a row and leaves the older ones. `report` is canonical bytes.
+
+    `replaced`: the attempt that stood before a re-grade's, None where none did.
+    """
 
     __tablename__: ClassVar[str] = "grading"
+    __table_args__ = (Index("grading_regrade", "regrade"),)
 
     submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
     attempt: int = Field(primary_key=True)
@@ -305,6 +310,7 @@ class GradingRow(SQLModel, table=True):
         default=None, foreign_key="graded_assignment.sha256", max_length=SHA256_LENGTH
     )
     regrade: str | None = Field(default=None, foreign_key="regrade.id", max_length=16)
+    replaced: int | None = None
 
 
 class GradedAssignmentRow(SQLModel, table=True):
@@ -316,11 +322,14 @@ class GradedAssignmentRow(SQLModel, table=True):
     content: bytes = Field(sa_column=bytes_column())
 
 
+_REGRADE_STATES = ", ".join(f"'{state.value}'" for state in RegradeState)
+
+
 class RegradeRow(SQLModel, table=True):
     """A re-grade. `wanted` and, once it is decided, `outcome` are JSON of `grader.contracts.regrade`."""
 
     __tablename__: ClassVar[str] = "regrade"
-    __table_args__ = (CheckConstraint("state IN ('open', 'applied', 'discarded')", name="regrade_state"),)
+    __table_args__ = (CheckConstraint(f"state IN ({_REGRADE_STATES})", name="regrade_state"),)
 
     id: str = Field(primary_key=True, max_length=16)
     course: str | None = Field(default=None, foreign_key="course.id", max_length=64)
@@ -333,6 +342,25 @@ class RegradeRow(SQLModel, table=True):
     decided_by: str = Field(default="", max_length=64)
     reason: str = Field(default="", sa_column=text_column())
     outcome: str = Field(default="", sa_column=text_column())
+    undone_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    undone_by: str = Field(default="", max_length=64, sa_column_kwargs={"server_default": ""})
+    undone_reason: str = Field(default="", sa_column=Column(PlainText(), nullable=False, server_default=""))
+
+
+class ToldChangeRow(SQLModel, table=True):
+    """What a re-grade, or that it was `undone`, changed of a submission, for its student.
+
+    `change` is JSON of `grader.contracts.regrade`. `seen_at`: the student has seen it.
+    """
+
+    __tablename__: ClassVar[str] = "told_change"
+
+    submission_id: str = Field(primary_key=True, foreign_key="submission.id", max_length=36)
+    regrade: str = Field(primary_key=True, foreign_key="regrade.id", max_length=16)
+    undone: bool = Field(primary_key=True)
+    change: str = Field(sa_column=text_column())
+    at: datetime = Field(sa_column=instant_column())
+    seen_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
 
 
 class JudgementRow(SQLModel, table=True):

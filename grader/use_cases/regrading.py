@@ -1,23 +1,30 @@
-"""Grading again: first on trial, with what would change, then applied with a reason or discarded."""
+"""Grading again: first on trial, with what would change, then applied with a reason or discarded.
 
+An applied re-grade can be undone as a whole. Students are told what either did to their points.
+"""
+
+from dataclasses import replace
 from typing import Literal
 
 from grader.contracts.errors import RefusedError, RegradeError
-from grader.contracts.identity import Caller
-from grader.contracts.regrade import PastGrading, Regrade, Wanted
+from grader.contracts.identity import Caller, Role
+from grader.contracts.regrade import PastGrading, Regrade, ToldChange, Wanted
+from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
 from grader.use_cases.assignments import require_published
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import found, visible_submission
 
-Ending = Literal["apply", "discard"]
+Ending = Literal["apply", "discard", "undo"]
 _CODES = {
     "unknown": "regrade_not_found",
     "nothing": "nothing_to_regrade",
     "open": "regrade_open",
     "waiting": "regrade_running",
     "decided": "regrade_decided",
+    "not_applied": "regrade_not_applied",
+    "superseded": "regrade_superseded",
 }
 
 
@@ -103,14 +110,70 @@ def past_grading(services: Services, caller: Caller, submission_id: str, attempt
 
 
 def decide(services: Services, caller: Caller, regrade_id: str, ending: Ending, reason: str) -> Regrade:
-    """Apply or discard a re-grade.
+    """Apply or discard a re-grade, or undo one that was applied.
 
     Raises:
-        RefusedError: the caller is no instructor; or the re-grade does not exist, is decided, or still runs.
+        RefusedError: the caller is no instructor; the re-grade does not exist, is decided, or still runs; or, to
+            be undone, was not applied, or a later one stands on it.
     """
     require_instructor(caller)
-    act = services.regrades.apply if ending == "apply" else services.regrades.discard
+    ends = {
+        "apply": services.regrades.apply,
+        "discard": services.regrades.discard,
+        "undo": services.regrades.undo,
+    }
     try:
-        return act(regrade_id, services.signature(caller), reason)
+        return ends[ending](regrade_id, services.signature(caller), reason)
     except RegradeError as error:
         raise RefusedError(_CODES[error.code]) from None
+
+
+def told_changes(services: Services, caller: Caller, submission_id: str) -> tuple[ToldChange, ...]:
+    """Return what re-grades changed of a submission, the latest first; a student sees no hidden items in it.
+
+    Raises:
+        RefusedError: the caller may not see it.
+    """
+    return _told(services, caller, visible_submission(services, caller, submission_id))
+
+
+def look_at_changes(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
+    """Return what `told_changes` does, and note that the submission's student has seen it."""
+    found = _told(services, caller, submission)
+    if caller.role is Role.STUDENT and any(not one.seen for one in found):
+        services.regrades.seen(submission.id, services.clock())
+    return found
+
+
+def unseen_changes(services: Services, caller: Caller) -> tuple[str, ...]:
+    """Return the caller's submissions that re-grades changed and the caller has not looked at since."""
+    if caller.course is None or caller.person is None or caller.role is not Role.STUDENT:
+        return ()
+    found = services.regrades.unseen(caller.course, caller.person)
+    if not found:
+        return ()
+    known, now = services.rules.of(caller.course), services.clock()
+    shown = (_without(one, known.of(one.assignment).hidden_at(now)) for one in found)
+    return tuple(dict.fromkeys(one.submission for one in shown if one is not None))
+
+
+def _told(services: Services, caller: Caller, submission: Submission) -> tuple[ToldChange, ...]:
+    found = services.regrades.told(submission.id)
+    if not found or caller.role is not Role.STUDENT:
+        return found
+    hidden = services.rules.of(submission.course).of(submission.assignment).hidden_at(services.clock())
+    shown = (_without(one, hidden) for one in found)
+    return tuple(one for one in shown if one is not None)
+
+
+def _without(told: ToldChange, hidden: frozenset[str]) -> ToldChange | None:
+    """Return a change without hidden items, which scores would tell about, too; None when nothing is left."""
+    if not hidden:
+        return told
+    change = told.change
+    items = tuple(one for one in change.items if not is_hidden(one.item, hidden))
+    kept, void = (
+        tuple(one for one in named if not is_hidden(one, hidden)) for named in (change.kept, change.void)
+    )
+    shown = replace(change, before=None, after=None, items=items, kept=kept, void=void)
+    return replace(told, change=shown) if items else None

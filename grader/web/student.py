@@ -18,6 +18,7 @@ from grader.use_cases.appealing import pending
 from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
 from grader.use_cases.commenting import unread
 from grader.use_cases.handing_in import Upload, hand_in
+from grader.use_cases.regrading import unseen_changes
 from grader.use_cases.services import Services
 from grader.use_cases.submissions import PastAttempt, best_of, history
 from grader.web import access
@@ -45,6 +46,7 @@ def read_assignments(request: Request, services: ServicesDep, visitor: VisitorDe
         now=services.clock(),
         unread=unread(services, visitor.caller),
         appeals=pending(services, visitor.caller),
+        changed=unseen_changes(services, visitor.caller),
     )
 
 

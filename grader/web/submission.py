@@ -2,6 +2,7 @@
 
 from collections.abc import AsyncIterator, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.util import find_spec
 from typing import Annotated, Any
 from urllib.parse import quote
@@ -25,9 +26,10 @@ from grader.contracts.upload import decoded
 from grader.messages import on_page
 from grader.routes.events import LastEventId, events, owner_of, watched
 from grader.use_cases import appealing, commenting, recordings, submissions
-from grader.use_cases.assignments import published, terms_of
+from grader.use_cases.assignments import item_title, published, terms_of
 from grader.use_cases.following import SubjectWatch
 from grader.use_cases.judging import judged_items, may_correct
+from grader.use_cases.regrading import look_at_changes
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import hiding
 from grader.web import access
@@ -87,6 +89,8 @@ def read(  # noqa: PLR0913
         source=_source(services, submission, found.grading),
         **_beside(services, visitor, submission),
         **_comments(services, visitor, submission),
+        told_changes=look_at_changes(services, visitor.caller, submission),
+        item_title=partial(item_title, language=language_of(request)),
         **_appeals(services, visitor, submission, found.grading),
         **_result(request, services, assignment, found.grading, case),
     )

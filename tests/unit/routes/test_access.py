@@ -79,6 +79,8 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/regrades/{regrade_id}": (401, 401, 403, 403, 404, 404, 403, 404),  # there is none
     "post /api/v1/regrades/{regrade_id}/apply": (401, 401, 403, 403, 403, 404, 403, 404),
     "post /api/v1/regrades/{regrade_id}/discard": (401, 401, 403, 403, 403, 404, 403, 404),
+    "post /api/v1/regrades/{regrade_id}/undo": (401, 401, 403, 403, 403, 404, 403, 404),
+    "get /api/v1/submissions/{submission_id}/changes": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/gradescope.json": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/prairielearn.json": SUBMISSION,
     "get /api/v1/gradebook.csv": STAFF,
@@ -144,6 +146,8 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/regrades/{regrade_id}": (401, 401, 404),
     "post /api/v1/regrades/{regrade_id}/apply": (401, 401, 404),
     "post /api/v1/regrades/{regrade_id}/discard": (401, 401, 404),
+    "post /api/v1/regrades/{regrade_id}/undo": (401, 401, 404),
+    "get /api/v1/submissions/{submission_id}/changes": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/gradescope.json": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/prairielearn.json": OPEN_TO_ALL,
     "get /api/v1/gradebook.csv": OPERATOR_ONLY,

@@ -179,8 +179,8 @@ def test_a_trial_is_no_submission(
         assert services.queue.finish(claim, grade(job), assignment)
     of_submissions = [
         path.partition("{submission_id}")[2]
-        for path in client.get("/openapi.json").json()["paths"]
-        if path.startswith("/api/v1/submissions/{submission_id}")
+        for path, item in client.get("/openapi.json").json()["paths"].items()
+        if path.startswith("/api/v1/submissions/{submission_id}") and "get" in item
     ]
     assert {"", "/report", "/source", "/events", "/plot.png", "/gradings"} <= set(of_submissions)
     for rest in of_submissions:
@@ -239,3 +239,40 @@ def test_rules_that_hide_items_hold_for_regrades(
     work(services, grade)
     post(f"{url}/apply", reason="x")
     assert "closed" not in client.get(klass["li"], headers=school.as_("li")).text
+
+
+def test_a_regrade_is_undone_and_the_student_told(
+    client: httpx.Client, services: Services, school: Any, klass: dict[str, str], post: Post
+) -> None:
+    tighten(services)
+    url = post(assignment="square").headers["Location"]
+    assert post(url + "/undo", reason="x").json()["code"] == "regrade_not_applied"
+    work(services, grade)
+    post(url + "/apply", reason="one more item")
+    li, changes = school.as_("li"), klass["li"] + "/changes"
+    (told,) = client.get(changes, headers=li).json()["changes"]
+    assert (told["undone"], told["reason"], told["before"], told["after"]) == (
+        False,
+        "one more item",
+        10.0,
+        15.0,
+    )
+    assert told["items"] == [{"item": "start", "before": None, "after": 5.0}]
+    later = post(assignment="square").headers["Location"]
+    work(services, grade)
+    post(later + "/apply", reason="again")
+    assert post(url + "/undo", reason="x").json()["code"] == "regrade_superseded"
+    assert post(later + "/undo", reason="x").json()["state"] == "undone"
+    undone = post(url + "/undo", reason="it was right before").json()
+    assert (undone["state"], undone["undone_by"], undone["undone_reason"]) == (
+        "undone",
+        "wang",
+        "it was right before",
+    )
+    assert client.get(klass["li"], headers=li).json()["score"] == 10.0
+    assert [one["undone"] for one in client.get(changes, headers=li).json()["changes"]] == [True, False]
+    signed = Signature(services.clock(), "ros", "wang")
+    services.rules.set("square", Rules(hidden_items=("start",)), signed)
+    assert client.get(changes, headers=li).json()["changes"] == []  # nothing but the hidden item changed
+    gradings = client.get(klass["li"] + "/gradings", headers=school.as_("ta")).json()["gradings"]
+    assert [one["stands"] for one in gradings] == [True, False, False]

@@ -51,6 +51,7 @@ INSTRUCTORS: dict[str, UseCase] = {
         services, caller, Wanted(assignment="square")
     ),
     "decide": lambda services, caller: regrading.decide(services, caller, "r", "apply", "why"),
+    "undo": lambda services, caller: regrading.decide(services, caller, "r", "undo", "why"),
     "course_rules": lambda services, caller: rules.course_rules(services, caller, "square"),
     "change_rules": lambda services, caller: rules.change_rules(
         services, caller, "square", NO_RULES, "", seen=None

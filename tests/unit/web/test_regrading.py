@@ -107,6 +107,29 @@ def test_applying_changes_the_scores_and_says_who_and_why(
     assert wang.post(page, {"decision": "apply", "reason": "again"}, page="/").status_code == 409
 
 
+def test_an_applied_one_is_undone_and_the_student_told(
+    wang: Browser, handed_in: dict[str, str], grade_waiting: Callable[..., None], tokens: dict[str, str]
+) -> None:
+    page = start(wang)
+    grade_waiting(better_for_short_files)
+    wang.post(page, {"decision": "apply", "reason": "fairer <now>"})
+    wang.enter(token=tokens["li"])
+    assert "points changed by a re-grade: 1" in wang.get("/").text
+    text = text_of(wang.get(handed_in["li"]).text)
+    assert "5 → to 10 Reason: fairer <now> Number of sides: 0 → to 5" in text
+    assert "points changed by a re-grade" not in wang.get("/").text
+
+    wang.enter(token=tokens["wang"])
+    assert wang.post(page, {"decision": "undo", "reason": " "}).status_code == 422
+    assert wang.post(page, {"decision": "undo", "reason": "too soon"}).status_code == 303
+    assert "undone" in text_of(wang.get("/class/regrades").text)
+    assert 'value="undo"' not in wang.get(page).text
+    assert wang.post(page, {"decision": "undo", "reason": "x"}, page="/class/regrades").status_code == 409
+    wang.enter(token=tokens["li"])
+    assert "points changed by a re-grade: 1" in wang.get("/").text
+    assert "A re-grade was undone" in wang.get(handed_in["li"]).text
+
+
 def test_discarding_changes_nothing(
     wang: Browser, handed_in: dict[str, str], grade_waiting: Callable[..., None], services: Services
 ) -> None:

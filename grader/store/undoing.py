@@ -1,0 +1,100 @@
+"""Undoing an applied re-grade: the gradings that it replaced stand again."""
+
+from collections.abc import Mapping, Sequence
+
+from sqlalchemy import and_, select
+from sqlmodel import Session, col
+
+from grader.contracts.errors import RegradeError
+from grader.contracts.regrade import RegradeState, ScoreChange
+from grader.contracts.rubric import ItemStatus
+from grader.contracts.submission import SubmissionState
+from grader.store.judgements import settle
+from grader.store.score_changes import StandingScores, item_scores, judgements_by, parts, score_change
+from grader.store.tables import GradingRow, RegradeRow, SubmissionRow
+
+
+def undo(session: Session, regrade_id: str) -> list[ScoreChange]:
+    """Let the gradings stand again that a re-grade's replaced; return what changes, by student.
+
+    Raises:
+        RegradeError: ``superseded``: the grading that stands is not the re-grade's any more.
+    """
+    made = _made(session, regrade_id)
+    rows = _held(session, regrade_id)
+    if any(row.graded_attempt != made[row.id][0] for row in rows):
+        raise RegradeError("superseded", "a later re-grade has taken the place of some of its gradings")
+    earlier = {id_: attempt for id_, (_, attempt) in made.items() if attempt is not None}
+    now = item_scores(session, {id_: attempt for id_, (attempt, _) in made.items()})
+    then, gradings = item_scores(session, earlier), _gradings(session, earlier)
+    judgements = judgements_by(session, made)
+    changes = []
+    for row in rows:
+        old = StandingScores(items=tuple(now[row.id]), score=row.score)
+        grading = gradings.get(row.id)
+        _stand(row, grading, sum(one.status is ItemStatus.NEEDS_MANUAL for one in then.get(row.id, ())))
+        new = StandingScores(items=tuple(then.get(row.id, ())), score=row.score)
+        changes.append(score_change(row.id, row.student, old, new, judgements.get(row.id, ())))
+    session.flush()
+    for row in rows:
+        if row.id in judgements:
+            settle(session, row)
+    return changes
+
+
+def _made(session: Session, regrade_id: str) -> dict[str, tuple[int, int | None]]:
+    """Return by submission the number of a re-grade's grading, and of the one that stood before.
+
+    Gradings of older versions do not say what they replaced: it was the one before them that still counts.
+    """
+    grading = GradingRow
+    told = (col(grading.submission_id), col(grading.attempt), col(grading.replaced))
+    of_regrade = select(*told).where(col(grading.regrade) == regrade_id)
+    found = {row[0]: (row[1], row[2]) for row in session.execute(of_regrade)}
+    unsaid = [id_ for id_, (_, replaced) in found.items() if replaced is None]
+    for part in parts(unsaid):
+        undone = col(RegradeRow.state) == RegradeState.UNDONE.value
+        numbers = (
+            select(col(grading.submission_id), col(grading.attempt))
+            .outerjoin(RegradeRow, and_(col(RegradeRow.id) == col(grading.regrade), undone))
+            .where(col(grading.submission_id).in_(part), col(RegradeRow.id).is_(None))
+        )
+        for id_, attempt in session.execute(numbers):
+            own, before = found[id_]
+            if attempt < own:
+                found[id_] = (own, max(attempt, before or attempt))
+    return found
+
+
+def _held(session: Session, regrade_id: str) -> Sequence[SubmissionRow]:
+    """Lock the submissions that a re-grade gave gradings, and return them in order of student and arrival."""
+    of_regrade = select(col(GradingRow.submission_id)).where(col(GradingRow.regrade) == regrade_id)
+    concerned = col(SubmissionRow.id).in_(of_regrade)
+    in_order = select(SubmissionRow).where(concerned).order_by(col(SubmissionRow.id)).with_for_update()
+    rows = session.execute(in_order).scalars().all()
+    return sorted(rows, key=lambda row: (row.student, row.received_at, row.id))
+
+
+def _gradings(session: Session, attempts: Mapping[str, int]) -> dict[str, GradingRow]:
+    """Return one grading of each submission, by number."""
+    found: dict[str, GradingRow] = {}
+    for part in parts(attempts):
+        numbers = {attempts[id_] for id_ in part}
+        theirs = and_(col(GradingRow.submission_id).in_(part), col(GradingRow.attempt).in_(numbers))
+        for row in session.execute(select(GradingRow).where(theirs)).scalars():
+            if row.attempt == attempts[row.submission_id]:
+                found[row.submission_id] = row
+    return found
+
+
+def _stand(row: SubmissionRow, grading: GradingRow | None, to_judge: int) -> None:
+    """Let a grading be the one that counts for a submission; None: the service had failed to make one."""
+    row.started_at = None  # nobody knows any more, and no pace of gradings follows from it
+    row.to_judge = to_judge or None
+    if grading is None:
+        row.state = SubmissionState.INFRASTRUCTURE_ERROR.value
+        row.graded_attempt = row.verdict = row.score = row.max_score = row.report_sha256 = None
+        return
+    row.graded_attempt, row.finished_at = grading.attempt, grading.finished_at
+    row.verdict, row.report_sha256 = grading.verdict, grading.report_sha256
+    row.score, row.max_score = grading.score, grading.max_score
