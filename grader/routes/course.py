@@ -3,13 +3,14 @@
 from typing import Annotated
 
 from fastapi import APIRouter, Response, status
+from fastapi.responses import StreamingResponse
 from pydantic import BaseModel, ConfigDict, Field
 
 from grader.routes.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep, StaffDep
 from grader.routes.people import CourseView, PersonId
 from grader.routes.problems import responses
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
-from grader.use_cases import course_life
+from grader.use_cases import course_export, course_life
 from grader.use_cases.bodies import Whole
 
 router = APIRouter(prefix="/api/v1", tags=["course"])
@@ -164,3 +165,22 @@ def forget_student(
     response.headers.update(_PRIVATE)
     found = course_life.forget_student(services, caller, person, body.reason)
     return ForgottenView.model_validate(found, from_attributes=True)
+
+
+@router.get(
+    "/course/export.zip",
+    summary="Everything of the course",
+    response_class=StreamingResponse,
+    responses={
+        200: {
+            "description": "A zip: members, grades, rules, the audit log; of each submission the file, report, "
+            "points by people and comments; a manifest with the SHA-256 of every file.",
+            "content": {"application/zip": {"schema": {"type": "string", "format": "binary"}}},
+        },
+        **responses(*_READING),
+    },
+)
+def export_course(services: ServicesDep, caller: InstructorDep) -> StreamingResponse:
+    """Return all that is stored of the course, made while it is sent."""
+    headers = {"Content-Disposition": f'attachment; filename="{caller.course}.zip"', **_PRIVATE}
+    return StreamingResponse(course_export.export(services, caller), 200, headers, "application/zip")

@@ -144,6 +144,16 @@ class Submissions:
             rows = session.execute(statement.order_by(col(SubmissionRow.id)).limit(limit)).scalars()
             return tuple(_submission(row) for row in rows)
 
+    def in_order(self, course: str, after: str | None, limit: int) -> tuple[Submission, ...]:
+        """Return at most `limit` submissions of a course, of everybody, stored after the one of the id `after`."""
+        row = SubmissionRow
+        statement = select(row).where(col(row.course) == course, col(row.regrade).is_(None))
+        if after is not None:
+            statement = statement.where(col(row.id) > after)
+        with self._database.reading() as session:
+            rows = session.execute(statement.order_by(col(row.id)).limit(limit)).scalars()
+            return tuple(_submission(one) for one in rows)
+
     def beside(self, submission: Submission, *, after: bool) -> Submission | None:
         """Return the newest submission to the same assignment by the class's next student, in order of id.
 

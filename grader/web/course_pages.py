@@ -3,12 +3,13 @@
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Depends, Form, Query, Request, Response
-from fastapi.responses import RedirectResponse
+from fastapi.responses import RedirectResponse, StreamingResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
 from grader.store.course_life import MOST_DAYS_MOVED, MOST_DAYS_OLD, NewCourse
 from grader.use_cases import course_life
+from grader.use_cases.course_export import export
 from grader.use_cases.course_life import CopiedCourse
 from grader.use_cases.people import members
 from grader.web.access import (
@@ -46,6 +47,16 @@ def read_course(
 ) -> Response:
     """Show what the course is, what can be done with it, and what of it is older than some days."""
     return _course_page(request, visitor, older_than=older_than, done=done)
+
+
+@router.get("/export.zip")
+def export_course(services: ServicesDep, visitor: InstructorDep) -> Response:
+    """Send everything of the course."""
+    headers = {
+        "Content-Disposition": f'attachment; filename="{visitor.caller.course}.zip"',
+        "Cache-Control": "no-store",
+    }
+    return StreamingResponse(export(services, visitor.caller), 200, headers, "application/zip")
 
 
 @router.post("/copy", dependencies=[Depends(require_own_form)])

@@ -98,6 +98,7 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "post /api/v1/members/{person}/tokens": (401, 401, 403, 403, 403, 201, 403, 404),
     "get /api/v1/course": STAFF,
     "get /api/v1/course/space": STAFF,
+    "get /api/v1/course/export.zip": INSTRUCTORS,
     "post /api/v1/course/retention": INSTRUCTORS,
     "post /api/v1/members/{person}/forget": (401, 401, 403, 403, 403, 200, 403, 404),
     "post /api/v1/courses": (401, 401, 403, 403, 403, 201, 403, 422),  # the id is taken by then
@@ -165,6 +166,7 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "post /api/v1/members/{person}/tokens": (401, 401, 404),
     "get /api/v1/course": (401, 401, 409),
     "get /api/v1/course/space": (401, 401, 409),
+    "get /api/v1/course/export.zip": (401, 401, 409),
     "post /api/v1/course/retention": (401, 401, 409),
     "post /api/v1/members/{person}/forget": (401, 401, 409),
     "post /api/v1/courses": (401, 401, 409),

@@ -1,5 +1,9 @@
 """A course from one term to the next."""
 
+import hashlib
+import io
+import json
+import zipfile
 from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Any
@@ -7,9 +11,12 @@ from typing import Any
 import httpx
 import pytest
 
+from grader.contracts.identity import Caller, Role
 from grader.contracts.rules import Rules, Shown
 from grader.store.audit import Signature
+from grader.use_cases.course_export import export
 from grader.use_cases.services import Services
+from tests.fakes.grading import grade_next
 from tests.unit.routes.conftest import School
 
 DUE = datetime(2026, 3, 20, 15, 59, 59, tzinfo=UTC)
@@ -154,3 +161,38 @@ def test_forgetting_and_erasing_over_http(
     again = client.post("/api/v1/members/li/forget", json={}, headers=wang)
     assert (again.status_code, again.json()["code"]) == (404, "member_not_found")
     assert client.post("/api/v1/members/ta/forget", json={}, headers=wang).json()["code"] == "only_students"
+
+
+def test_everything_of_a_course_comes_as_one_zip_part_by_part(
+    client: httpx.Client,
+    graded: Callable[..., str],
+    upload: Callable[..., httpx.Response],
+    school: School,
+    services: Services,
+) -> None:
+    wang = school.as_("wang")
+    url = graded(source=b"good # \xe5\xa5\xbd\n", student="", headers=school.as_("li"))
+    client.post(f"{url}/comments", json={"text": "why?"}, headers=wang)
+    for number in range(30):
+        services.clock.advance(10)
+        upload(student="", headers=school.as_("wang"), source=b"x = 1\n" * 200 + b"# %d\n" % number)
+        while grade_next(services.queue, services.assignments):
+            pass
+    caller = Caller(course="ros", person="wang", role=Role.INSTRUCTOR)
+    parts = [len(one) for one in export(services, caller)]
+    content = client.get("/api/v1/course/export.zip", headers=wang).content
+    assert len(content) == pytest.approx(sum(parts), rel=0.1)
+    assert max(parts[:-2]) < 20_000  # each part is of one file: nobody keeps the whole
+    with zipfile.ZipFile(io.BytesIO(content)) as made:
+        assert made.testzip() is None
+        manifest = json.loads(made.read("manifest.json"))
+        assert {one["path"] for one in manifest["files"]} == {*made.namelist()} - {"manifest.json"}
+        for one in manifest["files"]:
+            assert hashlib.sha256(made.read(one["path"])).hexdigest() == one["sha256"]
+        folder = f"submissions/li/square/{url.rpartition('/')[2]}"
+        assert made.read(f"{folder}/source.py").decode() == "good # 好\n"
+        assert made.read(f"{folder}/report.json") == client.get(f"{url}/report", headers=wang).content
+        assert json.loads(made.read(f"{folder}/submission.json"))["comments"][0]["text"] == "why?"
+        assert made.read("gradebook.csv").decode() == client.get("/api/v1/gradebook.csv", headers=wang).text
+        assert "course.create" in {one["action"] for one in json.loads(made.read("audit.json"))}
+    assert (manifest["course"]["id"], manifest["submissions"]) == ("ros", 31)

@@ -97,6 +97,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/people/{person}/token": (303, 403, 403, 403, 200, 404),
     "POST /class/people/{person}/remove": CHANGES,
     "GET /class/course": STAFF,
+    "GET /class/course/export.zip": INSTRUCTORS,
     "POST /class/course/erase": (303, 403, 403, 403, 303, 303),
     "POST /class/course/forget": (303, 403, 403, 403, 422, 422),  # the second id is another one
     "POST /class/course/copy": (303, 403, 403, 403, 200, 422),  # the id is taken by then
