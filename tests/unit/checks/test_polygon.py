@@ -297,6 +297,21 @@ def test_never_moving_earns_nothing() -> None:
     assert score(graded("square", drive([(5.0, 0.0, 0.0)]))) == 0
 
 
+@pytest.mark.parametrize("sides", POLYGONS)
+def test_less_of_the_last_side_never_earns_more(sides: int) -> None:
+    def scored(share: float) -> float:
+        last = [share * 2.0] if share else []
+        lengths_m = [*[2.0] * (sides - 1), *last]
+        legs = polygon_legs(
+            len(lengths_m), lengths_m=lengths_m, corners_deg=[360.0 / sides] * sides, last_turn=False
+        )
+        return score(graded(POLYGONS[sides], drive(legs)))
+
+    scores = [scored(share) for share in (1.0, 0.9, 0.85, 0.81, 0.79, 0.5, 0.2)]
+    assert scores == sorted(scores, reverse=True)
+    assert scores[-1] >= scored(0.0) - 1.0
+
+
 def at_a_wall(side_m: float) -> Trajectory:
     trajectory = drive(polygon_legs(4, side_m))
     touched = int(trajectory.t_ns[np.argmax(trajectory.x_m > WINDOW_M)])

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -56,15 +57,23 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
     if figure is None:
         return taken
     taken["sides"] = Measure(float(len(figure.sides_m)), {"lengths": listed(figure.sides_m, "m")})
-    taken["side_spread_pct"] = _spread(figure, wall_m)
+    taken["side_spread_pct"] = _spread(figure.sides_m, wall_m)
     if wanted.lengths_m is not None:
-        taken["side_error_pct"] = _side_error(wanted, figure)
+        taken["side_error_pct"] = _side_error(wanted, figure.sides_m)
     taken["curved_pct"] = Measure(100.0 * figure.curved_share)
     taken["gap_pct"] = Measure(
         100.0 * figure.gap_m / figure.perimeter_m if figure.perimeter_m > 0.0 else math.nan,
         {"gap": number(figure.gap_m, "m"), "perimeter": number(figure.perimeter_m, "m")},
     )
     taken |= _corner_measures(wanted, driven)
+    if driven.is_unfinished(wanted) and not driven.is_other(
+        wanted
+    ):  # what there is of the last side must not cost more than none of it
+        taken["sides"] = Measure(float(len(figure.sides_m) - 1), {"lengths": listed(figure.sides_m, "m")})
+        taken["side_spread_pct"] = _spread(figure.sides_m[:-1], wall_m)
+        if wanted.lengths_m is not None:
+            taken["side_error_pct"] = _side_error(wanted, figure.sides_m[:-1])
+        taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.unfinished")})
     if driven.is_other(wanted):  # how well that one was driven earns nothing
         spoilt = _OF_THE_FIGURE if len(figure.sides_m) == wanted.sides else (*_OF_THE_FIGURE, *_LENGTHS)
         taken |= dict.fromkeys(spoilt, Measure(math.nan, {"why": say("polygon.other")}))
@@ -88,10 +97,9 @@ def _wall_m(run: Run, driven: DrivenPolygon) -> float:
     return pushed_m(run.trajectory, int(driven.drive.t_ns[end]))
 
 
-def _spread(figure: PolygonFigure, wall_m: float) -> Measure:
+def _spread(sides_m: Sequence[float], wall_m: float) -> Measure:
     """Return by how much the sides differ; what a wall took off one counts, too: it was meant to be longer."""
-    longest, shortest = max(figure.sides_m), min(figure.sides_m)
-    mean = figure.perimeter_m / len(figure.sides_m)
+    longest, shortest, mean = max(sides_m), min(sides_m), sum(sides_m) / len(sides_m)
     return Measure(
         100.0 * (longest - shortest + wall_m) / mean if mean > 0.0 else math.nan,
         {
@@ -102,11 +110,11 @@ def _spread(figure: PolygonFigure, wall_m: float) -> Measure:
     )
 
 
-def _side_error(wanted: WantedPolygon, figure: PolygonFigure) -> Measure:
-    aligned = wanted.aligned(figure.sides_m)
+def _side_error(wanted: WantedPolygon, sides_m: Sequence[float]) -> Measure:
+    aligned = wanted.aligned(sides_m)
     return Measure(
-        wanted.side_error_pct(figure.sides_m),
-        {"lengths": listed(figure.sides_m, "m"), "wanted": listed(aligned, "m")},
+        wanted.side_error_pct(sides_m),
+        {"lengths": listed(sides_m, "m"), "wanted": listed(aligned, "m")},
     )
 
 

@@ -95,6 +95,7 @@ def _worst_pct(sides_m: Sequence[float], wanted_m: Sequence[float]) -> float:
 
 SAME_DEG = 4.0  # corners this close to a value that tells a mistake are taken to be that value
 OTHER_GAP_SHARE = 0.1  # of the perimeter: a figure that ends this near to its start was meant as it is
+UNFINISHED_SHARE = 0.8  # a last side below this was not driven to its end: then its length costs everything
 EQUAL_RATIO = 1.2  # of the longest to the shortest side: halfway to the rectangle of 3 m by 2 m
 ALIKE_PCT = (
     12.0  # by which opposite sides may differ, and it is a rectangle still, with one side that is short
@@ -146,6 +147,15 @@ class DrivenPolygon:
         if wanted.differing:
             return max(figure.sides_m) <= EQUAL_RATIO * min(figure.sides_m)
         return gap <= CLOSED_SHARE and _is_oblong(figure.sides_m)
+
+    def is_unfinished(self, wanted: WantedPolygon) -> bool:
+        """Whether the figure ends within its last side, and the others are as long as each other."""
+        figure = self.figure
+        if figure is None or len(figure.sides_m) != wanted.sides or figure.repeated or figure.overrun:
+            return False
+        *whole, last = figure.sides_m
+        alike, across = (whole[::2], whole[1]) if wanted.differing else (whole, float(np.median(whole)))
+        return max(alike) <= EQUAL_RATIO * min(alike) and last < UNFINISHED_SHARE * across
 
     @property
     def long_way(self) -> Bools:
