@@ -125,7 +125,7 @@ class Sandbox:
             SandboxError: the zygote could not be started.
         """
         self._mode = mode
-        choice = choose(mode, without)
+        choice = choose(mode, without, shim_path)
         if mode is Mode.STRICT and choice.missing_required:
             names = ", ".join(choice.missing_required)
             raise SandboxUnavailableError(f"this host lacks a required layer of isolation: {names}")

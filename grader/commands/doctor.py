@@ -14,28 +14,46 @@ from typing import Final
 
 from grader.commands.options import add_language_option
 from grader.contracts.assignment import MIB, Limits
-from grader.contracts.errors import SandboxError
+from grader.contracts.errors import SandboxError, SandboxUnavailableError
 from grader.contracts.text import Language, Text
 from grader.jail import landlock, libc
 from grader.jail.cgroups import Bound, own_bound
-from grader.jail.layers import REQUIRED, Layer, Mode
+from grader.jail.layers import REQUIRED, Layer, Mode, prepare_root
+from grader.jail.prepared_root import PLACE
 from grader.sandbox import RUN_SCRIPT, SHIM_PATH, Proof, Sandbox
 
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
     parser.add_argument("--json", action="store_true", help="print the findings as JSON / 以 JSON 输出")
+    parser.add_argument(
+        "--prepare-root",
+        action="store_true",
+        help="make what takes Landlock's place in a container that is root's / 为没有 Landlock 的容器准备根目录",
+    )
     add_language_option(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Diagnose; 0 ready for strict mode, 1 reduced isolation only, 2 cannot run scripts."""
+    if arguments.prepare_root:
+        _prepare_root()
     diagnosis = run_doctor()
     if arguments.json:
         sys.stdout.write(json.dumps(diagnosis.to_dict(), ensure_ascii=False, indent=2) + "\n")
     else:
         sys.stdout.write(diagnosis.text(arguments.lang) + "\n")
     return diagnosis.exit_code
+
+
+def _prepare_root() -> None:
+    try:
+        prepare_root(SHIM_PATH)
+    except OSError as error:
+        raise SandboxUnavailableError(
+            f"the root directory {PLACE} could not be made: {error}. It takes root and the right to make devices.",
+            f"无法准备根目录 {PLACE}：{error}。需要 root 和创建设备文件的权限。",
+        ) from error
 
 
 # ---------------------------------------------------------------------------------------------- findings
@@ -132,7 +150,7 @@ def run_doctor(shim: Path = SHIM_PATH, entry: str = RUN_SCRIPT) -> Diagnosis:
             outer=own_bound(),
             error=str(error),
         )
-    findings = tuple(_finding(layer, missing, proof) for layer in Layer)
+    findings = tuple(_finding(layer, missing, proof) for layer in _told(missing))
     ready = not any(finding.state in (State.MISSING, State.BROKEN) for finding in findings)
     return Diagnosis(
         exit_code=0 if ready else 1,
@@ -152,9 +170,15 @@ def _outer_line(outer: Bound, language: Language) -> str:
     return f"✓ {_OUTER_BOUND.get(language).format(outer.version, outer.memory_bytes // MIB, tasks)}"
 
 
+def _told(missing: tuple[str, ...]) -> list[Layer]:
+    """Return the layers to tell of: what takes Landlock's place only where it is missing."""
+    return [layer for layer in Layer if layer is not Layer.OWN_ROOT or Layer.LANDLOCK in missing]
+
+
 def _finding(layer: Layer, missing: tuple[str, ...], proof: Proof) -> LayerFinding:
     breaches = [breach for breach in proof.breaches if breach.startswith(f"{layer}: ")]
-    required = layer in REQUIRED
+    replaced = layer is Layer.LANDLOCK and Layer.OWN_ROOT not in missing
+    required = layer in REQUIRED and not replaced
     if layer is Layer.OWN_UID and os.geteuid() != 0:
         state = State.NOT_NEEDED
     elif layer in missing:
@@ -167,7 +191,7 @@ def _finding(layer: Layer, missing: tuple[str, ...], proof: Proof) -> LayerFindi
         required=required,
         state=state,
         detail=_seen(layer, proof) if state is State.ACTIVE else detail,
-        leaves_open=Text(zh="", en="") if state in (State.ACTIVE, State.NOT_NEEDED) else _LEAVES_OPEN[layer],
+        leaves_open=_NOTHING if state in (State.ACTIVE, State.NOT_NEEDED) else _LEAVES_OPEN[layer],
     )
 
 
@@ -209,6 +233,7 @@ _TITLES: Final = {
     Layer.LANDLOCK: Text(zh="文件访问限制 (Landlock)", en="file confinement (Landlock)"),
     Layer.OWN_UID: Text(zh="独立用户号", en="own user id"),
     Layer.NAMESPACES: Text(zh="命名空间与最小根目录", en="namespaces and a minimal root"),
+    Layer.OWN_ROOT: Text(zh="预备的根目录", en="a prepared root directory"),
 }
 
 _STATES: Final = {
@@ -218,6 +243,8 @@ _STATES: Final = {
     "not_needed": Text(zh="不需要（不是以 root 运行）", en="not needed (not run as root)"),
     "broken": Text(zh="未能拦住尝试", en="did not hold"),
 }
+
+_NOTHING: Final = Text(zh="", en="")
 
 _LEAVES_OPEN: Final = {
     Layer.PROCESS: Text(
@@ -248,6 +275,11 @@ _LEAVES_OPEN: Final = {
         zh="脚本能探知某些文件是否存在；其余由其他层拦截。普通容器里一向如此。",
         en="A script can find out whether a file exists; the other layers stop the rest. In ordinary "
         "containers this is normal.",
+    ),
+    Layer.OWN_ROOT: Text(
+        zh="可以代替 Landlock：在以 root 运行、允许 chroot 的容器里运行 grader doctor --prepare-root。",
+        en="It can take Landlock's place: run grader doctor --prepare-root in a container that runs as root and "
+        "may chroot.",
     ),
 }
 

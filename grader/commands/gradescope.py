@@ -51,7 +51,8 @@ packages=$(/opt/grader/bin/python -c 'import sysconfig; print(sysconfig.get_path
 cp -r grader "$packages/"
 /opt/grader/bin/python -m compileall -q "$packages/grader"
 # Nobody is graded where scripts cannot be confined: the build ends here and says what is missing.
-/opt/grader/bin/python -m grader doctor --lang @LANGUAGE@ || true
+/opt/grader/bin/python -m grader doctor --lang @LANGUAGE@ ||
+    /opt/grader/bin/python -m grader doctor --lang @LANGUAGE@ --prepare-root || true
 /opt/grader/bin/python -m grader gradescope probe --lang @LANGUAGE@ --assignments assignments @ASSIGNMENT@
 """
 _RUN: Final = """\

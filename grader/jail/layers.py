@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from grader.contracts.record import Record
-from grader.jail import bounds, landlock, syscalls
+from grader.jail import bounds, landlock, prepared_root, syscalls
 from grader.jail.supervisor import ZygoteConfig
 
 _CAP_SETGID, _CAP_SETUID = 6, 7
@@ -40,6 +40,7 @@ class Layer(StrEnum):
     LANDLOCK = "landlock"
     OWN_UID = "own_uid"  # when the grader runs as root
     NAMESPACES = "namespaces"
+    OWN_ROOT = "own_root"  # in Landlock's place: a directory prepared for hosts that have none
 
 
 REQUIRED: Final = (Layer.PROCESS, Layer.RLIMITS, Layer.SECCOMP, Layer.LANDLOCK, Layer.OWN_UID)
@@ -66,8 +67,10 @@ class LayerChoice(Record):
     missing_required: tuple[Layer, ...]
 
 
-def choose(mode: Mode, without: Set[Layer]) -> LayerChoice:
+def choose(mode: Mode, without: Set[Layer], shim: Path) -> LayerChoice:
     """Return the layers this host seems to offer, less `without`.
+
+    Where Landlock is missing, a root directory prepared for `shim` takes its place, and that of namespaces.
 
     Only what can be told without trying: `Sandbox` then proves the layers from inside.
     """
@@ -78,14 +81,32 @@ def choose(mode: Mode, without: Set[Layer]) -> LayerChoice:
         Layer.LANDLOCK: landlock.abi_version() > 0,
         Layer.OWN_UID: may_change_uid(),
         Layer.NAMESPACES: True,
+        Layer.OWN_ROOT: False,
     }
     if sys.platform != "linux" or mode is Mode.DEV:
         offered = {layer: layer in (Layer.PROCESS, Layer.RLIMITS) for layer in offered}
-    active = tuple(layer for layer, here in offered.items() if here and layer not in without)
     needed = [layer for layer in REQUIRED if layer is not Layer.OWN_UID or os.geteuid() == 0]
+    landlocked = offered[Layer.LANDLOCK] and Layer.LANDLOCK not in without
+    if mode is not Mode.DEV and not landlocked and offered[Layer.OWN_UID] and _has_prepared_root(shim):
+        offered |= {Layer.OWN_ROOT: True, Layer.NAMESPACES: False}
+        needed.remove(Layer.LANDLOCK)
+    active = tuple(layer for layer, here in offered.items() if here and layer not in without)
     return LayerChoice(
         active=active, missing_required=tuple(layer for layer in needed if layer not in active)
     )
+
+
+def _has_prepared_root(shim: Path) -> bool:
+    return prepared_root.is_ready(*mounted_paths(shim, allowed_packages()), prepared_root.PLACE)
+
+
+def prepare_root(shim: Path) -> None:
+    """Make the root directory that takes Landlock's place on this host.
+
+    Raises:
+        OSError: it could not be made.
+    """
+    prepared_root.prepare(*mounted_paths(shim, allowed_packages()), prepared_root.PLACE)
 
 
 def configure(program: Program, active: tuple[Layer, ...]) -> ZygoteConfig:
@@ -94,7 +115,7 @@ def configure(program: Program, active: tuple[Layer, ...]) -> ZygoteConfig:
     landlocked = Layer.LANDLOCK in active
     readable = readable_paths(program.shim, packages) if landlocked else []
     shown, masked = mounted_paths(program.shim, packages)
-    own_uid = Layer.OWN_UID in active
+    own_uid, own_root = Layer.OWN_UID in active, Layer.OWN_ROOT in active
     return ZygoteConfig(
         shim=str(program.shim.resolve()),
         entry=program.entry,
@@ -107,7 +128,8 @@ def configure(program: Program, active: tuple[Layer, ...]) -> ZygoteConfig:
         seccomp=Layer.SECCOMP in active,
         namespaces=Layer.NAMESPACES in active,
         box_uid=box_uid() if own_uid else None,
-        keep_read=own_uid and not reachable_by_others(shown),
+        keep_read=own_uid and not own_root and not reachable_by_others(shown),
+        root=str(prepared_root.PLACE) if own_root else None,
     )
 
 

@@ -54,6 +54,7 @@ class ZygoteConfig(Record):
     namespaces: bool
     box_uid: int | None
     keep_read: bool
+    root: str | None = None
     filters: str = syscalls.FILTER_DIRECTORY
 
 

@@ -131,6 +131,9 @@ def _prepare(config: Json) -> tuple[Layers, Entry]:
     sys.dont_write_bytecode = True  # what is imported from here on is the student's
     # Only after the imports: the new root cannot be written to, so the shim's byte code would never be kept.
     separate = bool(config["namespaces"]) and namespaces.enter(config["shown"], config["masked"])
+    if config["root"] is not None:
+        os.chroot(config["root"])
+        os.chdir("/")
     if sys.platform == "linux":
         libc.prctl(libc.PR_SET_DUMPABLE, 0)  # nobody of the same user may read its memory or attach to it
     _prime_import_caches()

@@ -2,7 +2,8 @@
 
 Run as a program, so that the same steps can be taken as another user and behind another host's filter:
 ``driver.py OPTIONS`` with OPTIONS a JSON object: ``uid`` (to become first, or null), ``filter`` (path of a
-seccomp filter to put on first, or null), ``without`` (layers), ``scripts`` (paths). Standard library only.
+seccomp filter to put on first, or null), ``without`` (layers), ``root`` (where to prepare what takes Landlock's
+place, or null), ``scripts`` (paths). Standard library only.
 """
 
 import gc
@@ -19,7 +20,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parents[1]))
 
 from grader.contracts.assignment import MIB, Limits  # noqa: E402
-from grader.jail import bounds, libc, syscalls  # noqa: E402
+from grader.jail import bounds, layers, libc, prepared_root, syscalls  # noqa: E402
 from grader.jail.ending import JailReport  # noqa: E402
 from grader.sandbox import Layer, Sandbox  # noqa: E402
 
@@ -97,6 +98,9 @@ def main() -> None:
     bounds.IDLE_LIMIT_NS = 150_000_000  # type: ignore[misc]  # the same rule, with less patience
     os.environ["SECRET_TOKEN"] = "canary-in-the-environment"
     without = frozenset(map(Layer, options["without"]))
+    if options["root"] is not None:
+        prepared_root.PLACE = Path(options["root"])  # type: ignore[misc]
+        layers.prepare_root(HERE / "runner")
     sandbox = Sandbox(shim_path=HERE / "runner", entry="bare_runner:run", without=without)
     with sandbox:
         baseline, first = run(sandbox, GOOD)
