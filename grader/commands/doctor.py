@@ -191,7 +191,9 @@ def _finding(layer: Layer, missing: tuple[str, ...], proof: Proof) -> LayerFindi
         required=required,
         state=state,
         detail=_seen(layer, proof) if state is State.ACTIVE else detail,
-        leaves_open=_NOTHING if state in (State.ACTIVE, State.NOT_NEEDED) else _LEAVES_OPEN[layer],
+        leaves_open=_NOTHING
+        if replaced or state in (State.ACTIVE, State.NOT_NEEDED)
+        else _LEAVES_OPEN[layer],
     )
 
 

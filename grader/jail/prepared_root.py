@@ -16,7 +16,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-PLACE: Final = Path(sys.prefix) / "jail-root"
+PLACE: Final = (
+    Path(sys.executable).parents[1] / "jail-root"
+)  # not `prefix`: a child without `site` has another
 _STAMP: Final = "jail-root.json"
 _OPEN: Final = 0o755
 _PASSABLE: Final = 0o711  # nobody but root lists the folders on the way
