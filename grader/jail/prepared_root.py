@@ -83,8 +83,8 @@ def _below(place: Path, name: str) -> Path:
 def _inside(top: str, masked: Sequence[str]) -> Iterator[str]:
     """Yield folders, files and links below a directory, a folder before what is in it; nothing below a file."""
     for folder, folders, files in os.walk(top):
-        folders[:] = [name for name in folders if os.path.join(folder, name) not in masked]
-        for name in (*folders, *files):
+        folders[:] = sorted(name for name in folders if os.path.join(folder, name) not in masked)
+        for name in (*folders, *sorted(files)):
             yield os.path.join(folder, name)
 
 
