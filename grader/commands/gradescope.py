@@ -50,10 +50,12 @@ fi
 packages=$(/opt/grader/bin/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
 cp -r grader "$packages/"
 /opt/grader/bin/python -m compileall -q "$packages/grader"
+cd /  # so that the installed grader is what is tried
 # Nobody is graded where scripts cannot be confined: the build ends here and says what is missing.
 /opt/grader/bin/python -m grader doctor --lang @LANGUAGE@ ||
     /opt/grader/bin/python -m grader doctor --lang @LANGUAGE@ --prepare-root || true
-/opt/grader/bin/python -m grader gradescope probe --lang @LANGUAGE@ --assignments assignments @ASSIGNMENT@
+/opt/grader/bin/python -m grader gradescope probe --lang @LANGUAGE@ \\
+    --assignments /autograder/source/assignments @ASSIGNMENT@
 """
 _RUN: Final = """\
 #!/usr/bin/env bash
