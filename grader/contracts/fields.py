@@ -62,6 +62,14 @@ class Choice(FieldKind):
 
 
 @dataclass(frozen=True, slots=True)
+class Name(FieldKind):
+    """The name of something, not longer than `longest`."""
+
+    _: KW_ONLY
+    longest: int = 128
+
+
+@dataclass(frozen=True, slots=True)
 class Names(FieldKind):
     """Names of things, `most` of them at most, none longer than `longest`."""
 

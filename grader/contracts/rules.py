@@ -5,7 +5,7 @@ waiting in the queue, grading and grading again change nothing. There is no cloc
 question always has the same answer.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, time, timedelta
 from enum import StrEnum
@@ -13,7 +13,18 @@ from typing import Annotated, Final, Literal
 from zoneinfo import ZoneInfo
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.fields import Choice, Count, Instant, Names, Nested, Seconds, Share, Table
+from grader.contracts.fields import (
+    Choice,
+    Count,
+    Instant,
+    Name,
+    Names,
+    Nested,
+    Seconds,
+    Share,
+    Table,
+    kinds_of,
+)
 from grader.contracts.text import Text
 
 LateKind = Literal["none", "linear", "steps"]
@@ -29,6 +40,7 @@ _MOST_S = 10 * 366 * 86_400
 _MOST_ATTEMPTS = 10_000
 MOST_STEPS = 50
 MOST_HIDDEN_ITEMS = 100
+MOST_SECTIONS = 100
 _DAY_S = 86_400
 _SCORE_DIGITS = 2  # as rubric items are rounded
 
@@ -137,6 +149,29 @@ class LateRule:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class SectionRule:
+    """What holds for the students of one section in place of the same fields of `Rules`."""
+
+    section: Annotated[str, Name("A section of the course.", longest=64, example="A")]
+    due: Annotated[datetime, Instant("Later is late.", example="2026-03-22T23:59:59")]
+    late: Annotated[LateRule, Nested(of=LateRule)] = LateRule()
+    accept_late_s: Annotated[
+        int | None, Seconds("How long after `due`; null: for ever.", high=_MOST_S, example=172_800)
+    ] = None
+
+    def __post_init__(self) -> None:
+        if self.due.tzinfo is None:
+            raise RuleError("due", "instant", zh="due 要有时区。", en="due needs a time zone")
+        if self.accept_late_s is not None and self.accept_late_s < 0:
+            raise RuleError(
+                "accept_late_s",
+                "hours",
+                zh="accept_late_s 不能小于 0。",
+                en="accept_late_s must be at least 0",
+            )
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Extension:
     """What one student gets beyond the rules: a later due date, more attempts. It never takes anything away."""
 
@@ -212,6 +247,7 @@ class Rules:
         hidden_items: rubric items that students do not see before `hidden_until`; None: they never see them.
         appeals_until: how long students may ask for another look at an item; None: they may not.
         corrected_by: who may correct what the machine judged.
+        by_section: what holds for single sections instead of `due`, `late` and `accept_late_s`.
     """
 
     shown: Annotated[
@@ -240,6 +276,10 @@ class Rules:
     corrected_by: Annotated[
         Corrector, Choice("Who corrects what the machine judged.", options=tuple(Corrector))
     ] = Corrector.INSTRUCTORS
+    by_section: Annotated[
+        tuple[SectionRule, ...],
+        Table("Due date and lateness of single sections.", of=SectionRule, most=MOST_SECTIONS, example=()),
+    ] = ()
 
     def __post_init__(self) -> None:
         for name in ("opens", "due", "hidden_until", "appeals_until"):
@@ -263,6 +303,7 @@ class Rules:
                 zh="accept_late_s 不能小于 0。",
                 en="accept_late_s must be at least 0",
             )
+        self._check_sections()
         if self.opens is None and self.shown is Shown.WHEN_OPEN:
             raise RuleError(
                 "shown",
@@ -277,6 +318,39 @@ class Rules:
                 zh="counts 用 best_before_due 时要有 due（截止时间）。",
                 en="counts best_before_due needs a due date",
             )
+
+    def _check_sections(self) -> None:
+        names = [one.section for one in self.by_section]
+        if len(set(names)) < len(names):
+            raise RuleError(
+                "by_section",
+                "section_twice",
+                zh="by_section 里一个班级只能写一次。",
+                en="by_section must name a section once",
+            )
+        if self.opens is not None and any(one.due <= self.opens for one in self.by_section):
+            raise RuleError(
+                "by_section",
+                "order",
+                zh="due（截止）要晚于 opens（开放）。",
+                en="due must be later than opens",
+            )
+
+    def for_sections(self, sections: Collection[str]) -> "Rules":
+        """Return the rules as they hold for a student of `sections`; of several the latest due date counts."""
+        if not self.by_section:
+            return self
+        own = [one for one in self.by_section if one.section in sections]
+        if not own:
+            return replace(self, by_section=())
+        one = max(own, key=lambda one: one.due)
+        return replace(self, due=one.due, late=one.late, accept_late_s=one.accept_late_s, by_section=())
+
+    def with_section(self, section: str, rule: SectionRule | None) -> "Rules":
+        """Return the rules with another rule for a section; None: with none."""
+        others = [one for one in self.by_section if one.section != section]
+        own = [] if rule is None else [rule]
+        return replace(self, by_section=tuple(sorted([*others, *own], key=lambda one: one.section)))
 
     def shown_at(self, now: datetime) -> bool:
         """Return whether students see the assignment at `now`."""
@@ -359,11 +433,13 @@ class Rules:
 
     def moved(self, days: int, zone: ZoneInfo) -> "Rules":
         """Return the rules with every date `days` days later, at the same time of the day in `zone`."""
-        dates = {name: getattr(self, name) for name in ("opens", "due", "hidden_until", "appeals_until")}
         later = timedelta(days=days)
-        return replace(
-            self, **{name: one.astimezone(zone) + later for name, one in dates.items() if one is not None}
-        )
+        dates = {
+            name: getattr(self, name) for name, kind in kinds_of(Rules).items() if isinstance(kind, Instant)
+        }
+        moved = {name: one.astimezone(zone) + later for name, one in dates.items() if one is not None}
+        sections = [replace(one, due=one.due.astimezone(zone) + later) for one in self.by_section]
+        return replace(self, **moved, by_section=tuple(sections))
 
     def may_appeal_at(self, now: datetime) -> bool:
         """Return whether students may ask for another look at `now`."""

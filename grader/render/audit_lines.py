@@ -148,6 +148,8 @@ class Teller:
 
     def _told(self, name: str, kind: FieldKind | None, value: Any) -> str:
         match kind:
+            case _ if value is None:
+                return _text(value)
             case fields.Instant():
                 return self._instant(value)
             case fields.Seconds():

@@ -187,7 +187,7 @@ def _marks(session: Session, course: str | None, known: CourseRules) -> dict[Pla
         (student, assignment): (
             *changing,
             judgements.get((student, assignment), 0),
-            known.of(assignment),
+            known.of(assignment, student),
             known.extension(assignment, student),
         )
         for student, assignment, *changing in session.execute(grouped)
@@ -309,7 +309,7 @@ def _progress(own: list[Any], known: CourseRules) -> StudentProgress:
     attempts = as_attempts(own)
     extension = known.extension(latest.assignment, latest.student)
     manual = next((row for row in reversed(own) if row.to_judge is not None), None)
-    counting = known.of(latest.assignment).counting(extension, attempts)
+    counting = known.of(latest.assignment, latest.student).counting(extension, attempts)
     return StudentProgress(
         student=latest.student,
         assignment=latest.assignment,

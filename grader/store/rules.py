@@ -2,13 +2,14 @@
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass
-from datetime import UTC, datetime
+from collections.abc import Collection, Mapping
+from dataclasses import asdict, dataclass, field
+from datetime import UTC, datetime, tzinfo
 from functools import lru_cache
 from typing import Any, cast
 from zoneinfo import ZoneInfo
 
-from sqlalchemy import and_, bindparam, literal, outerjoin, select
+from sqlalchemy import and_, bindparam, func, literal, outerjoin, select
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Distro
@@ -19,16 +20,28 @@ from grader.contracts.record import from_plain
 from grader.contracts.rules import NO_EXTENSION, NO_RULES, Extension, Rules
 from grader.store.audit import Signature, record
 from grader.store.database import Database, one_at_a_time
-from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, table_of
+from grader.store.tables import CourseRow, ExtensionRow, MemberRow, RulesRow, SectionRow, table_of
 
 _UTC = "UTC"
 _TAG_LENGTH = 16
 ANY_STATE = Seen(None)
 
-_course_of, _member_of, _rules_of, _extension_of = (
-    table_of(row).c for row in (CourseRow, MemberRow, RulesRow, ExtensionRow)
+_course_of, _member_of, _rules_of, _extension_of, _section_of = (
+    table_of(row).c for row in (CourseRow, MemberRow, RulesRow, ExtensionRow, SectionRow)
 )
-ABOUT = (_course_of.time_zone, _rules_of.document, _extension_of.due, _extension_of.extra_attempts)
+_BETWEEN = "\n"  # no name of a section has one: it can be printed
+_sections = (
+    select(func.aggregate_strings(_section_of.section, _BETWEEN))
+    .where(_section_of.course == bindparam("course"), _section_of.person == bindparam("student"))
+    .scalar_subquery()
+)
+ABOUT = (
+    _course_of.time_zone,
+    _rules_of.document,
+    _extension_of.due,
+    _extension_of.extra_attempts,
+    _sections,
+)
 """Columns of `ABOUT_FROM`, in the order of the parameters of `rules_about`."""
 
 OPEN_TO = (_course_of.archived_at, _member_of.person)
@@ -64,6 +77,7 @@ class CourseRules:
     """Everything that decides about submissions of a course. Without courses nothing is ruled.
 
     Attributes:
+        sections: by person; only where some rule asks for them.
         distro: release of ROS 2 of the course; None without one.
     """
 
@@ -71,11 +85,15 @@ class CourseRules:
     archived: bool
     by_assignment: dict[str, Rules]
     extensions: dict[tuple[str, str], Extension]
+    sections: Mapping[str, Collection[str]] = field(default_factory=dict)
     distro: Distro | None = None
 
-    def of(self, assignment: str) -> Rules:
-        """Return the rules of one assignment."""
-        return self.by_assignment.get(assignment, NO_RULES)
+    def of(self, assignment: str, student: str | None = None) -> Rules:
+        """Return the rules of one assignment, for everybody or as they hold for a student's sections."""
+        rules = self.by_assignment.get(assignment, NO_RULES)
+        if student is None or not rules.by_section:
+            return rules
+        return rules.for_sections(self.sections.get(student, ()))
 
     def extension(self, assignment: str, person: str) -> Extension:
         """Return what one student gets beyond them."""
@@ -192,10 +210,7 @@ def tag(rules: Rules | Extension) -> str:
 
     The same instants have the same tag, whatever offset they are written with: databases give back UTC.
     """
-    told = {
-        name: one.astimezone(UTC).isoformat() if isinstance(one, datetime) else one
-        for name, one in asdict(rules).items()
-    }
+    told = _plain(asdict(rules), UTC)
     return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:_TAG_LENGTH]
 
 
@@ -207,29 +222,57 @@ def rules_of(session: Session, course: str | None) -> CourseRules:
     ruled = select(RulesRow).where(col(RulesRow.course) == course)
     extended = select(ExtensionRow).where(col(ExtensionRow.course) == course)
     rows, extensions = session.execute(ruled).scalars(), session.execute(extended).scalars()
+    by_assignment = {one.assignment: _read(one.document) for one in rows}
     return CourseRules(
         zone=ZoneInfo(_UTC if row is None else row.time_zone),
         archived=row is not None and row.archived_at is not None,
-        by_assignment={one.assignment: _read(one.document) for one in rows},
+        by_assignment=by_assignment,
+        sections=_sections_of(session, course)
+        if any(one.by_section for one in by_assignment.values())
+        else {},
         extensions={(one.assignment, one.person): _extension(one) for one in extensions},
         distro=None if row is None else cast("Distro", row.distro),
     )
 
 
 def rules_about(
-    zone: str | None, document: str | None, due: datetime | None, extra_attempts: int | None
+    zone: str | None,
+    document: str | None,
+    due: datetime | None,
+    extra_attempts: int | None,
+    sections: str | None,
 ) -> tuple[Rules, Extension, ZoneInfo]:
     """Return what rules the work of a student for an assignment, from a row of `ABOUT`."""
     rules = NO_RULES if document is None else _read(document)
+    rules = rules.for_sections((sections or "").split(_BETWEEN))
     extension = NO_EXTENSION if extra_attempts is None else Extension(due=due, extra_attempts=extra_attempts)
     return rules, extension, ZoneInfo(zone or _UTC)
 
 
 def to_document(rules: Rules | Extension) -> dict[str, Any]:
     """Return rules or an extension as JSON-ready data; instants as ISO 8601 with their offset."""
-    return {
-        name: one.isoformat() if isinstance(one, datetime) else one for name, one in asdict(rules).items()
-    }
+    document: dict[str, Any] = _plain(asdict(rules))
+    return document
+
+
+def _plain(value: Any, zone: tzinfo | None = None) -> Any:
+    """Return plain data with its instants as ISO 8601, on the clock of `zone` if given."""
+    match value:
+        case datetime():
+            return (value if zone is None else value.astimezone(zone)).isoformat()
+        case dict():
+            return {name: _plain(one, zone) for name, one in value.items()}
+        case list() | tuple():
+            return [_plain(one, zone) for one in value]
+        case _:
+            return value
+
+
+def _sections_of(session: Session, course: str) -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for one in session.execute(select(SectionRow).where(col(SectionRow.course) == course)).scalars():
+        found.setdefault(one.person, []).append(one.section)
+    return found
 
 
 def from_document(document: dict[str, Any]) -> Rules:

@@ -118,9 +118,10 @@ def all_terms(services: Services, caller: Caller) -> dict[str, Terms]:
 def _terms(
     known: CourseRules, caller: Caller, assignment_id: str, attempts: Sequence[Attempt], now: datetime
 ) -> Terms:
-    rules, person = known.of(assignment_id), caller.person
+    is_student, person = caller.role is Role.STUDENT, caller.person
+    rules = known.of(assignment_id, person if is_student else None)
     extension = NO_EXTENSION if person is None else known.extension(assignment_id, person)
-    is_student, hides = caller.role is Role.STUDENT, bool(rules.hidden_at(now))
+    hides = bool(rules.hidden_at(now))
     return Terms(
         rules=rules,
         zone=known.zone,

@@ -17,7 +17,7 @@ from grader.contracts import fields
 from grader.contracts.errors import RefusedError
 from grader.contracts.fields import FieldKind, kinds_of
 from grader.contracts.notation import instant
-from grader.contracts.rules import YEARS, Extension, LateRule, LateStep, RuleError, Rules
+from grader.contracts.rules import YEARS, Extension, LateRule, LateStep, RuleError, Rules, SectionRule
 from grader.contracts.validation_words import OUT_OF_YEARS
 
 # Pydantic by itself takes texts and true for numbers, too.
@@ -136,6 +136,8 @@ def _type(kind: FieldKind, hint: Any) -> Any:
             return Number
         case fields.Number():
             return Whole
+        case fields.Name():
+            return Annotated[str, Field(min_length=1, max_length=kind.longest)]
         case fields.Names():
             return list[Annotated[str, Field(max_length=kind.longest)]]
         case fields.Table():
@@ -154,6 +156,11 @@ class LateStepBody(Described):
 @_of(LateRule)
 class LateRuleBody(Described):
     """What lateness costs."""
+
+
+@_of(SectionRule)
+class SectionRuleBody(Described):
+    """What holds for the students of one section."""
 
 
 @_of(Rules)

@@ -183,7 +183,9 @@ def _counted(listed: Iterable[Submission], known: CourseRules, caller: Caller, n
         if caller.is_staff or not known.of(one.assignment).hidden_at(now):
             own[one.assignment].append(one)
     found = (
-        known.of(assignment).counting(known.extension(assignment, some[0].student), as_attempts(some))
+        known.of(assignment, some[0].student).counting(
+            known.extension(assignment, some[0].student), as_attempts(some)
+        )
         for assignment, some in own.items()
     )
     return {one.attempt.id for one in found if one is not None}
@@ -200,7 +202,7 @@ def best_of(submissions: Iterable[Submission]) -> dict[str, Submission]:
 
 
 def _lateness(submission: Submission, known: CourseRules) -> Lateness:
-    rules = known.of(submission.assignment)
+    rules = known.of(submission.assignment, submission.student)
     extension = known.extension(submission.assignment, submission.student)
     score, received_at = submission.score, submission.received_at
     return Lateness(

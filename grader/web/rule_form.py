@@ -213,6 +213,7 @@ class Reader:
             "corrected_by": Corrector(form.corrected_by),
             "hidden_items": tuple(form.hidden_items),
             **{name: self._value(name, form, before) for name in _short(Rules)},
+            "by_section": before.by_section,
         }
         rules = self._made(Rules, values, before)
         return before if self.errors else rules

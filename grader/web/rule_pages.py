@@ -194,6 +194,7 @@ def _page(  # noqa: PLR0913
         "form": form or _form(known, assignment.id),
         "errors": errors or {},
         "extensions": known.extended(assignment.id),
+        "sections": _sections(request, services, visitor, known, assignment.id),
         "extension": extension or _extension_form(known, assignment.id, ""),
         "tag": tag,
         "extension_errors": extension_errors or {},
@@ -208,6 +209,19 @@ def _page(  # noqa: PLR0913
         "saved": saved,
     }
     return page(request, "rules_assignment.html", status=422 if errors or extension_errors else 200, **values)
+
+
+def _sections(
+    request: Request, services: Services, visitor: Visitor, known: CourseRules, assignment_id: str
+) -> list[tuple[str, str, str]]:
+    """Return every section with its own due date (else nothing) and what lateness costs there."""
+    rules, teller = known.of(assignment_id), Teller(language_of(request), known.zone)
+    own = {one.section: teller.value("due", one.due.isoformat()) for one in rules.by_section}
+    everybody = {*sections_of(members(services, visitor.caller)), *own}
+    return [
+        (name, own.get(name, ""), teller.late(asdict(rules.for_sections([name]).late), in_full=False))
+        for name in sorted(everybody)
+    ]
 
 
 def _form(known: CourseRules, assignment_id: str) -> RuleForm:

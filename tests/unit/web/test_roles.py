@@ -79,6 +79,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/rules/{assignment_id}": STAFF,
     "POST /class/rules/{assignment_id}": (303, 403, 403, 403, 303, 303),
     "POST /class/rules/{assignment_id}/extensions": (303, 403, 403, 403, 303, 422),
+    "GET /class/rules/{assignment_id}/section": INSTRUCTORS,
+    "POST /class/rules/{assignment_id}/section": (303, 403, 403, 403, 422, 422),  # without a due date
     "GET /class/judgements": STAFF,
     "GET /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody judges a motion
     "POST /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),
@@ -159,6 +161,8 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
     method, path = operation.split()
     path = path.format_map(school)
     query = {"first": school["submission_id"], "second": school["submission_id"]}
+    if path.endswith("/section"):
+        query = {"name": "A"}
     if path.endswith("gradings/compare"):
         query = {"first": "1", "second": "1"}
     data = {

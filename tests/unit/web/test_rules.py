@@ -6,11 +6,13 @@ from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from zoneinfo import ZoneInfo
 
+import httpx
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from grader.contracts.fields import kinds_of
+from grader.contracts.identity import RosterEntry
 from grader.contracts.rules import (
     NO_EXTENSION,
     NO_RULES,
@@ -119,7 +121,8 @@ def test_the_form_asks_for_every_field_of_the_rules(wang: Browser) -> None:
     text = wang.get(PAGE).text
     asked = set(re.findall(r'name="(\w+)"', text))
     late = {"step_after" if name == "steps" else name for name in late_parameters()}
-    assert {typed_name(name) for name in [*kinds_of(Rules), *late]} <= asked
+    elsewhere = {"by_section"}  # has a page for each section
+    assert {typed_name(name) for name in [*kinds_of(Rules), *late]} - elsewhere <= asked
     assert set(kinds_of(LateRule)) == {"kind", *late_parameters()}
     assert {typed_name(name) for name in kinds_of(Extension)} <= asked
 
@@ -320,3 +323,26 @@ def test_without_a_course_there_are_no_rules(instructor: Browser) -> None:
     assert "grader course create" in instructor.get("/class/rules").text
     assert "保存规则" not in instructor.get(PAGE).text
     assert instructor.post(PAGE, {"attempts": "1"}).status_code == 409
+
+
+def test_a_section_gets_its_own_due_date_on_the_page(
+    client: httpx.Client, tokens: dict[str, str], services: Services
+) -> None:
+    services.courses.import_roster("ros", [RosterEntry(id="li", name="", sections=("一班",))], "wang")
+    wang = Browser(client)
+    wang.enter(token=tokens["wang"])
+    page = "/class/rules/square/section?name=一班"
+    assert "一班" in wang.get("/class/rules/square").text
+    typed = {"due": "2026-03-20T23:59", "late": "linear", "per_day": "10", "accept_late": "48"}
+    assert wang.post(page, typed).headers["Location"] == "/class/rules/square?saved=rules#by-section"
+    rules = services.rules.of("ros").of("square")
+    (one,) = rules.by_section
+    assert (one.section, one.late.per_day, one.accept_late_s, rules.due) == ("一班", 0.1, 172_800, None)
+    assert services.rules.of("ros").of("square", "li").due == one.due
+    assert "2026-03-20 23:59" in wang.get("/class/rules/square").text
+    assert wang.post(page, {**typed, "due": ""}).status_code == 422
+    wang.post("/class/rules/square", {"attempts": "3"})  # the other form leaves the sections alone
+    assert services.rules.of("ros").of("square").by_section == (one,)
+    wang.post(page, {"remove": "true"})
+    assert services.rules.of("ros").of("square").by_section == ()
+    assert "2026-03-20 23:59" in wang.get("/class/audit").text
