@@ -51,6 +51,9 @@ _TROUBLE_CHARACTERS = 2_000
 _MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
 _MOST_TRIES_RUNNING = 2  # once a fault of the host, twice rather of the script
 _LAST_TURN = datetime(9999, 1, 1, tzinfo=UTC)
+_LATELY = timedelta(minutes=10)
+_LONG = timedelta(seconds=5)
+"""A grading that others should not have to wait for. An ordinary one takes a fraction of a second."""
 _LATEST = 100  # gradings whose durations tell the pace
 # Key of a connection's notes of which assignments are stored. They are notes of a connection, not of the process:
 # when a database is replaced by another one, connections are new, and so are their notes.
@@ -77,6 +80,17 @@ _DUE: Select[str] = (
 )
 """The submission to grade next: by priority, then by turn. Takes the instants `now` and `turn_by`."""
 
+_DUE_EARLY = _DUE.add_columns(_row.course, _row.student)
+_LATELY_OF = select(_row.started_at, _row.finished_at).where(
+    _row.course.is_not_distinct_from(bindparam("course")),
+    _row.student == bindparam("student"),
+    or_(
+        _row.state == SubmissionState.RUNNING.value,
+        _row.finished_at >= bindparam("since", type_=UtcDateTime()),
+    ),
+)
+"""When the gradings of a student began and ended: those under way, and those that ended lately."""
+
 _CLAIMED = (
     _row.id,
     _row.attempt,
@@ -88,9 +102,8 @@ _CLAIMED = (
     select(_course.c.distro).where(_course.c.id == _row.course).scalar_subquery(),
 )
 
-_TAKE = (
+_CLAIMING = (
     update(_submission)
-    .where(_row.id == _DUE.with_for_update(skip_locked=True).scalar_subquery())
     .values(
         state=SubmissionState.RUNNING.value,
         attempt=_row.attempt + 1,
@@ -101,6 +114,8 @@ _TAKE = (
     )
     .returning(*_CLAIMED)
 )
+_TAKE = _CLAIMING.where(_row.id == _DUE.with_for_update(skip_locked=True).scalar_subquery())
+_TAKE_EARLY = _CLAIMING.where(_row.id == bindparam("early"), _row.state == SubmissionState.QUEUED.value)
 _RESUME = (
     update(_submission)
     .where(_row.state == SubmissionState.RUNNING.value, _row.worker == bindparam("by"))
@@ -159,11 +174,14 @@ class Queue:
     def claim(self, worker: str, *, in_turn: bool = False) -> Claim | None:
         """Take the submission that is due first, or None when nothing is due.
 
-        `in_turn`: leave what its student's other uploads put back, until its turn has come.
+        `in_turn`: leave what its student's other uploads put back until its turn has come, if others might wait
+        for it long: another upload of the student is being graded, or was lately and took long.
         """
         if self._database.is_sqlite:  # an idle poll must not take the only write lock
             with self._database.reading() as session:
-                if session.connection().execute(_DUE, _instants(self._clock(), in_turn)).first() is None:
+                connection, now = session.connection(), self._clock()
+                due = connection.execute(_DUE, _instants(now, in_turn)).first()
+                if due is None and (not in_turn or _due_early(connection, now) is None):
                     return None
         with self._database.writing() as session:
             return _take(session.connection(), worker, self._clock(), self.lease_s, in_turn)
@@ -418,9 +436,24 @@ def _instants(now: datetime, in_turn: bool) -> dict[str, datetime]:
 
 def _take(connection: Connection, worker: str, now: datetime, lease_s: float, in_turn: bool) -> Claim | None:
     """Claim the submission that is due first; None when nothing is due, or another worker was quicker."""
-    until = now + timedelta(seconds=lease_s)
-    row = connection.execute(_TAKE, {**_instants(now, in_turn), "by": worker, "until": until}).first()
+    values = {"now": now, "by": worker, "until": now + timedelta(seconds=lease_s)}
+    row = connection.execute(_TAKE, {**values, **_instants(now, in_turn)}).first()
+    if row is None and in_turn and (early := _due_early(connection, now)) is not None:
+        row = connection.execute(_TAKE_EARLY, {**values, "early": early}).first()
     return None if row is None else _claim(row, worker)
+
+
+def _due_early(connection: Connection, now: datetime) -> str | None:
+    """Return what would be due first if everybody's turn had come; None while its student's gradings take long."""
+    first = connection.execute(_DUE_EARLY, _instants(now, in_turn=False)).first()
+    if first is None:
+        return None
+    id_, course, student = first
+    asked = {"course": course, "student": student, "since": now - _LATELY}
+    for started_at, finished_at in connection.execute(_LATELY_OF, asked):
+        if finished_at is None or started_at is None or finished_at - started_at > _LONG:
+            return None
+    return str(id_)
 
 
 def _resume(connection: Connection, worker: str, now: datetime, lease_s: float) -> Claim | None:

@@ -100,8 +100,9 @@ class GradingSlot:
             name: as which it claims.
             parts: shared with the other slots of the worker.
             sandbox: shared as well.
-            in_turn: grade nothing before its turn, though the slot is idle. What somebody hands in beside what
-                waits already, or whose gradings took long, then leaves this slot to others.
+            in_turn: grade nothing before its turn, though the slot is idle, that others might have to wait for
+                long. What somebody hands in beside what is being graded, or whose gradings took long, then leaves
+                this slot to others.
         """
         self.name = name
         self._in_turn = in_turn

@@ -3,21 +3,23 @@
 import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import pytest
 
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError
 from grader.contracts.grading import GradingJob, GradingResult, SandboxState
+from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.report import GradeStatus
 from grader.contracts.submission import Claim, SubmissionState
 from grader.store.audit import AuditLog, Signature
 from grader.store.courses import Courses
 from grader.store.queue import Queue, Retries
-from grader.worker import GradingSlot, SandboxHealth
+from grader.worker import SandboxHealth
 from tests.fakes.grading import FakeGrader, grade
 from tests.fakes.waiting import PATIENCE_S
-from tests.fakes.worker_bench import READY, Bench
+from tests.fakes.worker_bench import Bench
 
 
 @pytest.fixture
@@ -46,6 +48,7 @@ def test_a_step_goes_on_with_what_is_due_next(bench: Bench) -> None:
 def test_the_course_chooses_the_release_unless_the_assignment_does(bench: Bench) -> None:
     courses, signed = Courses(bench.database, bench.clock), Signature(bench.clock(), "ros", "wang")
     courses.create("ros", "ROS", "UTC", "wang")
+    courses.import_roster("ros", [RosterEntry(id="s1", name="s1", role=Role.STUDENT)], "wang")
     of_their_own = [replace(one, distro="jazzy") for one in bench.parts.assignments.all()]
 
     def graded_on(course: str | None) -> str:
@@ -77,17 +80,41 @@ def test_a_try_that_fails_while_the_script_runs_is_repeated_once(
     assert bench.row(id_).state is state
 
 
+def graded(bench: Bench, claim: Claim) -> GradingResult:
+    assignment = bench.parts.assignments.get(claim.assignment)
+    return grade(GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment))
+
+
 def test_a_slot_is_kept_for_those_whose_turn_it_is(bench: Bench) -> None:
-    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
-    kept._sandbox.try_out()
-    first = bench.upload(b"good")
-    later = bench.upload(b"good good", "straight")  # of the same student
-    assert kept.step()
-    assert not kept.step()
-    states = [bench.row(one).state for one in (first, later)]
-    assert states == [SubmissionState.GRADED, SubmissionState.QUEUED]
-    assert bench.slot().step()  # any other slot takes it at once
-    assert bench.row(later).state is SubmissionState.GRADED
+    ids = [bench.upload(b"good" * (1 + number), "straight", student="s1") for number in range(3)]
+    kept = partial(bench.queue.claim, "w/0", in_turn=True)
+    first = kept()
+    assert first is not None
+    assert kept() is None  # beside another upload of the student
+    second = bench.queue.claim("w/1")  # any other slot takes it at once
+    assert second is not None
+    for claim in (first, second):
+        assert bench.queue.finish(claim, graded(bench, claim))
+    third = kept()  # those took no time
+    assert third is not None
+    assert {first.submission_id, second.submission_id, third.submission_id} == set(ids)
+
+
+def test_a_slot_is_kept_from_whose_gradings_take_long(bench: Bench) -> None:
+    for number in range(2):
+        bench.upload(b"good" * (1 + number), "straight", student="s1")
+    kept = partial(bench.queue.claim, "w/0", in_turn=True)
+    first = kept()
+    assert first is not None
+    bench.clock.advance(6.0)
+    assert bench.queue.finish(first, graded(bench, first))
+    assert kept() is None
+    bench.upload(b"good", student="s2")
+    other = kept()
+    assert other is not None
+    assert bench.row(other.submission_id).student == "s2"
+    bench.clock.advance(600.0)
+    assert kept() is not None  # its turn has come
 
 
 def test_what_cannot_be_started_for_lack_of_room_waits_and_uses_no_try(
