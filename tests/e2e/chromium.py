@@ -20,7 +20,10 @@ FLAGS = (
     "--force-prefers-reduced-motion",  # a replay stands still until a test plays it
     # less work for the same pages
     "--in-process-gpu", "--renderer-process-limit=1", "--disable-extensions", "--disable-default-apps",
-    "--disable-features=Translate,OptimizationHints,MediaRouter,AutofillServerCommunication,BackForwardCache",
+    "--guest",  # no extensions, sign-in or new-tab page
+    # nor a spare process for the next page, nor a page kept for the way back
+    "--disable-features=Translate,OptimizationHints,MediaRouter,AutofillServerCommunication,BackForwardCache,"
+    "SpareRendererForSitePerProcess,RenderDocument",
 )  # fmt: skip
 
 

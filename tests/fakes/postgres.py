@@ -93,7 +93,8 @@ class PostgresServer:
         """Create a database, migrated unless it shall be `empty`; return its address."""
         template = "template0" if empty else _PREPARED
         self._administer(f"DROP DATABASE IF EXISTS {database} WITH (FORCE)")
-        self._administer(f"CREATE DATABASE {database} ENCODING 'UTF8' TEMPLATE {template}")
+        # copying whole files takes a quarter of the processor's time that writing every page to the log does
+        self._administer(f"CREATE DATABASE {database} ENCODING 'UTF8' TEMPLATE {template} STRATEGY FILE_COPY")
         return self.url(database)
 
     def drop(self, database: str) -> None:

@@ -18,9 +18,12 @@ COMMAND = ("-s", "-P", "-S", "-B", "-c")
 """Isolates the interpreter as in the jail (`-I` would ignore PYTHONHASHSEED); the program follows."""
 
 _PROGRAM = """
-import os, resource, sys, _socket
+import gc, os, resource, sys, _socket
 del sys.modules["resource"]  # a script finds it where `load` brings it, and imports it itself elsewhere
+del sys.modules["gc"]
 {load}
+gc.collect()
+gc.freeze()  # a fork that collects garbage would copy the pages of all that was imported
 control = _socket.socket(_socket.AF_UNIX, _socket.SOCK_STREAM, 0, {control})
 while True:
     asked, passed, _, _ = control.recvmsg(32, _socket.CMSG_SPACE(12))
