@@ -78,7 +78,7 @@ def test_remapping_and_parameters_of_the_command_line(run_script):
         print(rclpy.utilities.remove_ros_args())
     """
     args = "one --ros-args -r __node:=runner -r __ns:=/team -r cmd_vel:=/turtle1/cmd_vel -p speed:=2.5 "
-    args += "-p name:='007' -p sides:=[3,5] -p /team/runner:own:=off -p count:=3 -- two"
+    args += "-p name:='007' -p sides:=[3,5] -p own:=off -p count:=3 -- two"
     out = lines(run_script, source, args=args.split())
     assert out == [
         "/team/runner /turtle1/cmd_vel",
@@ -177,3 +177,56 @@ def test_names_that_upstreams_modules_pass_on_can_be_imported_from_them(run_scri
     """
     run = run_script(dedent(source))
     assert run.stdout.splitlines() == ["~MsgType True True", "True True", "rclpy.client"], run.stderr
+
+
+RULES = (
+    ("-r a:=b", ""),
+    ("-r node:rosservice://~/a/b:=/c", ""),
+    ("-r __ns:=/x/y", ""),
+    ("-r a:=2b", "Error: error not set"),
+    (
+        "-r a:=b!",
+        "Error: Expected lexeme type (19) not found, search ended at index 4, at ./src/rcl/lexer_lookahead.c:239",
+    ),
+    ("-r /*:=b", "Error: Wildcard '*' is not implemented, at ./src/rcl/arguments.c:1164"),
+    ("-r __node:=1x", "Error: Expected lexeme type (18) not found, search ended at index 8"),
+    ("-r __ns:=x", "Error: Expected lexeme type 19, got 18 at index 6, at ./src/rcl/lexer_lookahead.c:244"),
+    ("-r __nope:=x", "Error: Expecting token or wildcard, at ./src/rcl/arguments.c:1170"),
+    ("-p a", "Error: Expected lexeme type (22) not found, search ended at index 1"),
+    ("-p a.:=1", "Error: Expecting token or wildcard, at ./src/rcl/arguments.c:1273"),
+    ("-p node:a.b:=1", ""),
+    ("--log-level :=info", "Error: Argument has an invalid logger item that name is empty"),
+    ("--log-level a.b:=info", ""),
+    ("-p a:=1 b:=2", "Found unknown ROS args: ['b:=2']"),
+)
+
+
+def test_rules_are_refused_where_rcl_refuses_them(run_script):
+    run = run_script(
+        f"""
+import rclpy
+for given in {[given for given, _ in RULES]!r}:
+    try:
+        rclpy.init(args=['x', '--ros-args', *given.split()], context=rclpy.context.Context())
+        print()
+    except Exception as error:
+        print(error)
+"""
+    )
+    for (given, text), printed in zip(RULES, run.stdout.splitlines(), strict=True):
+        assert text in printed, given
+        assert bool(text) == bool(printed), given
+
+
+def test_a_remap_rule_outside_ros_arguments_counts_and_is_warned_of(run_script):
+    run = run_script(
+        "import rclpy, sys\nrclpy.init()\nnode = rclpy.create_node('a')\n"
+        "print(node.get_fully_qualified_name(), rclpy.utilities.remove_ros_args(sys.argv)[1:])\n"
+        "print(rclpy.create_node('b', cli_args=['-r', '__node:=c'], use_global_arguments=False).get_name())\n",
+        args=["__ns:=/q", "speed:=2.0"],
+    )
+    assert run.stdout == "/q/a ['speed:=2.0']\nc\n"
+    assert (
+        "Found remap rule '__ns:=/q'. This syntax is deprecated. Use '--ros-args --remap __ns:=/q' instead."
+        in run.stderr
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rclpy._rcl.errors import RCLError, RCLInvalidROSArgsError, UnknownROSArgsError
+from rclpy._rcl.rules import read_level_rule, read_parameter_rule, read_remap
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
@@ -10,6 +11,7 @@ if TYPE_CHECKING:
     from typing import Any
 
     from rclpy._rcl.parameter_values import Value
+    from rclpy._rcl.rules import Remap
 
 _LEVELS = {"DEBUG": 10, "INFO": 20, "WARN": 30, "ERROR": 40, "FATAL": 50}
 _SWITCHES = frozenset(
@@ -17,18 +19,6 @@ _SWITCHES = frozenset(
     for verb in ("enable", "disable")
     for what in ("rosout-logs", "stdout-logs", "external-lib-logs")
 )
-
-
-class Remap:
-    """One rule ``[node:][scheme]from:=to``; `kind` is ``node``, ``ns``, ``topic``, ``service`` or ``any``."""
-
-    __slots__ = ("kind", "match", "node", "replacement")
-
-    def __init__(self, node: str | None, kind: str, match: str, replacement: str) -> None:
-        self.node = node
-        self.kind = kind
-        self.match = match
-        self.replacement = replacement
 
 
 class RosArgs:
@@ -65,7 +55,7 @@ def parse_ros_args(args: Sequence[str], *, reject_unknown: bool, of_node: bool =
     Args:
         args: the whole command line; ROS arguments stand between ``--ros-args`` and ``--``.
         reject_unknown: whether an unknown ROS argument is an error.
-        of_node: the arguments of one node, which are ROS arguments from the start.
+        of_node: the arguments of one node.
 
     Raises:
         UnknownROSArgsError: an argument is not a ROS argument.
@@ -74,7 +64,7 @@ def parse_ros_args(args: Sequence[str], *, reject_unknown: bool, of_node: bool =
     """
     for arg in args:
         arg.encode()
-    if not of_node and "--ros-args" not in args:
+    if not any(arg == "--ros-args" or ":=" in arg for arg in args):
         parsed = RosArgs()
         parsed.other = list(args)
         return parsed
@@ -101,12 +91,27 @@ def _parse_all(args: list[str], parsed: RosArgs) -> None:
     for arg in rest:
         if not inside:
             inside = arg == "--ros-args"
-            if not inside:
+            if not inside and not _is_old_remap(arg, parsed):
                 parsed.other.append(arg)
         elif arg == "--":
             inside = False
         elif arg != "--ros-args":
             _parse_one(arg, rest, parsed)
+
+
+def _is_old_remap(arg: str, parsed: RosArgs) -> bool:
+    """Take a remap rule outside ROS arguments, where the first version of ROS 2 had it."""
+    if ":=" not in arg:
+        return False
+    try:
+        parsed.remaps.append(read_remap(arg))
+    except ValueError:
+        return False
+    from rclpy._rcl import logs
+
+    advice = f"This syntax is deprecated. Use '--ros-args --remap {arg}' instead."
+    logs.warn("rcl", f"Found remap rule '{arg}'. {advice}")
+    return True
 
 
 def _parse_one(arg: str, rest: Any, parsed: RosArgs) -> None:
@@ -115,8 +120,6 @@ def _parse_one(arg: str, rest: Any, parsed: RosArgs) -> None:
     elif arg in _SWITCHES:
         if arg.endswith("rosout-logs"):
             parsed.rosout = arg.startswith("--enable")
-    elif ":=" in arg and not arg.startswith("-"):
-        _parse_flag("-r", arg, parsed)
     else:
         parsed.unknown.append(arg)
 
@@ -135,35 +138,14 @@ def _parse_flag(flag: str, value: str | None, parsed: RosArgs) -> None:
 
 
 def _add_remap(rule: str, parsed: RosArgs) -> None:
-    left, separator, replacement = rule.partition(":=")
-    if not separator or not left or not replacement:
-        raise ValueError(
-            f"Expected lexeme type (19) not found, search ended at index {len(rule)}, "
-            "at ./src/rcl/lexer_lookahead.c:238"
-        )
-    node: str | None = None
-    kind = "any"
-    for scheme, meaning in (("rostopic://", "topic"), ("rosservice://", "service")):
-        before, found, after = left.partition(scheme)
-        if found:
-            node, left, kind = before.rstrip(":") or None, after, meaning
-    if kind == "any" and ":" in left:
-        node, _, left = left.partition(":")
-    if left in ("__node", "__name"):
-        kind = "node"
-    elif left == "__ns":
-        kind = "ns"
-    parsed.remaps.append(Remap(node, kind, left, replacement))
+    parsed.remaps.append(read_remap(rule))
 
 
 def _add_parameter(rule: str, parsed: RosArgs) -> None:
     from rclpy._rcl.parameter_values import read_value
 
-    left, separator, text = rule.partition(":=")
-    if not separator or not left:
-        raise ValueError("Expected ':='")
-    node, colon, name = left.rpartition(":")
-    read_value(text, parsed.value_of("/" + node.lstrip("/") if colon else "/**", name))
+    pattern, name, text = read_parameter_rule(rule)
+    read_value(text, parsed.value_of(pattern, name))
 
 
 def _add_file(path: str, parsed: RosArgs) -> None:
@@ -178,9 +160,10 @@ def _add_file(path: str, parsed: RosArgs) -> None:
 
 
 def _add_level(rule: str, parsed: RosArgs) -> None:
-    name, _, level = rule.rpartition(":=")
+    name, level = read_level_rule(rule)
     if level.upper() not in _LEVELS:
-        raise ValueError("Argument does not use a valid severity level")
+        text = "Argument does not use a valid severity level"
+        raise ValueError(f"{text}, at ./src/rcl/arguments.c:1806")
     parsed.levels[name] = _LEVELS[level.upper()]
 
 
