@@ -7,7 +7,7 @@ from grader.sim.bullet import BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from tests.fakes.jail import SECOND, FakeLink
 
-OPEN = World(walls=False)
+OPEN = World(walls=False, odometry=True)
 
 
 def play(
