@@ -18,6 +18,13 @@ class Duration:
     """
 
     def __init__(self, *, seconds: float = 0, nanoseconds: float = 0) -> None:
+        if (
+            isinstance(seconds, str) and seconds.isdigit()
+        ):  # its product is a text of gigabytes, which is refused next
+            digits = len(seconds) * S_TO_NS
+            raise ValueError(
+                f"Exceeds the limit (4300) for integer string conversion: value has {digits} digits"
+            )
         total = int(seconds * S_TO_NS) + int(nanoseconds)
         if not -(2**63) <= total < 2**63:
             raise OverflowError("Total nanoseconds value is too large to store in C duration.")
