@@ -74,6 +74,20 @@ ONE_PIECE = Text(
 )
 
 
+ONE_REGION = Text(
+    zh="一个地方写成 {at: [x, y], within: 0.2} 或 {box: [左, 下, 右, 上]}，单位 m；左 < 右，下 < 上",
+    en="write a place as {at: [x, y], within: 0.2} or {box: [left, bottom, right, top]}, in m; "
+    "left is less than right, bottom less than top",
+)
+NO_FREE_PLACE = Text(
+    zh="在这个范围里找不到离目标和禁区足够远的出发点：放宽范围，或把目标变小",
+    en="no start within these bounds is 0.5 m away from all that is to be visited or avoided; widen the bounds",
+)
+RANGE = Text(
+    zh="写成一个数，或 [最小, 最大]，最小 <= 最大", en="write one number, or [least, most] with least <= most"
+)
+
+
 def swapped(low: float, high: float) -> Text:
     """Say that the ends of a band are the wrong way round."""
     return Text(

@@ -1,5 +1,7 @@
 """The schema of ``assignment.yaml``. CONTRIBUTING explains every field to instructors."""
 
+from collections.abc import Sequence
+from random import Random
 from typing import Annotated, Literal, Self
 
 from pydantic import (
@@ -22,7 +24,10 @@ from grader.catalog.misfits import (
     ID_PATTERN,
     INTERFACE_PATTERN,
     NO_BAND,
+    NO_FREE_PLACE,
     ONE_PIECE,
+    ONE_REGION,
+    RANGE,
     SCORE,
     WRONG_FILE_PATTERN,
     MisfitError,
@@ -46,11 +51,15 @@ from grader.contracts.assignment import (
     Limits,
     PathPiece,
     Profile,
+    Region,
     ServiceCall,
     StartPose,
+    WantedGoal,
     WantedPath,
+    WantedPlaces,
     World,
     WrongAttempt,
+    outside_m,
 )
 from grader.contracts.text import Text
 
@@ -120,12 +129,47 @@ class ItemModel(_Model):
         return ItemSpec(**{**dict(self), "title": self.title.to_contract()})
 
 
-class StartModel(_Model):
-    """Start pose; the field is 11.09 m wide and high, the origin bottom left."""
+def _ordered(value: float | tuple[float, float]) -> float | tuple[float, float]:
+    if isinstance(value, tuple) and value[0] > value[1]:
+        raise MisfitError(RANGE)
+    return value
 
-    x_m: Annotated[float, Field(ge=0.0, le=11.0)] = StartPose().x_m
-    y_m: Annotated[float, Field(ge=0.0, le=11.0)] = StartPose().y_m
-    heading_deg: float = 0.0
+
+FieldMetres = Annotated[float, Field(ge=0.0, le=11.0)]
+AnyHeading = Annotated[float, Field(ge=-360.0, le=360.0)]
+FREE_M = 0.5  # a drawn start is at least that far from every goal and from what is to be avoided
+TRIES = 200
+
+
+class StartModel(_Model):
+    """Start pose; the field is 11.09 m wide and high, the origin bottom left. A pair is drawn from, by seed."""
+
+    x_m: Annotated[FieldMetres | tuple[FieldMetres, FieldMetres], AfterValidator(_ordered)] = StartPose().x_m
+    y_m: Annotated[FieldMetres | tuple[FieldMetres, FieldMetres], AfterValidator(_ordered)] = StartPose().y_m
+    heading_deg: Annotated[float | tuple[AnyHeading, AnyHeading], AfterValidator(_ordered)] = 0.0
+
+    @property
+    def is_drawn(self) -> bool:
+        """Whether the pose differs from seed to seed."""
+        return any(isinstance(value, tuple) for value in (self.x_m, self.y_m, self.heading_deg))
+
+    def to_contract(self, seed: str, taken: Sequence[Region] = ()) -> StartPose:
+        """Return the pose of one seed, to the centimetre and the degree where it is drawn.
+
+        Raises:
+            MisfitError: no place within the bounds is free.
+        """
+        source = Random(seed)  # noqa: S311 - the same pose each time, not a secret
+        for _ in range(TRIES if self.is_drawn else 1):
+            x_m, y_m = _drawn(self.x_m, source, 2), _drawn(self.y_m, source, 2)
+            pose = StartPose(x_m=x_m, y_m=y_m, heading_deg=_drawn(self.heading_deg, source, 0))
+            if not self.is_drawn or all(outside_m(each, x_m, y_m) >= FREE_M for each in taken):
+                return pose
+        raise MisfitError(NO_FREE_PLACE)
+
+
+def _drawn(value: float | tuple[float, float], source: Random, decimals: int) -> float:
+    return round(source.uniform(*value), decimals) if isinstance(value, tuple) else value
 
 
 class WorldModel(_Model):
@@ -136,11 +180,11 @@ class WorldModel(_Model):
     start: StartModel = StartModel()
     cmd_vel_topic: Topic = "/turtle1/cmd_vel"
     seed: Annotated[int, Field(ge=0)] = 0
-    odometry: bool = False
 
-    def to_contract(self) -> World:
-        """Return the contract."""
-        return World(**{**dict(self), "start": StartPose(**dict(self.start))})
+    def to_contract(self, first: StartPose | None) -> World:
+        """Return the contract; the start pose is the first case's where it is drawn."""
+        start = first if self.start.is_drawn and first else self.start.to_contract(str(self.seed))
+        return World(**{**dict(self), "start": start})
 
 
 class LimitsModel(_Model):
@@ -167,6 +211,70 @@ class LimitsModel(_Model):
         )
 
 
+Metres = Annotated[float, Field(ge=-50.0, le=50.0)]
+Degrees = Annotated[float, Field(ge=-3600.0, le=3600.0)]
+
+
+class RegionModel(_Model):
+    """A circle (`at` with `within`) or a box: left, bottom, right, top."""
+
+    at: tuple[Metres, Metres] | None = None
+    within: Annotated[float, Field(ge=0.02, le=10.0)] = 0.2
+    box: tuple[Metres, Metres, Metres, Metres] | None = None
+
+    @model_validator(mode="after")
+    def _is_one(self) -> Self:
+        box = self.box
+        if (self.at is None) == (box is None) or (box and not (box[0] < box[2] and box[1] < box[3])):
+            raise MisfitError(ONE_REGION)
+        return self
+
+    def region(self) -> Region:
+        """Return the contract."""
+        if self.at is not None:
+            return Region(kind="circle", x_m=self.at[0], y_m=self.at[1], radius_m=self.within)
+        left, bottom, right, top = self.box or (0.0, 0.0, 0.0, 0.0)
+        middle = ((left + right) / 2.0, (bottom + top) / 2.0)
+        return Region(kind="box", x_m=middle[0], y_m=middle[1], width_m=right - left, height_m=top - bottom)
+
+
+class GoalModel(RegionModel):
+    """A place to visit, for how long and by when."""
+
+    hold_s: Annotated[float, Field(ge=0.0, le=MAX_HORIZON_S)] = 0.0
+    by_s: Annotated[float, Field(gt=0.0, le=MAX_HORIZON_S)] | None = None
+
+    def to_contract(self) -> WantedGoal:
+        """Return the contract."""
+        return WantedGoal(region=self.region(), hold_s=self.hold_s, by_s=self.by_s)
+
+
+Goals = Annotated[tuple[GoalModel, ...], Field(min_length=1, max_length=20)]
+
+
+class PlacesModel(_Model):
+    """Where to go, in which order, and where not to."""
+
+    visit: Goals
+    order: Literal["any", "given"] = "given"
+    avoid: Annotated[tuple[RegionModel, ...], Field(max_length=20)] = ()
+    end_heading_deg: AnyHeading | None = None
+
+    def to_contract(self) -> WantedPlaces:
+        """Return the contract."""
+        return WantedPlaces(
+            visit=tuple(goal.to_contract() for goal in self.visit),
+            any_order=self.order == "any",
+            avoid=tuple(each.region() for each in self.avoid),
+            end_heading_deg=self.end_heading_deg,
+        )
+
+    def taken(self, case: "CaseModel") -> list[Region]:
+        """Return where no drawn start may be."""
+        visit = case.visit or self.visit
+        return [each.region() for each in (*visit, *self.avoid)]
+
+
 class CaseModel(_Model):
     """One run of the script and what it is given."""
 
@@ -176,15 +284,19 @@ class CaseModel(_Model):
     args: tuple[str, ...] = ()
     options: Options = {}
     seed: Annotated[int, Field(ge=0)] | None = None
+    start: StartModel | None = None
+    visit: Annotated[tuple[GoalModel, ...], Field(max_length=20)] = ()
 
-    def to_contract(self) -> Case:
+    def to_contract(self, world: WorldModel, places: PlacesModel | None) -> Case:
         """Return the contract."""
         title = Case().title if self.title is None else self.title.to_contract()
-        return Case(**{**dict(self), "title": title})
-
-
-Metres = Annotated[float, Field(ge=-50.0, le=50.0)]
-Degrees = Annotated[float, Field(ge=-3600.0, le=3600.0)]
+        start = self.start or (world.start if world.start.is_drawn else None)
+        visit = tuple(goal.to_contract() for goal in self.visit)
+        pose = None
+        if start is not None:
+            seed = world.seed if self.seed is None else self.seed
+            pose = start.to_contract(f"{seed} {self.id}", places.taken(self) if places else ())
+        return Case(**{**dict(self), "title": title, "start": pose, "visit": visit})
 
 
 class PieceModel(_Model):
@@ -304,6 +416,7 @@ class AssignmentModel(_Model):
     calls: tuple[CallModel, ...] = ()
     answers: tuple[AnswerModel, ...] = ()
     path: PathModel | None = None
+    places: PlacesModel | None = None
     items: Annotated[tuple[ItemModel, ...], Field(min_length=1)]
     wrong: tuple[WrongModel, ...] = ()
 
@@ -323,6 +436,16 @@ class AssignmentModel(_Model):
         return self
 
     @model_validator(mode="after")
+    def _starts_are_free(self) -> Self:
+        for i, case in enumerate(self.cases):
+            try:
+                case.to_contract(self.world, self.places)
+            except MisfitError as error:
+                place = ("world",) if case.start is None else ("cases", i)
+                raise MisfitError(error.told, *place, "start") from error
+        return self
+
+    @model_validator(mode="after")
     def _names_fit(self) -> Self:
         names = {item.id for item in self.items}
         for i, case in enumerate(self.cases):
@@ -337,6 +460,7 @@ class AssignmentModel(_Model):
 
     def to_contract(self) -> Assignment:
         """Return the contract."""
+        cases = tuple(case.to_contract(self.world, self.places) for case in self.cases)
         return Assignment(
             id=self.id,
             version=self.version,
@@ -348,13 +472,14 @@ class AssignmentModel(_Model):
             file_patterns=self.file_patterns,
             horizon_s=self.horizon_s,
             limits=self.limits.to_contract(),
-            world=self.world.to_contract(),
-            cases=tuple(case.to_contract() for case in self.cases),
+            world=self.world.to_contract(cases[0].start),
+            cases=cases,
             input=self.input,
             distro=self.distro,
             calls=tuple(call.to_contract() for call in self.calls),
             answers=tuple(answer.to_contract() for answer in self.answers),
             path=None if self.path is None else self.path.to_contract(),
+            places=None if self.places is None else self.places.to_contract(),
             items=tuple(item.to_contract() for item in self.items),
         )
 

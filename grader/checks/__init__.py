@@ -35,7 +35,7 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
     seen: list[Findings] = []
     items = []
     for part, run in enumerate(runs):
-        findings = check.examine(_in_case(assignment, run.case), run)
+        findings = check.examine(assignment.in_case(run.case), run)
         portion = Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE
         scored = score_items(check, assignment.items, findings, portion)
         seen.append(_without_harmless(findings, assignment, scored))
@@ -77,7 +77,7 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     Raises:
         AssignmentError: the assignment does not fit its check.
     """
-    return _script_check(assignment).sketch(_in_case(assignment, run.case), run)
+    return _script_check(assignment).sketch(assignment.in_case(run.case), run)
 
 
 def published_rubric(assignment: Assignment) -> PublishedRubric:
@@ -98,12 +98,6 @@ def problems(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
         told = Text(zh=f"没有 {name} 这种检查，可用：{known}", en=f"unknown check {name}; use one of {known}")
         return (("check", told),)
     return tuple(misfits(assignment, check))
-
-
-def _in_case(assignment: Assignment, case_id: str) -> Assignment:
-    """Return the assignment with the case's options in the place of its own."""
-    options = next((case.options for case in assignment.cases if case.id == case_id), {})
-    return replace(assignment, options={**assignment.options, **options}) if options else assignment
 
 
 def _script_check(assignment: Assignment) -> Check:

@@ -27,11 +27,20 @@ def misfits(assignment: Assignment, check: Kind) -> Iterator[Misfit]:
                 yield f"items.{i}.measure", _no_unit(check, item.measure, unit)
         elif item.measure != BY_PERSON:
             yield f"items.{i}.measure", _no_measure(check, item.measure)
+    yield from _unlooked_at(assignment, check)
+    yield from check.consult(assignment)
+
+
+def _unlooked_at(assignment: Assignment, check: Kind) -> Iterator[Misfit]:
+    """Yield what the assignment gives for another kind of check."""
     if assignment.calls and "offered" not in check.measures:
         yield "calls", _unused(check, "service", zh="不调用服务", en="calls no services")
     if assignment.answers and "correct" not in check.measures:
         yield "answers", _unused(check, "number", zh="不比较数值", en="compares no numbers")
-    yield from check.consult(assignment)
+    if assignment.path is not None and check.kind != "path":
+        yield "path", _unused(check, "path", zh="不看路径", en="looks at no path")
+    if assignment.places is not None and check.kind != "places":
+        yield "places", _unused(check, "places", zh="不看地点", en="looks at no places")
 
 
 def _in_options(check: Kind, options: Mapping[str, Option], where: str) -> Iterator[Misfit]:
@@ -72,7 +81,7 @@ def _no_unit(check: Kind, name: str, unit: object) -> Text:
 def _unused(check: Kind, other: str, *, zh: str, en: str) -> Text:
     return Text(
         zh=f"检查 {check.kind!r} {zh}：删掉，或者改用 {other!r}",
-        en=f"the check {check.kind!r} {en}; remove them or use {other!r}",
+        en=f"the check {check.kind!r} {en}; remove this or use {other!r}",
     )
 
 

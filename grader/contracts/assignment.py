@@ -1,5 +1,6 @@
 """An assignment as data: what is handed in, in which world and under which limits it runs, how it earns points."""
 
+import math
 from dataclasses import replace
 from typing import Final, Literal, get_args
 
@@ -118,12 +119,70 @@ class InterfaceDefinition(Record):
     lines: str
 
 
+class Region(Record):
+    """A part of the field.
+
+    Attributes:
+        kind: a ``circle`` or a ``box`` along the axes.
+        x_m, y_m: its middle.
+        radius_m: of a circle.
+        width_m, height_m: of a box, along x and y.
+    """
+
+    kind: Literal["circle", "box"]
+    x_m: float
+    y_m: float
+    radius_m: float = 0.0
+    width_m: float = 0.0
+    height_m: float = 0.0
+
+
+def outside_m(region: Region, x_m: float, y_m: float) -> float:
+    """Return how far a point is from a region; 0 within it."""
+    dx, dy = abs(x_m - region.x_m), abs(y_m - region.y_m)
+    if region.kind == "circle":
+        return max(math.hypot(dx, dy) - region.radius_m, 0.0)
+    return math.hypot(max(dx - region.width_m / 2.0, 0.0), max(dy - region.height_m / 2.0, 0.0))
+
+
+class WantedGoal(Record):
+    """A place to go to.
+
+    Attributes:
+        region: the car has reached it once it is in there.
+        hold_s: for how long it must stay in there.
+        by_s: when it must have come at the latest; None: at any time.
+    """
+
+    region: Region
+    hold_s: float = 0.0
+    by_s: float | None = None
+
+
+class WantedPlaces(Record):
+    """The places that an assignment asks for.
+
+    Attributes:
+        visit: where to go; a case may have goals of its own.
+        any_order: they may be visited in any order; else one after the other as they stand here.
+        avoid: where the car must not go.
+        end_heading_deg: where it must look in the end; None: anywhere.
+    """
+
+    visit: tuple[WantedGoal, ...]
+    any_order: bool = False
+    avoid: tuple[Region, ...] = ()
+    end_heading_deg: float | None = None
+
+
 class Case(Record):
     """One run of the script: what it is given. Most assignments have the single case ``default``.
 
     Attributes:
         options: take the place of the assignment's options in this run.
         seed: takes the place of the world's seed in this run, unless None.
+        start: takes the place of the world's start pose, unless None.
+        visit: take the place of the goals of the assignment's places, unless there are none.
     """
 
     id: str = "default"
@@ -132,6 +191,8 @@ class Case(Record):
     args: tuple[str, ...] = ()
     options: dict[str, Scalar] = field(default_factory=dict)
     seed: int | None = None
+    start: StartPose | None = None
+    visit: tuple[WantedGoal, ...] = ()
 
 
 class PathPiece(Record):
@@ -229,7 +290,7 @@ class Assignment(Record):
         order: position on the checklist.
         calls: requests sent to the script's services in every run.
         answers: of a question whose answer is a number.
-        path: what the check ``path`` compares with.
+        path: what the check ``path`` compares with. places: where the check ``places`` looks.
         interfaces: which the script can import besides ROS's own.
         distro: release of ROS 2 that the script finds; None: the course's, see `of_course` and `release`.
     """
@@ -253,6 +314,7 @@ class Assignment(Record):
     interfaces: tuple[InterfaceDefinition, ...] = ()
     distro: Distro | None = None
     path: WantedPath | None = None
+    places: WantedPlaces | None = None
 
     @property
     def release(self) -> Distro:
@@ -267,6 +329,20 @@ class Assignment(Record):
     def max_score(self) -> float:
         """Sum of the items' points over all cases."""
         return summed(item.points for item in self.items)
+
+    def in_case(self, case_id: str) -> "Assignment":
+        """Return the assignment with what one of its cases gives in the place of its own."""
+        case = next((case for case in self.cases if case.id == case_id), None)
+        if case is None:
+            return self
+        world, places = self.world, self.places
+        if case.seed is not None or case.start is not None:
+            seed = world.seed if case.seed is None else case.seed
+            world = replace(world, seed=seed, start=case.start or world.start)
+        if case.visit and places is not None:
+            places = replace(places, visit=case.visit)
+        options = {**self.options, **case.options}
+        return replace(self, options=options, world=world, places=places)
 
     def item_on(self, measure: str) -> ItemSpec | None:
         """Return the first item that judges `measure`, or None."""

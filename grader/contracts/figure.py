@@ -54,6 +54,24 @@ class SketchLabel(Record):
     ok: bool | None = None
 
 
+class SketchRegion(Record):
+    """A part of the field that the assignment names.
+
+    Attributes:
+        outline_m: its corners, or points of its circle.
+        at_m: where its name stands.
+        text: its name; short.
+        ok: of a place to visit: it was visited; of one to avoid: the car stayed away.
+        avoid: it is one to avoid.
+    """
+
+    outline_m: tuple[Point, ...]
+    at_m: Point
+    text: Text
+    ok: bool
+    avoid: bool = False
+
+
 class FigureSketch(Record):
     """What a plot shows beside the bare path.
 
@@ -68,6 +86,7 @@ class FigureSketch(Record):
         labels: further remarks; few and short.
         begin_ns, end_ns: the part of the trajectory that was judged; the rest is drawn faded. None: up to
             the trajectory's own end.
+        regions: places to visit or to avoid; at most a few dozen.
         wanted_turn_deg: turn that earns full credit in the ``heading`` view, or None.
     """
 
@@ -81,3 +100,4 @@ class FigureSketch(Record):
     begin_ns: int = 0
     end_ns: int | None = None
     wanted_turn_deg: float | None = None
+    regions: tuple[SketchRegion, ...] = ()

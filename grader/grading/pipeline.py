@@ -143,9 +143,8 @@ def _scored_run(
 
 
 def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
-    world = job.assignment.world
     return EpisodeSpec(
-        world=world if case.seed is None else replace(world, seed=case.seed),
+        world=job.assignment.in_case(case.id).world,
         horizon_ns=round(job.assignment.horizon_s * 1_000_000_000),
         source=job.source,
         file_name=job.file_name,

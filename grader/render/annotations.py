@@ -155,6 +155,14 @@ def _remarks(sketch: FigureSketch, scene: Scene, centre: Point) -> Iterator[Labe
         text = scene.word("gap", length=quantity.number(gap.length_m, "m"))
         colour = palette.colour_of(gap.ok)
         yield Label(at_m=middle, text=text, away=_away(middle, centre), colour=colour, boxed=gap.ok is False)
+    for region in sketch.regions:
+        if not region.avoid:
+            text = (
+                f"{'' if region.ok else '✗ '}{drawable(region.text.get(scene.language), _REMARK_CHARACTERS)}"
+            )
+            top = max(y for _, y in region.outline_m)
+            colour = palette.colour_of(region.ok)
+            yield Label(at_m=(region.at_m[0], top), text=text, away=(0.0, 1.0), colour=colour)
     for label in sketch.labels:
         text = drawable(label.text.get(scene.language), _REMARK_CHARACTERS)
         yield Label(

@@ -29,6 +29,7 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
     _frame(axes, path, sketch)
     _walls(axes, scene)
     _ideal(axes, sketch, scene)
+    _regions(axes, sketch)
     _draw_path(axes, track, path, sketch, scene)
     for side in sketch.sides:
         _draw_side(axes, side)
@@ -58,6 +59,7 @@ def _frame(axes: Axes, path: Floats, sketch: FigureSketch) -> None:
         *sketch.ideal_m,
         *(side.start_m for side in sketch.sides),
         *(side.end_m for side in sketch.sides),
+        *(point for region in sketch.regions for point in region.outline_m),
     ]
     points = np.vstack([_finite(path), np.array(corners, dtype=float).reshape(-1, 2)])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -105,6 +107,21 @@ def _ideal(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:
         xs, ys, color=palette.IDEAL, lw=8, solid_joinstyle="miter", solid_capstyle="butt", zorder=1.5,
         label=scene.word("ideal"),
     )  # fmt: skip
+
+
+def _regions(axes: Axes, sketch: FigureSketch) -> None:
+    """Draw the places to visit, named in their middle, and those to avoid, hatched."""
+    for region in sketch.regions:
+        colour = palette.colour_of(region.ok)
+        if region.avoid:
+            colour = palette.WALL if region.ok else palette.FAILED
+        style = "-" if region.ok else palette.FAILED_DASHES
+        hatch = "////" if region.avoid else None
+        patch = Polygon(
+            list(region.outline_m), closed=True, fc="#f6f6f6", ec=colour, lw=1.8, ls=style, hatch=hatch,
+            zorder=1.2,
+        )  # fmt: skip
+        axes.add_patch(patch)
 
 
 def _draw_path(axes: Axes, track: Trajectory, path: Floats, sketch: FigureSketch, scene: Scene) -> None:

@@ -235,7 +235,7 @@ def item_line(item: RubricItem, language: Language, case: str = "") -> ItemLine:
 
 
 def figure_parts(figure: FigureSketch, names: dict[str, str]) -> tuple[FigurePart, ...]:
-    """Return sides, corners and gap in the order driven; `names` are the words for the three."""
+    """Return sides, corners and gap in the order driven, then places; `names` are the words for them."""
     parts = []
     for number, side in enumerate(figure.sides, start=1):
         parts.append(FigurePart(name=f"{names['side']} {number}", value=_length(side), ok=side.ok))
@@ -245,6 +245,11 @@ def figure_parts(figure: FigureSketch, names: dict[str, str]) -> tuple[FigurePar
             parts.append(FigurePart(name=f"{names['corner']} {number}", value=angle, ok=corner.ok))
     if figure.gap is not None:
         parts.append(FigurePart(name=names["gap"], value=_length(figure.gap), ok=figure.gap.ok))
+    for region in figure.regions:
+        kind, verdict = ("avoid", "clear") if region.avoid else ("goal", "reached")
+        name = names[kind] if region.avoid else f"{names[kind]} {region.text.zh}"
+        value = names[verdict if region.ok else f"not_{verdict}"]
+        parts.append(FigurePart(name=name, value=value, ok=region.ok))
     return tuple(parts)
 
 

@@ -43,6 +43,7 @@ from grader.web.waiting import left_s, progress
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
 _REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "command", "times")
+_FIGURE_WORDS = ("side", "corner", "gap", "goal", "avoid", "reached", "not_reached", "clear", "not_clear")
 Case = Annotated[str | None, Query(max_length=64)]
 
 
@@ -348,7 +349,7 @@ def _result(
         if run is None
         else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
     )
-    names = {name: on_page(language, f"figure.{name}") for name in ("side", "corner", "gap")}
+    names = {name: on_page(language, f"figure.{name}") for name in _FIGURE_WORDS}
     return {
         "result": result_page(report, assignment, language),
         "run": run,
@@ -368,4 +369,9 @@ def _run_of(report: GradeReport, case: str | None) -> CaseRun | None:
 def _figure_document(figure: FigureSketch, language: Language) -> dict[str, Any]:
     """Return a figure as plain data with its remarks in `language`."""
     labels = [{"at_m": one.at_m, "text": one.text.get(language), "ok": one.ok} for one in figure.labels]
-    return {**asdict(figure), "labels": labels}
+    plain = asdict(figure)
+    regions = [
+        {**shown, "text": one.text.get(language)}
+        for shown, one in zip(plain["regions"], figure.regions, strict=True)
+    ]
+    return {**plain, "labels": labels, "regions": regions}

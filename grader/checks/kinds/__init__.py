@@ -5,12 +5,20 @@ They do not know each other: import-linter holds every module in this folder to 
 
 from collections.abc import Mapping
 
-from grader.checks.kinds import essay, motion, node, number, path, polygon, rotation, service
+from grader.checks.kinds import essay, motion, node, number, path, places, polygon, rotation, service
 from grader.checks.measure import Check, Kind, TextCheck
 
 CHECKS: Mapping[str, Check] = {
     check.kind: check
-    for check in (node.CHECK, motion.CHECK, rotation.CHECK, polygon.CHECK, path.CHECK, service.CHECK)
+    for check in (
+        node.CHECK,
+        motion.CHECK,
+        rotation.CHECK,
+        polygon.CHECK,
+        path.CHECK,
+        places.CHECK,
+        service.CHECK,
+    )
 }
 TEXT_CHECKS: Mapping[str, TextCheck] = {check.kind: check for check in (number.CHECK, essay.CHECK)}
 KINDS: Mapping[str, Kind] = {**CHECKS, **TEXT_CHECKS}

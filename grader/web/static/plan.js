@@ -25,8 +25,10 @@ export class Plan {
   draw(width) {
     const { motion, sketch } = this;
     const ideal = sketch.ideal_m ?? [];
-    const [left, right] = bounds([...motion.x, ...ideal.map(([x]) => x)]);
-    const [bottom, top] = bounds([...motion.y, ...ideal.map(([, y]) => y)]);
+    const regions = sketch.regions ?? [];
+    const shown = [...ideal, ...regions.flatMap((region) => region.outline_m)];
+    const [left, right] = bounds([...motion.x, ...shown.map(([x]) => x)]);
+    const [bottom, top] = bounds([...motion.y, ...shown.map(([, y]) => y)]);
     const extent = Math.max(right - left, top - bottom, LEAST_EXTENT_M) * 1.08;
     const tall = Math.max(top - bottom, LEAST_EXTENT_M) * 1.08;
     const most = Math.max(window.innerHeight * MOST_HEIGHT, LEAST_HEIGHT_PX);
@@ -38,6 +40,7 @@ export class Plan {
     this.svg = picture(this.holder, width, height, this.label());
     this.grid(width, height);
     this.figure(ideal);
+    this.regions(regions);
     const points = motion.t.map((_, i) => this.place([motion.x[i], motion.y[i]]));
     this.track = trace(points, (i) => motion.jumps.has(i));
     add(this.svg, "path", { class: "path-rest", d: this.track.path });
@@ -122,6 +125,19 @@ export class Plan {
       const points = ideal.map((point) => this.place(point));
       const closed = this.sketch.ideal_closed && ideal.length > 2 ? "Z" : "";
       add(this.svg, "path", { class: "ideal", d: trace(points).path + closed });
+    }
+  }
+
+  /** The places to visit, with their names, and those to avoid. */
+  regions(regions) {
+    for (const { outline_m: outline, at_m: at, text, ok, avoid } of regions) {
+      const points = outline.map((point) => this.place(point));
+      add(this.svg, "path", { class: `region ${avoid ? "avoid" : "goal"} ${verdict(ok)}`, d: `${trace(points).path}Z` });
+      if (!avoid) {
+        const [x, y] = this.place(at);
+        const name = { class: `remark ${verdict(ok)}`, x, y: y + 4, "text-anchor": "middle" };
+        add(this.svg, "text", name, (ok ? "" : "✗ ") + text);
+      }
     }
   }
 

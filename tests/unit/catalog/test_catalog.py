@@ -8,7 +8,7 @@ import pytest
 
 from grader.catalog import Catalog, default_root
 from grader.commands.validation import fitting
-from grader.contracts.assignment import Assignment
+from grader.contracts.assignment import Assignment, StartPose
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.record import from_plain, to_plain
 
@@ -34,6 +34,9 @@ CHECKLIST = [
     "letter_l",
     "figure_eight",
     "two_circles",
+    "go_to_goal",
+    "patrol",
+    "parking",
 ]
 
 GOOD = """\
@@ -183,6 +186,42 @@ def test_a_path_is_read(tmp_path: Path) -> None:
 def test_a_path_that_cannot_be_read_is_refused(tmp_path: Path, old: str, new: str, words: str) -> None:
     with pytest.raises(AssignmentError, match=re.escape(words)):
         write(tmp_path, PATH.replace(old, new)).get("demo")
+
+
+PLACES = GOOD.replace(
+    "check: node",
+    "check: places\nplaces:\n  visit: [{at: [8, 8]}, {box: [1, 1, 2, 3], hold_s: 1}]\n"
+    "world: {start: {x_m: [3, 7], y_m: 5, heading_deg: [-180, 180]}}\n"
+    "cases: [{id: a, seed: 1}, {id: b, seed: 2}, {id: c, start: {x_m: 4}}]",
+)
+
+
+def test_places_and_drawn_starts_are_read(tmp_path: Path) -> None:
+    assignment = write(tmp_path, PLACES).get("demo")
+    assert assignment.places is not None
+    circle, box = (goal.region for goal in assignment.places.visit)
+    assert (circle.radius_m, box.x_m, box.height_m) == (0.2, 1.5, 2.0)
+    one, other, given = (assignment.in_case(case.id).world.start for case in assignment.cases)
+    assert one != other
+    assert all(3.0 <= each.x_m <= 7.0 and each.y_m == 5.0 for each in (one, other))
+    assert given == StartPose(x_m=4.0)
+    assert Catalog(tmp_path).get("demo") == assignment
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("{at: [8, 8]}", "{at: [8, 8], box: [1, 1, 2, 2]}", "places.visit.0: write a place as"),
+        ("[1, 1, 2, 3]", "[2, 1, 1, 3]", "places.visit.1: write a place as"),
+        ("[3, 7]", "[7, 3]", "world.start"),
+        ("[3, 7]", "[1.2, 1.8]", "world.start: no start within these bounds"),
+        ("order: 1", "order: 1\npath: {pieces: [{line: 0}]}", "path.pieces.0"),
+    ],
+)
+def test_places_that_cannot_be_read_are_refused(tmp_path: Path, old: str, new: str, words: str) -> None:
+    text = PLACES.replace("y_m: 5", "y_m: [1.2, 2.8]") if "1.2" in new else PLACES
+    with pytest.raises(AssignmentError, match=re.escape(words)):
+        write(tmp_path, text.replace(old, new)).get("demo")
 
 
 def test_problems_with_the_use_of_a_check_are_told_in_both_languages(tmp_path: Path) -> None:

@@ -1,0 +1,54 @@
+"""巡逻：在 control() 里补全。"""
+
+import math
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from turtlesim.msg import Pose
+
+POINTS = [(2.0, 2.0), (9.0, 2.0), (9.0, 9.0), (2.0, 9.0)]  # m
+TOLERANCE = 0.1  # m
+WAIT = 1.2  # s
+
+
+def fold(angle):
+    """把角度折算到 -π 到 π。"""
+    return math.atan2(math.sin(angle), math.cos(angle))
+
+
+class Patrol(Node):
+    def __init__(self):
+        super().__init__('patrol')
+        self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.create_subscription(Pose, '/turtle1/pose', self.on_pose, 10)
+        self.create_timer(0.02, self.control)
+        self.pose = None
+        self.index = 0  # 下一个目标
+        self.arrived = None  # 到达的时刻
+
+    def on_pose(self, pose):
+        self.pose = pose
+
+    def now(self):
+        return self.get_clock().now().nanoseconds / 1e9
+
+    def control(self):
+        if self.pose is None:
+            return
+        # TODO：依次走到 POINTS 的每个点，每个点停 1 秒以上
+
+
+def main():
+    rclpy.init()
+    node = Patrol()
+    try:
+        rclpy.spin(node)
+    except SystemExit:
+        pass
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()
