@@ -51,6 +51,15 @@ IfMatch = Annotated[
 ]
 _Id = Annotated[str | None, Query(max_length=128)]
 _KNOWN = (*ENTRY_PROBLEMS, "forbidden", "submission_not_found", "not_graded_yet", "invalid_request")
+_REFUSED = (
+    "malformed_body",
+    "too_large",
+    "course_archived",
+    "item_not_found",
+    "judged_meanwhile",
+    "invalid_points",
+    "points_unchanged",
+)
 _MOST_PER_PAGE = 500
 _MOST = 1_000_000
 _ETAG = {"ETag": {"description": "Of the item's state.", "schema": {"type": "string"}}}
@@ -80,6 +89,32 @@ class JudgementBody(BaseModel):
             examples=["What a timer does is right; say also who calls the callback."],
         ),
     ] = ""
+
+
+class ItemPoints(BaseModel):
+    """Points for one of several rubric items."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    item: Annotated[str, Field(max_length=128, examples=["closed"])]
+    points: Annotated[Number, Field(ge=0.0, allow_inf_nan=False, examples=[4.0])]
+    etag: Annotated[
+        str | None,
+        Field(
+            max_length=1_000,
+            description="Of the item's state that was looked at, as in If-Match; null: nobody had judged it then.",
+            examples=['"0.9f86d081884c7d65"'],
+        ),
+    ] = None
+
+
+class JudgementsBody(BaseModel):
+    """What a person gives for several rubric items, with one comment."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    items: Annotated[list[ItemPoints], Field(min_length=1, max_length=200)]
+    comment: Annotated[str, Field(max_length=LONGEST_COMMENT, pattern=COMMENT_PATTERN)] = ""
 
 
 class JudgementView(BaseModel):
@@ -197,6 +232,28 @@ def read_judgements(
     services: ServicesDep, caller: StaffDep, language: LanguageDep, submission_id: SubmissionId
 ) -> ManualItemsView:
     """Return every rubric item, whether it is left to people, and what was given by whom and when."""
+    return _all_items(services, caller, language, submission_id)
+
+
+@of_submission.put(
+    "/{submission_id}/judgements",
+    summary="Give points for several rubric items",
+    responses=responses(*_KNOWN, *_REFUSED),
+)
+def judge_several(
+    services: ServicesDep,
+    caller: StaffDep,
+    language: LanguageDep,
+    submission_id: SubmissionId,
+    body: JudgementsBody,
+) -> ManualItemsView:
+    """Add a judgement for each item that is named, with the same comment, all of them or none."""
+    wanted = [(one.item, one.points, seen(one.etag)) for one in body.items]
+    judging.give_several(services, caller, submission_id, wanted, body.comment)
+    return _all_items(services, caller, language, submission_id)
+
+
+def _all_items(services: Services, caller: Caller, language: Language, submission_id: str) -> ManualItemsView:
     submission, items = judging.items_of(services, caller, submission_id)
     own = SUBMISSIONS + submission.id
     return ManualItemsView(
@@ -233,16 +290,7 @@ def read_judgement(  # noqa: PLR0913
     summary="Give points for a rubric item",
     responses={
         200: {"headers": _ETAG},
-        **responses(
-            *_KNOWN,
-            "malformed_body",
-            "too_large",
-            "item_not_found",
-            "judged_meanwhile",
-            "course_archived",
-            "invalid_points",
-            "points_unchanged",
-        ),
+        **responses(*_KNOWN, *_REFUSED),
     },
 )
 def judge(  # noqa: PLR0913

@@ -1,6 +1,7 @@
 """Points that people give for what no machine judges, or correct: what waits for them, and what they gave."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from grader.contracts.errors import JudgementError, RefusedError
@@ -18,6 +19,7 @@ from grader.use_cases.services import Services
 from grader.use_cases.visibility import graded, visible_submission
 
 _REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
+_ITEMS = Text(zh="写明要改的项目，每项一次。", en="Name the items to change, each once.")
 _REASON = Text(
     zh="改机器评的分要写原因，学生会看到。",
     en="Say why the machine's points are changed; the student sees it.",
@@ -105,21 +107,51 @@ def give(  # noqa: PLR0913
         RefusedError: the points do not fit, there is no such item, the caller may not correct it, the reason is
             missing, or somebody judged it meanwhile.
     """
+    _give(services, caller, submission_id, [(item, points, seen)], comment, answers=answers)
+
+
+def give_several(
+    services: Services,
+    caller: Caller,
+    submission_id: str,
+    wanted: Sequence[tuple[str, float, Seen | None]],
+    comment: str,
+) -> None:
+    """Keep points for several items with one comment, each as `give` does, all of them or none.
+
+    Raises:
+        RefusedError: as `give`, naming the item; or one is named twice, or none at all.
+    """
+    names = [item for item, _, _ in wanted]
+    if not names or len(set(names)) < len(names):
+        raise RefusedError("invalid_request", _ITEMS, field="items")
+    _give(services, caller, submission_id, wanted, comment)
+
+
+def _give(  # noqa: PLR0913
+    services: Services,
+    caller: Caller,
+    submission_id: str,
+    wanted: Sequence[tuple[str, float, Seen | None]],
+    comment: str,
+    *,
+    answers: bool = False,
+) -> None:
     require_staff(caller)
     submission = visible_submission(services, caller, submission_id)
-    if not math.isclose(points, round(points, 2), abs_tol=1e-9):
-        raise RefusedError("invalid_points", field="points")
-    given = Given(
-        item=item,
-        points=round(points, 2),
-        comment=comment.replace("\r\n", "\n"),
-        corrects=may_correct(services, caller, submission.assignment),
-        answers=answers,
-    )
+    corrects = may_correct(services, caller, submission.assignment)
+    given = []
+    for item, points, seen in wanted:
+        if not math.isclose(points, round(points, 2), abs_tol=1e-9):
+            raise RefusedError("invalid_points", field="points")
+        told = comment.replace("\r\n", "\n")
+        one = Given(item=item, points=round(points, 2), comment=told, corrects=corrects, answers=answers)
+        given.append((one, seen))
     try:
-        services.judgements.judge(submission_id, given, seen, services.signature(caller))
+        services.judgements.judge_all(submission_id, given, services.signature(caller))
     except JudgementError as error:
-        raise _refusal(services, caller, submission_id, given, error) from None
+        refused = next((one for one, _ in given if one.item == error.item), given[0][0])
+        raise _refusal(services, caller, submission_id, refused, error) from None
 
 
 def may_correct(services: Services, caller: Caller, assignment: str) -> bool:

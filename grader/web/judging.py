@@ -28,6 +28,7 @@ from grader.web.paging import PageQuery, pages_of
 HOME = "/class/judgements"
 router = APIRouter(prefix=HOME, include_in_schema=False, dependencies=[Depends(require_staff)])
 _PAGE = 50
+_MOST_ITEMS = 200
 _CENT = 2  # decimals of points
 
 
@@ -48,6 +49,15 @@ class PointsForm(BaseModel):
     seen: str = Field(default="", max_length=200)
     anonymous: bool = False
     then: Literal["next", "stay", "result"] = "next"
+
+
+class SeveralPoints(BaseModel):
+    """What is given for several items, as typed: the lists belong together line by line."""
+
+    item: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    points: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    seen: list[str] = Field(default_factory=list, max_length=_MOST_ITEMS)
+    comment: str = Field(default="", max_length=20_000)
 
 
 @router.get("")
@@ -119,6 +129,94 @@ def judge(
         address = f"{HOME}/{submission.id}?{urlencode(kept)}"
     return RedirectResponse(address, status_code=303)
 
+
+@router.get("/{submission_id}/several")
+def read_several(
+    request: Request, services: ServicesDep, visitor: StaffDep, submission_id: SubmissionId
+) -> Response:
+    """Show the form that corrects several items of a submission at once."""
+    return _several(request, services, visitor, submission_id, SeveralPoints())
+
+
+@router.post("/{submission_id}/several", dependencies=[Depends(require_own_form)])
+def judge_several(
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    submission_id: SubmissionId,
+    form: Annotated[SeveralPoints, Form()],
+) -> Response:
+    """Keep the points that differ from what counts, with one reason; on a refusal show the form again."""
+    access.require_sight(services, visitor, submission_id)
+    wanted, errors = _changed(form, judging.items_of(services, visitor.caller, submission_id)[1])
+    comment = form.comment.replace("\r\n", "\n").strip()
+    if not comment or len(comment) > LONGEST_COMMENT or not re.search(COMMENT_PATTERN, comment):
+        errors["comment"] = "judge.error.reason" if not comment else "judge.error.comment"
+    if not errors and not wanted:
+        errors["form"] = "judge.error.nothing"
+    if not errors:
+        try:
+            judging.give_several(services, visitor.caller, submission_id, wanted, comment)
+        except RefusedError as problem:
+            if problem.code not in AT_FIELDS:
+                raise
+            errors["form"] = _SEVERAL.get(problem.code, AT_FIELDS[problem.code][1])
+    if errors:
+        return _several(request, services, visitor, submission_id, form, errors)
+    return RedirectResponse(f"/submissions/{submission_id}#items", status_code=303)
+
+
+def _changed(
+    form: SeveralPoints, items: Sequence[JudgedItem]
+) -> tuple[list[tuple[str, float, Seen | None]], dict[str, str]]:
+    """Return the points that differ from what counts now, and by item what is wrong with them."""
+    known = {one.id: one for one in items}
+    wanted: list[tuple[str, float, Seen | None]] = []
+    errors: dict[str, str] = {}
+    for item, typed, seen in zip(form.item, form.points, form.seen, strict=False):
+        try:
+            points = typed_points(typed.strip())
+        except ValueError:
+            errors[item] = "judge.error.points"
+            continue
+        if item in known and points > known[item].points:
+            errors[item] = "judge.error.points"
+        elif item not in known or points != _counts(known[item]):
+            wanted.append((item, points, Seen.one(seen)))
+    return wanted, errors
+
+
+def _counts(item: JudgedItem) -> float | None:
+    return item.machine if item.judgement is None else item.judgement.points
+
+
+def _several(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: Services,
+    visitor: Visitor,
+    submission_id: str,
+    form: SeveralPoints,
+    errors: dict[str, str] | None = None,
+) -> Response:
+    submission, items = judging.items_of(services, visitor.caller, submission_id)
+    if not judging.may_correct(services, visitor.caller, submission.assignment):
+        raise RefusedError("forbidden")
+    return page(
+        request,
+        "correct_several.html",
+        status=422 if errors else 200,
+        submission=submission,
+        assignment=published(services, submission.assignment),
+        corrections={one.id: one for one in items},
+        typed=dict(zip(form.item, form.points, strict=False)),
+        reason=form.comment,
+        errors=errors or {},
+        longest_comment=LONGEST_COMMENT,
+    )
+
+
+_SEVERAL = {"invalid_points": "judge.error.some_points", "points_unchanged": "judge.error.some_same"}
+"""What a form about several items says otherwise."""
 
 AT_FIELDS: Mapping[str, tuple[str, str]] = {
     "invalid_points": ("points", "judge.error.points"),

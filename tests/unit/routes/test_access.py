@@ -54,6 +54,8 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/submissions/{submission_id}/gradings": (401, 401, 403, 404, 200, 200, 404, 404),
     "get /api/v1/submissions/{submission_id}/source": SUBMISSION,
     "get /api/v1/submissions/{submission_id}/judgements": (401, 401, 403, 404, 200, 200, 404, 404),
+    # without a comment nobody corrects what the machine judged, assistants not at all
+    "put /api/v1/submissions/{submission_id}/judgements": (401, 401, 403, 404, 403, 422, 404, 404),
     # the machine judges all of it: assistants and instructors are told that there is no such item
     "get /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
     "put /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 403, 404, 404, 404, 404, 404),
@@ -132,6 +134,7 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/submissions/{submission_id}/gradings": OPERATOR_ONLY,
     "get /api/v1/submissions/{submission_id}/source": OPEN_TO_ALL,
     "get /api/v1/submissions/{submission_id}/judgements": OPERATOR_ONLY,
+    "put /api/v1/submissions/{submission_id}/judgements": (401, 401, 422),
     "get /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 404),
     "put /api/v1/submissions/{submission_id}/judgements/{item}": (401, 401, 404),
     "get /api/v1/submissions/{submission_id}/comments": OPEN_TO_ALL,
@@ -191,6 +194,8 @@ def send(
         body = {"json": {"distro": "humble"}}
     if path.endswith("/comments") and method == "post":
         body = {"json": {"text": "x"}}
+    if path.endswith("/judgements") and method == "put":
+        body = {"json": {"items": [{"item": "closed", "points": 1}]}}
     if path.endswith("/appeals") and method == "post":
         body = {"json": {"item": "closed", "reason": "x"}}
     if "/appeals/" in path and method == "put":

@@ -221,3 +221,21 @@ def test_a_regrade_changes_what_was_taken_back(
     assert client.get(url, headers=school.as_("li")).json()["rubric"][0]["status"] == "needs_manual"
     waiting = client.get("/api/v1/judgements/waiting", headers=school.as_("ta")).json()["waiting"]
     assert "written" in [one["item"] for one in waiting]
+
+
+def test_several_items_at_once_or_none(client: httpx.Client, school: Any, driven: str) -> None:
+    url, wang = driven + "/judgements", school.as_("wang")
+    tags = {one["item"]: one["etag"] for one in client.get(url, headers=wang).json()["items"]}
+
+    def put(comment: str = "seen", **points: float) -> httpx.Response:
+        items = [{"item": item, "points": given, "etag": tags[item]} for item, given in points.items()]
+        return client.put(url, json={"items": items, "comment": comment}, headers=wang)
+
+    assert put(sides=1.0, closed=9.0).json()["code"] == "invalid_points"
+    assert put("", sides=1.0, closed=4.0).status_code == 422
+    assert client.put(url, json={"items": [], "comment": "x"}, headers=wang).status_code == 422
+    assert client.get(driven, headers=wang).json()["score"] == 5.0
+    assert put(sides=1.0, closed=4.0).json()["score"] == 5.0
+    assert put(sides=1.0, closed=4.0).json()["code"] == "judged_meanwhile"
+    allowed = client.put(url, json={"items": [{"item": "sides", "points": 2.0}]}, headers=school.as_("ta"))
+    assert allowed.status_code == 403

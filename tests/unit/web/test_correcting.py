@@ -4,8 +4,11 @@ import re
 from collections.abc import Callable
 from html import unescape
 
+import httpx
 import pytest
 
+from grader.contracts.rules import Corrector, Rules
+from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from tests.unit.web.conftest import Browser
 
@@ -83,3 +86,41 @@ def test_assistants_correct_nothing(
     assert wang.get(f"{address}?item={fields['item']}").status_code == 404
     assert wang.post(address, {**fields, "points": "3", "comment": "x"}, page=driven).status_code == 403
     assert services.submissions.report(submission).judgements == ()
+
+
+def several(
+    browser: Browser, driven: str, points: dict[str, str], reason: str = "I saw it."
+) -> httpx.Response:
+    """Send the form about all items with other `points` for some, in their order from 0."""
+    page = f"/class/judgements/{driven.rpartition('/')[2]}/several"
+    text = browser.get(page).text
+    fields = {name: re.findall(f'name="{name}" value="([^"]*)"', text) for name in ("item", "seen", "points")}
+    for number, typed in points.items():
+        fields["points"][int(number)] = typed
+    return browser.post(page, {**fields, "comment": reason}, page=page)
+
+
+def test_several_items_are_corrected_with_one_reason_or_none(
+    wang: Browser, driven: str, services: Services, tokens: dict[str, str]
+) -> None:
+    submission = driven.rpartition("/")[2]
+    score = services.submissions.get(submission).score
+    assert "Correct several items at once" in wang.get(driven).text
+    for wrong, reason in (({"1": "2", "2": "999"}, "x"), ({"1": "2"}, " "), ({}, "x"), ({"1": "two"}, "x")):
+        assert several(wang, driven, wrong, reason).status_code == 422
+        assert services.submissions.report(submission).judgements == ()
+    answer = several(wang, driven, {"1": "2,5", "2": "1"})
+    assert (answer.status_code, answer.headers["Location"]) == (303, f"{driven}#items")
+    assert {one.points for one in services.submissions.report(submission).judgements} == {2.5, 1.0}
+    assert services.submissions.get(submission).score == score + 3.5
+
+
+def test_assistants_correct_where_the_rules_allow_it(
+    wang: Browser, driven: str, services: Services, tokens: dict[str, str]
+) -> None:
+    wang.enter(token=tokens["ta"])
+    page = f"/class/judgements/{driven.rpartition('/')[2]}/several"
+    assert wang.get(page).status_code == 403
+    signed = Signature(services.clock(), "ros", "wang")
+    services.rules.set("square", Rules(corrected_by=Corrector.STAFF), signed)
+    assert several(wang, driven, {"1": "2"}).status_code == 303

@@ -84,6 +84,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/judgements": STAFF,
     "GET /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody judges a motion
     "POST /class/judgements/{submission_id}": (303, 403, 403, 404, 404, 404),
+    "GET /class/judgements/{submission_id}/several": (303, 403, 403, 403, 200, 404),
+    "POST /class/judgements/{submission_id}/several": (303, 403, 403, 403, 422, 404),  # nothing is changed
     "GET /class/appeals": STAFF,
     "GET /class/appeals/{submission_id}": (303, 403, 403, 404, 404, 404),  # nobody asked
     "POST /class/appeals/{submission_id}": (303, 403, 403, 404, 404, 404),
