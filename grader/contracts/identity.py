@@ -19,8 +19,8 @@ _EMAIL = re.compile(r"[^@\s]+@[^@\s]+")
 class Role(StrEnum):
     """What somebody is in a course.
 
-    Assistants see everything and judge what waits for a person. They change no settings, and no points that a
-    machine gave.
+    Assistants see the work of everybody, or of the sections that they are bound to, and judge what waits for a
+    person. They change no settings, and points that a machine gave only where the rules say so.
     """
 
     STUDENT = "student"
@@ -104,11 +104,13 @@ class Caller:
         course: None while there are no courses; then nobody's identity is known.
         person: id of the member; None for anybody, and for the operator of a service without courses.
         role: None for anybody.
+        students: those of the sections that an assistant is bound to; None: the caller is bound to none.
     """
 
     course: str | None = None
     person: str | None = None
     role: Role | None = None
+    students: frozenset[str] | None = None
 
     @property
     def is_staff(self) -> bool:
@@ -132,7 +134,11 @@ class Caller:
         """
         if course != self.course:
             return False
-        return self.is_staff or self.course is None or self.person == student
+        return (self.is_staff and self.looks_after(student)) or self.course is None or self.person == student
+
+    def looks_after(self, student: str) -> bool:
+        """Whether `student` is in a section of the caller's, who may be bound to some."""
+        return self.students is None or student in self.students
 
 
 ANYBODY = Caller()

@@ -31,11 +31,17 @@ class Asked:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class AppealsWanted:
-    """Which appeals of a class are meant. `open`: those that wait, else those that were answered."""
+    """Which appeals of a class are meant.
+
+    Attributes:
+        open: those that wait, else those that were answered.
+        students: only theirs; None: everybody's.
+    """
 
     open: bool = True
     assignment: str | None = None
     section: str | None = None
+    students: frozenset[str] | None = None
 
 
 class Appeals:
@@ -184,7 +190,7 @@ def _with_submission() -> Select[Any]:
 
 def _fitting(course: str | None, wanted: AppealsWanted) -> list[ColumnElement[bool]]:
     states = [AppealState.OPEN.value] if wanted.open else _ANSWERED
-    conditions = [in_class(course), col(AppealRow.state).in_(states)]
+    conditions = [in_class(course, wanted.students), col(AppealRow.state).in_(states)]
     if wanted.assignment is not None:
         conditions.append(col(SubmissionRow.assignment) == wanted.assignment)
     if wanted.section is not None:

@@ -70,9 +70,12 @@ class Comments:
         submission = (col(SubmissionRow.course) == course, col(SubmissionRow.student) == student)
         return self._unseen(*submission, by_student=False)
 
-    def unseen_by_staff(self, course: str) -> dict[str, int]:
-        """Count by submission what a class wrote and nobody of the staff has seen; the oldest submission first."""
-        return self._unseen(in_class(course), by_student=True)
+    def unseen_by_staff(self, course: str, students: frozenset[str] | None = None) -> dict[str, int]:
+        """Count by submission what a class wrote and nobody of the staff has seen; the oldest submission first.
+
+        With `students`: only what these wrote.
+        """
+        return self._unseen(in_class(course, students), by_student=True)
 
     def _unseen(self, *of: ColumnElement[bool], by_student: bool) -> dict[str, int]:
         count = func.count()

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 
 from sqlalchemy import ColumnElement, and_, delete, select
+from sqlalchemy.orm import aliased
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import DEFAULT_DISTRO, Distro
@@ -236,14 +237,34 @@ def add_members(session: Session, signed: Signature, members: Sequence[Member]) 
     session.add_all(section for one in members for section in _sections(one))
 
 
-def in_class(course: str | None) -> ColumnElement[bool]:
-    """Whether a submission belongs to a class: its students' work, not what its staff tries out."""
+def bound_to(session: Session, course: str, assistant: str) -> frozenset[str] | None:
+    """Return the students of an assistant's sections; None: the assistant has none and looks after everybody."""
+    own, theirs, member = aliased(SectionRow), aliased(SectionRow), MemberRow
+    statement = (
+        select(col(theirs.person), col(member.role))
+        .join_from(
+            own, theirs, (col(theirs.course) == col(own.course)) & (col(theirs.section) == col(own.section))
+        )
+        .join(member, (col(member.course) == col(theirs.course)) & (col(member.person) == col(theirs.person)))
+        .where(col(own.course) == course, col(own.person) == assistant)
+    )
+    found = session.execute(statement).all()  # the assistant is in each of the sections, too
+    return frozenset(person for person, role in found if role == Role.STUDENT.value) if found else None
+
+
+def in_class(course: str | None, students: frozenset[str] | None = None) -> ColumnElement[bool]:
+    """Whether a submission belongs to a class: its students' work, not what its staff tries out.
+
+    With `students`: only theirs.
+    """
+    if students is not None:
+        return and_(in_class(course), col(SubmissionRow.student).in_(students))
     if course is None:
         return and_(col(SubmissionRow.course).is_(None), col(SubmissionRow.regrade).is_(None))
-    students = select(col(MemberRow.person)).where(
+    everybody = select(col(MemberRow.person)).where(
         col(MemberRow.course) == course, col(MemberRow.role) == Role.STUDENT.value
     )
-    return and_(col(SubmissionRow.course) == course, col(SubmissionRow.student).in_(students))
+    return and_(col(SubmissionRow.course) == course, col(SubmissionRow.student).in_(everybody))
 
 
 def _members(session: Session, course: str, role: Role | None = None) -> dict[str, Member]:

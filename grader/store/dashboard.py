@@ -75,37 +75,51 @@ class Dashboard:
         self._latest: dict[str | None, _CountedClass] = {}
         self._counting = threading.Lock()
 
-    def state(self, course: str | None = None) -> ClassState:
-        """Count everything of a course on one snapshot, students in order of name.
+    def state(self, course: str | None = None, students: frozenset[str] | None = None) -> ClassState:
+        """Count everything of a course on one snapshot, students in order of name; with `students` only theirs.
 
         Without courses (None) everything that was handed in is one class. While nothing changes, counting
         again is a matter of looking at the marks.
         """
+        whole = self._whole(course)
+        if students is None:
+            return whole.state
+        cells = [cell for (student, _), cell in whole.cells.items() if student in students]
+        return _state(cells, f"{whole.state.mark} {sorted(students)}")
+
+    def cells(self, course: str | None) -> Mapping[Place, CountedCell]:
+        """Return what `state` counts, by student and assignment."""
+        return self._whole(course).cells
+
+    def _whole(self, course: str | None) -> _CountedClass:
         with self._database.reading() as session:
             mark = _mark(session, course)
             known = self._latest.get(course)
             if known is not None and known.state.mark == mark:
-                return known.state
+                return known
         with (
             self._counting,
             self._database.reading() as session,
         ):  # one count at a time: the next caller finds it made
             return self._count(session, course)
 
-    def _count(self, session: Session, course: str | None) -> ClassState:
+    def _count(self, session: Session, course: str | None) -> _CountedClass:
         mark, known = _mark(session, course), self._latest.get(course)
         if known is not None and known.state.mark == mark:
-            return known.state
+            return known
         before = {} if known is None else known.cells
         cells = counted(session, course, rules_of(session, course), before)
-        state = ClassState(
-            progress=tuple(cell.progress for cell in cells.values()),
-            failures=_failures(cells.values()),
-            mistakes=_mistakes(cells.values()),
-            mark=mark,
-        )
-        self._latest[course] = _CountedClass(state, cells)
-        return state
+        made = self._latest[course] = _CountedClass(_state(cells.values(), mark), cells)
+        return made
+
+
+def _state(cells: Collection[CountedCell], mark: str) -> ClassState:
+    return ClassState(
+        progress=tuple(cell.progress for cell in cells),
+        failures=_failures(cells),
+        mistakes=_mistakes(cells),
+        mark=mark,
+    )
 
 
 def _mark(session: Session, course: str | None) -> str:

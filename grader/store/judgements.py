@@ -58,11 +58,17 @@ class Waiting:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class WaitingFor:
-    """Which waiting items are meant. `newest`: of each student's submissions to an assignment the newest only."""
+    """Which waiting items are meant.
+
+    Attributes:
+        newest: of each student's submissions to an assignment the newest only.
+        students: only theirs; None: everybody's.
+    """
 
     assignment: str | None = None
     item: str | None = None
     newest: bool = True
+    students: frozenset[str] | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -261,7 +267,7 @@ def _waiting(columns: Sequence[Any], course: str | None, which: WaitingFor) -> S
         ~taken_back,
     )
     conditions: list[ColumnElement[bool]] = [
-        in_class(course),
+        in_class(course, which.students),
         col(submission.to_judge) > 0,
         col(item.status) == ItemStatus.NEEDS_MANUAL.value,
         ~done,

@@ -125,9 +125,17 @@ class Submissions:
         with self._database.reading() as session:
             return tuple(_submission(row) for row in session.execute(newest_first).scalars().all())
 
-    def of_class(self, course: str | None, wanted: SubmissionFilter, limit: int) -> tuple[Submission, ...]:
-        """Return at most `limit` submissions of a class, in the order in which they were stored."""
-        statement = select(SubmissionRow).where(in_class(course), col(SubmissionRow.regrade).is_(None))
+    def of_class(
+        self,
+        course: str | None,
+        wanted: SubmissionFilter,
+        limit: int,
+        students: frozenset[str] | None = None,
+    ) -> tuple[Submission, ...]:
+        """Return at most `limit` submissions of a class, or of some of it, in the order of their storing."""
+        statement = select(SubmissionRow).where(
+            in_class(course, students), col(SubmissionRow.regrade).is_(None)
+        )
         equal = (
             (SubmissionRow.student, wanted.student),
             (SubmissionRow.assignment, wanted.assignment),
@@ -154,18 +162,21 @@ class Submissions:
             rows = session.execute(statement.order_by(col(row.id)).limit(limit)).scalars()
             return tuple(_submission(one) for one in rows)
 
-    def beside(self, submission: Submission, *, after: bool) -> Submission | None:
+    def beside(
+        self, submission: Submission, students: frozenset[str] | None = None, *, after: bool
+    ) -> Submission | None:
         """Return the newest submission to the same assignment by the class's next student, in order of id.
 
         Args:
             submission: somebody's.
+            students: only of these; None: of the whole class.
             after: False: the student before instead.
         """
         student, received_at = col(SubmissionRow.student), col(SubmissionRow.received_at)
         towards = student > submission.student if after else student < submission.student
         nearest = (
             select(SubmissionRow)
-            .where(in_class(submission.course), col(SubmissionRow.regrade).is_(None))
+            .where(in_class(submission.course, students), col(SubmissionRow.regrade).is_(None))
             .where(col(SubmissionRow.assignment) == submission.assignment, towards)
             .order_by(student if after else student.desc(), received_at.desc(), col(SubmissionRow.id).desc())
             .limit(1)

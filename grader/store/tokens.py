@@ -17,6 +17,7 @@ from sqlmodel import col
 from grader.contracts.identity import Caller, Role, TokenInfo, unknown_members
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
+from grader.store.courses import bound_to
 from grader.store.database import Database
 from grader.store.tables import MemberRow, TokenRow, as_contract
 
@@ -96,7 +97,11 @@ class Tokens:
         )
         with self._database.reading() as session:
             row = session.execute(statement).first()
-        return None if row is None else Caller(course=row[0], person=row[1], role=Role(row[2]))
+            if row is None:
+                return None
+            course, person, role = row[0], row[1], Role(row[2])
+            students = bound_to(session, course, person) if role is Role.ASSISTANT else None
+        return Caller(course=course, person=person, role=role, students=students)
 
     def of_course(self, course: str) -> tuple[TokenInfo, ...]:
         """Return the tokens of a course, oldest first."""

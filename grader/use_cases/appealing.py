@@ -6,7 +6,7 @@ the item has now. Whatever points a person gives for its item answer it.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grader.contracts.appeal import ANSWERS, LONGEST_TEXT, Appeal, AppealState
 from grader.contracts.errors import AppealError, RefusedError
@@ -170,6 +170,7 @@ def queue(
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
+    wanted = replace(wanted, students=caller.students)
     return AppealPage(
         appeals=services.appeals.listed(caller.course, wanted, offset, limit),
         total=services.appeals.count(caller.course, wanted),
@@ -184,7 +185,7 @@ def waiting(services: Services, caller: Caller) -> int:
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
-    return services.appeals.count(caller.course, AppealsWanted())
+    return services.appeals.count(caller.course, AppealsWanted(students=caller.students))
 
 
 def answer(  # noqa: PLR0913

@@ -80,7 +80,7 @@ def unread(services: Services, caller: Caller) -> Unread | None:
     if caller.course is None or caller.person is None:
         return None
     if caller.is_staff:
-        found = services.comments.unseen_by_staff(caller.course)
+        found = services.comments.unseen_by_staff(caller.course, caller.students)
     else:
         found = services.comments.unseen_by_student(caller.course, caller.person)
     return Unread(count=sum(found.values()), first=next(iter(found))) if found else None

@@ -15,6 +15,7 @@ from grader.contracts.submission import PersonCost
 from grader.contracts.text import Language
 from grader.use_cases.assignments import in_course, item_title
 from grader.use_cases.callers import require_staff
+from grader.use_cases.people import members
 from grader.use_cases.services import ServiceHealth, Services
 
 _BINS = 10
@@ -140,7 +141,7 @@ def costs(services: Services, caller: Caller) -> tuple[PersonCost, ...]:
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
-    return services.costs.lately(caller.course)
+    return tuple(one for one in services.costs.lately(caller.course) if caller.looks_after(one.student))
 
 
 def overview(services: Services, caller: Caller, state: ClassState, language: Language) -> Overview:
@@ -164,7 +165,7 @@ def overview(services: Services, caller: Caller, state: ClassState, language: La
         told[mistake.assignment].mistakes.append(mistake)
     known = {assignment.id: assignment for assignment in in_course(services, caller)}
     ids = [*known, *sorted(set(told) - set(known))]
-    roster = {one.id: one for one in services.courses.members(caller.course, Role.STUDENT)}
+    roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
     return Overview(
         generated_at=services.clock(),
         pass_fraction=pass_fraction,
@@ -184,7 +185,7 @@ def class_state(services: Services, caller: Caller) -> ClassState:
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
-    return services.dashboard.state(caller.course)
+    return services.dashboard.state(caller.course, caller.students)
 
 
 def selected(whole: Overview, selection: Selection) -> Overview:

@@ -20,6 +20,7 @@ from grader.messages import on_page
 from grader.render.documents import to_gradescope, to_prairielearn
 from grader.sheets.filling import FilledSheet, fill
 from grader.sheets.writing import Cell, as_text, csv_table, workbook
+from grader.use_cases import people
 from grader.use_cases.assignments import in_course, require_published
 from grader.use_cases.callers import require_staff
 from grader.use_cases.services import Services
@@ -39,10 +40,8 @@ def book(services: Services, caller: Caller, section: str = "") -> tuple[Sequenc
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
-    progress = services.dashboard.state(caller.course).progress
-    members = services.courses.members(caller.course, Role.STUDENT) or _seen(
-        {one.student for one in progress}
-    )
+    progress = services.dashboard.state(caller.course, caller.students).progress
+    members = people.members(services, caller, Role.STUDENT) or _seen({one.student for one in progress})
     if section:
         members = tuple(one for one in members if section in one.sections)
     return members, {(one.student, one.assignment): one for one in progress}

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from grader.contracts.errors import JudgementError, RefusedError
 from grader.contracts.identity import Caller, Seen
@@ -51,6 +51,7 @@ def waiting(services: Services, caller: Caller, which: WaitingFor, *, offset: in
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
+    which = replace(which, students=caller.students)
     return WaitingPage(
         questions=services.judgements.questions(caller.course, which),
         answers=services.judgements.waiting(caller.course, which, offset, limit),
@@ -64,7 +65,7 @@ def neighbours(services: Services, caller: Caller, submission: Submission, item:
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
-    which = WaitingFor(assignment=submission.assignment, item=item)
+    which = WaitingFor(assignment=submission.assignment, item=item, students=caller.students)
     return services.judgements.around(submission.course, which, submission.id, submission.received_at)
 
 

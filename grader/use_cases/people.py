@@ -48,11 +48,14 @@ def myself(services: Services, caller: Caller) -> tuple[Course | None, Member | 
 def members(services: Services, caller: Caller, role: Role | None = None) -> Sequence[Member]:
     """Return who is in the caller's course, of one role or of all; nobody while there are no courses.
 
+    Of students those that the caller looks after.
+
     Raises:
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
-    return services.courses.members(caller.course, role)
+    found = services.courses.members(caller.course, role)
+    return tuple(one for one in found if one.role is not Role.STUDENT or caller.looks_after(one.id))
 
 
 def set_distro(services: Services, caller: Caller, distro: Distro, reason: str) -> Course:
@@ -183,7 +186,7 @@ def member_of(services: Services, caller: Caller, person: str) -> Member:
     """
     require_staff(caller)
     member = None if caller.course is None else services.courses.member(caller.course, person)
-    if member is None:
+    if member is None or (member.role is Role.STUDENT and not caller.looks_after(person)):
         raise RefusedError("member_not_found")
     return member
 

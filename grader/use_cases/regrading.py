@@ -52,7 +52,7 @@ def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
-    return tuple(services.regrades.all(caller.course))
+    return tuple(_of_caller(caller, one) for one in services.regrades.all(caller.course))
 
 
 def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
@@ -65,7 +65,16 @@ def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
     regrade = services.regrades.get(regrade_id, caller.course)
     if regrade is None:
         raise RefusedError("regrade_not_found")
-    return regrade
+    return _of_caller(caller, regrade)
+
+
+def _of_caller(caller: Caller, regrade: Regrade) -> Regrade:
+    """Return a re-grade with the changes of students that the caller looks after."""
+    if caller.students is None:
+        return regrade
+    changes = tuple(one for one in regrade.changes if caller.looks_after(one.student))
+    students = tuple(one for one in regrade.wanted.students if caller.looks_after(one))
+    return replace(regrade, changes=changes, wanted=replace(regrade.wanted, students=students))
 
 
 def both_gradings(

@@ -65,7 +65,8 @@ def extensions(services: Services, caller: Caller, assignment_id: str) -> list[t
     """
     require_staff(caller)
     require_published(services, assignment_id)
-    return services.rules.of(caller.course).extended(assignment_id)
+    extended = services.rules.of(caller.course).extended(assignment_id)
+    return [(student, one) for student, one in extended if caller.looks_after(student)]
 
 
 def extend(  # noqa: PLR0913, PLR0917

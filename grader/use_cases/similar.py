@@ -44,7 +44,7 @@ async def similar(services: Services, caller: Caller, assignment_id: str) -> Sim
         RefusedError: the caller may not see the class, there is no such assignment, or it asks for texts.
     """
     require_staff(caller)
-    return await services.comparer.run(lambda: _similar(services, caller, assignment_id))
+    return await services.comparer.run(lambda: _shown(caller, _similar(services, caller, assignment_id)))
 
 
 async def side_by_side(
@@ -58,7 +58,7 @@ async def side_by_side(
     require_staff(caller)
 
     def read() -> SideBySide:
-        whole = _similar(services, caller, assignment_id)
+        whole = _shown(caller, _similar(services, caller, assignment_id))
         for pair in (*whole.pairs, *whole.same_drives):
             if {pair.first.submission, pair.second.submission} == {first, second}:
                 sources = dict(services.comparer.scripts.sources({pair.first.sha256, pair.second.sha256}))
@@ -70,6 +70,26 @@ async def side_by_side(
         raise RefusedError("submission_not_found")
 
     return await services.comparer.run(read)
+
+
+def _shown(caller: Caller, found: Similar) -> Similar:
+    """Return the pairs of students whom the caller looks after; they are compared with the whole class."""
+    if caller.students is None:
+        return found
+
+    def own(pairs: Sequence[SimilarPair]) -> tuple[SimilarPair, ...]:
+        return tuple(
+            one
+            for one in pairs
+            if caller.looks_after(one.first.student) and caller.looks_after(one.second.student)
+        )
+
+    return replace(
+        found,
+        too_little=tuple(one for one in found.too_little if caller.looks_after(one)),
+        pairs=own(found.pairs),
+        same_drives=own(found.same_drives),
+    )
 
 
 def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:

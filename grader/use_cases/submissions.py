@@ -84,7 +84,7 @@ def listed(
         if caller.course is None or caller.person is None:
             require_staff(caller)
         wanted = replace(wanted, student=caller.person)
-    found = services.submissions.of_class(caller.course, wanted, limit + 1)
+    found = services.submissions.of_class(caller.course, wanted, limit + 1, caller.students)
     page = found[:limit]
     return shown_list(services, caller, page), page[-1].id if len(found) > limit else None
 
@@ -117,8 +117,8 @@ def beside(services: Services, caller: Caller, submission: Submission) -> Beside
     member = None if course is None else services.courses.member(course, student)
     return Beside(
         name="" if member is None or member.name == student else member.name,
-        previous=services.submissions.beside(submission, after=False),
-        next=services.submissions.beside(submission, after=True),
+        previous=services.submissions.beside(submission, caller.students, after=False),
+        next=services.submissions.beside(submission, caller.students, after=True),
     )
 
 

@@ -72,7 +72,7 @@ def read_student(
     """Show the attempts of one student, at one assignment or all, two of them to be compared."""
     attempts = services.submissions.of_student(student, assignment or None, course=visitor.caller.course)
     known = names(services, visitor.caller)
-    if not attempts and student not in known:
+    if not visitor.caller.may_see(visitor.caller.course, student) or (not attempts and student not in known):
         raise RefusedError("submission_not_found")
     by_assignment: dict[str, list[Submission]] = {one.id: [] for one in services.assignments.all()}
     for one in attempts:

@@ -14,7 +14,7 @@ from grader.render.audit_lines import Teller
 from grader.store.rules import CourseRules, tag
 from grader.use_cases.assignments import require_published
 from grader.use_cases.people import members, names, set_distro
-from grader.use_cases.rules import change_rules, course_rules
+from grader.use_cases.rules import change_rules, course_rules, extensions
 from grader.use_cases.rules import extend as extend_for
 from grader.use_cases.services import Services
 from grader.web.access import AssignmentId, InstructorDep, ServicesDep, StaffDep, Visitor, require_staff
@@ -193,7 +193,7 @@ def _page(  # noqa: PLR0913
         "zone": known.zone,
         "form": form or _form(known, assignment.id),
         "errors": errors or {},
-        "extensions": known.extended(assignment.id),
+        "extensions": extensions(services, visitor.caller, assignment.id),
         "sections": _sections(request, services, visitor, known, assignment.id),
         "extension": extension or _extension_form(known, assignment.id, ""),
         "tag": tag,
