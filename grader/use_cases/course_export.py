@@ -5,7 +5,6 @@ is the list of its files. It is not the picture of one instant; the manifest say
 """
 
 import hashlib
-import io
 import json
 import zipfile
 from collections.abc import Iterator
@@ -37,18 +36,24 @@ def export(services: Services, caller: Caller) -> Iterator[bytes]:
     return _Export(services, caller, course).parts()
 
 
-class _Taken(io.RawIOBase):
-    """A file that can only be written; what was written is taken from it."""
+class _Taken:
+    """A file that can only be written; what was written is taken from it.
+
+    Nobody closes it: the garbage collector would close one of `io` while an export that nobody reads is open.
+    """
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []
 
-    def writable(self) -> bool:
-        return True
-
     def write(self, data: Any) -> int:
         self._parts.append(bytes(data))
         return len(data)
+
+    def flush(self) -> None:
+        """Do nothing; `zipfile` asks for it."""
+
+    def close(self) -> None:
+        """Do nothing; `zipfile` asks for it."""
 
     def take(self) -> bytes:
         parts, self._parts = self._parts, []
@@ -62,22 +67,22 @@ class _Export:
         self._course = course
         self._begun_at = services.clock()
         self._out = _Taken()
-        self._zip = zipfile.ZipFile(self._out, "w", zipfile.ZIP_DEFLATED)
+        self._zip: zipfile.ZipFile
         self._files: list[dict[str, Any]] = []
 
     def parts(self) -> Iterator[bytes]:
-        """Yield what of the zip is there, file by file."""
-        for name, content in self._of_course():
-            yield self._put(name, content, self._begun_at)
-        count = 0
-        for submission in self._submissions():
-            count += 1
-            for name, content in self._of_submission(submission):
-                yield self._put(name, content, submission.received_at)
-        course = _plain(asdict(self._course))
-        manifest = {"course": course, "made_at": self._begun_at.isoformat(), "submissions": count}
-        yield self._put(_MANIFEST, _json({**manifest, "files": self._files}), self._begun_at)
-        self._zip.close()
+        """Yield what of the zip is there, file by file. Whoever stops reading leaves no zip open."""
+        with zipfile.ZipFile(self._out, "w", zipfile.ZIP_DEFLATED) as self._zip:
+            for name, content in self._of_course():
+                yield self._put(name, content, self._begun_at)
+            count = 0
+            for submission in self._submissions():
+                count += 1
+                for name, content in self._of_submission(submission):
+                    yield self._put(name, content, submission.received_at)
+            course = _plain(asdict(self._course))
+            manifest = {"course": course, "made_at": self._begun_at.isoformat(), "submissions": count}
+            yield self._put(_MANIFEST, _json({**manifest, "files": self._files}), self._begun_at)
         yield self._out.take()
 
     def _put(self, name: str, content: bytes, at: datetime) -> bytes:
