@@ -36,7 +36,7 @@ from grader.store.rules import ABOUT, ABOUT_FROM, OPEN_TO, rules_about
 from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, UtcDateTime, table_of
 from grader.store.work import Announcer, announcement_of
 
-_LATELY = timedelta(minutes=10)
+LATELY = timedelta(minutes=10)
 """Far longer than anybody waits, so that whoever waits for a first grading goes before anybody's second."""
 _COST_WEIGHT = 10
 _MOST_LATELY = 100
@@ -239,12 +239,12 @@ def _known(
         "owner": _owner(course, student),
         "key": key,
         "since": now - _KEY_LIFE,
-        "lately": now - _LATELY,
+        "lately": now - LATELY,
     }
     rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
     archived_at, member, digest, submission_id, *about = rows[0][: -len(_EARLIER)]
     own = [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None]
-    recent = now - _LATELY
+    recent = now - LATELY
     return _Known(
         archived_at is not None,
         course is None or member is not None,
@@ -359,10 +359,10 @@ def _handicap(lately: Sequence[_Earlier], now: datetime) -> timedelta:
         if one.priority:
             continue  # a re-grade, which nobody asked of the student
         if one.state == SubmissionState.QUEUED.value:
-            waits += _LATELY
+            waits += LATELY
         elif one.started_at is not None:
             cost += _COST_WEIGHT * max((one.finished_at or now) - one.started_at, timedelta())
-    return waits + min(cost, _LATELY)
+    return waits + min(cost, LATELY)
 
 
 def _owner(course: str | None, student: str) -> str:

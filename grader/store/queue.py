@@ -36,6 +36,7 @@ from grader.contracts.submission import Claim, QueueState, SubmissionState
 from grader.store.clock import Clock
 from grader.store.database import Database, add_once
 from grader.store.gradings import AssignmentRows, Values, detail_values, grading_values, insert_grading
+from grader.store.intake import LATELY
 from grader.store.tables import (
     CourseRow,
     GradedAssignmentRow,
@@ -51,7 +52,6 @@ _TROUBLE_CHARACTERS = 2_000
 _MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
 _MOST_TRIES_RUNNING = 2  # once a fault of the host, twice rather of the script
 _LAST_TURN = datetime(9999, 1, 1, tzinfo=UTC)
-_LATELY = timedelta(minutes=10)
 _LONG = timedelta(seconds=5)
 """A grading that others should not have to wait for. An ordinary one takes a fraction of a second."""
 _LATEST = 100  # gradings whose durations tell the pace
@@ -80,7 +80,7 @@ _DUE: Select[str] = (
 )
 """The submission to grade next: by priority, then by turn. Takes the instants `now` and `turn_by`."""
 
-_DUE_EARLY = _DUE.add_columns(_row.course, _row.student)
+_DUE_EARLY = _DUE.add_columns(_row.course, _row.student, _row.tries)
 _LATELY_OF = select(_row.started_at, _row.finished_at).where(
     _row.course.is_not_distinct_from(bindparam("course")),
     _row.student == bindparam("student"),
@@ -262,6 +262,18 @@ class Queue:
             values["trouble"] = trouble[:_TROUBLE_CHARACTERS]
         return self._release(claim, values, now)
 
+    def put_behind(self, claim: Claim, trouble: str) -> bool:
+        """Return an unfinished one to the queue, behind what others bring in ten minutes: the try counts."""
+        now = self._clock()
+        values = {
+            "state": SubmissionState.QUEUED.value,
+            "turn_at": now + LATELY,
+            "not_before": now,
+            "lease_until": None,
+            "trouble": trouble[:_TROUBLE_CHARACTERS],
+        }
+        return self._release(claim, values, now)
+
     def hand_back_all(self, workers: Collection[str]) -> list[str]:
         """Do what `hand_back` does with every claim of `workers`; return the submissions.
 
@@ -339,6 +351,12 @@ class Queue:
             waiting = col(SubmissionRow.state) == SubmissionState.QUEUED.value
             ahead = select(func.count()).select_from(SubmissionRow).where(waiting, first)
             return int(session.execute(ahead).scalar_one())
+
+    def waits_in_turn(self) -> bool:
+        """Return whether a submission is due whose turn has come."""
+        with self._database.reading() as session:
+            due = session.connection().execute(_DUE, _instants(self._clock(), in_turn=True))
+            return due.first() is not None
 
     def mean_duration_s(self) -> float | None:
         """Return how long the latest gradings took from claim to result; None when there are none yet."""
@@ -444,12 +462,15 @@ def _take(connection: Connection, worker: str, now: datetime, lease_s: float, in
 
 
 def _due_early(connection: Connection, now: datetime) -> str | None:
-    """Return what would be due first if everybody's turn had come; None while its student's gradings take long."""
+    """Return what would be due first if everybody's turn had come; None if it may take long.
+
+    That is known of what was tried before, and while gradings of its student take long.
+    """
     first = connection.execute(_DUE_EARLY, _instants(now, in_turn=False)).first()
-    if first is None:
+    if first is None or first.tries:
         return None
-    id_, course, student = first
-    asked = {"course": course, "student": student, "since": now - _LATELY}
+    id_, course, student, _ = first
+    asked = {"course": course, "student": student, "since": now - LATELY}
     for started_at, finished_at in connection.execute(_LATELY_OF, asked):
         if finished_at is None or started_at is None or finished_at - started_at > _LONG:
             return None

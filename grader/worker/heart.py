@@ -1,7 +1,8 @@
 """The heart of a worker: keeps its claims alive, lets go of those it lost, mends what others left, and reports.
 
-A beat does four things, in this order: it renews the leases of what the slots grade; it tries a sandbox that was
-not ready; it says how the worker is; and it mends what crashed workers left. What matters most to the gradings
+A beat does five things, in this order: it renews the leases of what the slots grade; it tries a sandbox that was
+not ready; it says how the worker is; it mends what crashed workers left; and it frees the slot that is kept for
+those whose turn it is, if what it grades takes long while they wait. What matters most to the gradings
 under way comes first, so that trouble with what comes later takes nothing from them.
 
 A claim that is lost never comes back: somebody else grades the submission, or has graded it. Its slot is told at
@@ -81,6 +82,8 @@ class Heart:
         if not self._stopped.is_set():  # else this beat took so long that the worker has left meanwhile
             self._parts.workers.report(self._state(busy))
         self._mend()
+        for slot in self._slots:
+            slot.give_way()
 
     def _renew(self) -> int:
         """Renew what the slots hold; return how many are busy."""

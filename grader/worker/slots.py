@@ -32,6 +32,8 @@ _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
 """Before each next try to store a result: often at first, then for ten minutes."""
 _STEP_S = 60.0
+_LONG_S = 30.0
+"""So long, and twice as long as gradings took lately, one may hold the slot that is kept while others wait."""
 _ROOM_PAUSE_S = (
     1.0  # who holds every process id is ended within milliseconds; what the kernel frees takes longer
 )
@@ -110,7 +112,9 @@ class GradingSlot:
         self._sandbox = sandbox
         self._grader = parts.make_grader()
         self.claim: Claim | None = None
+        self._since = parts.clock()
         self._abandoned: Claim | None = None
+        self._gives_way = False
         self._stopping = threading.Event()
         self._lock = threading.Lock()  # whoever abandons a claim must not kill the grading of the next one
 
@@ -133,7 +137,7 @@ class GradingSlot:
             return False
         until_s = time.monotonic() + _STEP_S
         while claim is not None:
-            self.claim = claim
+            self._since, self.claim = self._parts.clock(), claim
             try:
                 with about(claim):
                     claim = self._grade(claim, until_s)
@@ -153,12 +157,24 @@ class GradingSlot:
         """Kill the grading under way."""
         self._grader.abort()
 
-    def abandon(self, claim: Claim) -> None:
-        """Kill the grading of `claim`, which is lost; do nothing if that has ended."""
+    def abandon(self, claim: Claim, *, gives_way: bool = False) -> None:
+        """Kill the grading of `claim`, which is lost, or gives way to others; do nothing if that has ended."""
         with self._lock:
-            if self.claim is claim:
-                self._abandoned = claim
+            if self.claim is claim and self._abandoned is not claim:
+                self._abandoned, self._gives_way = claim, gives_way
                 self._grader.abort()
+
+    def give_way(self) -> None:
+        """In a slot that is kept, end a first try that takes long while others' turn has come.
+
+        The submission is tried once more behind them, by another slot as soon as one is idle, to its end.
+        """
+        claim, queue = self.claim, self._parts.queue
+        if claim is None or not self._in_turn or claim.tries > 1:
+            return
+        held_s = (self._parts.clock() - self._since).total_seconds()
+        if held_s > _LONG_S and held_s > 2 * (queue.mean_duration_s() or 0.0) and queue.waits_in_turn():
+            self.abandon(claim, gives_way=True)
 
     def close(self) -> None:
         """End the grading process."""
@@ -231,6 +247,10 @@ class GradingSlot:
 
     def _fail(self, claim: Claim, error: Exception, *, had_run: bool) -> None:
         self._grader.close()
+        if self._abandoned is claim and self._gives_way:
+            self._parts.queue.put_behind(claim, "it took long while others waited")
+            _log.warning("%s takes long while others wait: it goes on behind them", claim.submission_id)
+            return
         if self._abandoned is claim:
             _log.warning("%s: its claim was lost, this grading of it is given up", claim.submission_id)
             return

@@ -89,9 +89,9 @@ def test_giving_a_submission_up_is_an_alarm_in_the_log(
 class Grading:
     """A slot that grades in a thread of its own until the test lets it."""
 
-    def __init__(self, bench: Bench) -> None:
+    def __init__(self, bench: Bench, slot: GradingSlot | None = None) -> None:
         bench.grader.hold()
-        self.slot = bench.slot()
+        self.slot = slot or bench.slot()
         self._thread = threading.Thread(target=self.slot.step)
         self._thread.start()
         assert bench.grader.busy.wait(PATIENCE_S)
@@ -128,6 +128,27 @@ def test_a_claim_that_was_lost_is_not_taken_for_the_next_of_the_same_submission(
     made = Heart("w", [first, second], bench.parts, SandboxHealth(lambda: READY), heartbeat_s=BEAT_S)
     made.beat()
     made.beat()
+    assert bench.grader.aborts == 1
+
+
+def test_what_takes_long_frees_the_slot_that_is_kept_once_somebody_waits(bench: Bench) -> None:
+    long = bench.upload()
+    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
+    kept._sandbox.try_out()
+    grading, made = Grading(bench, kept), heart(bench, kept)
+    live(bench, made, beats=11)
+    assert bench.grader.aborts == 0  # nobody waits
+    other = bench.upload(student="other")
+    made.beat()
+    grading.join()
+    assert (bench.row(long).state, bench.row(long).tries) == (SubmissionState.QUEUED, 1)
+    assert kept.step()
+    assert not kept.step()  # its turn comes later; any other slot takes it at once, for as long as it takes
+    assert bench.row(other).state is SubmissionState.GRADED
+    kept.claim = bench.queue.claim("w/1")
+    assert (kept.claim.submission_id, kept.claim.tries) == (long, 2)
+    bench.upload(student="third")
+    live(bench, made, beats=20)
     assert bench.grader.aborts == 1
 
 
