@@ -47,7 +47,7 @@ RUN cd /opt/grader/lib/python3.11/site-packages \
  && find . -type d -name tests -prune -exec rm -r {} + \
  && find . -type f '(' -name '*.pyi' -o -name '*.pyx' -o -name '*.pxd' -o -name '*.h' -o -name '*.a' ')' -delete \
  && strip --strip-unneeded pybullet.*.so
-COPY pyproject.toml README.md ./
+COPY pyproject.toml requirements.lock README.md ./
 COPY grader grader
 COPY assignments assignments
 COPY lesson lesson

@@ -43,6 +43,10 @@ ANSWER_S: Final = 180.0
 """The largest report is read in time at 5 KB a second."""
 
 HEADER_BYTES: Final = 16 * 1024
+_PIECE_BYTES: Final = 4 * 1024
+_CRUMBS: Final = 4
+"""A body in chunks is cut off where its content is less than one part in so many of what was sent. A chunk costs
+the event loop as much as a small request: 30,000 of a byte each kept everybody waiting for seconds."""
 _REQUESTS: Final = 1_500  # connections besides streams: browsers keep some open after each page
 _OTHER_FILES: Final = 256  # the database, the log, gradings
 _FEWEST: Final = 16  # with fewer connections it would be no service
@@ -172,6 +176,10 @@ class BoundedConnection(H11Protocol):
         """Begin to wait for a request."""
         super().connection_made(transport)
         self._awaited: str | None = None
+        self._chunked = (
+            0,
+            0,
+        )  # bytes of the request's body as they were sent, and without what frames chunks
         self._deadline: asyncio.TimerHandle | None = None
         self._unread: asyncio.TimerHandle | None = None
         if self.limit_concurrency is not None and len(self.connections) > self.limit_concurrency:
@@ -180,8 +188,16 @@ class BoundedConnection(H11Protocol):
         self._await("headers")
 
     def data_received(self, data: bytes) -> None:
-        """Take what arrived of a request."""
-        super().data_received(data)
+        """Take what arrived of a request, a piece at a time."""
+        for start in range(0, len(data), _PIECE_BYTES):
+            piece, in_body, before = data[start : start + _PIECE_BYTES], self._in_body(), self._body_bytes()
+            super().data_received(piece)
+            sent, body = self._chunked if in_body else (0, 0)
+            sent, body = self._chunked = sent + len(piece), body + max(self._body_bytes() - before, 0)
+            if in_body and sent >= _PIECE_BYTES and body * _CRUMBS < sent and self._is_chunked():
+                self.transport.abort()
+            if self.transport.is_closing():
+                return
         self._look()
 
     def on_response_complete(self) -> None:
@@ -213,6 +229,15 @@ class BoundedConnection(H11Protocol):
         self._read()
         super().connection_lost(exc)
 
+    def _in_body(self) -> bool:
+        return self.conn.their_state is h11.SEND_BODY
+
+    def _body_bytes(self) -> int:
+        return 0 if self.cycle is None else len(self.cycle.body)
+
+    def _is_chunked(self) -> bool:
+        return any(name == b"transfer-encoding" for name, _ in self.headers)
+
     def _read(self) -> None:
         if self._unread is not None:
             self._unread.cancel()
@@ -222,7 +247,7 @@ class BoundedConnection(H11Protocol):
         """See what the client still has to send."""
         state = self.conn.their_state
         begun = state is h11.IDLE and bool(self.conn.trailing_data[0])
-        self._await("body" if state is h11.SEND_BODY else "headers" if begun else None)
+        self._await("body" if self._in_body() else "headers" if begun else None)
 
     def _await(self, what: str | None) -> None:
         if what == self._awaited:

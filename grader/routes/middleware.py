@@ -29,6 +29,7 @@ MOST_BYTES = 1024 * 1024
 HEADER = "X-Request-ID"
 _UNBOUNDED = "unbounded_receive"
 _ENVELOPE_BYTES = 16 * 1024  # boundaries, part headers and the short fields beside a file
+_MOST_FILES, _MOST_FIELDS = 2, 20  # of a form with a file
 _DRAINED_BYTES = 8 * 1024 * 1024
 _SMALL_BYTES = 64 * 1024  # uvicorn keeps as much for a client that does not read, before it waits
 _HEADERS = {
@@ -145,12 +146,20 @@ class Bounded:
             dropped += len(message.get("body", b""))
 
 
+class _SmallForm(Request):
+    """A request whose form has few parts: parsing each of a thousand would keep the event loop busy."""
+
+    def form(self, **_: Any) -> Any:
+        """Return the form, as Starlette does for any request."""
+        return super().form(max_files=_MOST_FILES, max_fields=_MOST_FIELDS)
+
+
 def with_file(request: Request, file_limit: int) -> Request:
     """Return a request for a form with one file of at most `file_limit` bytes, which may be more than others."""
     receive: Receive = request.scope["state"][_UNBOUNDED]
     limit = file_limit + _ENVELOPE_BYTES
     bounded = Bounded(receive, request.headers, limit, lambda: too_large(file_limit))
-    return Request(request.scope, bounded.receive)
+    return _SmallForm(request.scope, bounded.receive)
 
 
 def media_type(headers: Headers) -> str:

@@ -90,6 +90,27 @@ def test_a_body_that_never_ends_ends_the_connection() -> None:
         assert is_closed(client)
 
 
+def posted_in_chunks(address: tuple[str, int], chunks: list[bytes]) -> bytes:
+    """Send a body in these chunks; return the last line of the answer, empty if the connection is ended."""
+    with socket.create_connection(address) as client:
+        client.settimeout(PATIENCE_S)
+        head = b"POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\nConnection: close\r\n\r\n"
+        framed = b"".join(b"%x\r\n%b\r\n" % (len(chunk), chunk) for chunk in chunks)
+        try:
+            client.sendall(head + framed + b"0\r\n\r\n")
+            with client.makefile("rb") as answer:
+                return answer.read().rpartition(b"\r\n")[2]
+        except (ConnectionResetError, BrokenPipeError):
+            return b""
+
+
+def test_a_body_in_crumbs_ends_the_connection_and_one_in_chunks_does_not() -> None:
+    with serving() as address:
+        assert posted_in_chunks(address, [b"x" * 8_192] * 20) == b"163840"
+        assert posted_in_chunks(address, [b"x" * 10] * 200) == b"2000"
+        assert posted_in_chunks(address, [b"x"] * 30_000) == b""
+
+
 def test_an_answer_that_nobody_reads_ends_the_connection() -> None:
     with (
         server_of(None, {"answer_s": 0.05}) as server,
