@@ -141,6 +141,8 @@ def command_mistakes(
     if commands and not any(command.v_mps or command.w_radps for command in commands):
         return (_only_zeros(run),)
     if (longest_ns := _longest_motion_ns(run.trajectory)) < _TOO_BRIEF_NS:
+        if _motions(run.trajectory) > _MANY_MOTIONS:
+            return (mistake("stop_in_loop", times=_motions(run.trajectory)),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
     return _timeouts(run.trajectory, outcome, turns, drives)
 
@@ -202,24 +204,22 @@ def _behind_spin(run: Run) -> Mistake | None:
     return mistake("behind_spin", line=line)
 
 
-_DISCOVERY_NS = 50_000_000  # the shortest it takes at home
-
-
 def lost_at_home(run: Run) -> Iterator[Mistake]:
     """Recognise a script all of whose motions were published before turtlesim, at home, has found its publisher.
 
-    That takes 50 to 500 ms there: such messages reach nobody. Who asked first whether somebody listens has no
-    note of it.
+    Who asked first whether somebody listens has no such note.
     """
-    moves = [command.t_ns for command in run.trajectory.commands if is_motion(command)]
-    if moves and moves[-1] <= _DISCOVERY_NS and noted(run.outcome, "discovery") is not None:
-        yield mistake("lost_at_home", last=number(moves[-1] / 1e6, "ms"))
+    if noted(run.outcome, "unheard") is not None:
+        yield mistake("lost_at_home")
 
 
 def unheard(run: Run, measure: str) -> dict[str, Measure]:
     """Return that `measure` cannot count, if at home nobody would have heard the commands."""
     lost = any(lost_at_home(run))
     return {measure: Measure(math.nan, {"why": say("item.unheard")})} if lost else {}
+
+
+_EXIT = r"^[ \t]*(sys\.|os\._?)?(exit|quit)\("
 
 
 def without_node(run: Run) -> Mistake:
@@ -230,7 +230,7 @@ def without_node(run: Run) -> Mistake:
         return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
     if (uncalled := not_called(run)) is not None:
         return uncalled
-    exits = ScriptText(run.source).lines_with(r"^[ \t]*(sys\.|os\._?)?(exit|quit)\(")
+    exits = ScriptText(run.source).lines_with(_EXIT)
     if exits and not run.outcome.stdout.text.strip():
         return mistake("exited_early", line=exits[0])
     if run.outcome.stdout.text.strip():
@@ -281,10 +281,43 @@ def _unused_publisher(run: Run, topic: str) -> tuple[Mistake, ...]:
         return (mistake("incompatible_qos", topic=topic),)
     if outcome.status is RunStatus.FINISHED:
         ended = number(outcome.duration_ns / 1e9, "s")
-        return (not_called(run) or mistake("never_spun", ended=ended),)
+        return (ended_at_once(run) or not_called(run) or mistake("never_spun", ended=ended),)
     if outcome.status is RunStatus.INTERRUPTED:
-        return (_behind_spin(run) or _waits(run) or not_called(run) or mistake("never_published"),)
+        return (_behind_spin(run) or _waits(run) or not_called(run) or _never_published(run),)
     return ()
+
+
+def ended_at_once(run: Run) -> Mistake | None:
+    """Recognise what keeps a script that looks complete from running on: a loop that never begins, an exit."""
+    script = ScriptText(run.source)
+    if lines := script.lines_with(r"\bwhile not rclpy\.ok\("):
+        return mistake("not_ok", line=lines[0])
+    if lines := script.lines_with(r"^[ \t]*rclpy\.spin$"):
+        return mistake("only_named", line=lines[0], call="rclpy.spin(node)")
+    spins = script.lines_with(r"\bspin\w*\(")
+    if (lines := script.lines_with(_EXIT)) and spins and lines[0] < spins[0]:
+        return mistake("exited_early", line=lines[0])
+    return None
+
+
+def _never_published(run: Run) -> Mistake:
+    """Say why a node that went on to the end never published."""
+    script = ScriptText(run.source)
+    if (twice := defined_twice(run)) is not None:
+        return twice
+    publishes = script.lines_with(r"\.publish\(")
+    fires = script.lines_with(r"\bcreate_timer\( ?(0?\.\d+|[1-5](\.\d*)?)\b")
+    return (
+        mistake("publish_not_reached", line=publishes[0])
+        if publishes and fires
+        else mistake("never_published")
+    )
+
+
+def defined_twice(run: Run) -> Mistake | None:
+    """Recognise a method that a later one of the same name replaces."""
+    twice = ScriptText(run.source).defined_twice
+    return None if twice is None else mistake("defined_twice", name=twice[0], first=twice[1], second=twice[2])
 
 
 _WRONG_GUARD = re.compile(
@@ -334,6 +367,18 @@ def _in_loop(run: Run, script: ScriptText) -> Mistake | None:
     return mistake("waits_without_spin" if deaf else "waits_in_loop", line=begins)
 
 
+def loop_in_callback(run: Run) -> Mistake | None:
+    """Recognise a loop in a callback that waits for what only another callback can bring."""
+    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    if place is None or (begins := script.loop_of(int(place["line"]))) is None:
+        return None
+    heard = any(each.kind == "subscription" for each in run.outcome.endpoints)
+    name = script.function_around(begins)
+    called_back = script.lines_with(rf"\bcreate_(timer|subscription)\(.*\bself\.{name}\b") if name else []
+    in_parallel = script.lines_with(r"\bMultiThreadedExecutor\(|\bThread\(")
+    return mistake("loop_in_callback", line=begins) if heard and called_back and not in_parallel else None
+
+
 _ZERO = r" ?-?[0.]+ ?(;|$)"
 
 
@@ -343,20 +388,54 @@ def _only_zeros(run: Run) -> Mistake:
     compared = script.lines_with(r"^[ \t]*[\w.]+\.(linear|angular)\.[xyz] ?==")
     if compared:
         return mistake("compares_for_assigns", line=compared[0])
+    if annotated := script.lines_with(r"^[ \t]*[\w.]+\.(linear|angular)\.[xyz] ?:"):
+        return mistake("colon_for_equals", line=annotated[0])
     if noted(run.outcome, "stopped_at_once") is not None:
         return mistake("stopped_at_once")
+    if (empty := _empty_message(script)) is not None:
+        return empty
+    if run.outcome.command_count <= _ONE_CALL and (cancels := script.lines_with(r"\btimer\w*\.cancel\(")):
+        return mistake("timer_cancelled", line=cancels[0])
     if script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=)(?!{_ZERO})"):
         return mistake("only_stops")
     return mistake("zero_commands")
 
 
+_ONE_CALL = 2  # commands that one call of a callback publishes
+
+
+def _empty_message(script: ScriptText) -> Mistake | None:
+    """Recognise a script that fills a message and publishes another one, or fills it too late."""
+    filled = script.lines_with(rf"\.(linear\.x|angular\.z) ?=(?!=)(?!{_ZERO})")
+    publishes = script.lines_with(r"\.publish\(")
+    fresh = script.lines_with(r"\.publish\( ?Twist\( ?\) ?\)")
+    if not filled or not publishes:
+        return None
+    if fresh == publishes:
+        return mistake("publishes_empty", line=fresh[0])
+    later = all(number > publishes[-1] for number in filled)
+    here = {script.owner_of(number) for number in (*filled, *publishes)}
+    return (
+        mistake("filled_too_late", line=publishes[-1], filled=filled[0]) if later and len(here) == 1 else None
+    )
+
+
 _TOO_BRIEF_NS = 50_000_000  # three updates of turtlesim
+
+
+_MANY_MOTIONS = 40  # more than the sides and corners of any figure, driven twice
+
+
+def _motions(trajectory: Trajectory) -> int:
+    """Return how many motions were commanded, with a stop between one and the next."""
+    flags = [is_motion(command) for command in trajectory.commands]
+    return sum(now and not before for before, now in zip([False, *flags], flags, strict=False))
 
 
 def _longest_motion_ns(trajectory: Trajectory) -> int:
     """Return the longest time for which motions were commanded without a stop between them."""
     longest_ns, begun_ns = 0, None
-    for command, until_ns in _with_ends(trajectory):
+    for command, until_ns in with_ends(trajectory):
         if not (command.v_mps or command.w_radps):
             begun_ns = None
             continue
@@ -365,7 +444,7 @@ def _longest_motion_ns(trajectory: Trajectory) -> int:
     return longest_ns if trajectory.commands else COMMAND_LIFE_NS
 
 
-def _with_ends(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
+def with_ends(trajectory: Trajectory) -> Iterator[tuple[Command, int]]:
     """Yield each command with the time until which it held, at most turtlesim's hold after it came."""
     nexts = [command.t_ns for command in trajectory.commands[1:]]
     for command, next_ns in zip(trajectory.commands, [*nexts, _FOR_EVER_NS], strict=True):

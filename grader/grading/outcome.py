@@ -30,6 +30,7 @@ from grader.sim.frames import (
     EXCEPTION,
     FINISHED,
     INTERRUPTED_NOTE,
+    LISTENER_NOTE,
     PRINTED_TOO_MUCH,
     STALLED,
     SYNTAX_ERROR,
@@ -128,7 +129,7 @@ def merge(episode: EpisodeResult, jail: JailReport, distro: Distro = "humble") -
         notes=tuple(
             replace(note, text=_masked(note.text, distro))
             for note in (*episode.notes, *_answers(episode))
-            if note.code != INTERRUPTED_NOTE
+            if note.code not in {INTERRUPTED_NOTE, LISTENER_NOTE}
         ),
         command_count=episode.command_count,
         nonfinite_commands=episode.nonfinite_commands,

@@ -45,6 +45,8 @@ _SIGNS: Final = tuple(
             "typed_name",
         ),
         (_LINE + r"(class|def)[ \t]+\w+[ \t]+\w+[ \t]*[(:]", "blank_in_name"),
+        (_LINE + r"(?P<word>class|def)(?P<rest>\w+)[ \t]*\(.*:[ \t]*(#.*)?\n", "blank_after_word"),
+        (r"SyntaxError: expression cannot contain assignment.*\n.*\n.*\w\.\w+[ \t]*=", "dotted_keyword"),
         (_LINE + r"(from|import)[ \t]+[\w.]*-", "hyphen_in_module"),
         (_LINE + r"[^\"'#\n]*\)[ \t]*[A-Za-z_]\w*[ \t]*\(", "missing_dot"),
         (r"SyntaxError: expected '\('", "def_parentheses"),
@@ -95,6 +97,11 @@ _SIGNS: Final = tuple(
             "unknown_field",
         ),
         (
+            r"AttributeError: '(?P<owner>\w+)_(Response|Request|Goal|Result|Feedback)' object has no attribute "
+            r"'(?P<field>\w+)'",
+            "unknown_part",
+        ),
+        (
             r"TypeError: (?P<owner>Twist|Vector3|Point|Pose|Quaternion|String|Bool|U?Int\d+|Float\d+|Time|"
             r"Duration|\w+_Request|\w+_Goal)\.__init__\(\) takes 1 positional",
             "fields_by_position",
@@ -115,10 +122,15 @@ _SIGNS: Final = tuple(
             r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)'.*'DOUBLE'.*'INTEGER'",
             "parameter_type",
         ),
-        (r"TypeError: .*'Parameter'", "parameter_value"),
+        (r"InvalidParameterTypeException: .*'STRING'", "parameter_text"),
+        (r"TypeError: .*'Parameter'|AttributeError: 'Parameter' object has no attribute", "parameter_value"),
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
         (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
         (r"TypeError: spin(_once|_until_future_complete)?\(\) missing .*'node'", "spin_what"),
+        (
+            r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\([ \t]*['\"]",
+            "text_in_sleep",
+        ),
         (
             r"TypeError: 'str' object cannot be interpreted as an integer" + _AT + r".*\bsleep\(",
             "text_for_number",
@@ -128,6 +140,22 @@ _SIGNS: Final = tuple(
         (r"TypeError: rclpy_resolve_name\(\)", "wrong_order"),
         (r"TypeError: isinstance\(\) arg 2 must be a type.*" + _AT + r".*\.publish\(", "wrong_order"),
         (r"AttributeError: type object '\w+' has no attribute '_TYPE_SUPPORT'", "wrong_order"),
+        (
+            r"TypeError: '(function|method)' object is not subscriptable" + _AT + r".*\bcreate_\w+\(",
+            "wrong_order",
+        ),
+        (
+            r"TypeError: (type '\w+'|'(builtin_function_or_method|function|method|type)' object) "
+            r"is not subscriptable",
+            "square_brackets",
+        ),
+        (
+            r"TypeError: ('[<>]=?' not supported|unsupported operand) .*"
+            r"('(Duration|Time)' and '(int|float)'|'(int|float)' and '(Duration|Time)')",
+            "duration_and_number",
+        ),
+        (r"TypeError: unsupported operand .*'tuple'", "comma_at_end"),
+        (r"TypeError: unsupported operand .*'NoneType'", "none_in_sum"),
         (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
         (r"TypeError: Node\.__init__\(\) missing", "no_super_init"),
         (
@@ -172,6 +200,8 @@ _SIGNS: Final = tuple(
         (r"AttributeError: ", "unknown_attribute"),
         (r"NameError: name '(?=(\w*_){2})_{0,3}(name|main|init)_{0,3}' is not defined", "underscores"),
         (r"NameError: ", "unknown_name"),
+        (r"KeyError: ", "missing_key"),
+        (r"ZeroDivisionError: ", "divided_by_zero"),
         (r"ModuleNotFoundError: No module named '(rospy|roslib|rosbag|roslaunch)\b", "ros_1"),
         (
             r"ModuleNotFoundError: No module named '(getch|keyboard|msvcrt|pygame|pynput|readchar)\b",
@@ -310,6 +340,7 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
 Closer = tuple[str, dict[str, object]] | None
 
 _ELSEWHERE_NAMES: Final = {
+    "this": "self",
     "raw_input": "input()",
     "xrange": "range()",
     "unicode": "str()",
@@ -380,8 +411,37 @@ def _later(error: StudentError, script: ScriptText) -> Closer:
     return ("name_hides_class", {"name": name}) if name in _IMPORTS and name[:1].isupper() else None
 
 
+_DURATION_OF_ROS_1: Final = {
+    "to_sec": ".nanoseconds / 1e9",
+    "to_nsec": ".nanoseconds",
+    "secs": ".nanoseconds / 1e9",
+    "nsecs": ".nanoseconds",
+    "seconds": ".nanoseconds / 1e9",
+}
+"""Attributes that times and durations do not have in ROS 2, and what stands for them."""
+
+
+def _comma(error: StudentError, script: ScriptText) -> Closer:
+    """Look for the comma that made a tuple of a number."""
+    lines = script.lines_with(r"=[ \t]*-?[\d.]+[ \t]*,[ \t]*$")
+    return ("comma_at_end", {"line": lines[0]}) if lines else ("crashed", {})
+
+
+def _text(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at text in a computation: it may be a parameter's default."""
+    lines = script.lines_with(r'\bdeclare_parameter\([ \t]*"",[ \t]*""')
+    return ("parameter_text", {"line": lines[0]}) if lines else None
+
+
+def _not_started(error: StudentError, script: ScriptText) -> Closer:
+    lines = script.lines_with(r"^[ \t]*rclpy\.init$")
+    return ("only_named", {"line": lines[0], "call": "rclpy.init()"}) if lines else None
+
+
 def _function(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at a function used as a value: a method may have taken the place of one of Node's own."""
+    if re.search(r"\btime\.\w+", script_line(error)) and script.lines_with(r"from time import\b.*\btime\b"):
+        return "time_is_function", {}
     taken = script.methods(_OWN_OF_NODE)
     return ("name_taken", {"name": taken[0]}) if taken and "super()" in script_line(error) else None
 
@@ -397,6 +457,8 @@ def _parameters(error: StudentError, script: ScriptText) -> Closer:
     found = re.match(r"(?:\w+\.)?(\w+)\(\) ", error.message)
     name = "" if found is None else found[1]
     made = script.definition(name)
+    if made is not None and script.hands_over(error.line or 0, name):
+        return "callback_called", {}
     is_method = re.match(r"\w+\.", error.message) is not None
     if made is None or (is_method and not made.takes_self) or f"{name}(" not in script_line(error):
         return None if is_method else ("crashed", {})
@@ -410,6 +472,8 @@ def _name(error: StudentError) -> Closer:
         return None
     name = found[1]
     written = script_line(error)
+    if re.search(rf"(\b__init__|\bNode|\bcreate_node)\([ \t]*{name}[ \t]*\)", written):
+        return "name_without_quotes", {"name": name}
     if re.fullmatch(_SHELL, name) and re.match(rf"{_SHELL}([ \t]+[-~/.\w].*)?$", written):
         return "shell_line", {}
     if name in {"name", "main"} and re.match(r"if\b", written):
@@ -433,10 +497,15 @@ def _own_name(error: StudentError, script: ScriptText) -> Closer:
     if found is not None and made is not None and made.takes_self:
         called = re.search(rf"\b{found[1]}[ \t]*\(", script_line(error)) is not None
         return "missing_self", {"name": found[1], "call": "(...)" if called else ""}
+    if found is not None and made is not None and script.owner_of(made.line) is not None:
+        return "function_inside", {"name": found[1], "begins": made.line}
+    if found is not None and found[1] in _NODE_NAMES and script.in_method(error.line or 0):
+        return "missing_self", {"name": found[1], "call": "(...)"}
     given = [] if found is None else script.lines_with(rf"\bself\.{found[1]}[ \t]*(:[^=]*)?=(?!=)")
     if found is not None and given:
         return "missing_self_value", {"name": found[1], "given": given[0]}
-    if found is not None and script.node_class and _is_node(found[1], script_line(error)):
+    known = found is not None and found[1] in _ELSEWHERE_NAMES
+    if found is not None and script.node_class and not known and _is_node(found[1], script_line(error)):
         return "node_not_made", {"name": found[1], "owner": script.node_class}
     return _name(error)
 
@@ -454,7 +523,11 @@ def _attribute(error: StudentError, script: ScriptText) -> Closer:
     missing = re.match(r"module 'rclpy' has no attribute '(\w+)'", error.message)
     if missing is not None and missing[1] in _OF_ROS_1:
         return "ros_1_habit", {"name": f"rclpy.{missing[1]}", "instead": _OF_ROS_1[missing[1]]}
+    if missing is not None and _IMPORTS.get(missing[1], "").startswith("from rclpy."):
+        return "not_in_module", {"name": missing[1], "statement": _IMPORTS[missing[1]]}
     found = re.match(r"'(\w+)' object has no attribute '(\w+)'", error.message)
+    if found is not None and found[1] in ("Duration", "Time") and found[2] in _DURATION_OF_ROS_1:
+        return "ros_1_habit", {"name": f".{found[2]}", "instead": _DURATION_OF_ROS_1[found[2]]}
     if found is not None and (closer := _own_attribute(found[1], found[2], script)) is not None:
         return closer
     if found is not None and (closer := _of_an_object(found[2], script_line(error), script)) is not None:
@@ -469,6 +542,9 @@ def _of_an_object(name: str, written: str, script: ScriptText) -> Closer:
     """Look at what the attribute was wanted for: publishing, or a module whose name a variable has taken."""
     if name == "publish":
         return "no_publisher_object", {"publisher": script.publisher or "self.pub"}
+    own = script.publisher or ""
+    if own.startswith("self.") and re.search(rf"\bself\.{name}\.publish\(", written):
+        return "misspelt", {"suggestion": own}
     hidden = re.search(rf"\b(math|random|rclpy|time)\.{name}\b", written)
     return None if hidden is None else ("hidden_module", {"name": hidden[1]})
 
@@ -504,6 +580,8 @@ def _module(error: StudentError, script: ScriptText) -> Closer:
     root = name.partition(".")[0]
     if root in ("_tkinter", "tkinter", "turtle"):
         return ("turtle_graphics" if script.lines_with(_TURTLE) else "no_display"), {}
+    if name.rpartition(".")[2] in _MESSAGES.get(name.rpartition(".")[0], ()):
+        return "import_statement", {"statement": _IMPORTS[name.rpartition(".")[2]]}
     if root in _ELSEWHERE:
         return "library_not_here", {"name": root}
     near = [known for known in _MODULES if known.lower() == name.lower()] or difflib.get_close_matches(
@@ -520,7 +598,7 @@ def _imported_name(error: StudentError) -> Closer:
     name, module = found.groups()
     near = [known for known in _IMPORTS if known.lower() == name.lower()]
     near = near or difflib.get_close_matches(name, _MESSAGES.get(module, ()), 1, 0.75)
-    return ("missing_import", {"name": near[0], "statement": _IMPORTS[near[0]]}) if near else None
+    return ("import_statement", {"statement": _IMPORTS[near[0]]}) if near else None
 
 
 _TURTLE: Final = r"^[ \t]*(import[ \t]+turtle\b|from[ \t]+turtle[ \t]+import)"
@@ -563,9 +641,12 @@ _MOST_LINES: Final = 4
 _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "assigned_later": _later,
     "foreign_character": _pasted,
+    "comma_at_end": _comma,
     "function_not_called": _function,
     "int_in_float": _float,
+    "not_initialized": _not_started,
     "syntax_error": _statement,
+    "text_for_number": _text,
     "wrong_parameters": _parameters,
     "unknown_name": _own_name,
     "unknown_attribute": _attribute,

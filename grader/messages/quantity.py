@@ -164,7 +164,9 @@ class SpokenQuantity(PositionalRecord):
     foreign: str = ""
 
     def in_unit(self, unit: Unit) -> float | None:
-        """Return the value in `unit`; a bare number is taken to be in it. None: another kind of quantity."""
+        """Return the value in `unit`; a bare number is taken to be in it. None: another kind, or no known unit."""
+        if self.foreign:
+            return None
         if not self.unit:
             return self.value
         own, wanted = _UNITS[self.unit], _UNITS[unit]
@@ -186,11 +188,14 @@ def quantities(text: str) -> Iterator[SpokenQuantity]:
 
 _IN_WORDS: Final = re.compile(
     r"(?<![第一])[零〇一二两三四五六七八九十百千][零〇一二两三四五六七八九十百千点]*(?=\s*(秒|分钟|毫秒|米|厘米|公里|千米|度|弧度))"
+    r"|\b(one|two|three|four|five|six|seven|eight|nine|ten|eleven|twelve|[a-z]+teen|[a-z]+ty(-[a-z]+)?)"
+    r"(?=\s+(seconds?|minutes?|metres?|meters?|degrees?|radians?)\b)",
+    re.IGNORECASE,
 )
 
 
 def number_in_words(text: str) -> str | None:
-    """Return the last number with a unit that is written in Chinese numerals (``十二``), if there is one."""
+    """Return the last number with a unit that is written in words (``十二``, ``twelve``), if there is one."""
     found = [match[0] for match in _IN_WORDS.finditer(text)]
     return found[-1] if found else None
 

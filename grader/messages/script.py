@@ -74,6 +74,33 @@ class ScriptText:
         takes_self = re.search(pattern + r"[ \t]*self\b", line) is not None
         return Definition(numbers[0], _indent(line), takes_self)
 
+    def in_method(self, number: int) -> bool:
+        """Whether the given line stands in a function whose first parameter is ``self``."""
+        above: int | None = number if 0 < number <= len(self.lines) else None
+        while above is not None:
+            if re.match(r"[ \t]*def\b", self.lines[above - 1]):
+                return re.search(r"\([ \t]*self\b", self.lines[above - 1]) is not None
+            above = self.owner_of(above)
+        return False
+
+    def hands_over(self, number: int, name: str) -> bool:
+        """Whether the given line calls a function among the arguments of one that wants a callback."""
+        call = " ".join(self.lines[max(number - 5, 0) : number])
+        wants = r"\bcreate_(timer|subscription|service)\((?:(?!\) ?;|\bcreate_).)*"
+        return re.search(wants + rf"\b{re.escape(name)}\([ \t]*\)", call) is not None
+
+    @property
+    def defined_twice(self) -> tuple[str, int, int] | None:
+        """A method that is written twice in its class, where both begin: the second replaces the first."""
+        seen: dict[tuple[int | None, str], int] = {}
+        for number in self.lines_with(r"^[ \t]+def \w+ ?\("):
+            name = self.lines[number - 1].split("def ")[1].partition("(")[0].strip()
+            key = (self.owner_of(number), name)
+            if key in seen and not any("@" in line for line in self.lines[number - 2 : number - 1]):
+                return name, seen[key], number
+            seen[key] = number
+        return None
+
     def methods(self, names: Sequence[str]) -> list[str]:
         """Return those of `names` that the script gives to methods of its own."""
         return [name for name in names if (made := self.definition(name)) is not None and made.takes_self]
@@ -110,9 +137,21 @@ class ScriptText:
             if re.match(r"[ \t]*(def|class|if __name__)\b", line):
                 return False
             indent = _indent(line)
+            if line.strip() == f"{self.function_around(number)}()":
+                continue
             if not _ENDS.match(line.strip()) and re.search(r"\w\(|^\s*(for|while)\b", line):
                 return True
         return False
+
+    def function_around(self, number: int) -> str:
+        """Return the name of the function in which the given line stands; nothing at the top level."""
+        above = self.owner_of(number)
+        while above is not None:
+            found = re.match(r"[ \t]*def (\w+)", self.lines[above - 1])
+            if found is not None:
+                return found[1]
+            above = self.owner_of(above)
+        return ""
 
     @property
     def uncalled(self) -> Mention | None:

@@ -18,11 +18,13 @@ from grader.sim.cdr import decode as read
 from grader.sim.frames import (
     CLIENT,
     INTERRUPTED_NOTE,
+    LISTENER_NOTE,
     PUBLISHER,
     SERVICE,
     STARTED_NOTE,
     SUBSCRIPTION,
     SYNTAX_ERROR,
+    UNHEARD_NOTE,
     Advance,
     CarState,
     Entity,
@@ -48,6 +50,11 @@ MAX_REQUESTS: Final = 200  # whose values are kept
 NEVER_NS: Final = 1 << 62
 
 _TWIST: Final = struct.Struct("<4s6d")
+
+
+DISCOVERY_NS = 110_000_000
+"""The longest after which a new publisher's message still counts as lost at home: discovery takes 50 to 500 ms there,
+so of ten such messages one arrives. The first tick of a timer of 10 Hz comes a little later than 0.1 s."""
 
 
 class EpisodeSpec(Record):
@@ -128,6 +135,8 @@ class Episode:
         self._asked_ns: int | None = None  # the last time, while script and world take turns
         self._exit: Exit | None = None
         self._has_started = False
+        self._has_moved = False  # whether a motion was commanded
+        self._is_heard = False  # whether at home, too, somebody would have heard one
 
     def run(
         self,
@@ -259,7 +268,7 @@ class Episode:
         if entity.type != kind:
             self._journal.note("type_mismatch", entity.name)
         elif entity.what == PUBLISHER and entity.reliable:
-            self._sinks[entity.id] = partial(self._command, entity.name)
+            self._sinks[entity.id] = partial(self._command, entity.name, entity.t_ns)
         elif entity.what == PUBLISHER or (entity.transient_local and not self._world.keeps_last(entity.name)):
             self._journal.note("incompatible_qos", entity.name)
         else:
@@ -279,12 +288,15 @@ class Episode:
         except ProtocolError:
             self._journal.note("unreadable_message", ROSOUT)
 
-    def _command(self, topic: str, t_ns: int, payload: bytes) -> None:
+    def _command(self, topic: str, created_ns: int, t_ns: int, payload: bytes) -> None:
         """Take a Twist. A script may publish raw bytes; those that are not a Twist are dropped, as DDS does."""
         if len(payload) != _TWIST.size or payload[:4] != HEADER:
             self._journal.note("unreadable_message", topic)
             return
         _, x, y, _, _, _, turn = _TWIST.unpack(payload)
+        if x or turn:
+            self._has_moved = True
+            self._is_heard |= t_ns - created_ns > DISCOVERY_NS
         self._world.command(topic, t_ns, x, y, turn)
 
     def _advance(self, frame: Advance, link: Link) -> None:
@@ -345,6 +357,9 @@ class Episode:
             journal.note("lateral_command")
         if turtle.motion_commands and not any(each.v_mps or each.w_radps for each in trajectory.commands):
             journal.note("stopped_at_once")
+        asked = any(note.code == LISTENER_NOTE for note in journal.notes)
+        if self._has_moved and not self._is_heard and not asked:
+            journal.note(UNHEARD_NOTE)
         if turtle.clamped_commands:
             journal.note("clamped_command")
         return EpisodeResult(

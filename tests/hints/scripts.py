@@ -131,7 +131,7 @@ SCRIPTS = (
     _script("capital module", "square", "misspelt", ("import time\n", "import Time\n"), words="time"),
     _script("no import of time", "square", "missing_import", ("import time\n", ""), words="import time"),
     _script("no import of Node", "hello", "missing_import", ("from rclpy.node import Node\n", ""), words="from rclpy.node import Node"),
-    _script("small twist", "straight", "missing_import", ("import Twist", "import twist"), words="from geometry_msgs.msg import Twist"),
+    _script("small twist", "straight", "import_statement", ("import Twist", "import twist"), words="from geometry_msgs.msg import Twist"),
     _script("pandas", "square", "library_not_here", ("", "import pandas as pd\n"), words="pandas"),
     _script("scipy", "square", "library_not_here", ("", "from scipy.spatial import transform\n"), words="scipy"),
     _script("turtle graphics", "", "turtle_graphics", ("", "import turtle\nt = turtle.Turtle()\nt.forward(100)\n"), words="turtlesim", to="square"),

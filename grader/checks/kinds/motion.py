@@ -1,5 +1,6 @@
 """Check ``motion``: drive straight along or against the initial heading."""
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 
@@ -131,6 +132,7 @@ def _problem_with_direction(value: Option) -> Text | None:
 
 
 MIN_MOTION_M = 0.05  # less was not meant as driving
+_TO_AND_FRO = 4  # from here on the sign of the speed was not changed on purpose
 SPOT_RADIUS_M = 0.1  # an arc tighter than this is a turn on the spot
 
 
@@ -145,6 +147,9 @@ def motion_mistakes(
         name: measures.get(name, UNMEASURED).value for name in ("advance_m", "turned_deg", "way_back_m")
     }
     lost = {name for name, value in values.items() if fits(assignment, name, value) is False}
+    changes = sum(one.v_mps * other.v_mps < 0.0 for one, other in itertools.pairwise(run.trajectory.commands))
+    if lost and changes >= _TO_AND_FRO:
+        found.append(mistake("to_and_fro", times=changes))
     if "turned_deg" not in lost or not _right_speed(drive, backward=backward):
         found += _wrong_way(values["advance_m"], backward=backward)
     found += command_mistakes(run, assignment.world, turns=(), drives=("advance_m",))

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake, mistake
-from grader.checks.mistakes import script_mistakes, without_node
+from grader.checks.mistakes import ended_at_once, script_mistakes, without_node
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import LogRecord, RunOutcome, RunStatus
@@ -56,8 +56,9 @@ def node_mistakes(run: Run) -> tuple[Mistake, ...]:
         interrupted = outcome.status is RunStatus.INTERRUPTED
         found.append(mistake("init_without_node") if interrupted else without_node(run))
     elif outcome.nodes:
-        found += _logging(run)
-        if outcome.status is RunStatus.FINISHED:
+        early = ended_at_once(run) if outcome.status is RunStatus.FINISHED else None
+        found += [early] if early is not None else _logging(run)
+        if early is None and outcome.status is RunStatus.FINISHED:
             ended = number(outcome.duration_ns / 1e9, "s")
             found.append(mistake("not_spinning", ("alive",), ended=ended))
     return tuple(found)

@@ -99,6 +99,8 @@ def number_mistakes(
         if (words := number_in_words(text)) is not None:
             return (mistake("number_in_words", words=words, unit=unit),)
         return (mistake("no_number", unit=unit),)
+    if (given.foreign or given.in_unit(unit) is None) and (words := number_in_words(text)) is not None:
+        return (mistake("number_in_words", words=words, unit=unit),)
     if given.foreign:
         return (mistake("other_unit", given=given.foreign, unit=unit),)
     if given.unit and given.in_unit(unit) is None:

@@ -147,6 +147,10 @@ def _strayed(turned: float, drift: float, drive: Drive, spoilt: tuple[str, ...])
 def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
     """Say why the turn ended before it was whole."""
     angle = number(turned, "deg")
+    rates = [command.w_radps for command in run.trajectory.commands]
+    if rates and min(rates) < 0.0 < max(rates):
+        yield mistake("turned_both_ways", ("turned_deg",), turned=angle)
+        return
     codes = {math.degrees(1.0): "turned_one_radian", 180.0: "half_turn"}
     for telling, code in codes.items():
         if abs(turned - telling) <= SAME_DEG:

@@ -144,7 +144,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         ),
         (
             error("ImportError", "cannot import name 'twist' from 'geometry_msgs.msg' (/opt/ros/a.py)"),
-            "missing_import",
+            "import_statement",
             ("'twist' from 'geometry_msgs.msg'",),
         ),
         (error("IndexError", "list index out of range"), "index_range", ("0",)),
@@ -201,7 +201,7 @@ NO_TYPE = "isinstance() arg 2 must be a type, a tuple of types, or a union"
         (error("error", "(25, 'Inappropriate ioctl for device')"), "no_terminal", ("7",)),
         (error("TclError", "no display name and no $DISPLAY environment variable"), "no_display", ("17",)),
         (error("ValueError", ""), "crashed", ("ValueError: ",)),
-        (error("ZeroDivisionError", "division by zero"), "crashed", ("ZeroDivisionError", "17")),
+        (error("ZeroDivisionError", "division by zero"), "divided_by_zero", ("by zero", "17")),
         (None, "killed", ("SIGSEGV",)),
     ],
 )

@@ -167,11 +167,13 @@ def test_the_sketch_says_where_points_were_lost() -> None:
 
 @pytest.mark.parametrize("idle_s", [0.0, 2.0])
 def test_a_drive_that_nobody_hears_at_home_does_not_count(idle_s: float) -> None:
-    early = (Note(code="discovery", text="/turtle1/cmd_vel"),)
+    unheard = (Note(code="unheard", text=""),)
     trajectory = drive([(0.05, 20.0, 0.0)], idle_s=idle_s)
-    lost = graded("straight", trajectory, notes=early)
+    lost = graded("straight", trajectory, notes=unheard)
     assert (score(lost), lost.mistakes) == (10, ("lost_at_home",))
     assert "time.sleep(1)" in lost.hint.en
     assert score(graded("straight", trajectory)) == 100  # of a publisher that was found in time
-    kept_on = graded("straight", drive([(0.5, 2.0, 0.0)]), notes=early)
+    kept_on = graded(
+        "straight", drive([(0.5, 2.0, 0.0)]), notes=(Note(code="discovery", text="/turtle1/cmd_vel"),)
+    )
     assert score(kept_on) == 100

@@ -122,9 +122,11 @@ def test_the_points_for_the_rate_need_a_turn() -> None:
 
 
 def test_a_turn_that_nobody_hears_at_home_does_not_count() -> None:
-    early = (Note(code="discovery", text="/turtle1/cmd_vel"),)
-    once = graded("spin", drive([(0.05, 0.0, 10.0)]), notes=early)
+    unheard = (Note(code="unheard", text=""),)
+    once = graded("spin", drive([(0.05, 0.0, 10.0)]), notes=unheard)
     assert item(once, "turn").measured is None
     assert (score(once), once.mistakes[-1]) == (10, "lost_at_home")
-    kept_on = graded("spin", drive([(FULL_S, 0.0, 1.0)]), notes=early)
+    kept_on = graded(
+        "spin", drive([(FULL_S, 0.0, 1.0)]), notes=(Note(code="discovery", text="/turtle1/cmd_vel"),)
+    )
     assert score(kept_on) == 100

@@ -10,13 +10,22 @@ import numpy as np
 from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, is_motion
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
-from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, noted, script_mistakes
+from grader.checks.mistakes import (
+    asleep,
+    command_mistakes,
+    defined_twice,
+    loop_in_callback,
+    lost_at_home,
+    noted,
+    script_mistakes,
+    with_ends,
+)
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY
-from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats
 from grader.geometry.figure import PolygonFigure
 from grader.messages import say
 from grader.messages.quantity import listed, number
@@ -74,6 +83,7 @@ def polygon_mistakes(
     found += _kept_driving(seen)
     found += _kept_turning(seen)
     found += command_mistakes(run, assignment.world, turns=_TURNS, drives=_DRIVES)
+    found += _little_turns(seen)
     found += _wall(seen)
     cut = _cut_at_the_end(seen)
     if cut:
@@ -103,7 +113,8 @@ def _never_turned(seen: _Seen) -> Iterator[Mistake]:
         if math.degrees(float(np.ptp(seen.driven.drive.path.heading_rad))) > SAME_DEG:
             return  # turned by turtlesim's own action
         if not _on_first_side(seen):
-            yield mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
+            closer = loop_in_callback(seen.run) or defined_twice(seen.run)
+            yield closer or mistake("no_turns", _SHAPE, ideal=_degree(seen.ideal_deg), sides=seen.sides)
         return
     drives = _straight_drives([command for command in commands if command.t_ns < turning[0]])
     hit = bool(contacts) and contacts[0].start_ns <= turning[0]
@@ -163,6 +174,41 @@ def _kept_turning(seen: _Seen) -> Iterator[Mistake]:
 
 def _turns(command: Command) -> bool:
     return abs(command.w_radps) > MOVING_RADPS
+
+
+_FAR_OFF_DEG = 15.0  # a turn this much too short sends the car where the figure would never have come
+
+
+def _little_turns(seen: _Seen) -> Iterator[Mistake]:
+    """Tell of turns that are all far too short before the car meets a wall: the wall is what they lead to."""
+    contacts = seen.run.trajectory.contacts
+    turned = _commanded_turns(seen, contacts[0].start_ns) if contacts else []
+    if len(turned) < 2 or max(turned) - min(turned) > SAME_DEG or max(turned) > seen.ideal_deg - _FAR_OFF_DEG:
+        return
+    ideal, mean = seen.ideal_deg, float(np.mean(turned))
+    yield mistake(
+        "turns_too_short",
+        _SHAPE,
+        corners=listed(turned, "deg"),
+        ideal=_degree(ideal),
+        radians=number(math.radians(ideal), "rad", 4),
+        excess=_degree(ideal - mean),
+    )
+
+
+def _commanded_turns(seen: _Seen, until_ns: int) -> list[float]:
+    """Return how far each turn on the spot that ended before `until_ns` was commanded to go, in degrees."""
+    turned: list[float] = []
+    going = False
+    for command, end_ns in with_ends(seen.run.trajectory):
+        if end_ns > until_ns:
+            break
+        turning = _turns(command) and abs(command.v_mps) <= MOVING_MPS
+        if turning:
+            angle = math.degrees(abs(command.w_radps)) * (end_ns - command.t_ns) / 1e9
+            turned[-1:] = [turned[-1] + angle] if going else [*turned[-1:], angle]
+        going = turning
+    return turned
 
 
 def _wall(seen: _Seen) -> Iterator[Mistake]:
@@ -250,7 +296,7 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     uniform = float(np.ptp(corners)) <= 2.0 * SAME_DEG
     off = np.array([seen.loses("corner_deg", corner) for corner in corners.tolist()])
     back = float(np.min(np.abs(corners))) > 180.0 - SAME_DEG  # to which side, is chance
-    if back or bool((corners < 0.0).any()):
+    if back or (bool((corners < 0.0).any()) and _both_ways(seen)):
         yield mistake("turned_back" if back else "zigzag", spoilt, **values)
     elif not off.any() and bool(seen.driven.long_way.any()):
         yield mistake(
@@ -267,7 +313,9 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         yield _other_figure(seen, figure)
     elif uniform and (telling := _telling_angle(seen, mean)) is not None:
         yield mistake(telling, spoilt, mean=_degree(mean), **values)
-    elif bool(off.all()) and abs(int(np.sum(np.sign(corners - ideal)))) == len(corners):
+    elif (off.all() or _alike(corners - ideal)) and abs(int(np.sum(np.sign(corners - ideal)))) == len(
+        corners
+    ):
         code = "turns_too_far" if mean > ideal else "turns_too_short"
         yield mistake(code, spoilt, excess=_degree(abs(mean - ideal)), **values)
     else:
@@ -275,6 +323,17 @@ def _angles(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
         yield mistake(
             "one_corner_off", spoilt, number=worst + 1, angle=_degree(float(corners[worst])), **values
         )
+
+
+def _both_ways(seen: _Seen) -> bool:
+    """Whether the script turned left and right; else a corner to the other side is a turn of more than half."""
+    rates = [command.w_radps for command in seen.run.trajectory.commands if _turns(command)]
+    return not rates or min(rates) < 0.0 < max(rates)
+
+
+def _alike(errors: Floats) -> bool:
+    """Whether no error is small beside another: then all have one cause."""
+    return float(np.min(np.abs(errors))) > 0.5 * float(np.max(np.abs(errors)))
 
 
 def _gap_pct(figure: PolygonFigure) -> float:
@@ -311,6 +370,9 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     right = near if len(corners) else _on_first_side(seen)
     if not right or count == seen.sides:
         return
+    if (joined := _joined_sides(seen, figure)) is not None:
+        yield joined
+        return
     code = (
         ("too_slow" if seen.driven.drive.cut_short else "sides_missing")
         if count < seen.sides
@@ -318,6 +380,19 @@ def _count(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:
     )
     spoilt = ("sides", "gap_pct", "settled", *(_LENGTHS if code == "too_slow" else ()))
     yield mistake(code, spoilt, count=count, sides=seen.sides)
+
+
+_MULTIPLE_SHARE = 0.03
+
+
+def _joined_sides(seen: _Seen, figure: PolygonFigure) -> Mistake | None:
+    """Recognise sides that lie on one line, because a turn between them is missing."""
+    sides = np.asarray(figure.sides_m) / min(figure.sides_m)
+    times = np.round(sides)
+    apart = float(np.max(np.abs(sides - times) / times))
+    if len(sides) == seen.sides or int(np.sum(times)) != seen.sides or apart > _MULTIPLE_SHARE:
+        return None
+    return mistake("turn_missing", _SHAPE, lengths=listed(figure.sides_m, "m"), sides=seen.sides)
 
 
 def _sides(seen: _Seen, figure: PolygonFigure) -> Iterator[Mistake]:

@@ -180,6 +180,8 @@ class PublisherHandle(EndpointHandle):
     def get_subscription_count(self) -> int:
         """Return how many subscriptions are matched."""
         self._require_context("failed to get subscription count")
+        if self._fresh and self._carried:
+            link.note("asked_for_listeners", self.name)
         self._fresh = False  # who asks waits for the first one, and then loses nothing
         return len(self.readers) + len(self._world)
 
