@@ -53,8 +53,8 @@ _TWIST: Final = struct.Struct("<4s6d")
 
 
 DISCOVERY_NS = 110_000_000
-"""The longest after which a new publisher's message still counts as lost at home: discovery takes 50 to 500 ms there,
-so of ten such messages one arrives. The first tick of a timer of 10 Hz comes a little later than 0.1 s."""
+"""Up to this age of its publisher a message counts as lost at home: discovery takes 50 to 500 ms there, so of
+ten such messages one arrives. The first tick of a timer of 10 Hz comes a little later than 0.1 s."""
 
 
 class EpisodeSpec(Record):

@@ -1,0 +1,90 @@
+"""Scripts as beginners write them from the course's text, each with what is wrong, and what a teacher expects.
+
+`expected.tsv` names for each the verdict (right, harmless or wrong), the lowest and the highest score that a
+teacher would give, the code of the mistake that must be told first (``refused``: not taken), and in
+words what is wrong and what the first hint should say; `reason` where the score is not what one would guess.
+"""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+from grader.contracts.assignment import SUFFIXES
+from grader.contracts.errors import RefusedError
+from grader.contracts.grading import Grader
+from grader.contracts.text import EMPTY
+from grader.contracts.upload import check_name, check_source
+from tests.e2e.grading_slot import catalog, grade
+
+FOLDER = Path(__file__).parent
+REFUSED = "refused"
+
+
+@dataclass(frozen=True)
+class Beginner:
+    """One row of `expected.tsv`."""
+
+    file: str
+    assignment: str
+    verdict: str
+    lowest: float
+    highest: float
+    cause: str
+    what_is_wrong: str
+    first_hint: str
+
+    @property
+    def source(self) -> bytes:
+        return (FOLDER / "scripts" / self.file).read_bytes()
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the grader says of a script: score, code of the first mistake, hint in both languages."""
+
+    score: float
+    cause: str
+    zh: str
+    en: str
+
+    def faults(self, expected: Beginner) -> list[str]:
+        """Return in which points the answer is not what a teacher would say."""
+        told = []
+        if not expected.lowest <= self.score <= expected.highest:
+            told.append(f"{self.score} points, not {expected.lowest:g} to {expected.highest:g}")
+        if self.cause != expected.cause:
+            told.append(f"told {self.cause or 'nothing'} first, not {expected.cause or 'nothing'}")
+        if bool(self.zh) != bool(self.en):
+            told.append("a hint in one language only")
+        return told
+
+
+def beginners() -> list[Beginner]:
+    """Return all rows."""
+    with (FOLDER / "expected.tsv").open(encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
+    return [
+        Beginner(
+            file=row["file"],
+            assignment=row["assignment"],
+            verdict=row["verdict"],
+            lowest=float(row["lowest"]),
+            highest=float(row["highest"]),
+            cause=row["cause"],
+            what_is_wrong=row["what_is_wrong"],
+            first_hint=row["first_hint"],
+        )
+        for row in rows
+    ]
+
+
+def answer(grader: Grader, script: Beginner) -> Answer:
+    """Return what the grader says, as after an upload."""
+    try:
+        check_name(script.file, SUFFIXES[catalog().get(script.assignment).input])
+        check_source(script.source)
+    except RefusedError as refused:
+        told = refused.detail or EMPTY
+        return Answer(0.0, REFUSED, told.zh, told.en)
+    report = grade(grader, script.assignment, script.source, script.file)
+    return Answer(report.score, (*report.mistakes, "")[0], report.hint.zh, report.hint.en)

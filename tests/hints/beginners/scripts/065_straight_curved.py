@@ -1,0 +1,29 @@
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+
+
+class Straight(Node):
+    def __init__(self):
+        super().__init__('straight')
+        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.timer = self.create_timer(0.1, self.cb)
+
+    def cb(self):
+        msg = Twist()
+        msg.linear.x = 1.0     # 线速度
+        msg.angular.z = 0.3    # 角速度，试试看
+        self.pub.publish(msg)
+
+
+def main():
+    rclpy.init()
+    node = Straight()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,20 @@
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+
+class Q(Node):
+    def __init__(self):
+        super().__init__("q")
+        self.pub = self.create_publisher(Twist, "/turtle1/cmd_vel", "10")
+        self.timer = self.create_timer(0.1, self.cb)
+    def cb(self):
+        m = Twist()
+        m.linear.x = 1.0
+        self.pub.publish(m)
+
+def main():
+    rclpy.init()
+    q = Q()
+    rclpy.spin(q)
+
+main()

@@ -1,0 +1,33 @@
+"""让小乌龟后退。把 TODO 补全。"""
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+
+class Backward(Node):
+    def __init__(self):
+        super().__init__('backward')
+        self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.timer = self.create_timer(0.1, self.tick)
+
+    def tick(self):
+        msg = Twist()
+        # TODO: 设置后退的线速度 msg.linear.x（想一想正负号）  应该是负的
+        self.publisher.publish(msg)
+
+
+def main():
+    rclpy.init()
+    node = Backward()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()

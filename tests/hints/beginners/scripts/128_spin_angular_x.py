@@ -1,0 +1,21 @@
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+
+class Spinner(Node):
+    def __init__(self):
+        super().__init__('spinner')
+        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.timer = self.create_timer(0.1, self.tick)
+
+    def tick(self):
+        msg = Twist()
+        msg.angular.x = 1.0
+        self.pub.publish(msg)
+
+def main():
+    rclpy.init()
+    rclpy.spin(Spinner())
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,45 @@
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+import time
+
+
+class SquareMover(Node):
+    def __init__(self):
+        super().__init__('square_mover')
+        self.cmd_vel_pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.MOVE_TIME = 2.0
+        self.TURN_TIME = 1.5708
+
+    def move_straight(self, duration):
+        msg = Twist()
+        msg.linear.x = 1.0
+        s = time.time()
+        while time.time() - s < duration:
+            self.cmd_vel_pub.publish(msg)
+            time.sleep(0.01)
+
+    def turn(self, duration):
+        msg = Twist()
+        msg.angular.z = 1.0
+        s = time.time()
+        while time.time() - s < duration:
+            self.cmd_vel_pub.publish(msg)
+            time.sleep(0.01)
+
+    def move_square(self):
+        for i in range(4):
+            self.move_straight()
+            self.turn()
+
+
+def main():
+    rclpy.init()
+    node = SquareMover()
+    time.sleep(1)
+    node.move_square()
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()

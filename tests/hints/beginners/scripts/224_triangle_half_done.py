@@ -1,0 +1,47 @@
+"""走一个三角形。把 TODO 补全。"""
+
+import time
+
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+SIDE = 2.0  # m
+SPEED = 1.0  # m/s
+# TURN = 120
+
+
+class Triangle(Node):
+    def __init__(self):
+        super().__init__('triangle')
+        self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+
+    def drive(self, v, w, seconds):
+        """以线速度 v、角速度 w 行驶 seconds 秒，然后停一下。"""
+        msg = Twist()
+        msg.linear.x = v
+        msg.angular.z = w
+        end = time.time() + seconds
+        while time.time() < end:
+            self.publisher.publish(msg)
+            time.sleep(0.01)
+        self.publisher.publish(Twist())
+        time.sleep(0.1)
+
+    def run(self):
+        self.drive(SPEED, 0.0, SIDE / SPEED)
+        # TODO: 转一个外角，然后重复，直到走完 3 条边
+        # 来不及写了，老师对不起
+
+
+def main():
+    rclpy.init()
+    node = Triangle()
+    time.sleep(0.5)  # 等发布者和小乌龟连上
+    node.run()
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,42 @@
+import time
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+
+SPEED = 1.0
+
+
+class SquareInput(Node):
+    def __init__(self):
+        super().__init__('square_input')
+        self.publisher = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.side = input('请输入边长: ')
+
+    def drive(self, v, w, seconds):
+        msg = Twist()
+        msg.linear.x = v
+        msg.angular.z = w
+        end = time.time() + seconds
+        while time.time() < end:
+            self.publisher.publish(msg)
+            time.sleep(0.01)
+        self.publisher.publish(Twist())
+        time.sleep(0.1)
+
+    def run(self):
+        for _ in range(4):
+            self.drive(SPEED, 0.0, self.side / SPEED)
+            self.drive(0.0, 1.0, 1.5708)
+
+
+def main():
+    rclpy.init()
+    node = SquareInput()
+    time.sleep(0.5)
+    node.run()
+    node.destroy_node()
+    rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()

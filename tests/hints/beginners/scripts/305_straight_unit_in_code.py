@@ -1,0 +1,16 @@
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+
+class Z(Node):
+    def __init__(self):
+        super().__init__('z')
+        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.timer = self.create_timer(0.1, self.cb)
+    def cb(self):
+        msg = Twist()
+        msg.linear.x = 1.0 m/s
+        self.pub.publish(msg)
+
+rclpy.init()
+rclpy.spin(Z())

@@ -1,0 +1,31 @@
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+
+
+class Backward(Node):
+    def __init__(self):
+        super().__init__('backward')
+        self.publisher = self.create_publisher(Twist, 'cmd_vel', 10)
+        self.timer = self.create_timer(0.1, self.tick)
+
+    def tick(self):
+        msg = Twist()
+        msg.linear.x = 0.5     # 后退
+        self.publisher.publish(msg)
+
+
+def main():
+    rclpy.init()
+    node = Backward()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        node.destroy_node()
+        rclpy.try_shutdown()
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,26 @@
+import math
+import rclpy
+from rclpy.node import Node
+from geometry_msgs.msg import Twist
+
+
+class Backward(Node):
+    def __init__(self):
+        super().__init__('backward')
+        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)
+        self.timer = self.create_timer(0.1, self.cb)
+
+    def cb(self):
+        m = Twist()
+        m.linear.x = 1.0
+        m.angular.z = math.pi     # 方向朝后 180°
+        self.pub.publish(m)
+
+
+def main():
+    rclpy.init()
+    rclpy.spin(Backward())
+
+
+if __name__ == '__main__':
+    main()

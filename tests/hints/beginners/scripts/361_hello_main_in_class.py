@@ -1,0 +1,33 @@
+#!/usr/bin/env python3
+"""
+第一个ROS2 Python节点:Hello World
+"""
+
+import rclpy
+from rclpy.node import Node
+
+
+class HelloNode(Node):
+    """最简单的ROS2节点"""
+
+    def __init__(self):
+        # 调用父类初始化,节点名为 'hello_node'
+        super().__init__('hello_node')
+
+        # 打印日志(ROS2的print)
+        self.get_logger().info('🎉 Hello ROS2! 我是第一个Python节点!')
+
+
+    def main(args=None):
+        """主函数:入口点"""
+
+        rclpy.init(args=args)
+
+        node = HelloNode()
+
+        rclpy.spin(node)
+        rclpy.shutdown()
+
+
+if __name__ == '__main__':
+    main()

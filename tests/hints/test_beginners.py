@@ -1,0 +1,43 @@
+"""Of the beginners' scripts those whose cause no other test names, and some that work though they look wrong.
+
+``python -m tests.hints`` grades all.
+"""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from grader.contracts.grading import Grader
+from grader.grading.slot import Slot, SlotConfig
+from tests.hints.beginners import FOLDER, Beginner, answer, beginners
+from tests.hints.scripts import SCRIPTS
+
+ROOT = Path(__file__).resolve().parents[2]
+OTHERS = [
+    *(ROOT / "tests" / "unit" / "checks").glob("*.py"),
+    *(ROOT / "assignments").glob("*/assignment.yaml"),
+]
+NAMED = set(re.findall(r"\w+", "".join(path.read_text(encoding="utf-8") for path in OTHERS)))
+KNOWN = NAMED | {script.cause for script in SCRIPTS} | {""}
+FIRST_OF_CAUSE = {script.cause: script for script in reversed(beginners()) if script.cause not in KNOWN}
+ODD = [script for script in beginners() if script.verdict == "harmless" and script.cause == ""][::3]
+
+
+@pytest.fixture(scope="module")
+def grader() -> Iterator[Grader]:
+    with Slot(SlotConfig()) as slot:
+        yield slot
+
+
+def test_each_script_has_one_row() -> None:
+    rows = beginners()
+    assert sorted(row.file for row in rows) == sorted(path.name for path in (FOLDER / "scripts").iterdir())
+    assert sum(row.verdict == "wrong" for row in rows) >= 350
+    assert all(row.cause == "" and row.lowest >= 60 for row in rows if row.verdict == "right")
+
+
+@pytest.mark.parametrize("script", [*FIRST_OF_CAUSE.values(), *ODD], ids=lambda script: script.file)
+def test_the_answer_is_what_a_teacher_expects(grader: Grader, script: Beginner) -> None:
+    assert answer(grader, script).faults(script) == []
