@@ -122,7 +122,7 @@ SCRIPTS = (
     _script("self no parameter", "square", "wrong_parameters", ("def stop(self)", "def stop()")),
     _script("misspelt method", "straight", "misspelt", ("self.create_timer", "self.creat_timer"), words="create_timer"),
     _script("misspelt name", "square", "misspelt", ("        msg = Twist()\n        msg.linear.x = 0.0\n        msg.angular.z = 0.0", "        msg = Twsit()\n        msg.linear.x = 0.0\n        msg.angular.z = 0.0"), words="'Twist'"),
-    _script("another name for the publisher", "straight", "unknown_attribute", ("self.cmd_vel_pub.publish", "self.publisher.publish")),
+    _script("another name for the publisher", "straight", "misspelt", ("self.cmd_vel_pub.publish", "self.publisher.publish")),
     _script("lower case class", "straight", "misspelt", ("msg = Twist()", "msg = twist()"), words="'Twist'"),
     _script("assigned too late", "straight", "not_yet_assigned",
             ("        # 节点名\n        super().__init__('straight_mover')\n", "        super().__init__('straight_mover')\n        self.get_logger().info(str(self.speed))\n        self.speed = 1.0\n"),

@@ -131,7 +131,8 @@ def test_a_script_that_relies_on_instant_discovery_is_told(run_script):
     patient = run_script(PREFIX + "import time\ntime.sleep(1)\npublisher.publish(msg)\n")
     assert patient.notes == []
     waits = "import time\nwhile publisher.get_subscription_count() < 1:\n    time.sleep(0.1)\n"
-    assert run_script(PREFIX + waits + "publisher.publish(msg)\n").notes == []
+    waiting = run_script(PREFIX + waits + "publisher.publish(msg)\n")
+    assert waiting.notes == [("asked_for_listeners", "/turtle1/cmd_vel")]
 
 
 def test_a_publisher_on_the_wrong_topic_moves_nothing(run_script):
