@@ -433,6 +433,12 @@ def _text(error: StudentError, script: ScriptText) -> Closer:
     return ("parameter_text", {"line": lines[0]}) if lines else None
 
 
+def _asked_again(error: StudentError, script: ScriptText) -> Closer:
+    """Look closer at an input that is missing: `int()` may have refused the first, and it was asked for again."""
+    lines = script.lines_with(r"\bint\([ \t]*input\(")
+    return ("int_asks_again", {"asked": lines[0]}) if lines and script.lines_with(r"\bexcept\b") else None
+
+
 def _not_started(error: StudentError, script: ScriptText) -> Closer:
     lines = script.lines_with(r"^[ \t]*rclpy\.init$")
     return ("only_named", {"line": lines[0], "call": "rclpy.init()"}) if lines else None
@@ -644,6 +650,7 @@ _REFINED: Final[Mapping[str, Callable[[StudentError, ScriptText], Closer]]] = {
     "comma_at_end": _comma,
     "function_not_called": _function,
     "int_in_float": _float,
+    "no_input": _asked_again,
     "not_initialized": _not_started,
     "syntax_error": _statement,
     "text_for_number": _text,

@@ -109,8 +109,9 @@ class Replay {
     this.button.addEventListener("click", () => (this.playing ? this.pause() : this.play()));
     let width = 0;
     new ResizeObserver(() => {
-      if (width !== find("plan").clientWidth) {
-        width = find("plan").clientWidth;
+      const now = find("plan").clientWidth;
+      if (now !== width && now > 0) { // nothing can be drawn while it is hidden
+        width = now;
         this.fit();
       }
     }).observe(find("plan"));

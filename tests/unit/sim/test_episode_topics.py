@@ -2,6 +2,7 @@
 
 import math
 import struct
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -14,6 +15,8 @@ from grader.sim.episode import Episode, EpisodeSpec
 from tests.fakes import jail
 from tests.fakes.jail import SECOND, FakeLink, Script
 from tests.unit.sim.playing import OPEN, end_pose, play
+
+WITH_ODOMETRY = replace(OPEN, odometry=True)
 
 MS = 1_000_000
 
@@ -143,7 +146,7 @@ def test_what_does_not_fit_into_an_answer_comes_with_the_next(car: BulletCar) ->
             answers.append((answer.now_ns, answer.quiet_ns, answer.events[-1][3]))
         yield jail.ended(10 * SECOND)
 
-    play(car, script())
+    play(car, script(), world=WITH_ODOMETRY)
     assert answers == [
         (4_096 * MS, 4_112 * MS, 4_096 * MS),
         (8_192 * MS, 8_208 * MS, 8_192 * MS),
@@ -165,7 +168,7 @@ def test_a_script_that_only_hears_the_pose_is_told_the_car(car: BulletCar) -> No
             told.append(answer.car[:8])
         yield jail.ended(20 * MS)
 
-    play(car, script())
+    play(car, script(), world=WITH_ODOMETRY)
     assert told == [struct.pack("<HHHH", 1, 3, 1, 2), b""]
 
 
@@ -186,7 +189,7 @@ def test_it_tells_while_script_and_world_wait_for_each_other(car: BulletCar) -> 
         yield jail.advance(3 * SECOND)
         yield jail.ended(3 * SECOND)
 
-    spec = EpisodeSpec(world=OPEN, horizon_ns=5 * SECOND, source=b"", file_name="a.py")
+    spec = EpisodeSpec(world=WITH_ODOMETRY, horizon_ns=5 * SECOND, source=b"", file_name="a.py")
     Episode(spec, car).run(FakeLink(script()), take_turns=told.append)
     assert told == ["asks", True, "asks", "asks", False, "runs ahead", "asks", True]
 
