@@ -130,6 +130,7 @@ class _Server(uvicorn.Server):
         await super().startup(sockets)
         gc.collect()
         gc.freeze()
+        gc.enable()
 
 
 def _listening(host: str, port: int) -> socket.socket:

@@ -1,6 +1,7 @@
 """`grader worker`: grades what services on the same database accept, without serving itself."""
 
 import argparse
+import gc
 import logging
 import signal
 import sys
@@ -43,6 +44,9 @@ def run(arguments: argparse.Namespace) -> int:
     with running_worker(settings) as worker:
         for number in (signal.SIGTERM, signal.SIGINT):
             signal.signal(number, lambda received, _: _stop(stopped, received))
+        gc.collect()
+        gc.freeze()
+        gc.enable()
         _log.info("worker %s grades, %d at once", worker.id, settings.slots)
         stopped.wait()
     return 0

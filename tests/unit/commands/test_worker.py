@@ -1,4 +1,10 @@
+import gc
 import logging
+import os
+import signal
+from collections.abc import Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
 
 import pytest
 
@@ -20,3 +26,33 @@ def test_a_worker_that_could_not_work_says_why(
     assert run(["worker", *arguments, "--lang", "en"]) == 2
     assert said in capsys.readouterr().err
     assert logging.getLogger().handlers is handlers  # a refused command leaves the process as it was
+
+
+def test_garbage_is_collected_once_a_worker_has_started(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Starting, it is not: `grader.__main__` turns that off."""
+
+    class Worker(SimpleNamespace):
+        @property
+        def id(self) -> str:
+            """Asked for when all that is said of a start is said."""
+            os.kill(os.getpid(), signal.SIGTERM)
+            found.append(gc.isenabled())
+            return "w"
+
+    @contextmanager
+    def running_worker(settings: object) -> Iterator[Worker]:
+        yield Worker()
+
+    found: list[bool] = []
+    monkeypatch.setattr("grader.composition.running_worker", running_worker)
+    monkeypatch.setattr("grader.telemetry.logs.configure", lambda *_: None)
+    monkeypatch.setattr(gc, "freeze", lambda: None)
+    handlers = {number: signal.getsignal(number) for number in (signal.SIGTERM, signal.SIGINT)}
+    gc.disable()
+    try:
+        assert run(["worker", "--slots", "1"]) == 0
+    finally:
+        gc.enable()
+        for number, handler in handlers.items():
+            signal.signal(number, handler)
+    assert found == [True]
