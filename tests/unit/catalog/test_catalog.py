@@ -37,6 +37,10 @@ CHECKLIST = [
     "go_to_goal",
     "patrol",
     "parking",
+    "theory_quadruped",
+    "theory_quadrotor",
+    "theory_arm",
+    "theory_balance",
 ]
 
 GOOD = """\
