@@ -54,6 +54,7 @@ _ROUTERS = (
     appeals.of_submission,
     comments.router,
     dashboard.router,
+    dashboard.of_assignment,
     events.dashboard,
     gradebook.router,
     gradebook.exports,

@@ -7,7 +7,7 @@ from datetime import datetime
 from typing import Annotated, Literal
 
 from fastapi import APIRouter, Header, Query, Response
-from pydantic import BaseModel, Field
+from pydantic import AliasPath, BaseModel, Field
 
 from grader.contracts.dashboard import ClassState
 from grader.contracts.identity import Caller
@@ -17,6 +17,7 @@ from grader.contracts.text import Language
 from grader.routes.dependencies import (
     ENTRY_PROBLEMS,
     Address,
+    AssignmentId,
     LanguageDep,
     QueryWhole,
     ServicesDep,
@@ -25,10 +26,12 @@ from grader.routes.dependencies import (
 from grader.routes.health import QueueView, WorkerView, queue_view, worker_views
 from grader.routes.problems import responses
 from grader.use_cases.assignments import in_course
+from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.dashboard import Overview, Selection, class_state, costs, overview, selected
 from grader.use_cases.services import Services
 
 router = APIRouter(prefix="/api/v1/dashboard", tags=["dashboard"])
+of_assignment = APIRouter(prefix="/api/v1/assignments", tags=["dashboard"])
 _MOST = 100_000
 
 
@@ -149,6 +152,26 @@ class CostsView(BaseModel):
     students: list[CostView]
 
 
+class ConcernedView(BaseModel):
+    """A student whom a number is about."""
+
+    student: str = Field(examples=["20260123"])
+    name: str
+    sections: list[str]
+    still: bool = Field(description="The item is failed in the best submission, too.")
+    attempts: int = Field(validation_alias=AliasPath("progress", "attempts"), examples=[4])
+    best_score: float | None = Field(validation_alias=AliasPath("progress", "best_score"), examples=[45.0])
+    latest_submission: Address = Field(validation_alias=AliasPath("progress", "latest_submission"))
+    status: str = Field(validation_alias=AliasPath("progress", "state"), examples=["graded"])
+    verdict: str | None = Field(validation_alias=AliasPath("progress", "verdict"), examples=["crashed"])
+
+
+class ConcernedList(BaseModel):
+    """Students whom a number is about."""
+
+    students: list[ConcernedView]
+
+
 @router.get(
     "/costs",
     summary="Who costs the service how much",
@@ -239,3 +262,24 @@ def _tag(
         asdict(selection),
     ]
     return f'W/"{hashlib.sha256(json.dumps(shown, default=str).encode()).hexdigest()[:32]}"'
+
+
+@of_assignment.get(
+    "/{assignment_id}/students",
+    summary="Who is behind a number",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "assignment_not_found", "invalid_request"),
+)
+def read_concerned(  # noqa: PLR0913
+    services: ServicesDep,
+    caller: StaffDep,
+    assignment_id: AssignmentId,
+    *,
+    item: Annotated[str | None, Query(max_length=128, description="They failed it at least once.")] = None,
+    mistake: Annotated[str | None, Query(max_length=64, description="They made it at least once.")] = None,
+    status: Annotated[
+        str | None, Query(max_length=32, description="`status` or `verdict` of their latest submission.")
+    ] = None,
+) -> ConcernedList:
+    """Return the students who handed in for an assignment and fit: who still fails, and tried most, first."""
+    found = concerned(services, caller, assignment_id, Concern(item=item, mistake=mistake, status=status))
+    return ConcernedList.model_validate({"students": found}, from_attributes=True)

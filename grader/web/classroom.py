@@ -11,8 +11,11 @@ from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.upload import decoded
 from grader.messages import outline
+from grader.render.labels import status_word
 from grader.use_cases.appealing import waiting
+from grader.use_cases.assignments import item_title, published
 from grader.use_cases.commenting import unread
+from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.course_life import space
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
 from grader.use_cases.people import members, names, person
@@ -63,6 +66,36 @@ def read_assignment(
         for one in statistics.most_common_mistakes
     ]
     return page(request, "class_assignment.html", overview=whole, statistics=statistics, mistakes=mistakes)
+
+
+@router.get("/assignments/{assignment_id}/students")
+def read_concerned(  # noqa: PLR0913, PLR0917
+    request: Request,
+    services: ServicesDep,
+    visitor: StaffDep,
+    assignment_id: str,
+    item: Annotated[str, Query(max_length=128)] = "",
+    mistake: _Id = "",
+    status: _Id = "",
+) -> Response:
+    """Show who failed an item, made a mistake, or whose latest submission has a status."""
+    concern = Concern(item=item or None, mistake=mistake or None, status=status or None)
+    found = concerned(services, visitor.caller, assignment_id, concern)
+    language, assignment = language_of(request), published(services, assignment_id)
+    told = [
+        *([item_title(assignment, item, language)] if item else []),
+        *([outline(language, f"mistake.{mistake}") or mistake] if mistake else []),
+        *([status_word(status, language)] if status else []),
+    ]
+    return page(
+        request,
+        "concerned.html",
+        found=found,
+        concern=concern,
+        told=told,
+        title=assignment_id if assignment is None else assignment.title.get(language),
+        id=assignment_id,
+    )
 
 
 @router.get("/students/{student}")

@@ -83,6 +83,8 @@ def matrix(dashboard: Overview, query: MatrixQuery, members: Sequence[Member]) -
         and _fits(student, judged, query.show)
     ]
     students.sort(key=_sort_key(query.sort), reverse=query.descending)
+    if query.show == "at_risk" and query.sort == "student":
+        students.sort(key=lambda one: -_most_stuck(one))  # who tries and fails before who has not begun
     shown, query, pages = cut(students, query)
     return Matrix(
         assignments=dashboard.assignments,
@@ -92,6 +94,11 @@ def matrix(dashboard: Overview, query: MatrixQuery, members: Sequence[Member]) -
         pages=pages,
         query=query,
     )
+
+
+def _most_stuck(student: StudentLine) -> int:
+    """Return how often a student tried the assignment that most tries failed at."""
+    return max((cell.attempts for cell in student.assignments.values() if cell.stuck), default=0)
 
 
 def _everybody(dashboard: Overview, members: Sequence[Member]) -> list[StudentLine]:

@@ -279,7 +279,9 @@ def test_openapi_documents_500_everywhere(openapi: dict[str, Any]) -> None:
 
 def test_openapi_knows_every_kind_of_problem(openapi: dict[str, Any]) -> None:
     text = json.dumps(openapi)
-    general = {"not_found", "method_not_allowed", "refused", "foreign_form"}  # of no operation, or of pages
+    general = {  # of no operation, or of pages
+        "not_found", "method_not_allowed", "refused", "foreign_form", "not_the_same",
+    }  # fmt: skip
     assert [code for code in PROBLEM_TYPES if f"/problems/{code}" not in text and code not in general] == []
 
 
@@ -288,3 +290,19 @@ def test_openapi_explains_every_operation(openapi: dict[str, Any]) -> None:
         assert operation.get("summary"), name
         assert operation.get("description"), name
         assert operation.get("tags"), name
+
+
+def test_a_number_leads_to_the_students_behind_it(client: httpx.Client, graded: Callable[..., str]) -> None:
+    for student, source in (("ada", b"good good"), ("bo", b"good"), ("bo", b"good good ")):
+        graded(source, student=student)
+
+    def asked(**concern: str) -> list[tuple[str, bool, int]]:
+        answer = client.get("/api/v1/assignments/square/students", params=concern, headers=INSTRUCTOR)
+        return [(one["student"], one["still"], one["attempts"]) for one in answer.json()["students"]]
+
+    assert asked() == [("bo", False, 2), ("ada", False, 1)]
+    assert asked(item="closed") == [("bo", False, 2)]
+    assert asked(mistake="never_stops") == [("bo", False, 2)]
+    assert asked(status="graded", item="sides") == []
+    unknown = client.get("/api/v1/assignments/none/students", headers=INSTRUCTOR)
+    assert unknown.status_code == 404

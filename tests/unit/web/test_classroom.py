@@ -146,3 +146,27 @@ def test_the_service_page_says_which_files_are_wrong(
     monkeypatch.setattr(services.assignments, "troubles", lambda: {"tri": trouble})
     assert "must be a number &lt;b&gt;" in instructor.get("/class/service?lang=en").text
     assert instructor.client.get("/healthz").json()["broken_assignments"] == ["tri"]
+
+
+def concerned(text: str) -> list[str]:
+    return re.findall(r'<th scope="row"><a href="/class/students/([^"?]+)\?assignment=', text)
+
+
+def test_a_number_leads_to_the_students_behind_it(instructor: Browser, school: dict[str, str]) -> None:
+    text = instructor.get("/class/assignments/square").text
+    links = re.findall(r'href="(/class/assignments/square/students[^"]*)"', text)
+    items = [one for one in links if "item=" in one]
+    assert concerned(instructor.get(links[0]).text) == ["bo", "ada", "dai"]  # who tried most first
+    assert concerned(instructor.get(items[-1]).text) == ["bo"]
+    assert concerned(instructor.get("/class/assignments/square/students?mistake=never_stops").text) == ["bo"]
+    assert concerned(instructor.get("/class/assignments/square/students?status=queued").text) == ["dai"]
+    assert instructor.get("/class/assignments/none/students").status_code == 404
+
+
+def test_who_tries_and_fails_comes_before_who_has_not_begun(
+    browser: Browser, tokens: dict[str, str], put: Callable[..., str]
+) -> None:
+    for _ in range(3):
+        put(b"", student="li", course="ros")
+    browser.enter(token=tokens["ta"])
+    assert rows(browser.get("/class?show=at_risk").text) == ["li", "han"]

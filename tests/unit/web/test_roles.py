@@ -54,6 +54,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /submissions/{submission_id}/comments": (303, 303, 404, 303, 303, 404),
     "GET /class": STAFF,
     "GET /class/assignments/{assignment_id}": STAFF,
+    "GET /class/assignments/{assignment_id}/students": STAFF,
     "GET /class/students/{student}": COURSE,
     "GET /class/compare": COURSE,
     "GET /class/service": STAFF,

@@ -1,0 +1,83 @@
+"""From a number to people: who of a class failed an item, made a mistake, or stands at a status."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from grader.contracts.dashboard import StudentProgress
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Caller, Member, Role
+from grader.store.dashboard import CountedCell
+from grader.use_cases.assignments import published
+from grader.use_cases.callers import require_staff
+from grader.use_cases.people import members
+from grader.use_cases.services import Services
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Concern:
+    """What students are asked for; None: it does not matter.
+
+    Attributes:
+        item: they failed it in at least one submission. mistake: they made it in one, by its code.
+        status: the state or the verdict of their latest submission.
+    """
+
+    item: str | None = None
+    mistake: str | None = None
+    status: str | None = None
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Concerned:
+    """A student whom a concern is about. `still`: the item is failed in the best submission, too."""
+
+    student: str
+    name: str
+    sections: tuple[str, ...]
+    progress: StudentProgress
+    still: bool
+
+
+def concerned(
+    services: Services, caller: Caller, assignment_id: str, concern: Concern
+) -> tuple[Concerned, ...]:
+    """Return the students at an assignment whom a concern is about: who still fails, and tried most, first.
+
+    Raises:
+        RefusedError: the caller may not see the class, or there is no such assignment.
+    """
+    require_staff(caller)
+    cells = services.dashboard.cells(caller.course)
+    own = {student: cell for (student, assignment), cell in cells.items() if assignment == assignment_id}
+    if not own and published(services, assignment_id) is None:
+        raise RefusedError("assignment_not_found")
+    roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
+    fits = _fits(concern)
+    found = [
+        _concerned(roster.get(student), cell, concern)
+        for student, cell in own.items()
+        if caller.looks_after(student) and fits(cell)
+    ]
+    return tuple(sorted(found, key=lambda one: (not one.still, -one.progress.attempts, one.student)))
+
+
+def _fits(concern: Concern) -> Callable[[CountedCell], bool]:
+    def fits(cell: CountedCell) -> bool:
+        standing = (cell.progress.state.value, cell.progress.verdict and cell.progress.verdict.value)
+        return (
+            (concern.item is None or concern.item in cell.failed)
+            and (concern.mistake is None or concern.mistake in cell.mistakes)
+            and (concern.status is None or concern.status in standing)
+        )
+
+    return fits
+
+
+def _concerned(member: Member | None, cell: CountedCell, concern: Concern) -> Concerned:
+    return Concerned(
+        student=cell.progress.student,
+        name="" if member is None else member.name,
+        sections=() if member is None else member.sections,
+        progress=cell.progress,
+        still=concern.item is not None and concern.item in cell.still,
+    )
