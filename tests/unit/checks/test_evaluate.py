@@ -85,7 +85,7 @@ def test_the_same_run_gets_the_same_verdict() -> None:
 
 
 def test_summary_counts() -> None:
-    scoring = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 2, 1.5])))
+    scoring = graded("square", drive(polygon_legs(4, lengths_m=[2, 2, 1.5, 2])))
     assert "8 项中 6 项通过" in scoring.summary.zh
     assert "6 of 8" in scoring.summary.en
     assert "Equal sides, Back to the start" in scoring.summary.en
