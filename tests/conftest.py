@@ -81,11 +81,12 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 
 
 @pytest.fixture(scope="session", autouse=True)
-def durably() -> Iterator[Callable[..., None]]:
+def durably() -> Iterator[dict[str, Callable[..., None]]]:
     """SQLite does not wait for the disk in this process: the files are thrown away. How it would is the value."""
     from grader.store import database as store_database
 
     real = store_database._configure_sqlite
+    as_in_service = {"_configure_sqlite": real, "_wait_for_disk": store_database._wait_for_disk}
 
     def configure(connection: Any, record: Any) -> None:
         real(connection, record)
@@ -93,7 +94,8 @@ def durably() -> Iterator[Callable[..., None]]:
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(store_database, "_configure_sqlite", configure)
-        yield real
+        patch.setattr(store_database, "_wait_for_disk", lambda connection, how: None)
+        yield as_in_service
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -129,9 +131,10 @@ def compiled_anew(compiled_once: dict[str, dict[Any, Any]]) -> Iterator[None]:
 
 
 @pytest.fixture
-def durable(durably: Callable[..., None], monkeypatch: pytest.MonkeyPatch) -> None:
+def durable(durably: dict[str, Callable[..., None]], monkeypatch: pytest.MonkeyPatch) -> None:
     """SQLite as the service has it, for databases that are opened after this."""
-    monkeypatch.setattr("grader.store.database._configure_sqlite", durably)
+    for name, function in durably.items():
+        monkeypatch.setattr(f"grader.store.database.{name}", function)
 
 
 @pytest.fixture

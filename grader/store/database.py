@@ -11,10 +11,11 @@ before writing therefore first locks what the decision is about: by `one_at_a_ti
 to run again, most often on the evening of a deadline.
 
 SQLite: WAL, so that readers never wait for the writer. ``synchronous=FULL``, so that an acknowledged upload
-survives a power cut. Writers begin with ``BEGIN IMMEDIATE``: a transaction that reads first and writes later
-fails at once when another wrote in between. There is one writer at a time. Writers of one process queue here,
-by a lock: SQLite itself makes a writer sleep for up to a tenth of a second between two looks, while writers
-who came later get in.
+survives a power cut. Only what would be made again, the same, does not wait for the disk (``lasting=False``);
+the next commit that does makes it last, too. Writers begin with ``BEGIN IMMEDIATE``: a transaction that reads
+first and writes later fails at once when another wrote in between. There is one writer at a time. Writers of
+one process queue here, by a lock: SQLite itself makes a writer sleep for up to a tenth of a second between
+two looks, while writers who came later get in.
 """
 
 import hashlib
@@ -56,6 +57,7 @@ _CHECKPOINT_EVERY_S = 1.0
 # Errors that are a statement's own fault. Any other error means that the database does not answer.
 _STATEMENT_ERRORS = (IntegrityError, DataError, ProgrammingError, NotSupportedError)
 _BEGIN_OPTION = "grader_begin"
+_SYNC_OPTION = "grader_synchronous"
 _WAL_TRIES = 20
 _CONNECTIONS = 10
 PATIENCE = {
@@ -98,6 +100,7 @@ class Database:
             if self.is_sqlite
             else {"isolation_level": "REPEATABLE READ", "postgresql_readonly": True}
         )
+        self._passing = self._engine.execution_options(**{_SYNC_OPTION: "NORMAL"})
         self.announcer = _announcer(self._engine)
         self._writer = threading.Lock()
         self._closed = False
@@ -120,14 +123,19 @@ class Database:
         return str(url.database) if self.is_sqlite else url.set(query={}).render_as_string(hide_password=True)
 
     @contextmanager
-    def writing(self) -> Iterator[Session]:
+    def writing(self, *, lasting: bool = True) -> Iterator[Session]:
         """One transaction that may write; committed at the end, rolled back on any exception.
+
+        Args:
+            lasting: what is committed survives a power cut. False: on SQLite it may be lost, with all that was
+                committed after it in the same way, unless a lasting commit came later.
 
         Raises:
             InfrastructureError: the database cannot be reached or stays locked. When the connection breaks
                 during the commit, it is unknown whether the transaction took place.
         """
-        with self._turn() if self.is_sqlite else nullcontext(), self._transaction(self._engine) as session:
+        engine = self._engine if lasting else self._passing
+        with self._turn() if self.is_sqlite else nullcontext(), self._transaction(engine) as session:
             yield session
 
     @contextmanager
@@ -321,7 +329,17 @@ def _write_ahead(connection: Any) -> None:
 
 
 def _begin_sqlite(connection: Connection) -> None:
-    connection.exec_driver_sql(connection.get_execution_options().get(_BEGIN_OPTION, "BEGIN IMMEDIATE"))
+    options = connection.get_execution_options()
+    if _BEGIN_OPTION not in options:  # it writes
+        _wait_for_disk(connection, options.get(_SYNC_OPTION, "FULL"))
+    connection.exec_driver_sql(options.get(_BEGIN_OPTION, "BEGIN IMMEDIATE"))
+
+
+def _wait_for_disk(connection: Connection, how: str) -> None:
+    """Have the connection's commits wait for the disk or not, from the next transaction on."""
+    if connection.info.get(_SYNC_OPTION, "FULL") != how:
+        connection.exec_driver_sql(f"PRAGMA synchronous={how}")
+        connection.info[_SYNC_OPTION] = how
 
 
 def _configure_postgresql(connection: Any, _record: Any) -> None:

@@ -400,7 +400,8 @@ class Queue:
         graded = None if assignment is None else self._assignments.of(assignment)
         grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
         details = detail_values(grading, result)
-        with self._database.writing() as session:
+        # A result that a power cut takes away is graded again and comes out the same.
+        with self._database.writing(lasting=False) as session:
             connection = session.connection()
             stored_assignments: set[str] = connection.info.setdefault(_STORED_ASSIGNMENTS, set())
             current = _change(connection, claim, _outcome(claim, result, grading))

@@ -32,6 +32,16 @@ def pragma(database: Database, name: str) -> object:
         return session.connection().exec_driver_sql(f"PRAGMA {name}").scalar_one()
 
 
+def test_only_what_would_be_made_again_does_not_wait_for_the_disk(
+    durable: None, sqlite_database: Database
+) -> None:
+    seen = []
+    for lasting in (True, False, False, True):
+        with sqlite_database.writing(lasting=lasting) as session:
+            seen.append(session.connection().exec_driver_sql("PRAGMA synchronous").scalar_one())
+    assert seen == [2, 1, 1, 2]
+
+
 def test_sqlite_is_set_up_to_lose_nothing(durable: None, sqlite_database: Database) -> None:
     assert pragma(sqlite_database, "journal_mode") == "wal"
     assert pragma(sqlite_database, "synchronous") == 2
