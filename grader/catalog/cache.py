@@ -27,6 +27,7 @@ _MODULES: Final = (
     "files.py",
     "interfaces.py",
     "definitions.py",
+    "reference.py",
 )
 _VALIDATORS: Final = (
     *(Path(__file__).with_name(name) for name in _MODULES),

@@ -16,6 +16,7 @@ from grader.catalog.misfits import (
     unknown_service,
     unparsable,
 )
+from grader.catalog.reference import with_reference
 from grader.catalog.schema import AssignmentModel
 from grader.contracts.assignment import Assignment, InterfaceDefinition, WrongAttempt
 from grader.contracts.text import Text, trouble
@@ -105,7 +106,7 @@ class Document:
         assignment = self._validated().to_contract()
         interfaces = read_interfaces(self.path.parent)
         self._check_calls(assignment, interfaces)
-        return replace(assignment, interfaces=interfaces)
+        return with_reference(replace(assignment, interfaces=interfaces), self.path.parent)
 
     def wrong_attempts(self) -> tuple[WrongAttempt, ...]:
         """Return the validated expectations for the wrong scripts.

@@ -1,10 +1,13 @@
-"""The files that say what an assignment is: ``assignment.yaml`` and the interfaces that it brings along."""
+"""The files that say what an assignment is: ``assignment.yaml``, its own interfaces, what its solution drives."""
 
 from pathlib import Path
 from typing import Final
 
 SPEC_NAME: Final = "assignment.yaml"
 INTERFACES: Final = "interfaces"
+REFERENCE: Final = "reference.json"
+"""What the solution drives, recorded by ``grader assignments validate`` for a path that says so."""
+SOLUTION: Final = "solution.py"
 _BESIDE: Final = ("package.xml", "CMakeLists.txt", "README.md")
 """What stands in a package's folder as well and is not read."""
 
@@ -28,7 +31,8 @@ def content(spec: Path) -> bytes:
         OSError: one of the files cannot be read.
     """
     said = spec.read_bytes()
-    for path in interface_files(spec.parent):
+    recorded = [spec.with_name(name) for name in (REFERENCE, SOLUTION)]
+    for path in interface_files(spec.parent) + (recorded if recorded[0].is_file() else []):
         text = path.read_bytes()
         said += f"\0{path.relative_to(spec.parent)}\0{len(text)}\0".encode() + text
     return said

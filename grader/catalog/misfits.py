@@ -54,8 +54,8 @@ _NOT_YAML: Final = Text(
 )
 
 NO_BAND = Text(
-    zh=f"{BY_PERSON!r} 由人评分：删掉 low、high 和 ramp",
-    en=f"a person judges {BY_PERSON!r}: remove low, high and ramp",
+    zh=f"{BY_PERSON!r} 由人评分：删掉 low、high、ramp 和 limit",
+    en=f"a person judges {BY_PERSON!r}: remove low, high, ramp and limit",
 )
 BAND_MISSING = Text(
     zh="写上 low、high 或两个都写：满分的范围", en="give low, high or both: the band of full credit"
@@ -74,6 +74,14 @@ ONE_PIECE = Text(
 )
 
 
+ONE_PATH = Text(
+    zh="写 pieces（每段路），或 reference: solution（答案走的路），只写一个",
+    en="give pieces, or reference: solution (what the solution drives); one of the two",
+)
+NOT_ACROSS = Text(
+    zh="worst 和 mean 要有两个以上的 cases，而且由程序评分：删掉 across，或加上 cases",
+    en="worst and mean need two cases or more, and a measure of the grader's; remove across or add cases",
+)
 ONE_REGION = Text(
     zh="一个地方写成 {at: [x, y], within: 0.2} 或 {box: [左, 下, 右, 上]}，单位 m；左 < 右，下 < 上",
     en="write a place as {at: [x, y], within: 0.2} or {box: [left, bottom, right, top]}, in m; "

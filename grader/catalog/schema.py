@@ -25,6 +25,8 @@ from grader.catalog.misfits import (
     INTERFACE_PATTERN,
     NO_BAND,
     NO_FREE_PLACE,
+    NOT_ACROSS,
+    ONE_PATH,
     ONE_PIECE,
     ONE_REGION,
     RANGE,
@@ -42,6 +44,7 @@ from grader.contracts.assignment import (
     MIB,
     SUFFIXES,
     TOPIC_PATTERN,
+    Across,
     Answer,
     Assignment,
     Case,
@@ -112,11 +115,13 @@ class ItemModel(_Model):
     ramp: Annotated[float, Field(ge=0.0)] = 0.0
     needs: tuple[str, ...] = ()
     scaled_by: tuple[str, ...] = ()
+    across: Across = "each"
+    limit: Annotated[str, Field(max_length=500)] = ""
 
     @model_validator(mode="after")
     def _has_band(self) -> Self:
         if self.measure == BY_PERSON:
-            if self.low is not None or self.high is not None or self.ramp:
+            if self.low is not None or self.high is not None or self.ramp or self.limit:
                 raise MisfitError(NO_BAND)
         elif self.low is None and self.high is None:
             raise MisfitError(BAND_MISSING)
@@ -329,17 +334,25 @@ class PieceModel(_Model):
 class PathModel(_Model):
     """The path that is wanted, and in which ways a driven one may differ from it."""
 
-    pieces: Annotated[tuple[PieceModel, ...], Field(min_length=1, max_length=40)]
+    pieces: Annotated[tuple[PieceModel, ...], Field(max_length=40)] = ()
+    reference: Literal["solution"] | None = None
     start: Literal["any", "given"] = "any"
     scale: Literal["any", "given"] = "given"
     mirror: bool = True
     direction: Literal["any", "given"] = "any"
     laps: bool = True
 
+    @model_validator(mode="after")
+    def _is_given_once(self) -> Self:
+        if bool(self.pieces) == (self.reference is not None):
+            raise MisfitError(ONE_PATH)
+        return self
+
     def to_contract(self) -> WantedPath:
         """Return the contract."""
         return WantedPath(
             pieces=tuple(piece.to_contract() for piece in self.pieces),
+            by_solution=self.reference is not None,
             any_start=self.start == "any",
             any_scale=self.scale == "any",
             mirror=self.mirror,
@@ -433,6 +446,13 @@ class AssignmentModel(_Model):
         for i, item in enumerate(self.items):
             if missing := sorted(set(item.scaled_by) - (measured - {item.id})):
                 raise MisfitError(no_other_measure(missing[0]), "items", i, "scaled_by")
+        return self
+
+    @model_validator(mode="after")
+    def _across_several(self) -> Self:
+        for i, item in enumerate(self.items):
+            if item.across != "each" and (len(self.cases) < 2 or item.measure == BY_PERSON):
+                raise MisfitError(NOT_ACROSS, "items", i, "across")
         return self
 
     @model_validator(mode="after")

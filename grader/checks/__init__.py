@@ -4,10 +4,10 @@ Grading calls `evaluate` or `evaluate_text`. `published_rubric` returns what a s
 what a plot should show, and `problems` what is wrong with an assignment's use of its check.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from grader.checks.across import ignored_input
+from grader.checks.across import ignored_input, together_scored
 from grader.checks.fit import misfits
 from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
 from grader.checks.measure import Check, Findings, first_causes
@@ -26,31 +26,46 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
     """Score a submitted script by its runs, one for each case of the assignment.
 
     Each item's points are divided evenly among the runs; with several runs the items are named
-    ``case/item``. Deterministic; nothing that a script did makes it raise.
+    ``case/item``. Those that are scored across the runs come last, under their own names.
+    Deterministic; nothing that a script did makes it raise.
 
     Raises:
         AssignmentError: the assignment does not fit its check (see `problems`).
     """
     check = _script_check(assignment)
-    seen: list[Findings] = []
-    items = []
+    found, scored = [], []
     for part, run in enumerate(runs):
-        findings = check.examine(assignment.in_case(run.case), run)
+        found.append(check.examine(assignment.in_case(run.case), run))
         portion = Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE
-        scored = score_items(check, assignment.items, findings, portion)
-        seen.append(_without_harmless(findings, assignment, scored))
-        items += scored
+        scored.append(score_items(check, assignment.items, found[-1], portion))
+    together = together_scored(check, assignment, runs, found) if len(runs) > 1 else {}
+    seen = [
+        _without_harmless(findings, assignment, items, together)
+        for findings, items in zip(found, scored, strict=True)
+    ]
     if (ignored := ignored_input(assignment, runs, seen)) is not None:
         seen[0] = replace(seen[0], mistakes=(ignored, *seen[0].mistakes))
-    return summarise(items, seen, [run.outcome for run in runs])
+    apart = [
+        item
+        for items in scored
+        for spec, item in zip(assignment.items, items, strict=True)
+        if spec.id not in together
+    ]
+    return summarise([*apart, *together.values()], seen, [run.outcome for run in runs])
 
 
-def _without_harmless(findings: Findings, assignment: Assignment, scored: Sequence[RubricItem]) -> Findings:
+def _without_harmless(
+    findings: Findings,
+    assignment: Assignment,
+    scored: Sequence[RubricItem],
+    together: Mapping[str, RubricItem],
+) -> Findings:
     """Leave out the mistakes that cost nothing, and those that follow from an earlier one."""
     lost = {
         spec.measure
         for spec, item in zip(assignment.items, scored, strict=True)
         if item.status is not ItemStatus.PASSED
+        and together.get(spec.id, item).status is not ItemStatus.PASSED
     }
     costly = [each for each in findings.mistakes if not each.measures or lost & set(each.measures)]
     return replace(findings, mistakes=first_causes(costly))

@@ -52,11 +52,16 @@ def _item(check: Kind, spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> Publish
         id=spec.id,
         title=spec.title,
         points=spec.points,
-        measure=say("rubric.by_person") if by_person else say(f"{check.kind}.{spec.measure}.name"),
+        measure=say("rubric.by_person") if by_person else _measure(check, spec),
         wanted=wanted(kind, spec),
         partial=say("rubric.partial_by_person") if by_person else _partial(kind, spec),
         needs=_needs(spec, specs),
     )
+
+
+def _measure(check: Kind, spec: ItemSpec) -> Text:
+    name = say(f"{check.kind}.{spec.measure}.name")
+    return name if spec.across == "each" else say(f"rubric.{spec.across}", measure=name)
 
 
 def _partial(kind: MeasureKind, spec: ItemSpec) -> Text:

@@ -72,21 +72,31 @@ def sensitivities(assignment: Assignment, run: Run) -> list[Sensitivity]:
 
 
 def lax(assignment: Assignment, run: Run) -> list[Text]:
-    """Return a sentence for each gross error in the solution's motion that would cost nothing."""
+    """Return a sentence for each gross error in the solution's motion that would cost nothing.
+
+    One that changes what a limit is on is allowed: its author says why.
+    """
     problems = []
+    limits = {item.id for item in assignment.items if item.limit}
+    right = _items(assignment, run, replayed(run.trajectory, run.trajectory.commands)) if limits else ()
     for perturbation in _applicable(run.trajectory):
         error = perturbation.must_cost_from
-        if error is not None and all(
-            _full(_scored(assignment, run, perturbation, sign * error)) for sign in (1.0, -1.0)
-        ):
+        if error is None:
+            continue
+        both = [_scored(assignment, run, perturbation, sign * error) for sign in (1.0, -1.0)]
+        if all(map(_full, both)) and not any(_moves(limits, right, items) for items in both):
             size = f"{error * perturbation.full:g} {perturbation.unit}"
-            problems.append(
-                Text(
-                    zh=f"太宽松：{perturbation.name.zh}差 {size} 也不扣分；把某个范围收窄",
-                    en=f"lax: {perturbation.name.en} off by {size} costs nothing; narrow a band",
-                )
-            )
+            name = perturbation.name
+            zh = f"太宽松：{name.zh}差 {size} 也不扣分；把某个范围收窄，或在评分项上用 limit 写明原因"
+            en = f"lax: {name.en} off by {size} costs nothing; narrow a band, or say why with limit"
+            problems.append(Text(zh=zh, en=en))
     return problems
+
+
+def _moves(limits: set[str], right: Sequence[RubricItem], spoilt: Sequence[RubricItem]) -> bool:
+    """Whether an error changes what is measured for one of the limits."""
+    pairs = zip(right, spoilt, strict=False)
+    return any(one.id in limits and one.measured != other.measured for one, other in pairs)
 
 
 def replayable(assignment: Assignment, run: Run) -> bool:

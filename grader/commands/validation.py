@@ -10,6 +10,7 @@ from rich.table import Table
 from grader.catalog import Catalog
 from grader.catalog.misfits import refusals
 from grader.checks import problems as check_problems
+from grader.commands.reference import record_reference
 from grader.commands.sensitivity import Sensitivity, lax, replayable, sensitivities
 from grader.contracts.assignment import Assignment, ItemSpec, WrongAttempt
 from grader.contracts.grading import Grader, GradingJob, GradingResult
@@ -138,6 +139,7 @@ def examine(catalog: Catalog, assignment_id: str, grader: Grader, *, sensitive: 
     Raises:
         GraderError: the assignment cannot be read, or the grader failed.
     """
+    record_reference(catalog, assignment_id, grader)
     assignment = fitting(catalog, assignment_id)
     path = catalog.own_file(assignment, "solution")
     job = GradingJob(file_name=path.name, source=path.read_bytes(), assignment=assignment)

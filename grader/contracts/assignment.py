@@ -11,6 +11,7 @@ from grader.contracts.text import EMPTY, Language, Text
 Profile = Literal["nominal", "rough"]
 Input = Literal["script", "text"]
 Distro = Literal["humble", "jazzy"]
+Across = Literal["each", "worst", "mean"]
 """A release of ROS 2."""
 
 DISTROS: Final[tuple[Distro, ...]] = get_args(Distro)
@@ -218,6 +219,9 @@ class WantedPath(Record):
     """The path that an assignment asks for, and in which ways a driven one may differ from it.
 
     Attributes:
+        pieces: what it consists of; none where it is what the solution drives.
+        by_solution: it is what the solution drives. trace: points of that, from the origin along the x axis; none
+            until they are recorded.
         any_start: it may lie and point anywhere; else it begins at the world's start pose.
         any_scale: it may be larger or smaller as a whole.
         mirror: its mirror image is as good.
@@ -225,7 +229,9 @@ class WantedPath(Record):
         laps: a closed one may be driven over and over again.
     """
 
-    pieces: tuple[PathPiece, ...]
+    pieces: tuple[PathPiece, ...] = ()
+    by_solution: bool = False
+    trace: tuple[tuple[float, float], ...] = ()
     any_start: bool = True
     any_scale: bool = False
     mirror: bool = True
@@ -248,6 +254,9 @@ class ItemSpec(Record):
         scaled_by: ids of items on whose measures this one's points depend as well: it earns the least share of
             the credit that they and it have. They may come later and need this one: what it lost to them does not
             count against them a second time.
+        across: with several cases, ``each`` earns its share of the points; or the ``worst`` of them, or the
+            ``mean`` of what was measured in them, earns all.
+        limit: why a motion may differ within the band without any loss; empty: it should not by much.
     """
 
     id: str
@@ -259,6 +268,8 @@ class ItemSpec(Record):
     ramp: float = 0.0
     needs: tuple[str, ...] = ()
     scaled_by: tuple[str, ...] = ()
+    across: Across = "each"
+    limit: str = ""
 
 
 class Answer(Record):

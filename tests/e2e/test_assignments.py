@@ -207,6 +207,20 @@ def test_a_new_assignment_validates_and_mistakes_in_it_are_found(
     assert "false fail" in problems["solution.py"]
 
 
+def test_what_the_solution_drives_may_be_the_wanted_path(grader: Grader, tmp_path: Path) -> None:
+    authored = Catalog(tmp_path)
+    folder = create(authored, "eight", catalog().folder("figure_eight"))
+    spec = folder / "assignment.yaml"
+    text = spec.read_text(encoding="utf-8").partition("  - id: round")[0]
+    pieces = "pieces: [{arc: 360, radius: 1.0}, {arc: -360, radius: 1.0}]"
+    spec.write_text(text.replace(pieces, "reference: solution"), encoding="utf-8")
+    assert [finding.problem for finding in examine(authored, "eight", grader).findings] == [EMPTY, EMPTY]
+    recorded = (folder / "reference.json").read_bytes()
+    (folder / "reference.json").unlink()
+    examine(authored, "eight", grader)
+    assert (folder / "reference.json").read_bytes() == recorded
+
+
 ADDER = """
 import rclpy
 from course_msgs.msg import Mark, Path

@@ -125,6 +125,7 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
         ("needs: [node]", "needs: [mode]", 18, ("items.1.needs", "'mode'", "no earlier item")),
         ("needs: [node]", "scaled_by: [mode]", 18, ("items.1.scaled_by", "'mode'", "no other item")),
         ("needs: [node]", "scaled_by: [log]", 18, ("items.1.scaled_by", "'log'", "no other item")),
+        ("needs: [node]", "across: worst", 18, ("items.1.across", "two cases")),
         ("id: log", "id: node", 13, ("items.1.id", "rename")),
         ("id: demo", "id: other", 1, ("other", "folder")),
         ("id: log", "id: Log!", 13, ("items.1.id", "small letters")),

@@ -158,3 +158,30 @@ def test_what_does_not_fit_is_named(changes: dict[str, object], field: str, word
 
 def test_the_table_is_keyed_by_kind() -> None:
     assert all(kind == check.kind for kind, check in CHECKS.items())
+
+
+@pytest.mark.parametrize(
+    ("across", "earned", "words"), [("worst", 0, "Worst in b"), ("mean", 3, "30 % on average over 2 runs")]
+)
+def test_an_item_may_be_scored_by_the_worst_run_or_by_the_mean(
+    across: str, earned: float, words: str
+) -> None:
+    square = assignment("square")
+    gap = next(spec for spec in square.items if spec.measure == "side_spread_pct")
+    band = replace(gap, across=across, points=10.0, needs=(), high=0.0, ramp=48.0, low=None)
+    items = tuple(band if spec.id == gap.id else spec for spec in square.items)
+    task = replace(square, items=items, cases=(Case(id="a"), Case(id="b")))
+    runs = [
+        replace(run_of(drive(polygon_legs(4, lengths_m=lengths))), case=case)
+        for case, lengths in (("a", (2.0, 2.0, 2.0, 2.0)), ("b", (2.6, 1.4, 2.6, 1.4)))
+    ]
+    scoring = evaluate(task, runs)
+    assert [each.id for each in scoring.items].count(gap.id) == 1
+    last = scoring.items[-1]
+    assert (last.id, last.points) == (gap.id, 10.0)
+    assert words in last.message.en, last.message.en
+    assert f"a/{items[0].id}" in [each.id for each in scoring.items]
+    assert last.earned == pytest.approx(earned, abs=2.0)
+    assert sum(each.points for each in scoring.items) == task.max_score
+    published = next(each for each in published_rubric(task).items if each.id == gap.id)
+    assert published.measure.en.endswith(("worst of the runs", "over the runs"))

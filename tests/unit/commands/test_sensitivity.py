@@ -77,3 +77,15 @@ def test_a_motion_that_needs_its_script_is_left_alone() -> None:
     rough = replace(SQUARE, world=replace(SQUARE.world, profile="rough"))
     assert not replayable(rough, square_run())
     assert not replayable(SQUARE, run_of(drive([])))
+
+
+def test_a_limit_with_a_reason_may_be_wide() -> None:
+    task = widened(widened(SQUARE, "side_spread_pct", high=90.0), "gap_pct", high=90.0)
+    assert any("one run" in problem.en for problem in lax(task, square_run()))
+    allowed = tuple(
+        replace(item, limit="any quadrangle with right corners will do")
+        if item.measure == "side_spread_pct"
+        else item
+        for item in task.items
+    )
+    assert not any("one run" in problem.en for problem in lax(replace(task, items=allowed), square_run()))

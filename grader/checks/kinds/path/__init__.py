@@ -178,6 +178,10 @@ _NO_PATH = Text(
     zh="缺少：写上 path 和它的 pieces，例如 pieces: [{line: 2.0}, {turn: 90}]",
     en="missing; give path with its pieces, such as pieces: [{line: 2.0}, {turn: 90}]",
 )
+_NOT_RECORDED = Text(
+    zh="还没有记录答案走的路，或者 solution.py 后来改过：运行 `grader assignments validate`",
+    en="what the solution drives is not recorded, or solution.py has changed; run `grader assignments validate`",
+)
 _NOTHING_DRIVEN = Text(
     zh="里面没有走的路：加上 line、arc 或 goto", en="nothing of it is driven; add a line, arc or goto"
 )
@@ -191,6 +195,8 @@ _NO_CORNERS = Text(zh="路径里没有转角：删掉这一项", en="the path ha
 def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     if assignment.path is None:
         return (("path", _NO_PATH),)
+    if assignment.path.by_solution and not assignment.path.trace:
+        return (("path.reference", _NOT_RECORDED),)
     track = track_of(assignment.path)
     if track is None:
         return (("path.pieces", _NOTHING_DRIVEN),)

@@ -303,7 +303,7 @@ def _driven_index(figure: Figure, share: float) -> int:
 def _measured(stretch: Stretch, points: Points) -> DrivenStretch:
     start, end = complex(points[0]), complex(points[-1])
     inner = points[len(points) // 8 : len(points) - len(points) // 8]
-    if stretch.kind == "line":
+    if stretch.kind != "arc":
         direction = _direction(inner)
         return DrivenStretch(
             wanted=stretch,

@@ -26,7 +26,7 @@ class Stretch(PositionalRecord):
     """A piece that is driven along: a line or an arc.
 
     Attributes:
-        kind: a ``goto`` is a line.
+        kind: a ``goto`` is a line; a ``trace`` is what the solution drives.
         number: which of its kind it is, in the order driven, from 1.
         points: from its start to its end.
         length_m: along it.
@@ -34,7 +34,7 @@ class Stretch(PositionalRecord):
         radius_m, angle_deg: of an arc; of a line 0.
     """
 
-    kind: Literal["line", "arc"]
+    kind: Literal["line", "arc", "trace"]
     number: int
     points: tuple[complex, ...]
     length_m: float
@@ -105,7 +105,7 @@ def size_m(points: Points) -> float:
 
 def track_of(wanted: WantedPath) -> Track | None:
     """Return the path as its pieces say, from the origin along the x axis; None where nothing is driven."""
-    stretches = _numbered(list(_stretches(wanted.pieces)))
+    stretches = _numbered([_traced(wanted.trace)] if wanted.trace else list(_stretches(wanted.pieces)))
     return Track(stretches) if stretches else None
 
 
@@ -142,12 +142,19 @@ def _from(track: Track, first: int) -> Track:
 
 def _numbered(stretches: Sequence[Stretch]) -> tuple[Stretch, ...]:
     """Return the stretches numbered in the order driven, lines and arcs apart."""
-    counts = {"line": 0, "arc": 0}
+    counts = {"line": 0, "arc": 0, "trace": 0}
     found = []
     for each in stretches:
         counts[each.kind] += 1
         found.append(replace(each, number=counts[each.kind]))
     return tuple(found)
+
+
+def _traced(trace: Sequence[tuple[float, float]]) -> Stretch:
+    points = tuple(complex(x, y) for x, y in trace)
+    steps = [after - before for before, after in itertools.pairwise(points) if after != before]
+    ends = [cmath.phase(step) for step in (*steps[:1], *steps[-1:])] or [0.0, 0.0]
+    return Stretch("trace", 0, points, sum(map(abs, steps)), ends[0], ends[-1])
 
 
 def _stretches(pieces: Sequence[PathPiece]) -> Iterator[Stretch]:
