@@ -6,6 +6,7 @@ from string import Template
 
 from grader.catalog import Catalog
 from grader.catalog.files import SPEC_NAME
+from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.text import trouble
 
@@ -36,7 +37,8 @@ def create(catalog: Catalog, name: str, like: Path | None = None) -> Path:
             f"{folder} exists already; choose another name or edit it",
             f"已经有 {folder}：换一个名字，或者直接改它",
         )
-    order = max((assignment.order for assignment in catalog.all()), default=0) + 1
+    known = [each for _, each in catalog.each()]  # a wrong one beside it keeps nobody from beginning
+    order = max((each.order for each in known if isinstance(each, Assignment)), default=0) + 1
     try:
         _copy(_SKELETON if like is None else like, folder, name, order)
     except OSError as error:

@@ -1,5 +1,6 @@
 """What does not fit in an ``assignment.yaml``, in words: the schema's own rules and pydantic's."""
 
+import re
 from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
@@ -74,6 +75,10 @@ ONE_PIECE = Text(
 )
 
 
+_QUOTES = Text(
+    zh="未知的字段；如果它是文字的一部分，给整段文字加上引号",
+    en="unknown field; if it is part of a text, put quotes around the whole text",
+)
 ONE_PATH = Text(
     zh="写 pieces（每段路），或 reference: solution（答案走的路），只写一个",
     en="give pieces, or reference: solution (what the solution drives); one of the two",
@@ -171,6 +176,8 @@ def misfit(error: Mapping[str, Any]) -> tuple[tuple[int | str, ...], Text]:
         return place + broken.field, broken.told
     if kind == "string_pattern_mismatch":
         return place, _FORMS.get(context["pattern"], _OTHER_FORM)
+    if kind == "extra_forbidden" and not re.fullmatch(r"\w+", str(place[-1])):
+        return place, _QUOTES  # what stands behind a comma of a text
     if kind in _FIXES:
         return place, _FIXES[kind]
     zh, en = (said(error, language).rstrip("。.") for language in LANGUAGES)

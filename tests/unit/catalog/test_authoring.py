@@ -31,6 +31,9 @@ def test_the_skeleton_is_complete(tmp_path: Path) -> None:
     assert [set(names.split(", ")) for names in kinds.groups()] == [set(CHECKS), set(TEXT_CHECKS)]
     create(catalog, "nonagon")
     assert [each.id for each in catalog.all()] == ["heptagon", "nonagon"]
+    (folder / "assignment.yaml").write_text("id: 1", encoding="utf-8")
+    create(catalog, "decagon")  # whatever is wrong with another one
+    assert catalog.get("decagon").order == 3
 
 
 @pytest.mark.parametrize("like", ["letter_l", "rosclaw", "theory_publisher_timer"])

@@ -114,6 +114,7 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
     ("old", "new", "line", "words"),
     [
         ("order: 1", "order: 1\ncolour: red", 4, ("colour", "remove")),
+        ("en: Demo}", "en: Go to (2, 9)}", 4, ("title.9)", "quotes around")),
         ("version: 1\n", "", 1, ("version", "required")),
         ("version: 1", "version: one", 2, ("version", "whole number")),
         ("zh: 演示, ", "", 4, ("title.zh", "required")),
