@@ -8,8 +8,11 @@ from dataclasses import replace
 
 from grader.catalog import Catalog
 from grader.catalog.cache import AssignmentMemory
+from grader.catalog.misfits import refusals
 from grader.catalog.refreshed import RefreshedAssignments
-from grader.contracts.errors import SandboxError, SettingsError
+from grader.checks import problems
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import AssignmentError, SandboxError, SettingsError
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
@@ -93,7 +96,29 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
 def _assignments(settings: Settings) -> RefreshedAssignments:
     """Return the assignments that come with the grader, then the operator's own."""
     folders = (None, *settings.assignment_folders)
-    return RefreshedAssignments([Catalog(one, AssignmentMemory()) for one in folders])
+    return RefreshedAssignments([_Fitting(Catalog(one, AssignmentMemory())) for one in folders])
+
+
+class _Fitting:
+    """A folder of assignments where one that does not fit its check is wrong, as the commands say it is."""
+
+    def __init__(self, catalog: Catalog) -> None:
+        self._catalog = catalog
+        self._known: dict[str, tuple[Assignment, Assignment | AssignmentError]] = {}
+
+    def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
+        for id_, one in self._catalog.each():
+            yield id_, one if isinstance(one, AssignmentError) else self._fitting(id_, one)
+
+    def given_code(self) -> tuple[bytes, ...]:
+        return self._catalog.given_code()
+
+    def _fitting(self, id_: str, assignment: Assignment) -> Assignment | AssignmentError:
+        known = self._known.get(id_)
+        if known is None or known[0] is not assignment:
+            found = [(self._catalog.place(id_, field), told) for field, told in problems(assignment)]
+            known = self._known[id_] = assignment, refusals(found) if found else assignment
+        return known[1]
 
 
 @contextmanager

@@ -23,10 +23,6 @@ _FIXES: Mapping[str, Text] = {
     "model_type": Text(
         zh="这里要写字段，例如 {zh: 标题, en: Title}", en="write fields here, such as {zh: 标题, en: Title}"
     ),
-    "option_value": Text(
-        zh="这里只能写一个数、一段文字、true 或 false；如果检查没有这个选项，就删掉",
-        en="write one number, one text, true or false; if the check has no such option, remove it",
-    ),
     "too_short": Text(zh="至少要有一项", en="give at least one entry"),
 }
 _FORMS: Mapping[str, Text] = {

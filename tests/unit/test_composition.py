@@ -1,10 +1,13 @@
 """How the service is put together, without its workers."""
 
 import logging
+from pathlib import Path
 
 import pytest
 
 from grader import composition
+from grader.catalog import Catalog
+from grader.catalog.authoring import create
 from grader.contracts.errors import SandboxUnavailableError, SettingsError
 from grader.contracts.identity import OPERATOR
 from grader.settings import Settings
@@ -49,6 +52,21 @@ def test_a_host_without_a_sandbox_takes_uploads_and_says_so(
     with caplog.at_level(logging.ERROR), composition.running(settings(database_url)) as services:
         assert services.preflight.check(b"def broken(", "a.py") is None
     assert "lacks seccomp" in caplog.text
+
+
+def test_own_assignments_live_in_a_folder_of_their_own(database_url: str, tmp_path: Path) -> None:
+    for name in ("mine", "broken"):
+        folder = create(Catalog(tmp_path), name)
+        if name == "broken":
+            spec = folder / "assignment.yaml"
+            spec.write_text(spec.read_text().replace("sides: 4", "sides: 4, colour: [1, 2]"))
+    own = settings(database_url, assignments=str(tmp_path))
+    with composition.running(own, FakePreflight()) as services:
+        ids = {one.id for one in services.assignments.all()}
+        assert {"square", "mine"} <= ids
+        assert "broken" not in ids
+        (trouble,) = services.assignments.troubles().values()
+    assert "options.colour: the check 'polygon' has only the options" in trouble.en
 
 
 def test_leaving_this_machine_needs_a_course_or_consent(database_url: str) -> None:

@@ -91,6 +91,11 @@ def test_a_broken_spec_is_named_with_its_line(tmp_path: Path, old: str, new: str
         ),
         ("{sides: 4, side_m: 2.0}", "{sides: 4}", ":11: options.side_m: missing"),
         ("{sides: 4, side_m: 2.0}", "{sides: 2, side_m: 2.0}", ":11: options.sides: must be a whole number"),
+        (
+            "{sides: 4, side_m: 2.0}",
+            "{sides: 4, side_m: 2.0, corners_deg: [135, 135, 90]}",
+            ":11: options.corners_deg: the check 'polygon' has only the options sides, side_m, other_side_m",
+        ),
         ("check: polygon", "check: polygone", ":10: check: unknown check 'polygone'"),
     ],
 )
@@ -105,3 +110,4 @@ def test_what_does_not_fit_the_check_is_named_with_its_line(
     with pytest.raises(AssignmentError) as caught:
         fitting(catalog, "heptagon")
     assert f"{path}{place}" in str(caught.value)
+    assert str(caught.value).count("\n") == 0  # one mistake, one message

@@ -137,12 +137,6 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
         ("order: 1", "order: !!bool maybe", 3, ("not valid YAML", "maybe")),
         ("order: 1", "order: !!timestamp soon", 3, ("not valid YAML",)),
         ("title: {zh: 演示, en: Demo}", "title: 演示", 4, ("title", "{zh: 标题, en: Title}")),
-        (
-            "check: node",
-            "check: node\noptions: {corners: [90, 90]}",
-            7,
-            ("options.corners:", "no such option"),
-        ),
         ("check: node", "check: node\nhorizon_s: 1e9", 7, ("horizon_s", "600")),
         (
             "check: node",
