@@ -62,6 +62,17 @@ def test_a_body_that_never_says_how_large_it_is(client: httpx.Client, services: 
     assert nothing_stored(services)
 
 
+@pytest.mark.parametrize("file_name", ["", '; filename="a.py"'], ids=["fields", "files"])
+def test_a_form_of_many_parts(client: httpx.Client, services: Services, file_name: str) -> None:
+    """Small enough to be an upload's, but each part costs the event loop as much as a small request."""
+    names = ("assignment", "file", *(f"more{number}" for number in range(20)))
+    parts = (f'--x\r\nContent-Disposition: form-data; name="{one}"{file_name}\r\n\r\n1\r\n' for one in names)
+    headers = {"Content-Type": "multipart/form-data; boundary=x"}
+    response = client.post("/api/v1/submissions", content="".join(parts) + "--x--\r\n", headers=headers)
+    problem(response, 400, "malformed_body")
+    assert nothing_stored(services)
+
+
 @pytest.mark.parametrize(
     "kind", ["application/json", "text/x-python", "application/x-www-form-urlencoded", ""]
 )
