@@ -29,7 +29,7 @@ _SOURCES_FOLDER: Final = Path("/etc/apt/sources.list.d")
 _CONTEXT: Final = (
     "Dockerfile", ".dockerignore", "README.md", "assignments", "docs/student.md", "docs/student.zh.md", "grader",
     "lesson", "pyproject.toml",
-    "requirements-build.lock", "requirements-extras.lock",
+    "requirements-build.lock", "requirements.lock", "requirements-extras.lock",
 )  # fmt: skip
 
 
