@@ -1,6 +1,6 @@
 """A class whose scripts all steer by `/turtle1/pose`: four ways to write it, right and wrong, for each motion.
 
-Whoever listens takes turns with the world, 62.5 times in a virtual second, where the lesson's scripts run ahead.
+Whoever listens handles 62.5 poses in a virtual second, where the lesson's scripts sleep.
 """
 
 from __future__ import annotations
