@@ -32,6 +32,7 @@ class NewSubmission:
         received_at: instant of the upload; None: now.
         key: under which the client sends the same upload again if it got no answer.
         assignment_version: the published version; when given, the same bytes again are recognised.
+        distro: release of ROS 2 that the assignment names; None: the course's.
         ruled: whether the rules of the assignment decide; they do not for a course's staff.
         by: who hands it in for the student; None: the student.
     """
@@ -44,6 +45,7 @@ class NewSubmission:
     received_at: datetime | None = None
     key: str | None = None
     assignment_version: int | None = None
+    distro: Distro | None = None
     ruled: bool = False
     by: str | None = None
 

@@ -27,13 +27,23 @@ from sqlalchemy import (
 )
 from sqlmodel import Session, col
 
+from grader.contracts.assignment import DEFAULT_DISTRO, Assignment, Distro
 from grader.contracts.errors import RefusedError
+from grader.contracts.record import from_json
 from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.store.database import add_once, one_at_a_time
-from grader.store.rules import ABOUT, ABOUT_FROM, OPEN_TO, rules_about
-from grader.store.tables import GradingRow, SourceRow, SubmissionRow, UploadKeyRow, UtcDateTime, table_of
+from grader.store.rules import ABOUT, ABOUT_FROM, OF_COURSE, rules_about
+from grader.store.tables import (
+    GradedAssignmentRow,
+    GradingRow,
+    SourceRow,
+    SubmissionRow,
+    UploadKeyRow,
+    UtcDateTime,
+    table_of,
+)
 from grader.store.work import Announcer, announcement_of
 
 LATELY = timedelta(minutes=10)
@@ -69,13 +79,15 @@ class _Known(NamedTuple):
     """What decides about an upload.
 
     Attributes:
-        archived: the course is. member: the student is in it; without courses everybody is.
+        archived: the course is. distro: its release of ROS 2; None without courses.
+        member: the student is in it; without courses everybody is.
         keyed: digest and submission of what was sent under the upload's key before; None: nothing was.
         latest: the student's last submission to the assignment.
         lately: the student's submissions to any assignment that wait, are graded or were graded lately.
     """
 
     archived: bool
+    distro: Distro | None
     member: bool
     keyed: tuple[str, str] | None
     rules: Rules
@@ -117,7 +129,7 @@ def _question(of_course: ColumnElement[bool]) -> Select[Any]:
     parts = (select(part.subquery()) for part in (latest, waiting, graded))
     deciding = union(*parts).subquery()
     tables = ABOUT_FROM.outerjoin(table_of(UploadKeyRow), keyed).outerjoin(deciding, true())
-    asked = select(*OPEN_TO, _key.digest, _key.submission_id, *ABOUT, *deciding.c).select_from(tables)
+    asked = select(*OF_COURSE, _key.digest, _key.submission_id, *ABOUT, *deciding.c).select_from(tables)
     return asked.order_by(deciding.c.received_at, deciding.c.id)
 
 
@@ -154,7 +166,7 @@ def take_in(
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are counted by student
     digest = hashlib.sha256(upload.source).hexdigest()
     known = _known(session, upload.student, upload.assignment, upload.course, (upload.key, now))
-    same = _under_key(upload, digest, known) or _same_as_latest(session, upload, known.latest, digest)
+    same = _under_key(upload, digest, known) or _same_as_latest(session, upload, known, digest)
     if same is not None:
         return session.get_one(SubmissionRow, same), True
     _require_accepted(session, upload, known, now)
@@ -242,11 +254,12 @@ def _known(
         "lately": now - LATELY,
     }
     rows = session.connection().execute(_WITHOUT_COURSE if course is None else _IN_COURSE, asked).all()
-    archived_at, member, digest, submission_id, *about = rows[0][: -len(_EARLIER)]
+    archived_at, distro, member, digest, submission_id, *about = rows[0][: -len(_EARLIER)]
     own = [_Earlier(*values) for row in rows if (values := row[-len(_EARLIER) :])[0] is not None]
     recent = now - LATELY
     return _Known(
         archived_at is not None,
+        distro,
         course is None or member is not None,
         None if digest is None else (digest, submission_id),
         *rules_about(*about),
@@ -299,21 +312,31 @@ def _counted(
     return as_attempts(session.connection().execute(costly, asked).all()[::-1])
 
 
-def _same_as_latest(
-    session: Session, upload: NewSubmission, latest: _Earlier | None, digest: str
-) -> str | None:
+def _same_as_latest(session: Session, upload: NewSubmission, known: _Known, digest: str) -> str | None:
     """Return the student's latest submission if it has the same bytes and would be graded the same."""
+    latest = known.latest
     if upload.assignment_version is None or latest is None or latest.source_sha256 != digest:
         return None
     if latest.state == SubmissionState.INFRASTRUCTURE_ERROR.value:
         return None
     if latest.graded_attempt is not None:
-        version = select(col(GradingRow.assignment_version)).where(
-            col(GradingRow.submission_id) == latest.id, col(GradingRow.attempt) == latest.graded_attempt
-        )
-        if session.execute(version).scalar_one_or_none() != upload.assignment_version:
+        release = upload.distro or known.distro or DEFAULT_DISTRO
+        if _graded_as(session, latest.id, latest.graded_attempt) != (upload.assignment_version, release):
             return None
     return latest.id
+
+
+def _graded_as(session: Session, submission_id: str, attempt: int) -> tuple[int, Distro] | None:
+    """Return the version of the assignment, and the release of ROS 2, that a grading was made by."""
+    row = session.execute(
+        select(col(GradingRow.assignment_version), col(GradedAssignmentRow.content))
+        .outerjoin(GradedAssignmentRow, col(GradedAssignmentRow.sha256) == col(GradingRow.assignment_sha256))
+        .where(col(GradingRow.submission_id) == submission_id, col(GradingRow.attempt) == attempt)
+    ).first()
+    if row is None:
+        return None
+    version, kept = row
+    return version, DEFAULT_DISTRO if kept is None else from_json(Assignment, kept).release
 
 
 def _turn(session: Session, upload: NewSubmission, known: _Known, now: datetime) -> datetime:

@@ -44,8 +44,8 @@ ABOUT = (
 )
 """Columns of `ABOUT_FROM`, in the order of the parameters of `rules_about`."""
 
-OPEN_TO = (_course_of.archived_at, _member_of.person)
-"""Columns of `ABOUT_FROM`: since when the course is archived, and the student if it has one of that id."""
+OF_COURSE = (_course_of.archived_at, _course_of.distro, _member_of.person)
+"""Columns of `ABOUT_FROM`: since when the course is archived, its release of ROS 2, the student if it has one."""
 
 _ASKED = select(
     literal(1).label("asked")

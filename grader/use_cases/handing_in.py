@@ -96,7 +96,7 @@ def _checked(services: Services, new: NewSubmission, owner: str) -> NewSubmissio
         services.allowances.uploads.charge(owner, (time.monotonic() - begun_s) // _USUAL_S)
     if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
         raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
-    return replace(new, file_name=name, assignment_version=published.version)
+    return replace(new, file_name=name, assignment_version=published.version, distro=published.distro)
 
 
 def checked_student(student: str) -> str:

@@ -169,7 +169,7 @@ def finish(
     grading: Callable[[GradingJob], GradingResult] = grade,
 ) -> None:
     """Grade what was claimed and store the result."""
-    assignment = assignments.get(claim.assignment)
+    assignment = assignments.get(claim.assignment).of_course(claim.distro)
     job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
     assert queue.finish(claim, grading(job), assignment)
 

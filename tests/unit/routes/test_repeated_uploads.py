@@ -7,9 +7,11 @@ from datetime import timedelta
 import httpx
 
 from grader.contracts.grading import GradingJob
+from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import assignment, grade
+from tests.unit.routes.conftest import School
 from tests.unit.routes.test_overviews import worker
 
 Upload = Callable[..., httpx.Response]
@@ -65,6 +67,21 @@ def test_a_changed_assignment_grades_the_same_bytes_again(
         replace(one, version=one.version + 1) for one in services.assignments.assignments
     )
     assert upload(b"good\n").json()["repeated"] is False
+
+
+def test_another_release_of_the_course_grades_the_same_bytes_again(
+    upload: Upload, graded: Callable[..., str], services: Services, school: School, clock: FakeClock
+) -> None:
+    own, (straight, square) = school.as_("li"), services.assignments.assignments
+    services.assignments.assignments = (replace(straight, distro="humble"), square)
+    for one in ("straight", "square"):
+        graded(b"good\n", one, "", headers=own)
+    services.courses.set_distro("jazzy", Signature(clock(), "ros", "wang"))
+    clock.advance(1)
+    assert upload(b"good\n", "straight", "", headers=own).json()["repeated"] is True
+    again = graded(b"good\n", student="", headers=own)
+    assert upload(b"good\n", student="", headers=own).headers["Location"] == again
+    assert len(services.submissions.of_student("li", "square", "ros")) == 2
 
 
 def test_after_a_fault_of_the_service_the_same_bytes_are_graded(upload: Upload, services: Services) -> None:
