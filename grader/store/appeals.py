@@ -144,18 +144,23 @@ class Appeals:
 
 
 def is_open(session: Session, submission_id: str, item: str) -> bool:
-    """Return whether an appeal about an item waits for an answer."""
-    row = session.get(AppealRow, (submission_id, item))
-    return row is not None and row.state == AppealState.OPEN.value
+    """Return whether an appeal about an item waits for an answer; nobody else answers it in this transaction."""
+    return _waiting(session, submission_id, item) is not None
 
 
 def answer_by_points(
     session: Session, submission_id: str, item: str, comment: str, signed: Signature
 ) -> None:
     """Answer the open appeal about an item, if there is one: other points were given for it."""
-    if is_open(session, submission_id, item):
-        row = session.get_one(AppealRow, (submission_id, item))
+    row = _waiting(session, submission_id, item)
+    if row is not None:
         _answer(session, row, AppealState.CORRECTED, comment, signed)
+
+
+def _waiting(session: Session, submission_id: str, item: str) -> AppealRow | None:
+    """Return the open appeal about an item, locked: nobody else answers it meanwhile."""
+    row = session.get(AppealRow, (submission_id, item), with_for_update=True, populate_existing=True)
+    return row if row is not None and row.state == AppealState.OPEN.value else None
 
 
 def _answer(session: Session, row: AppealRow, state: AppealState, text: str, signed: Signature) -> None:

@@ -77,12 +77,13 @@ def record(  # noqa: PLR0913
 
 
 def require_open(session: Session, course: str | None) -> None:
-    """Let changes of a course through.
+    """Let changes of a course through; until the transaction ends, nobody archives it.
 
     Raises:
         RefusedError: the course is archived.
     """
-    row = None if course is None else session.get(CourseRow, course)
+    held = {"read": True, "key_share": True}
+    row = None if course is None else session.get(CourseRow, course, with_for_update=held)
     if row is not None and row.archived_at is not None:
         raise RefusedError(
             "course_archived",

@@ -158,16 +158,16 @@ class CourseLife:
             CourseError: the age is none.
         """
         since, erased = self._since(older_than_days), self.old_work(course, older_than_days)
-        for one, space in sorted(erased.items()):
+        for one in sorted(erased):
             with self._database.reading() as session:
                 ids = ids_of(session, *before(since, one))
+            signed = Signature(self._clock(), one, actor)
+            after = {"submissions": len(ids), "older_than_days": older_than_days}
+            with self._database.writing() as session:  # first: what is erased is in the log, whatever happens
+                record(session, signed, "course.retain", f"course {one}", after=after, reason=reason)
             for some in in_lots(ids):  # transactions that keep nobody waiting for long
                 with self._database.writing() as session:
                     erase(session, some)
-            with self._database.writing() as session:
-                signed = Signature(self._clock(), one, actor)
-                after = {"submissions": space.submissions, "older_than_days": older_than_days}
-                record(session, signed, "course.retain", f"course {one}", after=after, reason=reason)
         if erased:
             empty_log(self._database)
         return erased

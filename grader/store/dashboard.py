@@ -132,6 +132,7 @@ def _mark(session: Session, course: str | None) -> str:
     sums = select(
         col(row.state),
         func.count(),
+        func.min(col(row.id)),  # another one when the oldest are erased
         func.sum(col(row.attempt)),
         func.sum(func.coalesce(col(row.graded_attempt), 0)),
     ).where(col(row.course) == course, col(row.regrade).is_(None))
@@ -180,11 +181,13 @@ def _marks(session: Session, course: str | None, known: CourseRules) -> dict[Pla
     """Return the mark of each cell.
 
     Claims and gradings raise their numbers for ever and judgements are only added, so no two changes cancel out.
+    What is erased is the oldest: then there is another first one.
     """
     row = SubmissionRow
     place = (col(row.student), col(row.assignment))
     numbers = (
         func.count(),
+        func.min(col(row.id)),
         func.sum(col(row.attempt)),
         func.sum(func.coalesce(col(row.graded_attempt), 0)),
         *(func.sum(case((col(row.state) == state.value, 1), else_=0)) for state in _PASSING),

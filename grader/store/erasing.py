@@ -93,7 +93,10 @@ def erase(session: Session, submissions: Sequence[str]) -> None:
 
 def _erase(session: Session, named: Sequence[str]) -> None:
     row = SubmissionRow
-    trials = list(session.execute(select(col(row.id)).where(col(row.original).in_(named))).scalars())
+    _hold(
+        session, col(row.id).in_(named)
+    )  # whatever is being written about them is there afterwards, or fails
+    trials = _hold(session, col(row.original).in_(named))
     ids = [*named, *trials]
     sources = set(session.execute(select(col(row.source_sha256)).where(col(row.id).in_(ids))).scalars())
     for table in reversed(SQLModel.metadata.sorted_tables):
@@ -101,10 +104,22 @@ def _erase(session: Session, named: Sequence[str]) -> None:
             session.execute(delete(table).where(table.c.submission_id.in_(ids)))
     for of in (trials, named):  # a trial refers to its original
         session.execute(delete(SubmissionRow).where(col(row.id).in_(of)))
+    held = (
+        select(col(SourceRow.sha256))
+        .where(col(SourceRow.sha256).in_(sources))
+        .order_by(col(SourceRow.sha256))
+    )
+    session.execute(held.with_for_update()).all()  # who hands in the same right now names it afterwards
     session.execute(delete(SourceRow).where(col(SourceRow.sha256).in_(sources), ~_named_source()))
     about = or_(*(col(AuditRow.subject).startswith(f"submission {one}", autoescape=True) for one in named))
     blank = {"before": _NOTHING, "after": _NOTHING, "reason": ""}
     session.execute(update(AuditRow).where(about).values(blank))
+
+
+def _hold(session: Session, *which: ColumnElement[bool]) -> list[str]:
+    """Lock submissions and return their ids: what refers to them is written before, or not at all."""
+    in_order = select(col(SubmissionRow.id)).where(*which).order_by(col(SubmissionRow.id))
+    return list(session.execute(in_order.with_for_update()).scalars())
 
 
 def _named_source() -> ColumnElement[bool]:

@@ -20,6 +20,8 @@ _LEAST = 2  # characters of a name that is searched for
 _NOTHING = "null"
 _SILENT = ("rules", "grading", "submission", "token", "worker")
 """Tables whose texts are of machines, or name nobody."""
+_DOCUMENTS = ("wanted", "outcome", "change")
+"""Columns of JSON that the grader reads again: there a person is named by the id alone, as a whole text."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -86,7 +88,8 @@ def _rename(
         changed = {
             one.name: new
             for one in texts
-            if values[one.name] is not None and (new := scrub(values[one.name])) != values[one.name]
+            if (old := values[one.name])
+            and (new := _renamed(old, renamed) if one.name in _DOCUMENTS else scrub(old)) != old
         }
         if changed:
             session.execute(update(table).where(*(key == values[key.name] for key in keys)).values(changed))
@@ -123,6 +126,11 @@ def known_as(session: Session, course: str, person: str) -> set[str]:
     return {one for one in known if len(one) >= _LEAST or one == person}
 
 
+def _renamed(document: str, renamed: tuple[str, str]) -> str:
+    person, pseudonym = renamed
+    return json.dumps(_walked(json.loads(document), lambda one: pseudonym if one == person else one))
+
+
 def _scrubber(known: Iterable[str], pseudonym: str) -> Callable[[str], str]:
     longest_first = sorted(known, key=len, reverse=True)
     pattern = re.compile("|".join(_whole(one) for one in longest_first), re.IGNORECASE)
@@ -156,6 +164,6 @@ def _walked(document: Any, change: Callable[[str], str]) -> Any:
         case list():
             return [_walked(one, change) for one in document]
         case dict():
-            return {change(name): _walked(one, change) for name, one in document.items()}
+            return {name: _walked(one, change) for name, one in document.items()}
         case _:
             return document

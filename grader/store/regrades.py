@@ -125,7 +125,8 @@ class Regrades:
 
     def _seen(self, session: Session, row: RegradeRow) -> Regrade:
         """Return a re-grade. Its trials are counted again only when something has changed."""
-        mark: _Mark = (row.state,)
+        # the texts, too: somebody who is forgotten is in none of them any more
+        mark: _Mark = (row.state, row.wanted, row.outcome, row.reason, row.undone_reason, row.created_by)
         if row.state == RegradeState.OPEN.value:
             mark += _mark_of(session, row.id)
         known = self._latest.get(row.id)

@@ -94,7 +94,7 @@ def both_gradings(
 
 
 def history(services: Services, caller: Caller, submission_id: str) -> tuple[PastGrading, ...]:
-    """Return every grading of a submission, oldest first; the last one stands.
+    """Return every grading of a submission, oldest first; one of them stands.
 
     Raises:
         RefusedError: the caller may not see the class, or there is no such submission.

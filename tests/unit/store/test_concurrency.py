@@ -9,15 +9,19 @@ from typing import TypeVar
 import pytest
 from sqlalchemy import text
 
-from grader.contracts.errors import CourseError, RefusedError, RegradeError
+from grader.contracts.appeal import AppealState
+from grader.contracts.errors import AppealError, CourseError, JudgementError, RefusedError, RegradeError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.regrade import RegradeState, Wanted
 from grader.contracts.rules import Rules
 from grader.contracts.submission import Claim, NewSubmission, SubmissionState
+from grader.store.appeals import Appeals, Asked
 from grader.store.audit import AuditLog, Signature
+from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.database import Database
+from grader.store.judgements import Given, Judgements
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -228,3 +232,71 @@ def test_a_frozen_process_gives_its_locks_back(postgres_database: Database, cloc
                 connection.exec_driver_sql("SELECT pg_stat_clear_snapshot()")
         assert Queue(postgres_database, clock, Retries()).claim("w").submission_id == added.id
         session.execute(text("SELECT 1"))
+
+
+def test_an_appeal_is_answered_once(
+    database: Database, clock: FakeClock, queue: Queue, submissions: Submissions, course: str
+) -> None:
+    id_ = submissions.add(new(course=course)).id
+    claim = queue.claim("w")
+    assert claim is not None
+    queue.finish(claim, result_of(claim), assignment())
+    appeals, judgements = Appeals(database), Judgements(database)
+    student, signed = Signature(clock(), course, "li"), Signature(clock(), course, "wang")
+    appeals.ask(id_, Asked(item="closed", reason="look", attempt=1, earned=0.0, points=5.0), student)
+
+    def answer(number: int) -> None:
+        if number % 2:
+            appeals.answer(id_, "closed", AppealState.REFUSED, "no", signed)
+        else:
+            given = Given(item="closed", points=2.0, comment="yes", corrects=True, answers=True)
+            judgements.judge(id_, given, None, signed)
+
+    made = at_once(answer)
+    assert made.count(None) == 1
+    assert {type(one) for one in made} == {type(None), AppealError, JudgementError}
+    (appeal,) = appeals.of(id_)
+    corrected = made.index(None) % 2 == 0
+    assert appeal.state is (AppealState.CORRECTED if corrected else AppealState.REFUSED)
+    assert count(database, "judgement") == int(corrected)
+
+
+def test_results_that_come_while_a_student_is_forgotten(
+    database: Database, clock: FakeClock, queue: Queue, submissions: Submissions, course: str
+) -> None:
+    claims = []
+    for number in range(1, THREADS):
+        submissions.add(new(source=b"good # %d" % number, course=course))
+        claims.append(queue.claim("w"))
+    life, signed = CourseLife(database, clock), Signature(clock(), course, "wang")
+
+    def act(number: int) -> object:
+        if number == 0:
+            return life.forget("li", signed).submissions
+        claim = claims[number - 1]
+        return queue.finish(claim, result_of(claim), assignment())
+
+    made = at_once(act)
+    assert made[0] == THREADS - 1
+    assert {type(one) for one in made[1:]} == {bool}
+    assert [count(database, table) for table in ("submission", "grading", "source")] == [0, 0, 0]
+
+
+def test_no_regrade_is_opened_while_a_course_is_archived(
+    database: Database, clock: FakeClock, queue: Queue, submissions: Submissions, course: str
+) -> None:
+    submissions.add(new(course=course))
+    claim = queue.claim("w")
+    assert claim is not None
+    queue.finish(claim, result_of(claim), assignment())
+    life, regrades = CourseLife(database, clock), Regrades(database)
+    signed = Signature(clock(), course, "wang")
+
+    def act(number: int) -> object:
+        if number % 2:
+            return life.archive(signed).archived_at
+        return regrades.open(Wanted(assignment="square"), signed).state
+
+    at_once(act)
+    archived = Courses(database, clock).get(course).archived_at is not None
+    assert archived is (regrades.all(course) == ())

@@ -18,6 +18,7 @@ from grader.store.audit import AuditLog, Signature
 from grader.store.comments import Comments
 from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
+from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.erasing import Space
 from grader.store.judgements import Given, Judgements
@@ -190,3 +191,40 @@ def test_a_source_that_another_student_handed_in_stays(taught: Class, database: 
     same = taught.hand_in("20260124", b"good # the same")
     taught.life.forget("20260123", taught.signed)
     assert taught.submissions.source(same) == b"good # the same"
+
+
+def test_a_regrade_names_nobody_who_was_forgotten(taught: Class, database: Database) -> None:
+    """Not from memory either; and a name that is a word of the grader's own spoils nothing."""
+    regrades = Regrades(database)
+    taught.courses.import_roster("ros", [RosterEntry(id="20260123", name="All")], "wang")
+    (open_one,) = regrades.all("ros")
+    taught.work()
+    regrades.discard(open_one.id, taught.signed, "李雷 asked all of it")
+    assert "20260123" in repr(regrades.all("ros"))
+    pseudonym = taught.life.forget("20260123", taught.signed).pseudonym
+    (shown,) = regrades.all("ros")
+    assert shown.wanted == Wanted(assignment="square", which="all", students=(pseudonym,))
+    assert shown.reason == f"{pseudonym} asked {pseudonym} of it"
+
+
+def test_the_class_is_counted_anew_when_as_much_is_erased_as_came(taught: Class, database: Database) -> None:
+    taught.work()
+    board = Dashboard(database)
+    before = {one.student: one for one in board.state("ros").progress}["20260124"]
+    taught.clock.advance(401 * 86_400)
+    taught.life.erase_old_work("ros", 400, "cron")
+    later = taught.hand_in("20260124", b"good good # later")
+    taught.work()
+    (after,) = board.state("ros").progress
+    assert (before.best_score, after.best_score, after.best_submission) == (5.0, 10.0, later)
+
+
+def test_what_is_erased_is_in_the_log_even_if_not_all_was(
+    taught: Class, database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    taught.work()
+    taught.clock.advance(400 * 86_400)
+    monkeypatch.setattr("grader.store.course_life.erase", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        taught.life.erase_old_work("ros", 400, "cron")
+    assert AuditLog(database).entries("ros", 1)[0].action == "course.retain"
