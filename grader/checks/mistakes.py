@@ -230,7 +230,7 @@ def without_node(run: Run) -> Mistake:
         return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
     if (uncalled := not_called(run)) is not None:
         return uncalled
-    exits = ScriptText(run.source).lines_with(_EXIT)
+    exits = _exits(ScriptText(run.source))
     if exits and not run.outcome.stdout.text.strip():
         return mistake("exited_early", line=exits[0])
     if run.outcome.stdout.text.strip():
@@ -295,9 +295,15 @@ def ended_at_once(run: Run) -> Mistake | None:
     if lines := script.lines_with(r"^[ \t]*rclpy\.spin$"):
         return mistake("only_named", line=lines[0], call="rclpy.spin(node)")
     spins = script.lines_with(r"\bspin\w*\(")
-    if (lines := script.lines_with(_EXIT)) and spins and lines[0] < spins[0]:
+    if (lines := _exits(script)) and spins and lines[0] < spins[0]:
         return mistake("exited_early", line=lines[0])
     return None
+
+
+def _exits(script: ScriptText) -> list[int]:
+    """Return the lines that end the program, without those in functions that nothing calls."""
+    found = ((number, script.function_around(number)) for number in script.lines_with(_EXIT))
+    return [number for number, name in found if not name or script.calls(name)]
 
 
 def _never_published(run: Run) -> Mistake:

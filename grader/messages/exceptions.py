@@ -122,7 +122,7 @@ _SIGNS: Final = tuple(
             r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)'.*'DOUBLE'.*'INTEGER'",
             "parameter_type",
         ),
-        (r"InvalidParameterTypeException: .*'STRING'", "parameter_text"),
+        (r"InvalidParameterTypeException: .*expecting type '[\w.]*STRING'", "parameter_text"),
         (r"TypeError: .*'Parameter'|AttributeError: 'Parameter' object has no attribute", "parameter_value"),
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
         (r"TypeError: Publisher\.publish\(\) (takes|missing) ", "one_message"),
@@ -423,20 +423,26 @@ _DURATION_OF_ROS_1: Final = {
 
 def _comma(error: StudentError, script: ScriptText) -> Closer:
     """Look for the comma that made a tuple of a number."""
-    lines = script.lines_with(r"=[ \t]*-?[\d.]+[ \t]*,[ \t]*$")
+    lines = [
+        number
+        for number in script.lines_with(r"=[ \t]*-?[\d.]+[ \t]*,[ \t]*$")
+        if number == 1
+        or not re.search(r"[(\[{,][ \t]*$", script.lines[number - 2])  # then it separates arguments
+    ]
     return ("comma_at_end", {"line": lines[0]}) if lines else ("crashed", {})
 
 
 def _text(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at text in a computation: it may be a parameter's default."""
-    lines = script.lines_with(r'\bdeclare_parameter\([ \t]*"",[ \t]*""')
+    lines = script.numbers_as_text
     return ("parameter_text", {"line": lines[0]}) if lines else None
 
 
 def _asked_again(error: StudentError, script: ScriptText) -> Closer:
     """Look closer at an input that is missing: `int()` may have refused the first, and it was asked for again."""
     lines = script.lines_with(r"\bint\([ \t]*input\(")
-    return ("int_asks_again", {"asked": lines[0]}) if lines and script.lines_with(r"\bexcept\b") else None
+    refused = script.lines_with(r"\bexcept( ?:|\b.*\b(ValueError|Exception)\b)")
+    return ("int_asks_again", {"asked": lines[0]}) if lines and refused else None
 
 
 def _not_started(error: StudentError, script: ScriptText) -> Closer:

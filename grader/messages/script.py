@@ -86,8 +86,25 @@ class ScriptText:
     def hands_over(self, number: int, name: str) -> bool:
         """Whether the given line calls a function among the arguments of one that wants a callback."""
         call = " ".join(self.lines[max(number - 5, 0) : number])
-        wants = r"\bcreate_(timer|subscription|service)\((?:(?!\) ?;|\bcreate_).)*"
-        return re.search(wants + rf"\b{re.escape(name)}\([ \t]*\)", call) is not None
+        wanting = list(re.finditer(r"\bcreate_(timer|subscription|service)\(", call))
+        given = re.compile(rf"\b{re.escape(name)}\([ \t]*\)")
+        return bool(wanting) and given.search(_arguments(call[wanting[-1].end() :])) is not None
+
+    @property
+    def numbers_as_text(self) -> list[int]:
+        """The lines that declare a parameter whose default is a number in quotes."""
+        written = self._source.replace("\r\n", "\n").split("\n")
+        default = re.compile(r"declare_parameter\( ?(\"[^\"]*\"|'[^']*') ?, ?[\"'] ?-?\d*\.?\d+ ?[\"']")
+        declared = self.lines_with(r'\bdeclare_parameter\( ?"" ?, ?""')
+        return [
+            number
+            for number in declared
+            if default.search(_BLANKS.sub(" ", written[number - 1][:_LONGEST_LINE]))
+        ]
+
+    def calls(self, name: str) -> bool:
+        """Whether the script calls a function by this name, or hands it over."""
+        return bool(self.lines_with(rf"(?<!\bdef )(?<!\w){re.escape(name)}\b"))
 
     @property
     def defined_twice(self) -> tuple[str, int, int] | None:
@@ -215,6 +232,16 @@ class ScriptText:
         )
         names = set(re.findall(pattern, text, re.MULTILINE))
         return names.pop() if len(names) == 1 else None
+
+
+def _arguments(text: str) -> str:
+    """Return `text` up to the bracket that closes what was open before it."""
+    open_brackets = 1
+    for end, character in enumerate(text):
+        open_brackets += (character in "([{") - (character in ")]}")
+        if not open_brackets:
+            return text[:end]
+    return text
 
 
 def _indent(line: str) -> int:

@@ -1,5 +1,9 @@
 """What hints look for in a script's text, and how much of a hostile text they look at."""
 
+import pytest
+
+from grader.contracts.outcome import StudentError
+from grader.messages.exceptions import meaning
 from grader.messages.script import ScriptText
 
 
@@ -14,3 +18,47 @@ def test_a_hostile_line_leaves_patterns_little_to_try() -> None:
     script = ScriptText("class Mover" + " " * 250_000 + "\n" + "x" * 250_000)
     assert [len(line) for line in script.lines] == [len("class Mover "), 500]
     assert not script.class_without_base("Mover")
+
+
+def test_only_a_function_called_in_the_arguments_is_handed_over_wrongly() -> None:
+    called = ScriptText("self.create_timer(\n    0.1,\n    self.tick())\nself.go()")
+    assert called.hands_over(3, "tick")
+    assert not called.hands_over(4, "go")
+    assert not ScriptText("self.create_timer(0.1, self.tick)\nself.go()").hands_over(2, "go")
+
+
+def test_a_parameter_whose_default_is_meant_as_text_is_none_of_the_numbers() -> None:
+    script = ScriptText("n.declare_parameter('name', 'red')\nn.declare_parameter('side', \"2.0\")")
+    assert script.numbers_as_text == [2]
+
+
+def test_a_definition_is_no_call() -> None:
+    script = ScriptText("def usage():\n    exit()\ndef end():\n    exit()\nstart(on_error=end)")
+    assert not script.calls("usage")
+    assert script.calls("end")
+
+
+@pytest.mark.parametrize(
+    ("kind", "problem", "source", "code"),
+    [
+        (
+            "TypeError",
+            "unsupported operand type(s) for *: 'tuple' and 'float'",
+            "side = 2.0,",
+            "comma_at_end",
+        ),
+        (
+            "TypeError",
+            "unsupported operand type(s) for -: 'tuple' and 'tuple'",
+            "f(\n  a=1.0,\n  b=2.0,\n)",
+            "crashed",
+        ),
+        ("EOFError", "EOF", "try:\n  n = int(input())\nexcept ValueError:\n  n = input()", "int_asks_again"),
+        ("EOFError", "EOF", "n = int(input())\ntry: f()\nexcept KeyboardInterrupt: pass", "no_input"),
+    ],
+)
+def test_a_cause_is_told_only_where_the_script_shows_it(
+    kind: str, problem: str, source: str, code: str
+) -> None:
+    error = StudentError(type=kind, message=problem, line=1, traceback="")
+    assert meaning(error, "crashed", ScriptText(source))[0] == code
