@@ -2,7 +2,6 @@
 
 import argparse
 import io
-import json
 import sys
 import zipfile
 from collections.abc import Iterator
@@ -11,7 +10,7 @@ from typing import Any, Final
 
 import grader
 from grader.catalog import Catalog
-from grader.commands.handed_in import ChosenFile, graded, pick
+from grader.commands.handed_in import ChosenFile, graded, pick, write_results
 from grader.commands.options import add_language_option, tell
 from grader.commands.plots import file_error
 from grader.contracts.assignment import SUFFIXES, Assignment
@@ -185,23 +184,17 @@ def _probe(arguments: argparse.Namespace, folder: Path, assignment: Assignment) 
 
 def _run(arguments: argparse.Namespace, assignment: Assignment) -> None:
     root: Path = arguments.root
-    document = _document(root / "submission", assignment, arguments.lang)
-    folder = root / "results"
-    folder.mkdir(parents=True, exist_ok=True)
-    unfinished = folder / "results.json.new"
-    unfinished.write_text(json.dumps(document, ensure_ascii=False, allow_nan=False), "utf-8")
-    unfinished.replace(folder / "results.json")
+    write_results(root, _document(root / "submission", assignment, arguments.lang))
 
 
 def _document(submission: Path, assignment: Assignment, language: Language) -> dict[str, Any]:
     """Return results.json: of a file that cannot be graded 0 and why, of a fault of the grader no number."""
     try:
         handed_in = pick(submission, assignment)
-    except RefusedError as refusal:
-        return _message(refusal.told(language), score=0.0)
-    try:
         with Slot(SlotConfig()) as slot:
             report: GradeReport = graded(slot, assignment, handed_in).report
+    except RefusedError as refusal:
+        return _message(refusal.told(language), score=0.0)
     except GraderError as error:  # the container can no longer do what it could when it was built
         sys.stdout.write(f"{type(error).__name__}: {error}\n")
         return _message(_FAULT.get(language))

@@ -1,9 +1,11 @@
-"""What other platforms hand in: which file is meant, and its grading, or why there is none that counts."""
+"""What other platforms hand in: which file is meant, its grading, and where they look for what came of it."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
+from typing import Any
 
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import InfrastructureError, RefusedError
@@ -30,6 +32,7 @@ def pick(folder: Path, assignment: Assignment) -> ChosenFile:
 
     Raises:
         RefusedError: there is none or more than one, or it could not be handed in to a service either.
+        InfrastructureError: this machine does not read it.
     """
     endings = SUFFIXES[assignment.input]
     paths = [path for path in _files(folder) if path.name.lower().endswith(endings)]
@@ -38,10 +41,25 @@ def pick(folder: Path, assignment: Assignment) -> ChosenFile:
         paths = named if len(named) == 1 else paths
     if len(paths) != 1:
         raise _refusal(folder, paths, endings)
-    source = _read(paths[0])
     check_name(paths[0].name, endings)
+    return read_file(paths[0])
+
+
+def read_file(path: Path) -> ChosenFile:
+    """Return a file that somebody handed in.
+
+    Raises:
+        RefusedError: it could not be handed in to a service either.
+        InfrastructureError: this machine does not read it: no fault of who handed it in.
+    """
+    try:
+        with path.open("rb") as file:
+            source = file.read(MAX_SOURCE_BYTES + 1)
+    except OSError as error:
+        told = trouble(error)
+        raise InfrastructureError(f"{path.name}: {told.en}", f"{path.name}：{told.zh}") from error
     check_source(source)
-    return ChosenFile(name=paths[0].name, source=source)
+    return ChosenFile(name=path.name, source=source)
 
 
 def graded(slot: Slot, assignment: Assignment, handed_in: ChosenFile) -> GradingResult:
@@ -60,6 +78,15 @@ def graded(slot: Slot, assignment: Assignment, handed_in: ChosenFile) -> Grading
     return slot.grade(job)
 
 
+def write_results(root: Path, document: Mapping[str, Any]) -> None:
+    """Write results.json where a platform looks for it, as a whole or not at all."""
+    folder = root / "results"
+    folder.mkdir(parents=True, exist_ok=True)
+    unfinished = folder / "results.json.new"
+    unfinished.write_text(json.dumps(document, ensure_ascii=False, allow_nan=False), "utf-8")
+    unfinished.replace(folder / "results.json")
+
+
 def _files(folder: Path) -> list[Path]:
     """Return the ordinary files below a folder, without links and what systems and editors leave there."""
     found: list[Path] = []
@@ -75,17 +102,6 @@ def _files(folder: Path) -> list[Path]:
 
 def _named(name: str, patterns: Sequence[str]) -> bool:
     return any(fnmatchcase(name.lower(), pattern.lower()) for pattern in patterns)
-
-
-def _read(path: Path) -> bytes:
-    try:
-        with path.open("rb") as file:
-            return file.read(MAX_SOURCE_BYTES + 1)
-    except OSError as error:
-        told = trouble(error)
-        raise RefusedError(
-            "unreadable", Text(zh=f"{path.name}：{told.zh}", en=f"{path.name}: {told.en}")
-        ) from error
 
 
 def _refusal(folder: Path, paths: list[Path], endings: Sequence[str]) -> RefusedError:

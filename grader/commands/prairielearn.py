@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from grader.catalog import Catalog
-from grader.commands.handed_in import graded, pick
+from grader.commands.handed_in import graded, pick, write_results
 from grader.commands.options import add_language_option
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError, SettingsError
@@ -43,12 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
     """
     root: Path = arguments.root
     assignment = Catalog(arguments.assignments).get(arguments.assignment or _assignment_id(root))
-    document = _document(root / "student", assignment, arguments.lang)
-    folder = root / "results"
-    folder.mkdir(parents=True, exist_ok=True)
-    unfinished = folder / "results.json.new"
-    unfinished.write_text(json.dumps(document, ensure_ascii=False, allow_nan=False), "utf-8")
-    unfinished.replace(folder / "results.json")
+    write_results(root, _document(root / "student", assignment, arguments.lang))
     return 0
 
 

@@ -8,6 +8,7 @@ import argparse
 import sys
 import tempfile
 import zipfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -17,14 +18,14 @@ from typing import Any, Final
 import yaml
 
 from grader.catalog import Catalog
-from grader.commands.handed_in import ChosenFile, graded, pick
+from grader.commands.handed_in import graded, pick, read_file
 from grader.commands.options import add_grading_options, add_language_option, tell
 from grader.commands.plots import file_error
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Language, Text
-from grader.contracts.upload import MAX_SOURCE_BYTES, check_source
+from grader.contracts.upload import MAX_SOURCE_BYTES
 from grader.grading.slot import Slot, SlotConfig
 from grader.messages import quantity
 from grader.sheets.writing import csv_table
@@ -112,7 +113,7 @@ def unpacked(export: Path) -> Iterator[Path]:
                 _unpack(archive, Path(name), export)
         except OSError as error:
             raise file_error("unreadable", str(export), error) from error
-        except (zipfile.BadZipFile, NotImplementedError, RuntimeError) as error:
+        except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError) as error:
             raise _refused(
                 export, zh="不是可以解开的 zip 文件", en="is not a zip that can be unpacked"
             ) from error
@@ -204,24 +205,16 @@ def _row(slot: Slot, assignment: Assignment, entry: Entry, arguments: argparse.N
     row = dict.fromkeys(_COLUMNS, "") | {"submission": entry.name} | entry.about
     row["max_score"] = quantity.points(assignment.max_score)
     try:
-        handed_in = pick(entry.path, assignment) if entry.path.is_dir() else _file(entry.path)
+        handed_in = pick(entry.path, assignment) if entry.path.is_dir() else read_file(entry.path)
+        row["file"] = handed_in.name
+        report = graded(slot, assignment, handed_in).report
     except RefusedError as refusal:
         return row | {"status": "refused", "score": "0", "next_step": refusal.told(language)}
-    row["file"] = handed_in.name
-    try:
-        report = graded(slot, assignment, handed_in).report
     except InfrastructureError as error:
         return row | {"status": "infrastructure_error", "next_step": error.told(language)}
     if arguments.reports is not None:
         (arguments.reports / f"{entry.name}.json").write_bytes(report.canonical_bytes())
     return row | _graded_row(report, language)
-
-
-def _file(path: Path) -> ChosenFile:
-    with path.open("rb") as file:
-        source = file.read(MAX_SOURCE_BYTES + 1)
-    check_source(source)
-    return ChosenFile(name=path.name, source=source)
 
 
 def _graded_row(report: GradeReport, language: Language) -> dict[str, str]:

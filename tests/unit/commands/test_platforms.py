@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from grader.commands import cli, gradescope, prairielearn, regrade_folder
-from grader.commands.handed_in import graded
+from grader.commands.handed_in import graded, read_file
 from grader.contracts.errors import InfrastructureError
 from grader.use_cases import pictures
 from tests.unit.commands.test_check import FailingSlot
@@ -87,6 +87,30 @@ def test_a_fault_of_the_grader_is_no_number_on_any_platform(tmp_path: Path) -> N
     out = tmp_path / "scores.csv"
     assert cli.run(["regrade-folder", str(tmp_path / "student"), "-a", "hello", "-o", str(out)]) == 1
     assert ",infrastructure_error,," in out.read_text("utf-8")
+
+
+def test_a_file_that_the_machine_does_not_read_is_no_zero(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    root, out = _container(tmp_path, mine=HELLO), tmp_path / "scores.csv"
+    for module in (gradescope, regrade_folder):
+        monkeypatch.setattr(module, "pick", lambda *_: read_file(Path("/nowhere/mine.py")))
+    assert "score" not in _run_gradescope(root)
+    for student in ("li", "han"):
+        (tmp_path / "class" / student).mkdir(parents=True)
+    assert cli.run(["regrade-folder", str(tmp_path / "class"), "-a", "hello", "-o", str(out)]) == 1
+    assert ",infrastructure_error,," in out.read_text("utf-8")
+
+
+def test_a_damaged_export_is_named(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    export = tmp_path / "export.zip"
+    with zipfile.ZipFile(export, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("li/mine.py", HELLO * 20)
+    content = bytearray(export.read_bytes())
+    content[45:60] = b"\xff" * 15  # in the compressed data
+    export.write_bytes(content)
+    assert cli.run(["regrade-folder", str(export), "-a", "hello", "--lang", "en"]) == 2
+    assert "is not a zip that can be unpacked" in capsys.readouterr().err
 
 
 def test_what_the_grader_got_wrong_is_tried_once_more() -> None:
