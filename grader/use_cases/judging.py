@@ -21,7 +21,7 @@ from grader.use_cases.visibility import graded, visible_submission
 _REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
 _ITEMS = Text(zh="写明要改的项目，每项一次。", en="Name the items to change, each once.")
 _REASON = Text(
-    zh="改机器评的分要写原因，学生会看到。",
+    zh="修改自动评分给的分要写原因，学生会看到。",
     en="Say why the machine's points are changed; the student sees it.",
 )
 
