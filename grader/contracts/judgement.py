@@ -4,6 +4,7 @@ People give points for what no machine judges, and instructors correct what a ma
 never changed. Judgements stand beside it; `composed` is the one place that puts the two together.
 """
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
@@ -21,6 +22,11 @@ COMMENT_PATTERN: Final = r"^[^\x00-\x08\x0b\x0c\x0e-\x1f\x7f]*$"
 """What a comment may consist of: no control characters but tabs and ends of lines."""
 
 _JUDGED = Text(zh="已人工评分。", en="A person has graded this.")
+
+
+def is_comment(text: str, longest: int) -> bool:
+    """Whether `text`, which may be empty, is fit to be kept and shown as what somebody wrote."""
+    return len(text) <= longest and re.search(COMMENT_PATTERN, text) is not None
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from grader.contracts.text import Language
 from grader.messages import is_on_page, on_page
 
 ACTIONS = (
-    "course.create", "course.change", "course.copy", "course.archive", "course.unarchive", "course.retain",
+    "course.create", "course.change", "course.copy", "course.archive", "course.reopen", "course.retain",
     "member.add", "member.change", "member.remove", "member.forget", "token.issue",
     "token.revoke", "rules.change", "extension.change", "submission.hand_in", "grade.judge", "grade.change",
     "regrade.applied", "regrade.discarded", "regrade.undone",

@@ -14,7 +14,7 @@ from grader.store.database import Database
 from grader.store.tables import AuditRow, CourseRow, as_contract
 
 IN_ARCHIVE = frozenset({
-    "course.archive", "course.copy", "course.retain", "course.unarchive", "member.forget", "token.issue",
+    "course.archive", "course.copy", "course.retain", "course.reopen", "member.forget", "token.issue",
     "token.revoke",
 })  # fmt: skip
 """What is done to an archived course, too: everything else changes what the archive keeps."""

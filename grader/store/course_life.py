@@ -14,8 +14,8 @@ from grader.contracts.text import Text
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.courses import add_course, add_members
-from grader.store.database import Database, empty_log, one_at_a_time
-from grader.store.erasing import Space, before, erase, ids_of, in_lots, space_of
+from grader.store.database import Database, empty_log, in_lots, one_at_a_time
+from grader.store.erasing import AT_ONCE, Space, before, erase, ids_of, space_of
 from grader.store.forgetting import Forgotten, is_known, known_as, new_pseudonym, rename_everywhere
 from grader.store.rules import add_rules, rules_of
 from grader.store.tables import (
@@ -107,7 +107,7 @@ class CourseLife:
             row = _held(session, signed)
             if row.archived_at is not None:
                 row.archived_at = None
-                record(session, signed, "course.unarchive", f"course {row.id}", reason=reason)
+                record(session, signed, "course.reopen", f"course {row.id}", reason=reason)
             return as_contract(row, Course)
 
     def forget(self, person: str, signed: Signature, reason: str = "") -> Forgotten:
@@ -165,7 +165,7 @@ class CourseLife:
             after = {"submissions": len(ids), "older_than_days": older_than_days}
             with self._database.writing() as session:  # first: what is erased is in the log, whatever happens
                 record(session, signed, "course.retain", f"course {one}", after=after, reason=reason)
-            for some in in_lots(ids):  # transactions that keep nobody waiting for long
+            for some in in_lots(ids, AT_ONCE):  # transactions that keep nobody waiting for long
                 with self._database.writing() as session:
                     erase(session, some)
         if erased:

@@ -25,7 +25,7 @@ import select as polling
 import sqlite3
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext, suppress
 from functools import cache
 from typing import Any
@@ -74,6 +74,7 @@ _IDLE_TIMEOUT_MS = 15_000  # a frozen process must lose its locks no later than 
 _LONG_IDLE_S = 5.0
 _IDLE_SINCE = "grader_idle_since_s"
 _KEY_BYTES = 8
+_IDS_AT_ONCE = 500  # below SQLite's limit of variables
 _LOCK = select(func.pg_advisory_xact_lock(bindparam("key")))
 
 
@@ -181,6 +182,13 @@ def one_at_a_time(session: Session, *what: str | None) -> None:
     # if two names happen to have one key, their transactions wait for each other without need, and no more
     key = int.from_bytes(digest[:_KEY_BYTES], "big", signed=True)
     session.connection().execute(_LOCK, {"key": key})
+
+
+def in_lots(ids: Iterable[str], most: int = _IDS_AT_ONCE) -> Iterator[list[str]]:
+    """Cut ids into lists that are not too long for one statement."""
+    listed = list(ids)
+    for start in range(0, len(listed), most):
+        yield listed[start : start + most]
 
 
 def add_once(connection: Connection, table: type[SQLModel], **values: Any) -> None:

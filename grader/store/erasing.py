@@ -4,7 +4,7 @@ What is erased is named by the tables themselves: every row that names a submiss
 nothing names any more. SQLite writes zeros over it (`grader.store.database`).
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
@@ -13,6 +13,7 @@ from sqlalchemy import ColumnElement, delete, exists, func, or_, select, update
 from sqlmodel import Session, SQLModel, col
 
 from grader.contracts.submission import SubmissionState
+from grader.store.database import in_lots
 from grader.store.tables import (
     AuditRow,
     GradingRow,
@@ -23,7 +24,9 @@ from grader.store.tables import (
     table_of,
 )
 
-_AT_ONCE = 200
+AT_ONCE = 200
+"""So many submissions are erased by one statement, or in one transaction of many."""
+
 _NOTHING = "null"
 _ENDED = (SubmissionState.GRADED.value, SubmissionState.INFRASTRUCTURE_ERROR.value)
 
@@ -87,7 +90,7 @@ def erase(session: Session, submissions: Sequence[str]) -> None:
 
     Entries of the audit log about them stay, but say no more than who did what to which id, and when.
     """
-    for some in in_lots(submissions):
+    for some in in_lots(submissions, AT_ONCE):
         _erase(session, some)
 
 
@@ -147,9 +150,3 @@ def _lengths(
         .where(*which)
         .group_by(course)
     )
-
-
-def in_lots(ids: Sequence[str]) -> Iterator[Sequence[str]]:
-    """Yield `ids` in lots that are not too many for one statement, or for one transaction of many."""
-    for start in range(0, len(ids), _AT_ONCE):
-        yield ids[start : start + _AT_ONCE]

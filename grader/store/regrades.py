@@ -153,7 +153,7 @@ class Regrades:
         return self._decide(regrade_id, signed, reason, RegradeState.APPLIED, adopt_all)
 
     def discard(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
-        """Forget the trial gradings. Raises as `apply` does, but trials may still run."""
+        """Drop the trial gradings. Raises as `apply` does, but trials may still run."""
         return self._decide(regrade_id, signed, reason, RegradeState.DISCARDED, lambda *_: None)
 
     def undo(self, regrade_id: str, signed: Signature, reason: str) -> Regrade:
@@ -167,9 +167,7 @@ class Regrades:
                 has taken the place of one of its gradings, and must be undone first.
         """
         with self._database.writing() as session:
-            row = session.get(RegradeRow, regrade_id, with_for_update=True)
-            if row is None or row.course != signed.course:
-                raise RegradeError("unknown", "there is no such re-grade")
+            row = _locked(session, regrade_id, signed.course)
             if row.state != RegradeState.APPLIED.value:
                 raise RegradeError("not_applied", f"the re-grade is {row.state}")
             row.state, row.undone_reason = RegradeState.UNDONE.value, reason
@@ -228,9 +226,7 @@ class Regrades:
         act: Callable[[Session, RegradeRow, list[_Trial]], None],
     ) -> Regrade:
         with self._database.writing() as session:
-            row = session.get(RegradeRow, regrade_id, with_for_update=True)
-            if row is None or row.course != signed.course:
-                raise RegradeError("unknown", "there is no such re-grade")
+            row = _locked(session, regrade_id, signed.course)
             if row.state != RegradeState.OPEN.value:
                 raise RegradeError("decided", f"the re-grade is {row.state} already")
             _hold(session, row.id)
@@ -252,6 +248,14 @@ class Regrades:
             subject = f"regrade {row.id} of {row.assignment}"
             record(session, signed, f"regrade.{state.value}", subject, after=row.id, reason=reason)
             return _regrade(session, row)
+
+
+def _locked(session: Session, regrade_id: str, course: str | None) -> RegradeRow:
+    """Return a re-grade of a course that nobody else decides or undoes meanwhile."""
+    row = session.get(RegradeRow, regrade_id, with_for_update=True)
+    if row is None or row.course != course:
+        raise RegradeError("unknown", "there is no such re-grade")
+    return row
 
 
 def _open_ones(course: str | None, assignment: str) -> Select[str]:

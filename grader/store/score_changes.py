@@ -10,11 +10,9 @@ from grader.contracts.judgement import ItemScore, settled, standing, total
 from grader.contracts.regrade import ItemChange, ScoreChange
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import Judgement
+from grader.store.database import in_lots
 from grader.store.judgements import judgements_of
 from grader.store.tables import GradedItemRow
-
-AT_ONCE = 500
-"""How many ids a statement names, below SQLite's limit of variables."""
 
 _STATUSES = {status.value: status for status in ItemStatus}
 
@@ -36,7 +34,7 @@ def item_scores(session: Session, attempts: Mapping[str, int]) -> dict[str, list
     item = GradedItemRow
     told = (col(item.item), col(item.points), col(item.earned), col(item.status))
     statement = select(col(item.submission_id), col(item.attempt), *told)
-    for part in parts(attempts):
+    for part in in_lots(attempts):
         for submission, attempt, name, points, earned, status in session.execute(
             statement.where(col(item.submission_id).in_(part))
         ):
@@ -48,17 +46,10 @@ def item_scores(session: Session, attempts: Mapping[str, int]) -> dict[str, list
 def judgements_by(session: Session, submissions: Iterable[str]) -> dict[str, list[Judgement]]:
     """Return by submission what people decided about it; nothing where nobody did."""
     judgements: dict[str, list[Judgement]] = {}
-    for part in parts(submissions):
+    for part in in_lots(submissions):
         for one in judgements_of(session, part):
             judgements.setdefault(one.submission, []).append(one)
     return judgements
-
-
-def parts(ids: Iterable[str]) -> Iterable[list[str]]:
-    """Cut ids into lists short enough for a statement."""
-    listed = list(ids)
-    for start in range(0, len(listed), AT_ONCE):
-        yield listed[start : start + AT_ONCE]
 
 
 def score_change(

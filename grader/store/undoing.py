@@ -9,8 +9,9 @@ from grader.contracts.errors import RegradeError
 from grader.contracts.regrade import RegradeState, ScoreChange
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import SubmissionState
+from grader.store.database import in_lots
 from grader.store.judgements import settle
-from grader.store.score_changes import StandingScores, item_scores, judgements_by, parts, score_change
+from grader.store.score_changes import StandingScores, item_scores, judgements_by, score_change
 from grader.store.tables import GradingRow, RegradeRow, SubmissionRow
 
 
@@ -52,7 +53,7 @@ def _made(session: Session, regrade_id: str) -> dict[str, tuple[int, int | None]
     of_regrade = select(*told).where(col(grading.regrade) == regrade_id)
     found = {row[0]: (row[1], row[2]) for row in session.execute(of_regrade)}
     unsaid = [id_ for id_, (_, replaced) in found.items() if replaced is None]
-    for part in parts(unsaid):
+    for part in in_lots(unsaid):
         undone = col(RegradeRow.state) == RegradeState.UNDONE.value
         numbers = (
             select(col(grading.submission_id), col(grading.attempt))
@@ -78,7 +79,7 @@ def _held(session: Session, regrade_id: str) -> Sequence[SubmissionRow]:
 def _gradings(session: Session, attempts: Mapping[str, int]) -> dict[str, GradingRow]:
     """Return one grading of each submission, by number."""
     found: dict[str, GradingRow] = {}
-    for part in parts(attempts):
+    for part in in_lots(attempts):
         numbers = {attempts[id_] for id_ in part}
         theirs = and_(col(GradingRow.submission_id).in_(part), col(GradingRow.attempt).in_(numbers))
         for row in session.execute(select(GradingRow).where(theirs)).scalars():

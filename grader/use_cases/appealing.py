@@ -4,14 +4,13 @@ An appeal belongs to one submission. Grading that again and handing in another o
 the item has now. Whatever points a person gives for its item answer it.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from grader.contracts.appeal import ANSWERS, LONGEST_TEXT, Appeal, AppealState
 from grader.contracts.errors import AppealError, RefusedError
 from grader.contracts.identity import Caller, Role, Seen
-from grader.contracts.judgement import COMMENT_PATTERN, judged
+from grader.contracts.judgement import is_comment, judged
 from grader.contracts.rubric import ItemStatus, RubricItem
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
@@ -240,6 +239,6 @@ def _can_gain(item: RubricItem) -> bool:
 
 def _checked(text: str, field: str) -> str:
     text = text.replace("\r\n", "\n").strip()
-    if not text or len(text) > LONGEST_TEXT or not re.search(COMMENT_PATTERN, text):
+    if not text or not is_comment(text, LONGEST_TEXT):
         raise RefusedError("invalid_request", _TEXT, field=field)
     return text

@@ -1,12 +1,11 @@
 """Comments: a course's staff and a student write to each other about a submission, or about a line of it."""
 
-import re
 from dataclasses import dataclass
 
 from grader.contracts.comment import LONGEST_COMMENT, Comment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
-from grader.contracts.judgement import COMMENT_PATTERN
+from grader.contracts.judgement import is_comment
 from grader.contracts.submission import Submission
 from grader.contracts.text import Text
 from grader.contracts.upload import decoded, lines_of
@@ -61,7 +60,7 @@ def add_comment(
     if caller.course is None or caller.person is None:
         raise RefusedError("no_course")
     text = text.replace("\r\n", "\n").strip()
-    if not text or len(text) > LONGEST_COMMENT or not re.search(COMMENT_PATTERN, text):
+    if not text or not is_comment(text, LONGEST_COMMENT):
         raise RefusedError("invalid_request", _TEXT, field="text")
     if line is not None:
         last = len(lines_of(decoded(services.submissions.source(submission.id) or b"")))

@@ -1,6 +1,5 @@
 """Points by a person, as pages: what waits, and one answer after the other to one question."""
 
-import re
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Annotated, Literal
@@ -12,7 +11,7 @@ from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Seen
-from grader.contracts.judgement import COMMENT_PATTERN, LONGEST_COMMENT, JudgedItem
+from grader.contracts.judgement import LONGEST_COMMENT, JudgedItem, is_comment
 from grader.contracts.notation import decimal, written
 from grader.store.judgements import WaitingFor
 from grader.use_cases import judging
@@ -150,7 +149,7 @@ def judge_several(
     access.require_sight(services, visitor, submission_id)
     wanted, errors = _changed(form, judging.items_of(services, visitor.caller, submission_id)[1])
     comment = form.comment.replace("\r\n", "\n").strip()
-    if not comment or len(comment) > LONGEST_COMMENT or not re.search(COMMENT_PATTERN, comment):
+    if not comment or not is_comment(comment, LONGEST_COMMENT):
         errors["comment"] = "judge.error.reason" if not comment else "judge.error.comment"
     if not errors and not wanted:
         errors["form"] = "judge.error.nothing"
@@ -231,7 +230,7 @@ def _read(form: PointsForm) -> tuple[tuple[float, str] | None, dict[str, str]]:
     """Return the points and the comment that were typed, or None and what is wrong with which field."""
     errors: dict[str, str] = {}
     comment = form.comment.replace("\r\n", "\n").strip()
-    if len(comment) > LONGEST_COMMENT or not re.search(COMMENT_PATTERN, comment):
+    if not is_comment(comment, LONGEST_COMMENT):
         errors["comment"] = "judge.error.comment"
     try:
         points = typed_points(form.points.strip())
