@@ -9,6 +9,7 @@ All tolerances are shares of the path's own size or angles, so that small and la
 
 import itertools
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -60,6 +61,7 @@ class PolygonFigure(PositionalRecord):
         rest: sample index where the car came to rest: `end` unless it drove on.
         gap_m: distance from `start` to `rest`.
         curved_share: share of the distance travelled within corners or on bent sides instead of straight ones.
+        bows: of each side 0 where it bends little, up to 1 where it bends so much as to be taken for a turn.
         repeated: further sides follow that continue the figure over again.
         overrun: something else follows the complete figure.
         apart: what follows is the same figure, but turned.
@@ -76,6 +78,7 @@ class PolygonFigure(PositionalRecord):
     rest: int
     gap_m: float
     curved_share: float
+    bows: tuple[float, ...]
     repeated: bool
     overrun: bool
     apart: bool = False
@@ -264,11 +267,7 @@ def _figure(
     sides = [chord(path, *one) for one in spans]
     start, rest = segments.straights[0].first, len(path) - 1 if extent.overrun and at_rest else end
     driven_m = float(path.along_m[end] - path.along_m[spans[0][0]])
-    curved_m = sum(turn.length_m for turn in segments.turns[first + 1 : stop] if turn is not None)
-    curved_m += sum(_bent_m(straight) for straight in segments.straights[first:stop])
-    if closing is not None:
-        curved_m += closing.length_m
-    curved_m = max(curved_m, 0.0)  # distance falls within a correction, so a turn in it counts negative
+    curved_m = _curved_m(segments.straights[first:stop], [*segments.turns[first + 1 : stop], closing])
     if extent.joined:
         sides = [sides[0] + sides[-1], *sides[1:-1]]
     inner, last_turn_rad, last_turned_rad = corners[first : stop - 1], 0.0, 0.0
@@ -290,10 +289,16 @@ def _figure(
         rest=rest,
         gap_m=chord(path, start, rest),
         curved_share=curved_m / driven_m if driven_m > 0.0 else 0.0,
+        bows=tuple(_bow(straight, path.extent_m) for straight in segments.straights[first:stop]),
         repeated=extent.repeated,
         overrun=extent.overrun,
         apart=extent.apart,
     )
+
+
+def _curved_m(straights: Sequence[Straight], turns: Sequence[Turn | None]) -> float:
+    length_m = sum(turn.length_m for turn in turns if turn is not None) + sum(map(_bent_m, straights))
+    return max(length_m, 0.0)  # distance falls within a correction, so a turn in it counts negative
 
 
 def _bent_m(straight: Straight) -> float:
@@ -302,6 +307,12 @@ def _bent_m(straight: Straight) -> float:
     A side may bend by as much as the least corner for nothing; from twice that on all of it counts.
     """
     return straight.length_m * min(max(straight.bend_rad / MIN_TURN_RAD - 1.0, 0.0), 1.0)
+
+
+def _bow(straight: Straight, extent_m: float) -> float:
+    """Return how near a side is to an arc that is taken for a turn; from half of that bend on it counts."""
+    most_rad = max(straight.length_m / extent_m, MIN_TURN_RAD)
+    return min(max(2.0 * straight.bend_rad / most_rad - 1.0, 0.0), 1.0)
 
 
 def _last_turn(path: Path, turn: Turn, angle_rad: float) -> float:

@@ -1,5 +1,6 @@
 """The polygon check on ideal and less than ideal motions."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -367,3 +368,24 @@ def test_a_turn_between_laps_costs_no_less_the_further_it_is_off(cut_s: float | 
     assert scores[-1] == (80.0 if cut_s is None else 95.0)
     if cut_s is None:
         assert scores == sorted(scores, reverse=True)
+
+
+@pytest.mark.parametrize(
+    ("name", "sides", "most_deg"), [("square", 4, 40), ("octagon", 8, 20), ("pentagon", 5, 28)]
+)
+@pytest.mark.parametrize("bent", ["all", "one"])
+def test_points_fall_step_by_step_as_sides_bend(name: str, sides: int, most_deg: int, bent: str) -> None:
+    def driven(bend_deg: float) -> float:
+        legs: list[Leg] = []
+        for side in range(sides):
+            own_deg = bend_deg if bent == "all" or side == 1 else 0.0
+            corner_deg = 360.0 / sides - (own_deg if bent == "all" else bend_deg / 2 * (side < 2))
+            legs += [(2.0, 0.5, math.radians(own_deg) / 2.0), (1.0, 0.0, math.radians(corner_deg))]
+        return score(graded(name, drive([*legs, (0.1, 0.0, 0.0)])))
+
+    points = [driven(half / 2) for half in range(2 * most_deg)]
+    steps = [before - after for before, after in itertools.pairwise(points)]
+    assert points[0] == 100
+    assert points[-1] <= 35
+    assert min(steps) >= 0
+    assert max(steps) <= 30

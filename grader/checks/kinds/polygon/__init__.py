@@ -51,12 +51,12 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
     figure = driven.figure
     taken = {
         "distance_m": Measure(float(driven.drive.path.along_m[-1])),
-        "sides": Measure(0.0, {"lengths": "—"}),
+        "sides": Measure(0.0, {"lengths": "—", "bent": EMPTY}),
         "settled": _settled(driven),
     }
     if figure is None:
         return taken
-    taken["sides"] = Measure(float(len(figure.sides_m)), {"lengths": listed(figure.sides_m, "m")})
+    taken["sides"] = _side_count(figure, len(figure.sides_m))
     taken["side_spread_pct"] = _spread(figure.sides_m, wall_m)
     if wanted.lengths_m is not None:
         taken["side_error_pct"] = _side_error(wanted, figure.sides_m)
@@ -69,7 +69,7 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
     if driven.is_unfinished(wanted) and not driven.is_other(
         wanted
     ):  # what there is of the last side must not cost more than none of it
-        taken["sides"] = Measure(float(len(figure.sides_m) - 1), {"lengths": listed(figure.sides_m, "m")})
+        taken["sides"] = _side_count(figure, len(figure.sides_m) - 1)
         taken["side_spread_pct"] = _spread(figure.sides_m[:-1], wall_m)
         if wanted.lengths_m is not None:
             taken["side_error_pct"] = _side_error(wanted, figure.sides_m[:-1])
@@ -80,6 +80,16 @@ def _measures(wanted: WantedPolygon, driven: DrivenPolygon, wall_m: float) -> di
     elif figure.overrun and not driven.drive.cut_short:
         taken["gap_pct"] = Measure(math.nan, {"why": say("polygon.goes_on")})
     return taken
+
+
+def _side_count(figure: PolygonFigure, count: int) -> Measure:
+    """Return the number of sides; it falls as one of them comes near to an arc that is taken for a turn.
+
+    There it has lost about what such a turn costs, which takes the corners beside it along; all of them, two.
+    """
+    lost = 1.5 * max(figure.bows) + 0.5 * min(figure.bows)
+    bent = say("polygon.bent_sides") if lost > 0.0 else EMPTY
+    return Measure(count - lost, {"lengths": listed(figure.sides_m, "m"), "bent": bent})
 
 
 def _settled(driven: DrivenPolygon) -> Measure:
