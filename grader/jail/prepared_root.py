@@ -22,6 +22,7 @@ PLACE: Final = (
 _STAMP: Final = "jail-root.json"
 _OPEN: Final = 0o755
 _PASSABLE: Final = 0o711  # nobody but root lists the folders on the way
+_CHANGEABLE: Final = stat.S_IWGRP | stat.S_IWOTH
 _DEVICES: Final = {"/dev/null": (0o666, os.makedev(1, 3)), "/dev/urandom": (0o444, os.makedev(1, 9))}
 
 
@@ -62,7 +63,7 @@ def is_ready(shown: Sequence[str], masked: Sequence[str], place: Path) -> bool:
         status = place.stat()
     except (OSError, ValueError):
         return False
-    mine = status.st_uid == 0 and not status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
+    mine = status.st_uid == 0 and not status.st_mode & _CHANGEABLE
     return mine and told == {"sources": _digest(shown, masked)}
 
 
@@ -94,8 +95,12 @@ def _make_folder(target: Path, mode: int = _OPEN) -> None:
 
 
 def _copy(source: str, target: Path) -> None:
-    """Show a file, link or folder; what another user's rights come with, and devices, are left out."""
-    mode = os.lstat(source).st_mode
+    """Show a file, link or folder; what another user's rights come with, and devices, are left out.
+
+    A file that others than root may change is copied: a script could empty it here, and so the grader's own.
+    """
+    status = os.lstat(source)
+    mode = status.st_mode
     if stat.S_ISDIR(mode):
         _make_folder(target)
     elif os.path.lexists(target):  # two of the directories are one, under two names
@@ -103,10 +108,20 @@ def _copy(source: str, target: Path) -> None:
     elif stat.S_ISLNK(mode):
         target.symlink_to(os.readlink(source))
     elif stat.S_ISREG(mode) and not mode & (stat.S_ISUID | stat.S_ISGID):
-        try:
-            os.link(source, target)
-        except OSError:  # another file system
-            shutil.copy2(source, target)
+        if status.st_uid == 0 and not mode & _CHANGEABLE and _linked(source, target):
+            return
+        shutil.copyfile(source, target)
+        target.chmod(stat.S_IMODE(mode) & ~_CHANGEABLE)
+        os.utime(target, ns=(status.st_atime_ns, status.st_mtime_ns))
+
+
+def _linked(source: str, target: Path) -> bool:
+    """Link a file; return whether it could be."""
+    try:
+        os.link(source, target)
+    except OSError:  # another file system
+        return False
+    return True
 
 
 def _digest(shown: Sequence[str], masked: Sequence[str]) -> str:
@@ -116,6 +131,6 @@ def _digest(shown: Sequence[str], masked: Sequence[str]) -> str:
         for path in (top, *_inside(top, masked)):
             status = os.lstat(path)
             if "__pycache__" not in path and not stat.S_ISDIR(status.st_mode):
-                line = f"{path}\0{status.st_mode}\0{status.st_size}\0{status.st_mtime_ns}\n"
+                line = f"{path}\0{status.st_mode}\0{status.st_uid}\0{status.st_size}\0{status.st_mtime_ns}\n"
                 digest.update(line.encode(errors="surrogateescape"))
     return digest.hexdigest()

@@ -28,6 +28,23 @@ def test_it_shows_what_it_was_told_and_nothing_else(tmp_path: Path) -> None:
     assert stat.S_ISCHR((place / "dev" / "null").stat().st_mode)
 
 
+def test_a_file_that_others_may_change_is_copied(tmp_path: Path) -> None:
+    library, place = tmp_path / "library", tmp_path / "root"
+    library.mkdir()
+    for name, mode, owner in (("own.py", 0o644, 0), ("open.py", 0o666, 0), ("foreign.py", 0o644, 60_706)):
+        (library / name).write_text(name)
+        (library / name).chmod(mode)
+        os.chown(library / name, owner, owner)
+    prepared_root.prepare([str(library)], [], place)
+    shown = {path.name: path for path in (place / str(library).lstrip("/")).iterdir()}
+    assert {path.stat().st_uid for path in shown.values()} == {0}
+    assert {stat.S_IMODE(path.stat().st_mode) for path in shown.values()} == {0o644}
+    assert {name for name, path in shown.items() if path.samefile(library / name)} == {"own.py"}
+    assert shown["open.py"].read_text() == "open.py"
+    os.chown(library / "own.py", 60_706, 0)
+    assert not prepared_root.is_ready([str(library)], [], place)
+
+
 def test_it_is_ready_until_its_sources_change(tmp_path: Path) -> None:
     library, place = tmp_path / "library", tmp_path / "root"
     library.mkdir()
