@@ -54,10 +54,12 @@ class Appeals:
         """Keep an appeal about an item of a submission, in the place of one that was withdrawn.
 
         Raises:
-            AppealError: ``exists``: there is one about this item.
+            AppealError: ``exists``: there is one about this item; ``unknown``: the submission was erased.
         """
         with self._database.writing() as session:
-            submission = session.get_one(SubmissionRow, submission_id, with_for_update=True)
+            submission = session.get(SubmissionRow, submission_id, with_for_update=True)
+            if submission is None:
+                raise AppealError("unknown", "there is no such submission")
             row = session.get(AppealRow, (submission_id, asked.item))
             if row is not None and row.state != AppealState.WITHDRAWN.value:
                 raise AppealError("exists", "there is an appeal about this item already")

@@ -46,26 +46,33 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
 
 
 def all_regrades(services: Services, caller: Caller) -> tuple[Regrade, ...]:
-    """Return the re-grades of the caller's course, newest first.
+    """Return the re-grades of the caller's course, newest first, but those of other people's students alone.
 
     Raises:
         RefusedError: the caller may not see the class.
     """
     require_staff(caller)
-    return tuple(_of_caller(caller, one) for one in services.regrades.all(caller.course))
+    found = services.regrades.all(caller.course)
+    return tuple(_of_caller(caller, one) for one in found if _concerns(caller, one))
 
 
 def regrade_of(services: Services, caller: Caller, regrade_id: str) -> Regrade:
     """Return a re-grade of the caller's course.
 
     Raises:
-        RefusedError: no re-grade has that id, or the caller may not see the class.
+        RefusedError: no re-grade that the caller may see has that id, or the caller may not see the class.
     """
     require_staff(caller)
     regrade = services.regrades.get(regrade_id, caller.course)
-    if regrade is None:
+    if regrade is None or not _concerns(caller, regrade):
         raise RefusedError("regrade_not_found")
     return _of_caller(caller, regrade)
+
+
+def _concerns(caller: Caller, regrade: Regrade) -> bool:
+    """Whether a re-grade is of everybody, or of a student whom the caller looks after."""
+    named = regrade.wanted.students
+    return not named or any(caller.looks_after(one) for one in named)
 
 
 def _of_caller(caller: Caller, regrade: Regrade) -> Regrade:

@@ -75,6 +75,24 @@ def test_others_are_not_found_and_in_no_list(
     assert client.get(bound["li"], headers=ta).status_code == 200
 
 
+def test_a_regrade_of_others_alone_is_not_found(
+    client: httpx.Client, school: Any, bound: dict[str, str], services: Services
+) -> None:
+    """Without its students it would look like one of everybody."""
+    made = {}
+    for students in (("han",), ("li", "han")):
+        body = {"assignment": "essay", "students": students}
+        made[students] = client.post("/api/v1/regrades", json=body, headers=school.as_("wang")).headers[
+            "Location"
+        ]
+        client.post(f"{made[students]}/discard", json={"reason": "x"}, headers=school.as_("wang"))
+    ta = school.as_("ta")
+    (seen,) = client.get("/api/v1/regrades", headers=ta).json()["regrades"]
+    assert seen["students"] == ["li"]
+    assert [client.get(url, headers=ta).status_code for url in made.values()] == [404, 200]
+    assert len(client.get("/api/v1/regrades", headers=school.as_("wang")).json()["regrades"]) == 2
+
+
 def test_others_cannot_be_changed(
     client: httpx.Client, school: Any, bound: dict[str, str], give: Any
 ) -> None:
