@@ -104,7 +104,7 @@ class JudgementError(GraderError):
             - ``item``: the submission has no such rubric item;
             - ``role``: a machine scored the item, and only instructors correct that;
             - ``range``: the points are below 0 or above the item's points;
-            - ``reason``: a correction needs a comment;
+            - ``reason``: a correction needs a comment, and so do points that answer an appeal;
             - ``same``: the machine gave the same points, and there is no correction to take back;
             - ``stale``: the item was judged, or the submission graded, after the caller had looked at it.
         item: about which; empty when it is not about one.

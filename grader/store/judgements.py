@@ -190,6 +190,8 @@ def _judge(  # noqa: PLR0913, PLR0917
         raise JudgementError("same", "the machine gave these points, and nothing is to be taken back")
     if given.answers and not appeals.is_open(session, row.id, item.id):
         raise JudgementError("stale", "the appeal is not open any more")
+    if not given.comment.strip() and appeals.is_open(session, row.id, item.id):
+        raise JudgementError("reason", "the points answer an appeal: the student is owed words, too")
     before = _counting(item, own)
     if before is not None:
         before["score"] = row.score

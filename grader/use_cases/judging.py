@@ -21,8 +21,8 @@ from grader.use_cases.visibility import graded, visible_submission
 _REFUSALS = {"stale": "judged_meanwhile", "role": "forbidden", "same": "points_unchanged"}
 _ITEMS = Text(zh="写明要改的项目，每项一次。", en="Name the items to change, each once.")
 _REASON = Text(
-    zh="修改自动评分给的分要写原因，学生会看到。",
-    en="Say why the machine's points are changed; the student sees it.",
+    zh="修改自动评分给的分，或者有复核申请等待答复时，要写原因，学生会看到。",
+    en="Say why, where a machine's points are changed or an appeal waits for an answer; the student sees it.",
 )
 
 

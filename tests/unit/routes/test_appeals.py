@@ -7,6 +7,7 @@ import httpx
 import pytest
 
 from grader.contracts.rules import Corrector, Rules
+from grader.store.appeals import Asked
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
@@ -164,6 +165,19 @@ def test_points_given_elsewhere_answer_too_and_only_once(
     assert (told["state"], told["answer"]) == ("corrected", "I looked.")
     late = answer("wang", "*", state="corrected", points=5.0)
     assert code(late) == (409, "appeal_decided")
+
+
+def test_points_by_hand_answer_in_words(
+    answered: Callable[..., str], give: Any, school: Any, services: Services
+) -> None:
+    """Points for an answer need no comment, unless its student has asked for another look."""
+    url = answered()
+    assert give(url, "timer", 10.0).status_code == 200
+    asked = Asked(item="timer", reason="I wrote more.", attempt=1, earned=10.0, points=45.0)
+    services.appeals.ask(url.rpartition("/")[2], asked, Signature(services.clock(), "ros", "li"))
+    assert code(give(url, "timer", 20.0, seen="*")) == (422, "invalid_request")
+    assert give(url, "timer", 20.0, seen="*", comment="You did.").status_code == 200
+    assert actions(services)[-1] == "appeal.corrected"
 
 
 def test_a_regrade_and_a_new_submission_leave_it_open(

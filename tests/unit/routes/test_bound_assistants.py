@@ -103,7 +103,7 @@ def test_others_cannot_be_changed(
     assert client.put(url + "/appeals/timer", json=refused, headers=ta).status_code == 404
     several = {"items": [{"item": "timer", "points": 1}]}
     assert client.put(url + "/judgements", json=several, headers=ta).status_code == 404
-    assert give(bound["li"], "timer", 1.0).status_code == 200
+    assert give(bound["li"], "timer", 1.0, comment="I looked.").status_code == 200
 
 
 def test_without_sections_an_assistant_sees_everybody(
