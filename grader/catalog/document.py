@@ -12,6 +12,7 @@ from grader.catalog.misfits import (
     WrongKeyError,
     misfit,
     refusals,
+    telling,
     unknown_field,
     unknown_service,
     unparsable,
@@ -137,7 +138,7 @@ class Document:
         try:
             model = AssignmentModel.model_validate(self.data)
         except ValidationError as error:
-            raise refusals(self._problem(each) for each in error.errors()) from error
+            raise refusals(self._problem(each) for each in telling(error.errors())) from error
         if model.id != (name := self.path.parent.name):
             told = Text(
                 zh=f"{model.id!r} 要和文件夹名 {name!r} 一样",

@@ -1,7 +1,7 @@
 """What does not fit in an ``assignment.yaml``, in words: the schema's own rules and pydantic's."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, Final
 
 import yaml
@@ -164,9 +164,30 @@ class MisfitError(ValueError):
         self.field = field
 
 
+_BRANCH: Final = re.compile(r"(constrained-)?float|tuple\[.*\]")
+"""How pydantic calls a number, and a pair of numbers, where either may stand."""
+
+
+def telling(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
+    """Return pydantic's `errors()` without those that only follow from another one.
+
+    A list seems too short when its entries are refused, and what may be a number or a pair is refused as both.
+    """
+    places = [error["loc"] for error in errors]
+
+    def follows(error: Mapping[str, Any]) -> bool:
+        place = error["loc"]
+        if error["type"] == "too_short":
+            return any(len(other) > len(place) and other[: len(place)] == place for other in places)
+        return error["type"] in ("float_type", "tuple_type") and _BRANCH.fullmatch(str(place[-1])) is not None
+
+    return [error for error in errors if not follows(error)]
+
+
 def misfit(error: Mapping[str, Any]) -> tuple[tuple[int | str, ...], Text]:
     """Return the field that one of pydantic's `errors()` is about, and what is wrong with it."""
-    place, kind, context = error["loc"], error["type"], error.get("ctx", {})
+    kind, context = error["type"], error.get("ctx", {})
+    place = tuple(step for step in error["loc"] if not _BRANCH.fullmatch(str(step)))
     broken = context.get("error")
     if isinstance(broken, MisfitError):
         return place + broken.field, broken.told

@@ -132,8 +132,10 @@ class ItemModel(_Model):
         return ItemSpec(**{**dict(self), "title": self.title.to_contract()})
 
 
-def _ordered(value: float | tuple[float, float]) -> float | tuple[float, float]:
-    if isinstance(value, tuple) and value[0] > value[1]:
+def _number_or_range(value: object) -> object:
+    ends = value if isinstance(value, list | tuple) else [value, value]
+    numbers = [end for end in ends if isinstance(end, int | float) and not isinstance(end, bool)]
+    if len(ends) != 2 or len(numbers) != 2 or numbers[0] > numbers[1]:
         raise MisfitError(RANGE)
     return value
 
@@ -147,9 +149,13 @@ TRIES = 200
 class StartModel(_Model):
     """Start pose; the field is 11.09 m wide and high, the origin bottom left. A pair is drawn from, by seed."""
 
-    x_m: Annotated[FieldMetres | tuple[FieldMetres, FieldMetres], AfterValidator(_ordered)] = StartPose().x_m
-    y_m: Annotated[FieldMetres | tuple[FieldMetres, FieldMetres], AfterValidator(_ordered)] = StartPose().y_m
-    heading_deg: Annotated[float | tuple[AnyHeading, AnyHeading], AfterValidator(_ordered)] = 0.0
+    x_m: Annotated[FieldMetres | tuple[FieldMetres, FieldMetres], BeforeValidator(_number_or_range)] = (
+        StartPose().x_m
+    )
+    y_m: Annotated[FieldMetres | tuple[FieldMetres, FieldMetres], BeforeValidator(_number_or_range)] = (
+        StartPose().y_m
+    )
+    heading_deg: Annotated[float | tuple[AnyHeading, AnyHeading], BeforeValidator(_number_or_range)] = 0.0
 
     @property
     def is_drawn(self) -> bool:
@@ -183,6 +189,7 @@ class WorldModel(_Model):
     start: StartModel = StartModel()
     cmd_vel_topic: Topic = "/turtle1/cmd_vel"
     seed: Annotated[int, Field(ge=0)] = 0
+    odometry: bool = False
 
     def to_contract(self, first: StartPose | None) -> World:
         """Return the contract; the start pose is the first case's where it is drawn."""
@@ -228,7 +235,10 @@ class RegionModel(_Model):
     @model_validator(mode="after")
     def _is_one(self) -> Self:
         box = self.box
-        if (self.at is None) == (box is None) or (box and not (box[0] < box[2] and box[1] < box[3])):
+        stray = box is not None and "within" in self.model_fields_set
+        if (self.at is None) == (box is None) or stray:
+            raise MisfitError(ONE_REGION)
+        if box is not None and not (box[0] < box[2] and box[1] < box[3]):
             raise MisfitError(ONE_REGION)
         return self
 

@@ -112,7 +112,7 @@ def problems(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
         name, known = repr(assignment.check), ", ".join(KINDS)
         told = Text(zh=f"没有 {name} 这种检查，可用：{known}", en=f"unknown check {name}; use one of {known}")
         return (("check", told),)
-    return tuple(misfits(assignment, check))
+    return tuple(dict.fromkeys(misfits(assignment, check)))  # the same may be wrong in each case
 
 
 def _script_check(assignment: Assignment) -> Check:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from grader.catalog import Catalog, default_root
+from grader.checks import problems
 from grader.commands.validation import fitting
 from grader.contracts.assignment import Assignment, StartPose
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
@@ -213,15 +214,31 @@ def test_places_and_drawn_starts_are_read(tmp_path: Path) -> None:
     [
         ("{at: [8, 8]}", "{at: [8, 8], box: [1, 1, 2, 2]}", "places.visit.0: write a place as"),
         ("[1, 1, 2, 3]", "[2, 1, 1, 3]", "places.visit.1: write a place as"),
-        ("[3, 7]", "[7, 3]", "world.start"),
+        ("[3, 7]", "[7, 3]", "world.start.x_m: write one number, or"),
+        ("[3, 7]", "[1, 2, 3]", "world.start.x_m: write one number, or"),
+        ("[3, 7]", "far", "world.start.x_m: write one number, or"),
+        ("[3, 7]", "[3, 14]", "world.start.x_m.1: Use 11 or less"),
+        ("[3, 7]", "14", "world.start.x_m: Use 11 or less"),
+        ("[1, 1, 2, 3]", "[1, 1, 2, 3], within: 1", "places.visit.1: write a place as"),
         ("[3, 7]", "[1.2, 1.8]", "world.start: no start within these bounds"),
         ("order: 1", "order: 1\npath: {pieces: [{line: 0}]}", "path.pieces.0"),
     ],
 )
 def test_places_that_cannot_be_read_are_refused(tmp_path: Path, old: str, new: str, words: str) -> None:
     text = PLACES.replace("y_m: 5", "y_m: [1.2, 2.8]") if "1.2" in new else PLACES
-    with pytest.raises(AssignmentError, match=re.escape(words)):
+    with pytest.raises(AssignmentError, match=re.escape(words)) as caught:
         write(tmp_path, text.replace(old, new)).get("demo")
+    assert str(caught.value).count("assignment.yaml") == 1
+
+
+def test_what_is_wrong_in_each_case_is_told_once(tmp_path: Path) -> None:
+    wrong = PLACES.replace("hold_s: 1", "hold_s: 60").replace("[8, 8]", "[20, 20]")
+    told = [field for field, _ in problems(write(tmp_path, wrong).get("demo")) if field.startswith("places")]
+    assert told == ["places.visit.0", "places.visit.1.hold_s"]
+
+
+def test_odometry_can_be_asked_for(tmp_path: Path) -> None:
+    assert write(tmp_path, GOOD + "world: {odometry: true}\n").get("demo").world.odometry
 
 
 def test_problems_with_the_use_of_a_check_are_told_in_both_languages(tmp_path: Path) -> None:

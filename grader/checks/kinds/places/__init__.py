@@ -185,6 +185,10 @@ _OUTSIDE = Text(
     zh=f"在场地外面（0 到 {WINDOW_M:.2f} m）：改位置，或写 world: {{walls: false}}",
     en=f"lies outside the field (0 to {WINDOW_M:.2f} m); move it, or write world: {{walls: false}}",
 )
+_TOO_LONG = Text(
+    zh="要短于 horizon_s：缩短它，或者加长 horizon_s",
+    en="must be less than horizon_s; shorten it or lengthen that",
+)
 _AT_START = Text(
     zh="小车一开始就在里面：移走目标，或改 world.start",
     en="the car is in it from the beginning; move it, or change world.start",
@@ -226,6 +230,8 @@ def _wrong_goals(assignment: Assignment) -> Iterator[tuple[str, Text]]:
                 yield f"{where}.{i}", _OUTSIDE
             if outside_m(region, start.x_m, start.y_m) <= 0.0 and i == 0:
                 yield f"{where}.{i}", _AT_START
+            if goal.hold_s >= assignment.horizon_s:
+                yield f"{where}.{i}.hold_s", _TOO_LONG
 
 
 CHECK = Check(kind="places", measures=MEASURES, consult=_consult, examine=examine, sketch=sketch)
