@@ -132,7 +132,12 @@ def test_a_script_that_relies_on_instant_discovery_is_told(run_script):
     assert patient.notes == []
     waits = "import time\nwhile publisher.get_subscription_count() < 1:\n    time.sleep(0.1)\n"
     waiting = run_script(PREFIX + waits + "publisher.publish(msg)\n")
-    assert waiting.notes == [("asked_for_listeners", "/turtle1/cmd_vel")]
+    assert waiting.notes == [("asked_for_listeners", "")]
+
+
+def test_who_asks_for_listeners_in_a_loop_sends_one_note(run_script):
+    run = run_script(PREFIX + "for _ in range(1000):\n    node.count_subscribers('/turtle1/cmd_vell')\n")
+    assert run.notes == [("asked_for_listeners", "")]
 
 
 def test_a_publisher_on_the_wrong_topic_moves_nothing(run_script):

@@ -102,6 +102,7 @@ class Link:
         self._next_id = 1
         self._wanted: set[int] = set()
         self._counts: dict[int, int] = {}
+        self._noted: set[str] = set()
         self._deliver: dict[int, Deliver] = {}
         self._listening: set[int] = set()
         self._services: set[int] = set()
@@ -248,6 +249,12 @@ class Link:
     def note(self, code: str, text: str = "") -> None:
         """Tell the episode something worth telling the student."""
         self._tell(_wire.note(code, text))
+
+    def note_once(self, code: str) -> None:
+        """Tell the episode of a habit, however often the script has it: a loop must not fill the channel."""
+        if code not in self._noted:
+            self._noted.add(code)
+            self.note(code)
 
     def advance(self, target_ns: int, together_ns: int) -> int:
         """Let the world run to the first event up to `target_ns`; deliver it; return the instant reached.

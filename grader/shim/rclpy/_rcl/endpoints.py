@@ -181,7 +181,7 @@ class PublisherHandle(EndpointHandle):
         """Return how many subscriptions are matched."""
         self._require_context("failed to get subscription count")
         if self._fresh and self._carried:
-            link.note("asked_for_listeners", self.name)
+            link.note_once("asked_for_listeners")
         self._fresh = False  # who asks waits for the first one, and then loses nothing
         return len(self.readers) + len(self._world)
 

@@ -190,7 +190,7 @@ class NodeHandle(Handle):
     def get_count_subscribers(self, topic: str) -> int:
         """Return how many subscriptions a topic has."""
         self.require_context("Error in rcl_count_subscribers")
-        link.note("asked_for_listeners", topic)
+        link.note_once("asked_for_listeners")
         return len(self.graph.readers.at(topic))
 
     def get_action_client_names_and_types_by_node(self, name: str, namespace: str) -> NamesAndTypes:
