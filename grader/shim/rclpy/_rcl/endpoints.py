@@ -180,6 +180,7 @@ class PublisherHandle(EndpointHandle):
     def get_subscription_count(self) -> int:
         """Return how many subscriptions are matched."""
         self._require_context("failed to get subscription count")
+        kernel.charge()
         if self._fresh and self._carried:
             link.note_once("asked_for_listeners")
         self._fresh = False  # who asks waits for the first one, and then loses nothing

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._kernel import kernel
 from rclpy._link import link
 from rclpy._rcl.errors import NODE_CONTEXT, NodeNameNonExistentError, RCLError
 from rclpy._rcl.graph import graph_of
@@ -185,12 +186,14 @@ class NodeHandle(Handle):
     def get_count_publishers(self, topic: str) -> int:
         """Return how many publishers a topic has."""
         self.require_context("Error in rcl_count_publishers")
+        kernel.charge()
         return len(self.graph.writers.at(topic))
 
     def get_count_subscribers(self, topic: str) -> int:
         """Return how many subscriptions a topic has."""
         self.require_context("Error in rcl_count_subscribers")
         link.note_once("asked_for_listeners")
+        kernel.charge()  # a loop that asks must let time pass
         return len(self.graph.readers.at(topic))
 
     def get_action_client_names_and_types_by_node(self, name: str, namespace: str) -> NamesAndTypes:
