@@ -14,7 +14,7 @@ from grader.grading.slot import Slot, SlotConfig
 
 UNDER = (
     "hello", "straight", "backward", "spin", "square", "triangle", "pentagon", "rectangle", "hexagon", "octagon",
-    "right_triangle", "letter_l", "figure_eight", "two_circles",
+    "right_triangle", "letter_l", "figure_eight", "two_circles", "go_to_goal", "patrol", "parking",
 )  # fmt: skip
 TOLD_FROM = 60.0
 
