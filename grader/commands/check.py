@@ -4,7 +4,7 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime
 from pathlib import Path
@@ -279,27 +279,33 @@ def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: 
 def _plot(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     from grader.use_cases.pictures import draw
 
-    out: Path = arguments.plot
-    form = form_of(out)
-    cases = [run.case for run in result.report.runs]
-    for case in cases:
-        file = of_case(out, case, cases)
+    form = form_of(arguments.plot)
+
+    def drawn(case: str) -> bytes:
         trajectory = result.trajectories[case]
-        picture = draw(assignment, result.report, trajectory, arguments.lang, form, case=case)
-        write_file("--plot", file, picture)
-        if _for_people(arguments):
-            sys.stdout.write(f"→ {file}\n")
+        return draw(assignment, result.report, trajectory, arguments.lang, form, case=case)
+
+    _write_each(arguments, result, "--plot", arguments.plot, drawn)
 
 
 def _record(arguments: argparse.Namespace, assignment: Assignment, result: GradingResult) -> None:
     from grader.use_cases.bags import bagged
 
-    cases = [run.case for run in result.report.runs]
     content = result.report.canonical_bytes()
+
+    def bag(case: str) -> bytes:
+        return bagged(assignment, result.report, content, result.trajectories[case], case)
+
+    _write_each(arguments, result, "--record", arguments.record, bag)
+
+
+def _write_each(
+    arguments: argparse.Namespace, result: GradingResult, option: str, out: Path, made: Callable[[str], bytes]
+) -> None:
+    """Write what is made of each case to the file that an option names."""
+    cases = [run.case for run in result.report.runs]
     for case in cases:
-        file = of_case(arguments.record, case, cases)
-        write_file(
-            "--record", file, bagged(assignment, result.report, content, result.trajectories[case], case)
-        )
+        file = of_case(out, case, cases)
+        write_file(option, file, made(case))
         if _for_people(arguments):
             sys.stdout.write(f"→ {file}\n")

@@ -44,6 +44,10 @@ def _described(media_type: str, form: str) -> dict[str, Any]:
     }
 
 
+def _takes_gzip(accept_encoding: str | None) -> bool:
+    return "gzip" in (accept_encoding or "").lower()
+
+
 class ContactView(BaseModel):
     """The car touched a wall."""
 
@@ -94,7 +98,7 @@ def read_trajectory(
     """Return what the trusted simulator recorded in one run of the script."""
     recording = recordings.trajectory(services, caller, submission_id, case)
     headers = {"ETag": f'"{recording.sha256}"', "Vary": "Accept-Encoding"}
-    if "gzip" not in (accept_encoding or "").lower():
+    if not _takes_gzip(accept_encoding):
         return StreamingResponse(recording.parts(), media_type="application/json", headers=headers)
     headers["Content-Encoding"] = "gzip"  # sent as it is stored
     return Response(recording.compressed, media_type="application/json", headers=headers)
@@ -109,7 +113,7 @@ def read_trajectory(
         200: {
             "description": "One run as MCAP: commands, poses, tf, log, driven and wanted path, rubric. "
             "`ros2 bag`, Foxglove, Lichtblick and PlotJuggler open it.",
-            "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
+            "content": {_BAG_MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
         },
         **responses(*_PLOT_PROBLEMS, "bags_not_installed"),
     },
@@ -129,7 +133,7 @@ def read_bag(
         "Cache-Control": "private, no-cache",
         "Content-Disposition": f'attachment; filename="{bag.name}"',
     }
-    if "gzip" not in (accept_encoding or "").lower():
+    if not _takes_gzip(accept_encoding):
         return Response(bag.content, media_type=_BAG_MEDIA_TYPE, headers=headers)
     headers["Content-Encoding"] = "gzip"
     return Response(gzip.compress(bag.content, mtime=0), media_type=_BAG_MEDIA_TYPE, headers=headers)

@@ -20,9 +20,9 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import LogRecord
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
-from grader.sim.car import NS_PER_S, UPDATE_NS, fold
+from grader.sim.car import UPDATE_NS, fold
 from grader.sim.cdr import MAX_SEQUENCE_LENGTH, encode
-from grader.sim.interfaces import Types, with_interfaces
+from grader.sim.interfaces import Types, header, quaternion, stamp, with_interfaces
 
 _FRAME: Final = "world"
 _PATH: Final = "nav_msgs/msg/Path"
@@ -167,9 +167,9 @@ def _poses(trajectory: Trajectory) -> Iterator[_Message]:
         moving = {"linear_velocity": abs(v), "angular_velocity": w}
         yield _Message(now_ns, pose_channel, {"x": x, "y": y, "theta": theta, **moving})
         transform = {
-            "header": _header(now_ns),
+            "header": header(EPOCH_NS + now_ns, _FRAME),
             "child_frame_id": "turtle1",
-            "transform": {"translation": {"x": x, "y": y}, "rotation": _quaternion(heading)},
+            "transform": {"translation": {"x": x, "y": y}, "rotation": quaternion(heading)},
         }
         yield _Message(now_ns, tf_channel, {"transforms": [transform]})
 
@@ -203,7 +203,7 @@ def _walls(world: World) -> Iterator[_Message]:
         return
     corners = ((0.0, 0.0), (WINDOW_M, 0.0), (WINDOW_M, WINDOW_M), (0.0, WINDOW_M), (0.0, 0.0))
     marker = {
-        "header": _header(0),
+        "header": header(EPOCH_NS, _FRAME),
         "ns": "walls",
         "type": _LINE_STRIP,
         "pose": {"orientation": {"w": 1.0}},
@@ -218,7 +218,7 @@ def _logs(logs: Sequence[LogRecord]) -> Iterator[_Message]:
     channel = _Channel("/rosout", "rcl_interfaces/msg/Log", _LATCHED, 1000)
     for log in logs:
         text = {"name": _plain(log.name), "msg": _plain(log.message)}
-        yield _Message(log.t_ns, channel, {"stamp": _stamp(log.t_ns), "level": log.level, **text})
+        yield _Message(log.t_ns, channel, {"stamp": stamp(EPOCH_NS + log.t_ns), "level": log.level, **text})
 
 
 def _rubric(run: BagContents) -> _Message:
@@ -228,25 +228,12 @@ def _rubric(run: BagContents) -> _Message:
 
 
 def _path(t_ns: int, points: Sequence[tuple[float, float, float]]) -> dict[str, Any]:
-    header = _header(t_ns)
+    told = header(EPOCH_NS + t_ns, _FRAME)
     poses = [
-        {"header": header, "pose": {"position": {"x": x, "y": y}, "orientation": _quaternion(heading)}}
+        {"header": told, "pose": {"position": {"x": x, "y": y}, "orientation": quaternion(heading)}}
         for x, y, heading in points
     ]
-    return {"header": header, "poses": poses}
-
-
-def _header(t_ns: int) -> dict[str, Any]:
-    return {"stamp": _stamp(t_ns), "frame_id": _FRAME}
-
-
-def _stamp(t_ns: int) -> dict[str, int]:
-    sec, nanosec = divmod(EPOCH_NS + t_ns, NS_PER_S)
-    return {"sec": sec, "nanosec": nanosec}
-
-
-def _quaternion(heading_rad: float) -> dict[str, float]:
-    return {"z": math.sin(heading_rad / 2), "w": math.cos(heading_rad / 2)}
+    return {"header": told, "poses": poses}
 
 
 def _plain(text: str) -> str:

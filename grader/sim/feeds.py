@@ -8,11 +8,12 @@ import struct
 from collections import deque
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
-from grader.sim.car import NS_PER_S, PlanarPose, fold
+from grader.sim.car import PlanarPose, fold
 from grader.sim.cdr import HEADER, encode
 from grader.sim.frames import MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
+from grader.sim.interfaces import header, quaternion
 from grader.sim.turtle import AnyTurtle
 
 MAX_EVENTS: Final = 256  # in one answer; the rest is due in the next one
@@ -190,9 +191,9 @@ class Feeds:
         return encode(
             "nav_msgs/msg/Odometry",
             {
-                "header": self._header(t_ns, "odom"),
+                "header": header(self._epoch_ns + t_ns, "odom"),
                 "child_frame_id": "base_link",
-                "pose": {"pose": {"position": {"x": x, "y": y}, "orientation": _quaternion(heading)}},
+                "pose": {"pose": {"position": {"x": x, "y": y}, "orientation": quaternion(heading)}},
                 "twist": {"twist": {"linear": {"x": v}, "angular": {"z": w}}},
             },
         )
@@ -200,27 +201,14 @@ class Feeds:
     def _transform(self, t_ns: int) -> bytes:
         x, y, heading = _relative(self._turtle.pose, self._origin)
         transform = {
-            "header": self._header(t_ns, "odom"),
+            "header": header(self._epoch_ns + t_ns, "odom"),
             "child_frame_id": "base_link",
-            "transform": {"translation": {"x": x, "y": y}, "rotation": _quaternion(heading)},
+            "transform": {"translation": {"x": x, "y": y}, "rotation": quaternion(heading)},
         }
         return encode("tf2_msgs/msg/TFMessage", {"transforms": [transform]})
-
-    def _header(self, t_ns: int, frame: str) -> dict[str, Any]:
-        return {"stamp": stamp(self._epoch_ns + t_ns), "frame_id": frame}
-
-
-def stamp(t_ns: int) -> dict[str, int]:
-    """Return `t_ns` as builtin_interfaces/msg/Time."""
-    return {"sec": t_ns // NS_PER_S, "nanosec": t_ns % NS_PER_S}
 
 
 def _relative(pose: PlanarPose, origin: PlanarPose) -> PlanarPose:
     dx, dy = pose[0] - origin[0], pose[1] - origin[1]
     c, s = math.cos(origin[2]), math.sin(origin[2])
     return dx * c + dy * s, dy * c - dx * s, pose[2] - origin[2]
-
-
-def _quaternion(heading_rad: float) -> dict[str, float]:
-    half = fold(heading_rad) / 2.0
-    return {"z": math.sin(half), "w": math.cos(half)}

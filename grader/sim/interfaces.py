@@ -8,11 +8,13 @@ these: those of its assignment's own interfaces, and of all that ROS has (`with_
 """
 
 import ast
+import math
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final, TypeAlias
 
 from grader.contracts.assignment import InterfaceDefinition
+from grader.sim.car import NS_PER_S, fold
 
 Fields: TypeAlias = tuple[tuple[str, str], ...]
 
@@ -202,6 +204,22 @@ def with_interfaces(own: Iterable[InterfaceDefinition]) -> Types:
             if literals:
                 defaults[name] = {field: _plain(value) for field, value in literals.items()}
     return Types({**fields, **FIELDS}, {**defaults, **DEFAULTS})
+
+
+def stamp(t_ns: int) -> dict[str, int]:
+    """Return `t_ns` as builtin_interfaces/msg/Time."""
+    return {"sec": t_ns // NS_PER_S, "nanosec": t_ns % NS_PER_S}
+
+
+def header(t_ns: int, frame: str) -> dict[str, Any]:
+    """Return std_msgs/msg/Header of the instant `t_ns`."""
+    return {"stamp": stamp(t_ns), "frame_id": frame}
+
+
+def quaternion(heading_rad: float) -> dict[str, float]:
+    """Return geometry_msgs/msg/Quaternion of a heading in the plane."""
+    half = fold(heading_rad) / 2.0
+    return {"z": math.sin(half), "w": math.cos(half)}
 
 
 def _structures(entry: str) -> Iterator[tuple[str, list[list[str]]]]:

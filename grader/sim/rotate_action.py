@@ -5,8 +5,9 @@ from typing import Any, Final
 
 from grader.sim.car import fold
 from grader.sim.cdr import Values, decode, encode
-from grader.sim.feeds import Outbox, stamp
+from grader.sim.feeds import Outbox
 from grader.sim.frames import Request
+from grader.sim.interfaces import stamp
 from grader.sim.turtle import AnyTurtle
 
 TYPE: Final = "turtlesim/action/RotateAbsolute"

@@ -43,6 +43,7 @@ from grader.web.waiting import left_s, progress
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
 _REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "command", "times")
+_WRITES_BAGS = find_spec("mcap") is not None
 _FIGURE_WORDS = ("side", "corner", "gap", "goal", "avoid", "reached", "not_reached", "clear", "not_clear")
 Case = Annotated[str | None, Query(max_length=64)]
 
@@ -356,7 +357,7 @@ def _result(
         "cut": _cut_output(services, stored),
         "parts": () if figure is None else figure_parts(figure, names),
         "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
-        "bags": find_spec("mcap") is not None,
+        "bags": _WRITES_BAGS,
         "replay_words": {word: on_page(language, f"replay.{word}") for word in _REPLAY_WORDS},
     }
 
