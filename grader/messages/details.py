@@ -42,8 +42,17 @@ def explained(status: RunStatus, detail: str) -> Text:
         return say("detail.protocol")
     for pattern, code in _PATTERNS.items():
         if (match := pattern.fullmatch(detail)) is not None:
-            return say(f"detail.{code}", what=detail, **match.groupdict())
+            fields = match.groupdict() | ({"limit": _size(int(match["limit"]))} if code == "output" else {})
+            return say(f"detail.{code}", what=detail, **fields)
     return stall(detail) if status is RunStatus.STALLED else Text(zh=detail, en=detail)
+
+
+def _size(count_bytes: int) -> str:
+    """Return a limit as a beginner knows sizes, ``4 MiB``; one that is no whole number of KiB in bytes."""
+    for name, unit in (("MiB", 1 << 20), ("KiB", 1 << 10)):
+        if count_bytes % unit == 0:
+            return f"{count_bytes // unit} {name}"
+    return f"{count_bytes} B"
 
 
 _CLAUSE = re.compile(r"(?P<thread>[^:;]*?)(?:, line (?P<line>\d+))?: (?P<reason>.*)", re.DOTALL)

@@ -145,7 +145,7 @@ SCRIPTS = (
             ("    node.side = float(input('请输入边长（米）：'))\n",
              "    while True:\n        try:\n            node.side = int(input('边长：'))\n            break\n"
              "        except ValueError:\n            print('请输入数字')\n"), words="float(input())"),
-    _script("endless printing", "hello", "output_limit", ("        rclpy.spin(node)\n", "        while True:\n            node.get_logger().info('在')\n"), words="262144"),
+    _script("endless printing", "hello", "output_limit", ("        rclpy.spin(node)\n", "        while True:\n            node.get_logger().info('在')\n"), words="256 KiB"),
     # Beginners' own: what stands in the line, or elsewhere in the script, tells more than the exception.
     _script("form for from", "hello", "misspelt_keyword", ("from rclpy.node", "form rclpy.node"), words="form|from"),
     _script("capital import", "square", "misspelt_keyword", ("import time", "Import time"), words="import"),
