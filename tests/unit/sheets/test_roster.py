@@ -216,6 +216,14 @@ def test_a_workbook_larger_than_a_class_is_refused() -> None:
         read_roster(bomb.getvalue())
 
 
+def test_a_small_workbook_that_says_one_long_text_everywhere_is_refused() -> None:
+    """It would be a hundred times as large in memory, here as well as in the process that reads it."""
+    content = workbook([*PLAIN, *[("A" * 2_000,) * 100] * 100])
+    assert len(content) < 100 * 1024
+    with pytest.raises(CourseError, match="too large"):
+        read_roster(content)
+
+
 @given(st.binary(max_size=200) | st.text(max_size=200).map(lambda text: ("id,name\n" + text).encode()))
 def test_any_roster_is_read_or_refused(content: bytes) -> None:
     try:

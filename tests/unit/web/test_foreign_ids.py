@@ -68,7 +68,7 @@ def on_pages() -> Iterator[Operation]:
         for route in router.routes:
             if isinstance(route, APIRoute):
                 decision = {"decision": "discard" if "regrades" in route.path else "refused"}
-                for method in route.methods:
+                for method in route.methods or ():
                     body = {} if method == "GET" else {"data": {**FIELDS, **decision}}
                     yield Operation(method, route.path, body)
 
