@@ -185,6 +185,7 @@ class PersonCost:
     """What one student's gradings cost the service lately.
 
     Attributes:
+        student: empty for the gradings of a re-grading, which are nobody's.
         slot_s: for how long they held a slot. gradings: how many ended or run. waiting: how many wait.
         tries: how often they were begun. given_up: how many ended as ``infrastructure_error``.
     """

@@ -122,6 +122,15 @@ def test_the_service_page_tells_queue_and_workers(instructor: Browser, school: d
     assert "Who cost most in the last hour" in text
 
 
+def test_gradings_that_are_nobodys_are_named_and_lead_nowhere(
+    instructor: Browser, put: Callable[..., str]
+) -> None:
+    put(b"good", student="")
+    text = instructor.get("/class/service?lang=en").text
+    assert '<th scope="row">Re-grading (no student)</th>' in text
+    assert 'href="/class/students/"' not in text
+
+
 def test_mistakes_are_outlined_without_their_figures() -> None:
     assert outline("en", "mistake.no_such_mistake") is None
     said = outline("zh", "mistake.crashed")
