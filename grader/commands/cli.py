@@ -22,6 +22,7 @@ from grader.contracts.text import Language, Text
 COMMANDS: dict[str, str] = {
     "check": "grade one file here, as the service would / 本地预检",
     "run": "run a script against the simulated turtle, without grading / 只运行不评分",
+    "live": "drive a turtle in real time by rosbridge, without a course / 通过 rosbridge 实时驾驶小乌龟",
     "assignments": "list, show and validate assignments / 查看作业与评分标准",
     "serve": "start the HTTP service with its workers / 启动服务",
     "worker": "grade for services that share a database, without serving / 启动评分进程",

@@ -78,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     logs.configure(settings.log_format, settings.log_level)
     sys.setswitchinterval(_SWITCH_S)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
-    with _listening(settings.host, settings.port) as listener, _running(settings) as services:
+    with listening(settings.host, settings.port) as listener, _running(settings) as services:
         from grader.api import create_app  # takes a second, which nobody waits for whose settings are refused
 
         app = create_app(lambda: nullcontext(services))
@@ -133,7 +133,7 @@ class _Server(uvicorn.Server):
         gc.enable()
 
 
-def _listening(host: str, port: int) -> socket.socket:
+def listening(host: str, port: int) -> socket.socket:
     """Take the address before anything is opened, so that a second server fails at once and readably."""
     address = host.strip("[]")
     family = socket.AF_INET6 if ":" in address else socket.AF_INET
@@ -177,6 +177,7 @@ class BoundedConnection(H11Protocol):
         """Begin to wait for a request."""
         super().connection_made(transport)
         self._awaited: str | None = None
+        self._upgraded = False
         self._chunked = (
             0,
             0,
@@ -191,6 +192,9 @@ class BoundedConnection(H11Protocol):
     def data_received(self, data: bytes) -> None:
         """Take what arrived of a request, a piece at a time."""
         for start in range(0, len(data), _PIECE_BYTES):
+            if self._upgraded:
+                self.transport.get_protocol().data_received(data[start:])  # type: ignore[attr-defined]
+                return
             piece, in_body, before = data[start : start + _PIECE_BYTES], self._in_body(), self._body_bytes()
             super().data_received(piece)
             sent, body = self._chunked if in_body else (0, 0)
@@ -199,7 +203,8 @@ class BoundedConnection(H11Protocol):
                 self.transport.abort()
             if self.transport.is_closing():
                 return
-        self._look()
+        if not self._upgraded:
+            self._look()
 
     def on_response_complete(self) -> None:
         """Go on to the next request; until its first byte uvicorn's own keep-alive limit holds."""
@@ -216,6 +221,13 @@ class BoundedConnection(H11Protocol):
         """Go on to send."""
         super().resume_writing()
         self._read()
+
+    def handle_websocket_upgrade(self, event: h11.Request) -> None:
+        """Hand the connection over to a websocket, which has bounds of its own."""
+        self._await(None)
+        self._read()
+        self._upgraded = True
+        super().handle_websocket_upgrade(event)
 
     def shutdown(self) -> None:
         """Stop without waiting for requests that have not arrived completely: the time belongs to the gradings."""

@@ -61,7 +61,7 @@ def launch() -> Child:
     return _ahead.pop() if _ahead else _start()
 
 
-def _path() -> str:
+def import_path() -> str:
     """Return what this process imports from, but for its script's folder or the one `grader` is called in.
 
     The first entry is one of these, unless Python was told otherwise; a student's random.py may lie there.
@@ -77,7 +77,7 @@ def _start() -> Child:
     try:
         pid = os.posix_spawn(
             sys.executable,
-            [*_PYTHON, _BOOTSTRAP, _path(), str(theirs_requests), str(theirs_answers)],
+            [*_PYTHON, _BOOTSTRAP, import_path(), str(theirs_requests), str(theirs_answers)],
             environment | _SINGLE_THREADED | _LARGE_PAGES,
             file_actions=[
                 (os.POSIX_SPAWN_OPEN, 0, os.devnull, os.O_RDONLY, 0),

@@ -4,7 +4,7 @@ import json
 import math
 import re
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from typing import Any, Final, TypeAlias
 
@@ -128,6 +128,16 @@ class TurtleWorld:
         graph = self._present[GRADED].graph()
         window = [list(item) for item in _WINDOW_SERVICES.items()]
         return {**graph, "services": window + graph["services"], "nodes": [NODE_NAME]}
+
+    @property
+    def topics(self) -> dict[str, str]:
+        """Types by topic of what the world publishes and of what it takes commands on, at present."""
+        return self._topics | dict.fromkeys(self._commands, TWIST)
+
+    @property
+    def command_topics(self) -> Collection[str]:
+        """On which commands are taken at present."""
+        return self._commands.keys()
 
     def type_of(self, topic: str) -> str | None:
         """Return the type the world publishes or subscribes to on `topic`, None when it does neither."""

@@ -42,6 +42,6 @@ def test_the_first_entry_of_the_path_is_not_handed_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """`python -m grader` puts the working folder there, where a student's random.py may lie."""
-    before = launch._path()
+    before = launch.import_path()
     monkeypatch.setattr(sys, "path", [str(tmp_path), *before.split(os.pathsep)])
-    assert launch._path() == before
+    assert launch.import_path() == before

@@ -1,0 +1,45 @@
+"""What a bridge speaks to: the ROS graph of a live car, or that of an exercise's script and car."""
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from grader.sim.frames import Request
+from grader.sim.interfaces import Types
+
+
+class RosGraph(Protocol):
+    """Topics, services and nodes besides what clients bring.
+
+    Messages and answers for the bridge come back as events, under the ids that it gave.
+
+    Attributes:
+        types: of messages and services.
+        epoch_ns: wall clock at the instant 0.
+    """
+
+    types: Types
+    epoch_ns: int
+
+    @property
+    def topics(self) -> Mapping[str, str]:
+        """Types by topic."""
+
+    @property
+    def services(self) -> Mapping[str, str]:
+        """Types by service, those of actions included."""
+
+    @property
+    def nodes(self) -> Sequence[str]:
+        """Fully qualified names."""
+
+    def publish(self, topic: str, t_ns: int, payload: bytes) -> None:
+        """Publish CDR of the topic's type on one of `topics`."""
+
+    def listen(self, topic: str, identity: int, t_ns: int) -> None:
+        """Let `identity` hear one of `topics`."""
+
+    def unlisten(self, identity: int) -> None:
+        """Let it hear nothing more."""
+
+    def request(self, service: str, request: Request) -> bool:
+        """Send a request to one of `services`; false when too many wait there."""
