@@ -13,9 +13,12 @@ from grader.catalog.cache import AssignmentCache, AssignmentMemory
 from grader.catalog.files import SPEC_NAME, content
 from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
+from grader.contracts.text import Text
 
 if TYPE_CHECKING:  # imports pydantic and yaml, which a remembered assignment does without
     from grader.catalog.document import Document
+
+_MISSING = Text(zh="缺少这个文件：请补上", en="this file is missing; add it")
 
 
 def default_root() -> Path:
@@ -98,10 +101,11 @@ class Catalog:
         for i, attempt in enumerate(attempts):
             path = self.folder(assignment_id) / "wrong" / attempt.file
             if not path.is_file():
-                raise AssignmentError(
-                    f"{document.place(f'wrong.{i}.file')}: no file {path}; add it or remove the entry",
-                    f"{document.place(f'wrong.{i}.file')}: 没有文件 {path}：补上，或者删掉这一项",
+                told = Text(
+                    zh=f"没有文件 {path}：补上，或者删掉这一项",
+                    en=f"no file {path}; add it or remove the entry",
                 )
+                raise _refused(document.place(f"wrong.{i}.file"), told)
         return attempts
 
     def guess_assignment(self, file_name: str) -> str | None:
@@ -128,7 +132,7 @@ class Catalog:
         """
         path = self.folder(assignment.id) / (name + SUFFIXES[assignment.input][0])
         if not path.is_file():
-            raise AssignmentError(f"{path}: this file is missing; add it", f"{path}：缺少这个文件：请补上")
+            raise _refused(str(path), _MISSING)
         return path
 
     def lesson(self) -> Path | None:
@@ -194,6 +198,12 @@ class Catalog:
         from grader.catalog.document import Document
 
         return Document.read(folder / SPEC_NAME)
+
+
+def _refused(place: str, told: Text) -> AssignmentError:
+    from grader.catalog.misfits import refusals
+
+    return refusals([(place, told)])
 
 
 def _content(path: Path) -> bytes | None:

@@ -219,8 +219,10 @@ def unparsable(error: yaml.MarkedYAMLError) -> Text:
 
 def refusals(found: Iterable[tuple[str, Text]]) -> AssignmentError:
     """Return the error that says what is wrong where: a line for each (file, line and field; what is wrong)."""
-    lines = list(found)
-    return AssignmentError(
+    lines = tuple(found)
+    error = AssignmentError(
         "\n".join(f"{place}: {told.en}" for place, told in lines),
         "\n".join(f"{place}: {told.zh}" for place, told in lines),
     )
+    error.problems = lines
+    return error

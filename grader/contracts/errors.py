@@ -41,7 +41,13 @@ class GraderError(Exception):
 
 
 class AssignmentError(GraderError):
-    """An assignment's files do not say what they must."""
+    """An assignment's files do not say what they must.
+
+    Attributes:
+        problems: where something is wrong (file, line and field), and what; empty where the message alone says it.
+    """
+
+    problems: "tuple[tuple[str, Text], ...]" = ()
 
 
 class UnknownAssignmentError(GraderError):

@@ -7,10 +7,10 @@ import pytest
 
 from grader.catalog import Catalog
 from grader.catalog.authoring import create
-from grader.commands import sensitivity
 from grader.commands.validation import examine
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.text import EMPTY
+from grader.examination import sensitivity
 from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
 

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from grader.commands.sensitivity import lax, replayable, replayed, sensitivities
 from grader.contracts.assignment import Assignment
 from grader.contracts.scoring import Run
+from grader.examination.sensitivity import lax, replayable, replayed, sensitivities
 from tests.unit.checks.ideal_turtle import drive, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment
 
