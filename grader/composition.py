@@ -21,6 +21,7 @@ from grader.settings import Settings, is_loopback
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoints
+from grader.store.own_assignments import OwnAssignments
 from grader.store.queue import Queue, Retries
 from grader.store.schema import up_to_date
 from grader.store.standings import Measures
@@ -29,12 +30,14 @@ from grader.store.work import Doorbell, WorkSource
 from grader.store.workers import Workers, presence
 from grader.telemetry.metrics import Metrics, exported
 from grader.use_cases.callers import Callers, new_token
+from grader.use_cases.course_assignments import CourseAssignments
 from grader.use_cases.pictures import PlotCache, draw_stored
 from grader.use_cases.services import Services
-from grader.worker import Worker, WorkerConfig, WorkerParts
+from grader.worker import Uploads, Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
 _SYNTAX_CHECKS = 3  # side by side: one file that keeps the compiler busy does not hold up all uploads
+_EXAMINING = SlotConfig(mode="strict", niceness=19)  # behind every grading
 _ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
 
 
@@ -61,7 +64,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             settings,
             clock,
             retries=_retries(settings),
-            assignments=_assignments(settings),
+            assignments=_assignments(settings, database, clock),
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
             callers=Callers(courses, Tokens(database, clock), _token(settings, courses)),
@@ -86,17 +89,18 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
     with ExitStack() as stack:
         database = stack.enter_context(_store(settings, "grader worker"))
         clock = stack.enter_context(clock_of(database))
-        parts = _parts(database, settings, _assignments(settings), clock)
+        parts = _parts(database, settings, _assignments(settings, database, clock), clock)
         metrics = Metrics(Measures(database, parts.workers, clock, settings.silent_s).state)
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
         yield stack.enter_context(_working(settings, replace(parts, observer=metrics)))
 
 
-def _assignments(settings: Settings) -> RefreshedAssignments:
-    """Return the assignments that come with the grader, then the operator's own."""
+def _assignments(settings: Settings, database: Database, clock: Clock) -> CourseAssignments:
+    """Return the assignments that come with the grader, then the operator's own, and those of single courses."""
     folders = (None, *settings.assignment_folders)
-    return RefreshedAssignments([_Fitting(Catalog(one, AssignmentMemory())) for one in folders])
+    shared = RefreshedAssignments([_Fitting(Catalog(one, AssignmentMemory())) for one in folders])
+    return CourseAssignments(shared, OwnAssignments(database, clock))
 
 
 class _Fitting:
@@ -161,6 +165,7 @@ def _parts(
         probe=_probe,
         doorbell=Doorbell(),
         clock=clock,
+        uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_EXAMINING)),
         work=None if database.is_sqlite else _permits(database, settings, clock),
     )
 

@@ -93,7 +93,10 @@ class Preflight(Protocol):
 
 
 class AssignmentSource(Protocol):
-    """Where assignments come from."""
+    """Where assignments come from: those of every course, or, by `of`, those of one."""
+
+    def of(self, course: str | None) -> "AssignmentSource":
+        """Return where those of a course come from: of every course's, and of its own."""
 
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist."""

@@ -110,7 +110,7 @@ class Claim:
     Attributes:
         attempt: fencing token; a result is taken only from the latest claim.
         queued_at: instant of the last (re-)queueing.
-        distro: release of ROS 2 of the course; None without one.
+        course: None without one. distro: its release of ROS 2.
     """
 
     submission_id: str
@@ -121,6 +121,7 @@ class Claim:
     file_name: str
     source: bytes
     queued_at: datetime | None = None
+    course: str | None = None
     distro: Distro | None = None
 
 

@@ -205,5 +205,5 @@ def _view(services: Services, caller: Caller, appeal: Appeal, language: Language
     told = {name: getattr(appeal, name) for name in AppealView.model_fields if name != "title"}
     told["submission"] = SUBMISSIONS + appeal.submission
     told["answered_by"] = appeal.answered_by or None if caller.is_staff else None
-    title = item_title(published(services, appeal.assignment), appeal.item, language)
+    title = item_title(published(services, caller, appeal.assignment), appeal.item, language)
     return AppealView(**told, title=title)

@@ -220,7 +220,7 @@ def read_waiting(  # noqa: PLR0913
     """Return answers to be judged, question by question, so that one question is judged with one measure."""
     which = WaitingFor(assignment=assignment, item=item, newest=not every)
     page = judging.waiting(services, caller, which, offset=offset, limit=limit)
-    return _waiting(services, page, language, anonymous=anonymous)
+    return _waiting(services, caller, page, language, anonymous=anonymous)
 
 
 @of_submission.get(
@@ -332,8 +332,10 @@ def _tagged(  # noqa: PLR0913, PLR0917
     return _item(found, language)
 
 
-def _waiting(services: Services, page: WaitingPage, language: Language, *, anonymous: bool) -> WaitingList:
-    known = {one.id: one for one in services.assignments.all()}
+def _waiting(
+    services: Services, caller: Caller, page: WaitingPage, language: Language, *, anonymous: bool
+) -> WaitingList:
+    known = {one.id: one for one in services.assignments.of(caller.course).all()}
     return WaitingList(
         total=page.total,
         questions=[

@@ -25,6 +25,7 @@ from grader.messages import say
 from grader.render.escape import visible, visible_line
 from grader.routes.dependencies import LanguageDep, language_of
 from grader.telemetry import context
+from grader.use_cases.own_assignments import place_of
 
 _log = logging.getLogger(__name__)
 MEDIA_TYPE = "application/problem+json"
@@ -114,6 +115,8 @@ _STATUS = {
     "course_archived": 409,
     "invalid_course": 422,
     "no_scripts": 409,
+    "invalid_assignment": 422,
+    "assignment_in_use": 409,
     "invalid_rules": 422,
     "invalid_roster": 422,
     "invalid_sheet": 422,
@@ -296,7 +299,13 @@ def _refused(request: Request, error: RefusedError) -> JSONResponse:
     headers = dict(PROBLEM_TYPES[error.code].headers)
     if error.retry_after_s is not None:
         headers["Retry-After"] = str(error.retry_after_s)
-    return _answer(request, error.code, error.detail, headers=headers, **error.members)
+    members = dict(error.members)
+    if (misfits := members.pop("misfits", None)) is not None:
+        language = language_of(request)
+        members["errors"] = [
+            FieldError(field=place_of(one), detail=one.told.get(language)) for one in misfits
+        ]
+    return _answer(request, error.code, error.detail, headers=headers, **members)
 
 
 async def _on_http_error(request: Request, error: Exception) -> JSONResponse:

@@ -17,6 +17,7 @@ from grader.store.courses import add_course, add_members
 from grader.store.database import Database, empty_log, in_lots, one_at_a_time
 from grader.store.erasing import AT_ONCE, Space, before, erase, ids_of, space_of
 from grader.store.forgetting import Forgotten, is_known, known_as, new_pseudonym, rename_everywhere
+from grader.store.own_assignments import copy_own_assignments
 from grader.store.rules import add_rules, rules_of
 from grader.store.tables import (
     CourseRow,
@@ -77,6 +78,7 @@ class CourseLife:
             zone = ZoneInfo(original.time_zone)
             for assignment, rules in sorted(rules_of(session, course_id).by_assignment.items()):
                 add_rules(session, assignment, rules.moved(new.move_days, zone), signed)
+            copy_own_assignments(session, course_id, signed)
             add_members(session, signed, [instructor])
             subject = f"course {course_id}"
             record(session, Signature(now, course_id, actor), "course.copy", subject, after={"copy": new.id})

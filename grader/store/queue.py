@@ -98,6 +98,7 @@ _CLAIMED = (
     _row.assignment,
     _row.file_name,
     _row.queued_at,
+    _row.course,
     select(_source.c.content).where(_source.c.sha256 == _row.source_sha256).scalar_subquery(),
     select(_course.c.distro).where(_course.c.id == _row.course).scalar_subquery(),
 )
@@ -489,7 +490,7 @@ def _resume(connection: Connection, worker: str, now: datetime, lease_s: float) 
 
 
 def _claim(row: Sequence[Any], worker: str) -> Claim:
-    id_, attempt, tries, assignment, file_name, queued_at, source, distro = row
+    id_, attempt, tries, assignment, file_name, queued_at, course, source, distro = row
     return Claim(
         submission_id=id_,
         attempt=attempt,
@@ -499,6 +500,7 @@ def _claim(row: Sequence[Any], worker: str) -> Claim:
         file_name=file_name,
         source=source,
         queued_at=queued_at,
+        course=course,
         distro=distro,
     )
 

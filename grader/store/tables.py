@@ -22,6 +22,7 @@ from sqlmodel import Field, SQLModel
 from grader.contracts.appeal import AppealState
 from grader.contracts.assignment import DEFAULT_DISTRO
 from grader.contracts.identity import Role
+from grader.contracts.own_assignment import OwnState
 from grader.contracts.regrade import RegradeState
 from grader.contracts.submission import SubmissionState
 
@@ -478,6 +479,39 @@ class WorkerRow(SQLModel, table=True):
     detail: str = Field(sa_column=text_column())
     started_at: datetime = Field(sa_column=instant_column())
     seen_at: datetime = Field(sa_column=instant_column())
+
+
+_OWN_STATES = ", ".join(f"'{state.value}'" for state in OwnState)
+
+
+class OwnAssignmentRow(SQLModel, table=True):
+    """An assignment that somebody uploaded to a course; `number` counts uploads of one assignment.
+
+    The latest that is ``ready`` is used, the latest of all is shown; no others are kept. `content` is the folder
+    as a zip, `reading` the `Reading` of `grader.examination`, `examined` the record of that name, both as JSON.
+    Bytes, as nothing there names a person. `lease_until`: until when a worker runs the scripts of it.
+    """
+
+    __tablename__: ClassVar[str] = "own_assignment"
+    __table_args__ = (
+        CheckConstraint(f"state IN ({_OWN_STATES})", name="own_assignment_state"),
+        Index("own_assignment_waiting", "state", "uploaded_at"),
+    )
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    assignment: str = Field(primary_key=True, max_length=64)
+    number: int = Field(primary_key=True)
+    version: int
+    state: str = Field(max_length=16)
+    content: bytes = Field(sa_column=bytes_column())
+    reading: bytes = Field(sa_column=bytes_column())
+    examined: bytes = Field(sa_column=bytes_column())
+    uploaded_at: datetime = Field(sa_column=instant_column())
+    uploaded_by: str = Field(max_length=64)
+    not_before: datetime = Field(sa_column=instant_column())
+    lease_until: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    tries: int = 0
+    trouble: str = Field(default="", sa_column=text_column())
 
 
 def as_contract(row: SQLModel, contract: type[_Contract], **others: Any) -> _Contract:

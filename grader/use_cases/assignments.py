@@ -40,25 +40,30 @@ class Terms:
     hides: bool
 
 
-def published(services: Services, assignment_id: str) -> Assignment | None:
-    """Return an assignment; None when it is not, or no longer, published."""
+def published(services: Services, caller: Caller, assignment_id: str) -> Assignment | None:
+    """Return an assignment of the caller's course; None when it is not, or no longer, published."""
     try:
-        return services.assignments.get(assignment_id)
+        return services.assignments.of(caller.course).get(assignment_id)
     except UnknownAssignmentError:
         return None
 
 
 def require_published(
-    services: Services, assignment_id: str, code: str = "assignment_not_found", field: str | None = None
+    services: Services,
+    caller: Caller,
+    assignment_id: str,
+    code: str = "assignment_not_found",
+    field: str | None = None,
 ) -> Assignment:
     """Return an assignment with all its items.
 
     Raises:
         RefusedError: with `code`, about `field` of the request: it is not published. Names those that are.
     """
-    assignment = published(services, assignment_id)
+    assignment = published(services, caller, assignment_id)
     if assignment is None:
-        raise RefusedError(code, field=field, allowed=[one.id for one in services.assignments.all()])
+        known = services.assignments.of(caller.course).all()
+        raise RefusedError(code, field=field, allowed=[one.id for one in known])
     return assignment
 
 
@@ -68,7 +73,7 @@ def visible_assignment(services: Services, caller: Caller, assignment_id: str) -
     Raises:
         RefusedError: it is not published, or the caller does not see it now.
     """
-    assignment = require_published(services, assignment_id)
+    assignment = require_published(services, caller, assignment_id)
     if caller.role is Role.STUDENT:
         rules = services.rules.of(caller.course).of(assignment_id)
         if not rules.shown_at(services.clock()):
@@ -80,14 +85,16 @@ def checklist(services: Services, caller: Caller) -> tuple[Assignment, ...]:
     """Return all published assignments that the caller sees now in order, as the caller may see them."""
     known, now = services.rules.of(caller.course), services.clock()
     is_student = caller.role is Role.STUDENT
-    seen = [one for one in services.assignments.all() if not is_student or known.of(one.id).shown_at(now)]
+    every = services.assignments.of(caller.course).all()
+    seen = [one for one in every if not is_student or known.of(one.id).shown_at(now)]
     return shown_assignments(services, caller, seen)
 
 
 def in_course(services: Services, caller: Caller) -> tuple[Assignment, ...]:
     """Return the assignments that belong to the caller's course: all but its drafts, whole."""
     known = services.rules.of(caller.course)
-    return tuple(one for one in services.assignments.all() if known.of(one.id).shown is not Shown.DRAFT)
+    every = services.assignments.of(caller.course).all()
+    return tuple(one for one in every if known.of(one.id).shown is not Shown.DRAFT)
 
 
 def terms_of(services: Services, caller: Caller, assignment_id: str) -> Terms:
@@ -111,7 +118,7 @@ def all_terms(services: Services, caller: Caller) -> dict[str, Terms]:
         published.id: _terms(
             known, caller, published.id, [one for one in in_order if of[one.id] == published.id], now
         )
-        for published in services.assignments.all()
+        for published in services.assignments.of(caller.course).all()
     }
 
 

@@ -5,7 +5,7 @@ A class that is compared must not take the threads that uploads need; what has n
 
 import asyncio
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Generic, TypeVar
@@ -15,7 +15,7 @@ from grader.similarity.fingerprints import Fingerprints, Hashes
 from grader.similarity.ranking import Pair
 from grader.store.scripts import HandedIn, Scripts
 
-_CLASSES, _FILES, _DRIVES = 32, 4_000, 20_000
+_CLASSES, _FILES, _DRIVES, _COURSES = 32, 4_000, 20_000, 4
 _Value = TypeVar("_Value")
 
 
@@ -77,14 +77,12 @@ class Comparer:
 
     Args:
         scripts: reads what was handed in.
-        given: returns the files that every student was given or could read: starters, solutions, printed listings.
     """
 
-    def __init__(self, scripts: Scripts, given: Callable[[], Sequence[bytes]]) -> None:
+    def __init__(self, scripts: Scripts) -> None:
         self.scripts = scripts
-        self.given = given
         self.results: _Kept[Similar] = _Kept(_CLASSES)
-        self.grams: _Kept[Hashes] = _Kept(1)
+        self.grams: _Kept[Hashes] = _Kept(_COURSES)
         self.fingerprints: _Kept[Fingerprints] = _Kept(_FILES)
         self.drives: _Kept[SentCommands] = _Kept(_DRIVES)
         self._thread = ThreadPoolExecutor(max_workers=1, thread_name_prefix="grader-similar")

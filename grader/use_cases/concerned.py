@@ -49,7 +49,7 @@ def concerned(
     require_staff(caller)
     cells = services.dashboard.cells(caller.course)
     own = {student: cell for (student, assignment), cell in cells.items() if assignment == assignment_id}
-    if not own and published(services, assignment_id) is None:
+    if not own and published(services, caller, assignment_id) is None:
         raise RefusedError("assignment_not_found")
     roster = {one.id: one for one in members(services, caller, Role.STUDENT)}
     fits = _fits(concern)

@@ -107,6 +107,8 @@ class _Export:
         ]
         rules = {name: to_document(one) for name, one in sorted(known.by_assignment.items())}
         yield "rules.json", _json({"rules": rules, "extensions": extensions})
+        for name, content in sorted(services.own_assignments.in_use(course).items()):
+            yield f"assignments/{name}.zip", content
         yield "audit.json", _json([_plain(asdict(one)) for one in self._audit()])
 
     def _audit(self) -> Iterator[Any]:

@@ -138,7 +138,7 @@ def _points_of(
 ) -> tuple[Sequence[Member], Mapping[str, float | None]]:
     members, scores = book(services, caller, section)
     if assignment:
-        require_published(services, assignment)
+        require_published(services, caller, assignment)
         return members, {one.id: _counted(scores.get((one.id, assignment))) for one in members}
     assignments = in_course(services, caller)
     most = summed(one.max_score for one in assignments)

@@ -70,7 +70,7 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
         by=None if student == caller.person or caller.course is None else caller.signature,
     )
     with services.allowances.uploads_at_once.one_more(owner):
-        submission, repeated = services.submissions.accept(_checked(services, new, owner))
+        submission, repeated = services.submissions.accept(_checked(services, caller, new, owner))
     note(
         submission=submission.id,
         assignment=submission.assignment,
@@ -80,12 +80,12 @@ def hand_in(services: Services, caller: Caller, upload: Upload) -> tuple[Submiss
     return submission, repeated
 
 
-def _checked(services: Services, new: NewSubmission, owner: str) -> NewSubmission:
+def _checked(services: Services, caller: Caller, new: NewSubmission, owner: str) -> NewSubmission:
     """Return `new` as it is stored: for a published assignment, its name and content checked.
 
     A check that takes long counts as several uploads of `owner`.
     """
-    published = require_published(services, new.assignment, "unknown_assignment", field="assignment")
+    published = require_published(services, caller, new.assignment, "unknown_assignment", field="assignment")
     if new.key is None and (refusal := services.submissions.refusal(new)) is not None:
         raise refusal.error()  # one with a key may be an upload that was accepted before
     name = _checked_name(new.file_name, published.input)

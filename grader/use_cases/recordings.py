@@ -122,7 +122,7 @@ def measured_figure(
         return None
     motion = decode_trajectory(gzip.decompress(content))
     try:
-        published = services.assignments.get(judged(stored).assignment)
+        published = services.assignments.of(caller.course).get(judged(stored).assignment)
         assignment = shown_assignment(services, caller, published)
         return sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case))
     except (AssignmentError, UnknownAssignmentError):
@@ -134,7 +134,7 @@ def _drawable(
 ) -> tuple[Assignment, StoredReport, Recording, str]:
     submission, report = graded(services, caller, submission_id)
     kept = services.submissions.graded_assignment(report)
-    known = kept or require_published(services, submission.assignment)
+    known = kept or require_published(services, caller, submission.assignment)
     assignment = shown_assignment(services, caller, known)
     recording = _recorded(services, report, case)
     if report.judgements:  # the picture shows the score, which people have a part in

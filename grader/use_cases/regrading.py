@@ -36,7 +36,7 @@ def open_regrade(services: Services, caller: Caller, wanted: Wanted) -> Regrade:
             re-grade of it is open.
     """
     require_instructor(caller)
-    require_published(services, wanted.assignment, field="assignment")
+    require_published(services, caller, wanted.assignment, field="assignment")
     try:
         opened = services.regrades.open(wanted, services.signature(caller))
     except RegradeError as error:

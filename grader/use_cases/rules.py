@@ -17,7 +17,7 @@ def course_rules(services: Services, caller: Caller, assignment_id: str) -> Cour
         RefusedError: the caller is no instructor, there is no course, or the assignment is not published.
     """
     require_instructor(caller)
-    require_published(services, assignment_id)
+    require_published(services, caller, assignment_id)
     if caller.course is None:
         raise RefusedError("no_course")
     return services.rules.of(caller.course)
@@ -46,7 +46,7 @@ def change_rules(  # noqa: PLR0913
         RefusedError: as `course_rules`; or a hidden item does not exist, or somebody else changed the rules.
     """
     course_rules(services, caller, assignment_id)
-    items = [item.id for item in services.assignments.get(assignment_id).items]
+    items = [item.id for item in services.assignments.of(caller.course).get(assignment_id).items]
     unknown = set(rules.hidden_items) - set(items)
     if unknown:
         detail = Text(zh=f"没有这个评分项：{min(unknown)}。", en=f"There is no rubric item {min(unknown)}.")
@@ -64,7 +64,7 @@ def extensions(services: Services, caller: Caller, assignment_id: str) -> list[t
         RefusedError: the caller may not see the class, or the assignment is not published.
     """
     require_staff(caller)
-    require_published(services, assignment_id)
+    require_published(services, caller, assignment_id)
     extended = services.rules.of(caller.course).extended(assignment_id)
     return [(student, one) for student, one in extended if caller.looks_after(student)]
 

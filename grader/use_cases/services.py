@@ -19,6 +19,7 @@ from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.gradings import PastGradings
 from grader.store.judgements import Judgements
+from grader.store.own_assignments import OwnAssignments
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -90,6 +91,7 @@ class Services:
     dashboard: Dashboard
     costs: Costs
     rules: StoredRules
+    own_assignments: OwnAssignments
     courses: Courses
     course_life: CourseLife
     tokens: Tokens
@@ -144,7 +146,7 @@ class Services:
             costs=Costs(database, clock),
             **_of_courses(database, clock),
             plots=plots,
-            comparer=Comparer(Scripts(database), assignments.given_code),
+            comparer=Comparer(Scripts(database)),
             watching=watching,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
         )
@@ -152,6 +154,7 @@ class Services:
 
 def _of_courses(database: Database, clock: Clock) -> dict[str, Any]:
     return {
+        "own_assignments": OwnAssignments(database, clock),
         "courses": Courses(database, clock),
         "course_life": CourseLife(database, clock),
         "tokens": Tokens(database, clock),

@@ -95,7 +95,8 @@ def _shown(caller: Caller, found: Similar) -> Similar:
 def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
     state = services.dashboard.state(caller.course)
     own = [one for one in state.progress if one.assignment == assignment_id]
-    assignment = published(services, assignment_id) if own else require_published(services, assignment_id)
+    look = published if own else require_published
+    assignment = look(services, caller, assignment_id)
     if assignment is not None and assignment.input != "script":
         raise RefusedError("no_scripts")
     latest = sorted(own, key=lambda one: (one.last_activity_at, one.student), reverse=True)[:MOST_SCRIPTS]
@@ -103,7 +104,7 @@ def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
         [one.counted_submission or one.latest_submission for one in latest]
     )
     staff = services.comparer.scripts.of_staff(caller.course, assignment_id)
-    given = services.comparer.given()
+    given = services.assignments.of(caller.course).given_code()
     key = (caller.course, assignment_id, scripts, staff, _digest(given), len(own))
     known = services.comparer.results.find(key)
     if known is not None:

@@ -92,7 +92,7 @@ def read_queue(
         listed=listed,
         query=query,
         pages=pages_of(listed.total, _PAGE),
-        assignments={one.id: one for one in services.assignments.all()},
+        assignments={one.id: one for one in services.assignments.of(visitor.caller.course).all()},
         item_title=partial(item_title, language=language_of(request)),
         sections=sections_of(students),
         names={one.id: one.name for one in students},
@@ -167,7 +167,7 @@ def _one(  # noqa: PLR0913, PLR0917
     found = {one.item: one for one in appealing.appeals_of(services, visitor.caller, submission.id)}
     if form.item not in found:
         raise RefusedError("appeal_not_found")
-    assignment = published(services, submission.assignment)
+    assignment = published(services, visitor.caller, submission.assignment)
     return page(
         request,
         "appeal.html",

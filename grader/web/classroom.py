@@ -18,6 +18,7 @@ from grader.use_cases.commenting import unread
 from grader.use_cases.concerned import Concern, concerned
 from grader.use_cases.course_life import space
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
+from grader.use_cases.own_assignments import own_troubles
 from grader.use_cases.people import members, names, person
 from grader.use_cases.services import Services
 from grader.web import access
@@ -81,7 +82,7 @@ def read_concerned(  # noqa: PLR0913, PLR0917
     """Show who failed an item, made a mistake, or whose latest submission has a status."""
     concern = Concern(item=item or None, mistake=mistake or None, status=status or None)
     found = concerned(services, visitor.caller, assignment_id, concern)
-    language, assignment = language_of(request), published(services, assignment_id)
+    language, assignment = language_of(request), published(services, visitor.caller, assignment_id)
     told = [
         *([item_title(assignment, item, language)] if item else []),
         *([outline(language, f"mistake.{mistake}") or mistake] if mistake else []),
@@ -107,11 +108,12 @@ def read_student(
     known = names(services, visitor.caller)
     if not visitor.caller.may_see(visitor.caller.course, student) or (not attempts and student not in known):
         raise RefusedError("submission_not_found")
-    by_assignment: dict[str, list[Submission]] = {one.id: [] for one in services.assignments.all()}
+    every = services.assignments.of(visitor.caller.course).all()
+    by_assignment: dict[str, list[Submission]] = {one.id: [] for one in every}
     for one in attempts:
         by_assignment.setdefault(one.assignment, []).append(one)
     groups = [(id_, own) for id_, own in by_assignment.items() if own]
-    titles = {one.id: one.title for one in services.assignments.all()}
+    titles = {one.id: one.title for one in every}
     return page(
         request,
         "class_student.html",
@@ -151,7 +153,7 @@ def read_service(request: Request, services: ServicesDep, visitor: StaffDep) -> 
         request,
         "service.html",
         health=services.health(),
-        troubles=services.assignments.troubles(),
+        troubles=own_troubles(services, visitor.caller),
         costs=costly,
         space=None if visitor.caller.course is None else space(services, visitor.caller),
         version=__version__,

@@ -35,7 +35,7 @@ def read_all(
         submission=submission,
         person=person(names(services, visitor.caller), submission.student),
         gradings=history(services, visitor.caller, submission.id),
-        titles={one.id: one.title for one in services.assignments.all()},
+        titles={one.id: one.title for one in services.assignments.of(visitor.caller.course).all()},
     )
 
 

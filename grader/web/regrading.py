@@ -140,7 +140,7 @@ def _list(
     order: Order,
     wrong: FormError | None = None,
 ) -> Response:
-    assignments = services.assignments.all()
+    assignments = services.assignments.of(visitor.caller.course).all()
     return page(
         request,
         "regrades.html",
@@ -164,7 +164,7 @@ def _one(  # noqa: PLR0913, PLR0917
 ) -> Response:
     regrade = regrade_of(services, visitor.caller, regrade_id)
     known, language = names(services, visitor.caller), language_of(request)
-    assignment = published(services, regrade.wanted.assignment)
+    assignment = published(services, visitor.caller, regrade.wanted.assignment)
     values: dict[str, Any] = {
         "regrade": regrade,
         "title": regrade.wanted.assignment if assignment is None else assignment.title.get(language),

@@ -13,6 +13,7 @@ from grader.web import (
     gradings,
     guide,
     judging,
+    own_pages,
     people_pages,
     regrading,
     rule_pages,
@@ -43,6 +44,7 @@ ROUTERS = (
     rules_at_once.router,
     people_pages.router,
     course_pages.router,
+    own_pages.router,
     similar_pages.router,
 )
 

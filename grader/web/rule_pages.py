@@ -62,7 +62,7 @@ def overview_page(  # noqa: PLR0913
     known = services.rules.of(visitor.caller.course)
     teller = Teller(language_of(request), known.zone)
     lines = []
-    for assignment in services.assignments.all():
+    for assignment in services.assignments.of(visitor.caller.course).all():
         rules = known.of(assignment.id)
         late = teller.late(asdict(rules.late), in_full=False)
         lines.append((assignment.of_course(known.distro), rules, late, len(known.extended(assignment.id))))
@@ -107,7 +107,7 @@ def read(  # noqa: PLR0913, PLR0917
     saved: Annotated[str, Query(pattern="^(|rules|extension)$")] = "",
 ) -> Response:
     """Show the rules of one assignment and who got more; `student` fills the form of extensions."""
-    assignment = require_published(services, assignment_id)
+    assignment = require_published(services, visitor.caller, assignment_id)
     known = services.rules.of(visitor.caller.course)
     extension = _extension_form(known, assignment.id, student)
     return _page(request, services, visitor, assignment, extension=extension, saved=saved)
@@ -122,7 +122,7 @@ def change(
     form: Annotated[RuleForm, Form()],
 ) -> Response:
     """Put new rules in place of the old ones, or show the form again with what is wrong at its fields."""
-    assignment = require_published(services, assignment_id)
+    assignment = require_published(services, visitor.caller, assignment_id)
     known = course_rules(services, visitor.caller, assignment.id)
     reader = Reader(known.zone)
     items = frozenset(item.id for item in assignment.items)
@@ -151,7 +151,7 @@ def extend(
     form: Annotated[ExtensionForm, Form()],
 ) -> Response:
     """Give one student more, or show the form again; an empty extension takes back what there was."""
-    assignment = require_published(services, assignment_id)
+    assignment = require_published(services, visitor.caller, assignment_id)
     known = course_rules(services, visitor.caller, assignment.id)
     student = form.student.strip()
     reader = Reader(known.zone)

@@ -30,7 +30,7 @@ def read(
     section: SectionName,
 ) -> Response:
     """Show due date and lateness of a section, those of the course if it has none of its own."""
-    assignment = require_published(services, assignment_id)
+    assignment = require_published(services, visitor.caller, assignment_id)
     known = course_rules(services, visitor.caller, assignment.id)
     return _page(request, known, assignment, section)
 
@@ -46,7 +46,7 @@ def change(  # noqa: PLR0913, PLR0917
     remove: Annotated[bool, Form()] = False,
 ) -> Response:
     """Put a rule in place of the section's old one, or take that back, or show what is wrong."""
-    assignment = require_published(services, assignment_id)
+    assignment = require_published(services, visitor.caller, assignment_id)
     known = course_rules(services, visitor.caller, assignment.id)
     reader = Reader(known.zone)
     rules = known.of(assignment.id)

@@ -8,6 +8,7 @@ from typing import Annotated
 from fastapi import APIRouter, Depends, Query, Request, Response
 from starlette.concurrency import run_in_threadpool
 
+from grader.contracts.identity import Caller
 from grader.contracts.text import Language
 from grader.similarity.places import Range
 from grader.store.scripts import HandedIn
@@ -59,7 +60,7 @@ async def read_similar(
             for pair in (*found.pairs, *found.same_drives)
             for one in (pair.first, pair.second)
         }
-        title = _title(services, assignment_id, language_of(request))
+        title = _title(services, visitor.caller, assignment_id, language_of(request))
         return page(request, "similar.html", title=title, similar=found, people=people)
 
     return await run_in_threadpool(made)
@@ -78,7 +79,7 @@ async def read_pair(  # noqa: PLR0913, PLR0917
     shown = await side_by_side(services, visitor.caller, assignment_id, first, second)
 
     def made() -> Response:
-        title = _title(services, assignment_id, language_of(request))
+        title = _title(services, visitor.caller, assignment_id, language_of(request))
         scripts = _scripts(services, visitor, shown)
         return page(
             request,
@@ -92,8 +93,8 @@ async def read_pair(  # noqa: PLR0913, PLR0917
     return await run_in_threadpool(made)
 
 
-def _title(services: Services, assignment_id: str, language: Language) -> str:
-    assignment = published(services, assignment_id)
+def _title(services: Services, caller: Caller, assignment_id: str, language: Language) -> str:
+    assignment = published(services, caller, assignment_id)
     return assignment_id if assignment is None else assignment.title.get(language)
 
 

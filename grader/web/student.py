@@ -95,7 +95,7 @@ def take_file(  # noqa: PLR0913, PLR0917
 def read_attempts(request: Request, services: ServicesDep, visitor: VisitorDep) -> Response:
     """Show the student's earlier attempts, newest first."""
     access.require_known(visitor)
-    titles = {one.id: one.title for one in services.assignments.all()}
+    titles = {one.id: one.title for one in services.assignments.of(visitor.caller.course).all()}
     own = _attempts(services, visitor)
     return page(
         request,

@@ -71,7 +71,7 @@ def read(  # noqa: PLR0913
     found = submissions.read(services, visitor.caller, submission_id)
     submission = found.submission
     access.require_own(visitor, submission)
-    assignment = published(services, submission.assignment)
+    assignment = published(services, visitor.caller, submission.assignment)
     return page(
         request,
         "submission.html",

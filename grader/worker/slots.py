@@ -27,6 +27,7 @@ from grader.store.queue import Queue
 from grader.store.work import Doorbell, WorkSource
 from grader.store.workers import Workers
 from grader.telemetry.context import about
+from grader.worker.examiner import Uploads
 
 _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
@@ -48,6 +49,7 @@ class WorkerParts:
         probe: tries the sandbox of this host; called before work is taken, and again while it is not ready.
         observer: is told how gradings went.
         work: tells the slots when to look for work; by default the doorbell and a look every `poll_s`.
+        uploads: assignments whose scripts are to be run; by default that is left to other workers.
     """
 
     queue: Queue
@@ -59,6 +61,7 @@ class WorkerParts:
     clock: Clock
     observer: GradingObserver = field(default_factory=Unobserved)
     work: WorkSource | None = None
+    uploads: Uploads | None = None
 
 
 class SandboxHealth:
@@ -185,7 +188,8 @@ class GradingSlot:
         begun_s = time.monotonic()
         running = threading.Event()
         try:
-            assignment = self._parts.assignments.get(claim.assignment).of_course(claim.distro)
+            known = self._parts.assignments.of(claim.course)
+            assignment = known.get(claim.assignment).of_course(claim.distro)
             job = GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment)
             self._grader.start()
             result = _checked(self._grader.grade(job, running.set), claim)

@@ -6,13 +6,14 @@ import secrets
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
 from grader.contracts.errors import InfrastructureError
 from grader.store.work import PolledWork
 from grader.telemetry.context import bound
+from grader.worker.examiner import Examiner
 from grader.worker.heart import Heart
 from grader.worker.slots import GradingSlot, SandboxHealth, WorkerParts
 
@@ -46,6 +47,7 @@ class Worker:
         ]
         self._work = parts.work or PolledWork(parts.doorbell, config.poll_s)
         self._heart = Heart(self.id, self._slots, parts, self._sandbox, config.heartbeat_s)
+        self._examiner = _examiner(parts, lambda: self._sandbox.state.ready) if config.slots else None
         self._threads = [
             threading.Thread(target=self._work_on, args=(slot,), name=f"grader-slot-{number}", daemon=True)
             for number, slot in enumerate(self._slots)
@@ -57,12 +59,16 @@ class Worker:
         self._work.start(len(self._slots), lambda: self._sandbox.state.ready)
         for thread in self._threads:
             thread.start()
+        if self._examiner is not None:
+            self._examiner.start()
 
     def stop(self) -> None:
         """Take no more work, let running gradings finish, and return to the queue what takes too long."""
         for slot in self._slots:
             slot.stop()
         self._work.drain()
+        if self._examiner is not None:
+            self._examiner.stop(_ABORT_S)
         self._join(self._config.drain_s)
         self._heart.stop(_ABORT_S)
         with _database_may_be_away():
@@ -85,6 +91,12 @@ class Worker:
         deadline_s = time.monotonic() + timeout_s
         for thread in self._threads:
             thread.join(max(0.0, deadline_s - time.monotonic()))
+
+
+def _examiner(parts: WorkerParts, ready: Callable[[], bool]) -> Examiner | None:
+    if parts.uploads is None:
+        return None
+    return Examiner(parts.uploads, parts.assignments, ready=ready, students_wait=parts.queue.waits_in_turn)
 
 
 @contextmanager

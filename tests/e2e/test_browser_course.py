@@ -3,12 +3,15 @@
 import os
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import httpx
 import pytest
 
+from grader.catalog import default_root
 from grader.contracts.regrade import Regrade
+from grader.examination.zipped import packed
 from grader.use_cases.regrading import regrade_of
 from tests.e2e.chromium import PHONE, Browser
 from tests.e2e.school import ESSAY, School, school
@@ -193,3 +196,22 @@ def test_every_control_has_a_name(wang: Browser) -> None:
     for page in ("/class/regrades", "/class/rules/square", "/class/judgements", "/class/gradebook"):
         wang.open(page)
         assert wang.nameless("a, button, input:not([type=hidden]), select, textarea, [role=group], nav") == []
+
+
+def test_an_uploaded_assignment_is_examined_and_tried(wang: Browser, tmp_path: Path) -> None:
+    """First with a mistake in its file, then right: the worker runs its scripts, the staff see it."""
+    folder = default_root() / "calculation"
+    files = {str(one.relative_to(folder)): one.read_bytes() for one in folder.rglob("*") if one.is_file()}
+    right = files["assignment.yaml"].replace(b"id: calculation", b"id: walk_time")
+    zipped = tmp_path / "walk_time.zip"
+    wang.click('.sections a[href="/class/own"]')
+    for spec in (right.replace(b"points: 80", b"points: many"), right):
+        zipped.write_bytes(packed("walk_time", {**files, "assignment.yaml": spec}))
+        wang.one("#file").send_keys(str(zipped))
+        wang.click("form[aria-labelledby=upload] button")
+        if spec != right:
+            assert "items.0.points" in wang.says("main table")
+    wang.until(lambda: wang.open("/class/own") or "Can be used" in wang.says("main"))
+    wang.until(
+        lambda: wang.open("/assignments/walk_time") or "Question: time for a square" in wang.says("h1")
+    )

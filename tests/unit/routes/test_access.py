@@ -101,6 +101,10 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "post /api/v1/members/{person}/tokens": (401, 401, 403, 403, 403, 201, 403, 404),
     "get /api/v1/course": STAFF,
     "get /api/v1/course/space": STAFF,
+    "get /api/v1/course/assignments": STAFF,
+    "post /api/v1/course/assignments": (401, 401, 403, 403, 403, 422, 403, 422),  # it is no zip
+    "get /api/v1/course/assignments/{assignment_id}/folder.zip": (401, 401, 403, 403, 403, 404, 403, 404),
+    "delete /api/v1/course/assignments/{assignment_id}": (401, 401, 403, 403, 403, 404, 403, 404),
     "get /api/v1/course/export.zip": INSTRUCTORS,
     "post /api/v1/course/retention": INSTRUCTORS,
     "post /api/v1/members/{person}/forget": (401, 401, 403, 403, 403, 200, 403, 404),
@@ -171,6 +175,10 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "post /api/v1/members/{person}/tokens": (401, 401, 404),
     "get /api/v1/course": (401, 401, 409),
     "get /api/v1/course/space": (401, 401, 409),
+    "get /api/v1/course/assignments": OPERATOR_ONLY,
+    "post /api/v1/course/assignments": (401, 401, 409),
+    "get /api/v1/course/assignments/{assignment_id}/folder.zip": (401, 401, 404),
+    "delete /api/v1/course/assignments/{assignment_id}": (401, 401, 409),
     "get /api/v1/course/export.zip": (401, 401, 409),
     "post /api/v1/course/retention": (401, 401, 409),
     "post /api/v1/members/{person}/forget": (401, 401, 409),
@@ -211,6 +219,8 @@ def send(
         }
     if operation == "post /api/v1/members/import":
         body = {"files": {"file": ("class.csv", b"id,name\nzhou,x\n")}}
+    if operation == "post /api/v1/course/assignments":
+        body = {"files": {"file": ("walk.zip", b"none")}}
     if operation == "post /api/v1/gradebook/fill":
         body = {"files": {"file": ("s.csv", b"id,points\nli,\n")}, "params": {"column": "points"}}
     if operation == "post /api/v1/members/{person}/tokens":

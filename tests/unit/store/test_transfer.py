@@ -24,6 +24,7 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.judgements import Given, Judgements
+from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -82,6 +83,8 @@ def fill(database: Database) -> str:
     Comments(database).add(claim.submission_id, "好", 1, signed, by_student=False)
     asked = Asked(item="timer", reason="为什么？", attempt=1, earned=0.1, points=45.0)
     Appeals(database).ask(claim.submission_id, asked, signed)
+    new = NewOwnAssignment(assignment="walk", version=1, content=b"PK\0", reading=b"{}")
+    OwnAssignments(database, clock).add(new, signed)
     now = clock()
     state = {"id": "h:1", "slots": 2, "busy": 0, "sandbox_ready": True, "isolation": "strict", "detail": ""}
     Workers(database, clock).report(WorkerState(**state, started_at=now, seen_at=now))

@@ -32,8 +32,14 @@ class Shipped:
     def all(self):
         return self._all
 
+    def of(self, course):
+        return self
+
     def troubles(self):
         return {}
+
+    def given_code(self):
+        return ()
 
     def get(self, assignment_id: str):
         for one in self._all:

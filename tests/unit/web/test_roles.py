@@ -102,6 +102,10 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/people/{person}/token": (303, 403, 403, 403, 200, 404),
     "POST /class/people/{person}/remove": CHANGES,
     "GET /class/course": STAFF,
+    "GET /class/own": STAFF,
+    "POST /class/own": (303, 403, 403, 403, 422, 422),  # it is no zip
+    "GET /class/own/{assignment_id}/folder.zip": (303, 403, 403, 403, 404, 404),
+    "POST /class/own/{assignment_id}/remove": (303, 403, 403, 403, 404, 404),
     "GET /class/course/export.zip": INSTRUCTORS,
     "POST /class/course/erase": (303, 403, 403, 403, 303, 303),
     "POST /class/course/forget": (303, 403, 403, 403, 422, 422),  # the second id is another one
@@ -200,6 +204,8 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
             kwargs["files"] = {"file": ("square.py", role.encode())}
         if operation == "POST /class/people/preview":
             kwargs["files"] = {"file": ("class.csv", b"id,name\nnew,x\n")}
+        if operation == "POST /class/own":
+            kwargs["files"] = {"file": ("walk.zip", b"none")}
         if operation == "POST /class/gradebook/fill":
             kwargs["files"] = {"file": ("sheet.csv", b"id,points\nli,\n")}
             kwargs["data"] = {**data, "column": "points", "assignment": ""}

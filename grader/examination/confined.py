@@ -1,0 +1,78 @@
+"""The process that reads one uploaded folder: its path as argument, a `Reading` as JSON on standard output.
+
+Once everything is imported it gives away what it does not need: it may read Python's files and the folder, write
+nothing, speak to no network, and has little memory and time. Where the kernel has no Landlock, the limits of
+memory, time and files remain.
+"""
+
+import json
+import resource
+import sys
+from pathlib import Path
+
+from grader import contracts
+from grader.catalog import Catalog
+from grader.catalog.document import Document
+from grader.catalog.files import SPEC_NAME
+from grader.catalog.misfits import refusals
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import AssignmentError
+from grader.contracts.record import to_plain
+from grader.examination import misfits
+from grader.examination.reading import TOO_MUCH, Reading, misfits_of
+from grader.jail import landlock, libc
+
+MAX_MEMORY_BYTES = 1536 * 1024 * 1024
+MAX_CPU_S = 20
+
+
+def main(folder: Path) -> int:
+    """Read; return 0, or `TOO_MUCH`."""
+    _confine(folder)
+    try:
+        reading = _read(folder)
+    except (MemoryError, RecursionError):
+        return TOO_MUCH
+    sys.stdout.write(json.dumps(reading, default=to_plain))
+    return 0
+
+
+def _read(folder: Path) -> Reading:
+    catalog = Catalog(folder.parent)
+    try:
+        document = Document.read(folder / SPEC_NAME)
+        assignment = document.assignment()
+        wrong = catalog.wrong_attempts(folder.name)
+        for name in ("solution", "starter"):
+            catalog.own_file(assignment, name)
+        _check(catalog, assignment)
+    except AssignmentError as error:
+        return Reading(misfits=misfits_of(error, str(folder)))
+    return Reading(assignment=assignment, wrong=wrong)
+
+
+def _check(catalog: Catalog, assignment: Assignment) -> None:
+    found = [(catalog.place(assignment.id, field), told) for field, told in misfits(assignment)]
+    if found:
+        raise refusals(found)
+
+
+def _confine(folder: Path) -> None:
+    limits = {
+        resource.RLIMIT_AS: MAX_MEMORY_BYTES,
+        resource.RLIMIT_CPU: MAX_CPU_S,
+        resource.RLIMIT_FSIZE: 0,
+        resource.RLIMIT_CORE: 0,
+        resource.RLIMIT_NOFILE: 64,
+    }
+    for name, bound in limits.items():
+        resource.setrlimit(name, (bound, bound))
+    if landlock.abi_version():
+        package = Path(contracts.__path__[0]).parents[1]
+        readable = {sys.prefix, sys.base_prefix, str(package), str(folder.parent), *filter(None, sys.path)}
+        libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
+        landlock.restrict_self(landlock.create_ruleset(sorted(readable), ()))
+
+
+if __name__ == "__main__":
+    sys.exit(main(Path(sys.argv[1])))

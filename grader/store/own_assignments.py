@@ -1,0 +1,249 @@
+"""Assignments that were uploaded to courses: kept, handed to workers that run their scripts, taken or refused.
+
+The row of an upload is the truth, as a submission's is in `grader.store.queue`: a worker claims it under a lease,
+and writes only while its claim is the latest (`tries` fences). What is stored of an assignment is the upload that
+the course uses and, if there is one, a later one that waits or was refused.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+
+from sqlalchemy import ColumnElement, and_, delete, exists, func, or_, select, update
+from sqlmodel import Session, col
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.own_assignment import Examined, OwnAssignment, OwnState
+from grader.contracts.record import from_json
+from grader.contracts.rules import Rules, Shown
+from grader.store.audit import Signature, record
+from grader.store.clock import Clock
+from grader.store.database import Database, one_at_a_time
+from grader.store.rules import add_rules
+from grader.store.tables import OwnAssignmentRow, RulesRow, SubmissionRow, as_contract, table_of
+
+LEASE_S = 600.0
+"""Longer than any script of an assignment runs; a claim is renewed before each."""
+
+_TROUBLE_CHARACTERS = 2_000
+_row = OwnAssignmentRow
+Mark = tuple[int, datetime]
+"""Which upload it is, also after one was removed and its number given again."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewOwnAssignment:
+    """An upload that was read: the folder as a zip, and what reading it gave, as JSON."""
+
+    assignment: str
+    version: int
+    content: bytes
+    reading: bytes
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OwnClaim:
+    """The right of one worker to examine an upload until its lease ends; `tries` fences."""
+
+    course: str
+    assignment: str
+    number: int
+    tries: int
+    content: bytes
+    reading: bytes
+
+
+class OwnAssignments:
+    """Keeps uploads of assignments; safe to share between threads."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database = database
+        self._clock = clock
+
+    def of(self, course: str) -> tuple[OwnAssignment, ...]:
+        """Return all that is stored of a course's own assignments, by id and then by age."""
+        with self._database.reading() as session:
+            rows = session.execute(
+                select(_row)
+                .where(col(_row.course) == course)
+                .order_by(col(_row.assignment), col(_row.number))
+            ).scalars()
+            return tuple(_contract(one) for one in rows)
+
+    def marks(self) -> Mapping[tuple[str, str], Mark]:
+        """Return by course and assignment which upload is used."""
+        ready = select(_row.course, _row.assignment, _row.number, _row.uploaded_at).where(  # type: ignore[call-overload]
+            col(_row.state) == OwnState.READY.value
+        )
+        with self._database.reading() as session:
+            found = session.execute(ready.order_by(col(_row.number)))
+            return {(course, assignment): (number, at) for course, assignment, number, at in found}
+
+    def reading(self, course: str, assignment: str, number: int) -> bytes | None:
+        """Return what reading an upload gave; None when it is not there any more."""
+        with self._database.reading() as session:
+            row = session.get(_row, (course, assignment, number))
+            return None if row is None else row.reading
+
+    def in_use(self, course: str) -> Mapping[str, bytes]:
+        """Return by assignment the folders that a course uses, as zips."""
+        ready = col(_row.course) == course, col(_row.state) == OwnState.READY.value
+        with self._database.reading() as session:
+            rows = session.execute(select(_row).where(*ready).order_by(col(_row.number))).scalars()
+            return {one.assignment: one.content for one in rows}
+
+    def content(self, course: str, assignment: str) -> bytes | None:
+        """Return the folder of the latest upload as a zip; None when there is none."""
+        of = col(_row.course) == course, col(_row.assignment) == assignment
+        latest = select(col(_row.content)).where(*of).order_by(col(_row.number).desc()).limit(1)
+        with self._database.reading() as session:
+            return session.execute(latest).scalar_one_or_none()
+
+    def add(self, new: NewOwnAssignment, signed: Signature) -> None:
+        """Keep an upload, which waits to be examined, in place of one that the course does not use.
+
+        Without rules the assignment begins as a draft: students see it when somebody publishes it.
+
+        Raises:
+            RefusedError: the course is archived.
+        """
+        course = signed.course or ""
+        with self._database.writing() as session:
+            one_at_a_time(session, "course", course)
+            of = col(_row.course) == course, col(_row.assignment) == new.assignment
+            last = session.execute(select(func.max(col(_row.number))).where(*of)).scalar() or 0
+            session.execute(delete(_row).where(*of, col(_row.state) != OwnState.READY.value))
+            session.add(
+                OwnAssignmentRow(
+                    course=course,
+                    assignment=new.assignment,
+                    number=last + 1,
+                    version=new.version,
+                    state=OwnState.WAITING.value,
+                    content=new.content,
+                    reading=new.reading,
+                    examined=b"{}",
+                    uploaded_at=signed.at,
+                    uploaded_by=signed.actor,
+                    not_before=signed.at,
+                )
+            )
+            if session.get(RulesRow, (course, new.assignment)) is None:
+                add_rules(session, new.assignment, Rules(shown=Shown.DRAFT), signed)
+            after = {"version": new.version, "size_bytes": len(new.content)}
+            record(session, signed, "assignment.upload", f"assignment {new.assignment}", after=after)
+
+    def remove(self, assignment: str, signed: Signature, reason: str = "") -> None:
+        """Remove all that was uploaded of an assignment.
+
+        Raises:
+            RefusedError: there is none, something was handed in for it, or the course is archived.
+        """
+        course = signed.course or ""
+        with self._database.writing() as session:
+            one_at_a_time(session, "course", course)
+            of = col(_row.course) == course, col(_row.assignment) == assignment
+            version = session.execute(select(func.max(col(_row.version))).where(*of)).scalar()
+            if version is None:
+                raise RefusedError("assignment_not_found")
+            if _handed_in(session, course, assignment):
+                raise RefusedError("assignment_in_use")
+            session.execute(delete(_row).where(*of))
+            subject = f"assignment {assignment}"
+            record(session, signed, "assignment.remove", subject, before={"version": version}, reason=reason)
+
+    def claim(self) -> OwnClaim | None:
+        """Take the upload that waits longest for its scripts to be run; None when none is due."""
+        now = self._clock()
+        due = (
+            select(_row)
+            .where(
+                col(_row.state) == OwnState.WAITING.value,
+                col(_row.not_before) <= now,
+                or_(col(_row.lease_until).is_(None), col(_row.lease_until) < now),
+            )
+            .order_by(col(_row.uploaded_at))
+            .limit(1)
+        )
+        with self._database.reading() as session:  # an idle look takes no write lock
+            if session.execute(due).first() is None:
+                return None
+        with self._database.writing() as session:
+            row = session.execute(due.with_for_update(skip_locked=True)).scalar_one_or_none()
+            if row is None:
+                return None
+            row.lease_until = now + timedelta(seconds=LEASE_S)
+            row.tries += 1
+            return as_contract(row, OwnClaim)
+
+    def renew(self, claim: OwnClaim) -> bool:
+        """Begin the lease anew; False when the claim is not the latest, or the upload is gone."""
+        return self._write(claim, {"lease_until": self._clock() + timedelta(seconds=LEASE_S)})
+
+    def finish(self, claim: OwnClaim, examined: bytes, *, ready: bool, reading: bytes | None = None) -> bool:
+        """Take an upload, or refuse it; False when the claim is void.
+
+        Args:
+            claim: which upload.
+            examined: what running its scripts showed, as JSON.
+            ready: the course uses it from now on, and those before it are not kept.
+            reading: what reading it gave, if running the scripts added something.
+        """
+        state = OwnState.READY if ready else OwnState.REFUSED
+        values = {"state": state.value, "examined": examined, "lease_until": None, "trouble": ""}
+        return self._write(claim, values if reading is None else {**values, "reading": reading}, ready=ready)
+
+    def hand_back(self, claim: OwnClaim, trouble: str, pause_s: float) -> bool:
+        """Let an upload wait again, through no fault of its own."""
+        return self._write(
+            claim,
+            {
+                "lease_until": None,
+                "not_before": self._clock() + timedelta(seconds=pause_s),
+                "trouble": trouble[:_TROUBLE_CHARACTERS],
+            },
+        )
+
+    def _write(self, claim: OwnClaim, values: Mapping[str, object], *, ready: bool = False) -> bool:
+        of = and_(col(_row.course) == claim.course, col(_row.assignment) == claim.assignment)
+        latest = (
+            col(_row.number) == claim.number,
+            col(_row.tries) == claim.tries,
+            col(_row.state) == OwnState.WAITING.value,
+        )
+        with self._database.writing() as session:
+            written: int = session.execute(update(_row).where(of, *latest).values(**values)).rowcount  # type: ignore[attr-defined]
+            if ready and written:
+                session.execute(delete(_row).where(of, col(_row.number) < claim.number))
+            return written == 1
+
+
+def copy_own_assignments(session: Session, course: str, signed: Signature) -> None:
+    """Give the course of `signed` the assignments that another one uses, examined as they are."""
+    ready = col(_row.course) == course, col(_row.state) == OwnState.READY.value
+    fresh = {"course": signed.course, "number": 1, "uploaded_at": signed.at, "uploaded_by": signed.actor}
+    for row in session.execute(select(_row).where(*ready)).scalars().all():
+        values = {one.name: getattr(row, one.name) for one in table_of(_row).columns}
+        session.add(OwnAssignmentRow(**{**values, **fresh}))
+
+
+def _handed_in(session: Session, course: str, assignment: str) -> bool:
+    of: tuple[ColumnElement[bool], ...] = (
+        col(SubmissionRow.course) == course,
+        col(SubmissionRow.assignment) == assignment,
+    )
+    return bool(session.execute(select(exists().where(*of))).scalar())
+
+
+def _contract(row: OwnAssignmentRow) -> OwnAssignment:
+    return OwnAssignment(
+        assignment=row.assignment,
+        number=row.number,
+        version=row.version,
+        state=OwnState(row.state),
+        uploaded_at=row.uploaded_at,
+        uploaded_by=row.uploaded_by,
+        examined=from_json(Examined, row.examined),
+        trouble=row.trouble,
+        size_bytes=len(row.content),
+    )

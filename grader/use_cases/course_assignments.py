@@ -1,0 +1,145 @@
+"""The assignments of each course: those of every course, from folders, and those that were uploaded to it."""
+
+import logging
+import threading
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from grader.catalog.misfits import refusals
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import UnknownAssignmentError
+from grader.contracts.grading import AssignmentSource
+from grader.contracts.record import from_json
+from grader.contracts.text import Text
+from grader.examination import misfits
+from grader.examination.reading import Reading
+from grader.examination.zipped import unpacked
+from grader.store.own_assignments import Mark, OwnAssignments
+
+_log = logging.getLogger(__name__)
+_FRESH_S = 0.5
+_GIVEN = ("starter.py", "solution.py")
+_OUTDATED = Text(
+    zh="服务升级后这个作业的文件要重新上传",
+    en="the service was upgraded since this was uploaded; upload the folder again",
+)
+_TAKEN = Text(
+    zh="安装里现在有同名的作业：请改 id 再上传",
+    en="every course has an assignment of this id now; choose another id and upload the folder again",
+)
+
+
+class CourseAssignments:
+    """Every course's assignments, and by `of` those of one course; thread-safe.
+
+    What is uploaded to a course is read again when the last look is half a second old. An upload
+    that this version of the grader cannot use disables only itself: `troubles` of its course names it.
+    """
+
+    def __init__(
+        self,
+        shared: AssignmentSource,
+        own: OwnAssignments,
+        monotonic_s: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._shared = shared
+        self._own = own
+        self._monotonic_s = monotonic_s
+        self._lock = threading.Lock()
+        self._read_at_s: float | None = None
+        self._known: dict[tuple[str, str], tuple[Mark, Assignment | Text]] = {}
+
+    def of(self, course: str | None) -> AssignmentSource:
+        """Return the assignments of one course."""
+        if course is None:
+            return self._shared
+        with self._lock:
+            self._refresh()
+            uploaded = {id_: one for (of, id_), (_, one) in self._known.items() if of == course}
+        return _OfCourse(self._shared, self._own, course, uploaded) if uploaded else self._shared
+
+    def all(self) -> tuple[Assignment, ...]:
+        """Return those of every course, in the order of the checklist."""
+        return self._shared.all()
+
+    def get(self, assignment_id: str) -> Assignment:
+        """Return one of every course's, or raise UnknownAssignmentError."""
+        return self._shared.get(assignment_id)
+
+    def troubles(self) -> Mapping[str, Text]:
+        """Return by id what is wrong with those of every course."""
+        return self._shared.troubles()
+
+    def given_code(self) -> tuple[bytes, ...]:
+        """Return the scripts that every student of every course can read."""
+        return self._shared.given_code()
+
+    def _refresh(self) -> None:
+        now_s = self._monotonic_s()
+        if self._read_at_s is not None and now_s - self._read_at_s < _FRESH_S:
+            return
+        known = {}
+        for key, mark in self._own.marks().items():
+            before = self._known.get(key)
+            known[key] = (mark, self._read(key, mark)) if before is None or before[0] != mark else before
+        self._known, self._read_at_s = known, now_s
+
+    def _read(self, key: tuple[str, str], mark: Mark) -> Assignment | Text:
+        course, assignment_id = key
+        content = self._own.reading(course, assignment_id, mark[0]) or b""
+        try:
+            assignment = from_json(Reading, content).assignment
+        except ValueError as error:
+            _log.error("assignment %s of course %s cannot be used: %s", assignment_id, course, error)
+            return _OUTDATED
+        if assignment is None:
+            return _OUTDATED
+        found = misfits(assignment)
+        if found:
+            told = refusals(found)
+            return Text(zh=told.told("zh"), en=told.told("en"))
+        return assignment
+
+
+@dataclass(frozen=True, slots=True)
+class _OfCourse:
+    """The assignments of one course at one moment."""
+
+    shared: AssignmentSource
+    stored: OwnAssignments
+    course: str
+    uploaded: Mapping[str, Assignment | Text]
+
+    def of(self, course: str | None) -> "_OfCourse":
+        return self
+
+    def all(self) -> tuple[Assignment, ...]:
+        shared = self.shared.all()
+        taken = {one.id for one in shared}
+        own = [one for id_, one in self.uploaded.items() if isinstance(one, Assignment) and id_ not in taken]
+        return tuple(sorted((*shared, *own), key=lambda one: (one.order, one.id)))
+
+    def get(self, assignment_id: str) -> Assignment:
+        try:
+            return self.shared.get(assignment_id)
+        except UnknownAssignmentError:
+            own = self.uploaded.get(assignment_id)
+            if isinstance(own, Assignment):
+                return own
+            raise
+
+    def troubles(self) -> Mapping[str, Text]:
+        taken = {one.id for one in self.shared.all()}
+        told = dict(self.shared.troubles())
+        for id_, one in self.uploaded.items():
+            if id_ in taken:
+                told[id_] = _TAKEN
+            elif isinstance(one, Text):
+                told[id_] = one
+        return told
+
+    def given_code(self) -> tuple[bytes, ...]:
+        folders = [unpacked(one) for one in self.stored.in_use(self.course).values()]
+        own = tuple(files[name] for files in folders for name in _GIVEN if name in files)
+        return (*self.shared.given_code(), *own)

@@ -1,0 +1,149 @@
+"""Assignments that instructors upload to their course: taken in, shown, downloaded, removed."""
+
+import json
+from dataclasses import replace
+
+from grader.catalog.files import SPEC_NAME
+from grader.catalog.refreshed import same_version
+from grader.contracts.assignment import Assignment
+from grader.contracts.errors import AssignmentError, RefusedError, UnknownAssignmentError
+from grader.contracts.identity import Caller
+from grader.contracts.own_assignment import Misfit, OwnAssignment, OwnState
+from grader.contracts.record import to_plain
+from grader.contracts.text import EMPTY, Text
+from grader.examination.reading import declared_id, misfits_of, read_folder
+from grader.examination.reference import wants_reference
+from grader.examination.zipped import packed, unpacked
+from grader.store.own_assignments import NewOwnAssignment
+from grader.use_cases.callers import require_instructor, require_staff
+from grader.use_cases.services import Services
+
+_TAKEN = Text(
+    zh="每门课程都有同名的作业：换一个 id（和文件夹名）",
+    en="every course has an assignment of this id; choose another one",
+)
+
+
+def own_assignments(services: Services, caller: Caller) -> tuple[OwnAssignment, ...]:
+    """Return what was uploaded to the caller's course; nothing without courses.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    require_staff(caller)
+    return () if caller.course is None else services.own_assignments.of(caller.course)
+
+
+def own_troubles(services: Services, caller: Caller) -> dict[str, Text]:
+    """Return by id what is wrong with assignments of the caller's course: that the last upload was refused, too.
+
+    Raises:
+        RefusedError: the caller may not see the class.
+    """
+    told = dict(services.assignments.of(caller.course).troubles())
+    for one in own_assignments(services, caller):
+        if one.state is OwnState.REFUSED:
+            lines = [(place_of(each), each.told) for each in one.examined.misfits]
+            lines += [(each.script, each.problem) for each in one.examined.verdicts if each.problem != EMPTY]
+            told[one.assignment] = Text(
+                zh="\n".join(f"{place}: {text.zh}" for place, text in lines),
+                en="\n".join(f"{place}: {text.en}" for place, text in lines),
+            )
+    return told
+
+
+def upload(services: Services, caller: Caller, content: bytes) -> OwnAssignment:
+    """Read an assignment's folder and keep it until a worker has run its scripts; then the course can use it.
+
+    Raises:
+        RefusedError: the caller is no instructor, there is no course, it is archived, or the folder is not what
+            an assignment's must be: `errors` then names file, line and field of each problem.
+        InfrastructureError: the folder could not be read, through no fault of its own.
+    """
+    course = _course(services, caller)
+    try:
+        files = unpacked(content)
+    except AssignmentError as error:
+        raise _refused(misfits_of(error)) from None
+    reading = read_folder(files)
+    if reading.assignment is None:
+        raise _refused(reading.misfits)
+    _require_fit(services, caller, reading.assignment)
+    new = NewOwnAssignment(
+        assignment=reading.assignment.id,
+        version=reading.assignment.version,
+        content=packed(declared_id(files), files),
+        reading=json.dumps(reading, default=to_plain).encode(),
+    )
+    services.own_assignments.add(new, services.signature(caller))
+    services.doorbell.ring()
+    return next(
+        one for one in reversed(services.own_assignments.of(course)) if one.assignment == new.assignment
+    )
+
+
+def folder(services: Services, caller: Caller, assignment_id: str) -> bytes:
+    """Return the folder that was uploaded last, as a zip.
+
+    Raises:
+        RefusedError: the caller is no instructor, or nothing of that id was uploaded.
+    """
+    require_instructor(caller)
+    content = (
+        None if caller.course is None else services.own_assignments.content(caller.course, assignment_id)
+    )
+    if content is None:
+        raise RefusedError("assignment_not_found")
+    return content
+
+
+def remove(services: Services, caller: Caller, assignment_id: str, reason: str) -> None:
+    """Remove an uploaded assignment for which nothing was handed in.
+
+    Raises:
+        RefusedError: the caller is no instructor, there is none of that id, or something was handed in.
+    """
+    _course(services, caller)
+    services.own_assignments.remove(assignment_id, services.signature(caller), reason)
+
+
+def _course(services: Services, caller: Caller) -> str:
+    require_instructor(caller)
+    if caller.course is None:
+        raise RefusedError("no_course")
+    return caller.course
+
+
+def _require_fit(services: Services, caller: Caller, new: Assignment) -> None:
+    """Refuse an id that every course has, and a rubric that was changed under its version."""
+    known = services.assignments.of(caller.course)
+    try:
+        before = known.get(new.id)
+    except UnknownAssignmentError:
+        return
+    if before.path is not None and wants_reference(
+        new
+    ):  # what its solution drives is found out by running it
+        before = replace(before, path=replace(before.path, trace=()))
+    mine = {one.assignment for one in own_assignments(services, caller)}
+    if new.id not in mine:
+        raise _refused((Misfit(file=SPEC_NAME, field="id", told=_TAKEN),))
+    error = same_version(before, new)
+    if error is not None:
+        told = Text(zh=error.told("zh"), en=error.told("en"))
+        raise _refused((Misfit(file=SPEC_NAME, field="version", told=told),))
+
+
+def _refused(found: tuple[Misfit, ...]) -> RefusedError:
+    lines = [(place_of(one), one.told) for one in found]
+    detail = Text(
+        zh="\n".join(f"{place}: {told.zh}" for place, told in lines),
+        en="\n".join(f"{place}: {told.en}" for place, told in lines),
+    )
+    return RefusedError("invalid_assignment", detail, field="file", misfits=found)
+
+
+def place_of(one: Misfit) -> str:
+    """Return file, line and field of a problem, as far as they are known."""
+    file = one.file if one.line is None else f"{one.file}:{one.line}"
+    return f"{file}: {one.field}" if one.field else file
