@@ -24,6 +24,7 @@ from grader.catalog.cache import AssignmentMemory
 from grader.catalog.refreshed import RefreshedAssignments
 from grader.contracts.identity import Caller, Role
 from grader.grading.preflight import NoPreflight
+from grader.live.cars import LiveCars
 from grader.settings import Settings
 from grader.store.clock import utc_now
 from grader.store.courses import Courses
@@ -107,6 +108,7 @@ def main() -> None:
         preflight=NoPreflight(),
         plots=PlotCache(draw_stored, 1),
         callers=Callers(Courses(database, utc_now), Tokens(database, utc_now), "unused"),
+        live=LiveCars(0),
     )
     measure(services)
     services.comparer.close()

@@ -22,6 +22,7 @@ from grader.routes import (
     gradebook,
     health,
     judgements,
+    live,
     metrics,
     own_assignments,
     people,
@@ -63,6 +64,7 @@ _ROUTERS = (
     course.router,
     own_assignments.router,
     problems.router,
+    live.router,
     health.router,
     metrics.router,
 )
@@ -82,8 +84,9 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
         async with contextmanager_in_threadpool(opener()) as services:
             app.state.services = services
             app.state.default_language = services.settings.default_language
-            with told_to_stop(services.watching.end):
+            with told_to_stop(lambda: _let_go(services)):
                 yield
+            services.live.stop()
 
     # FastAPI's documentation pages load scripts from other hosts; /openapi.json is for tools
     app = FastAPI(
@@ -95,11 +98,18 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
     app.add_middleware(Observed)  # added last, so around everything else
     problems.install(app)
     events.install(app)
+    live.install(app)
     for router in _ROUTERS:
         app.include_router(router)
     pages.install(app)
     documentation.install(app)
     return app
+
+
+def _let_go(services: Services) -> None:
+    """End what lives as long as its clients, for a service that stops."""
+    services.watching.end()
+    services.live.stop()
 
 
 def _from_environment() -> AbstractContextManager[Services]:

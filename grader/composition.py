@@ -5,6 +5,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from importlib.util import find_spec
 
 from grader.catalog import Catalog
 from grader.catalog.cache import AssignmentMemory
@@ -16,6 +17,7 @@ from grader.contracts.errors import AssignmentError, SandboxError, SettingsError
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
+from grader.live.cars import LiveCars
 from grader.sandbox import script_sandbox, syntax_sandbox
 from grader.settings import Settings, is_loopback
 from grader.store.clock import Clock, clock_of
@@ -39,6 +41,11 @@ _log = logging.getLogger(__name__)
 _SYNTAX_CHECKS = 3  # side by side: one file that keeps the compiler busy does not hold up all uploads
 _EXAMINING = SlotConfig(mode="strict", niceness=19)  # behind every grading
 _ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
+
+
+def websockets_installed() -> bool:
+    """Return whether the extra ``live`` is there."""
+    return find_spec("wsproto") is not None
 
 
 @contextmanager
@@ -68,6 +75,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             preflight=preflight or stack.enter_context(_preflight()),
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
             callers=Callers(courses, Tokens(database, clock), _token(settings, courses)),
+            live=LiveCars(settings.live_cars if websockets_installed() else 0),
         )
         stack.callback(services.plots.close)
         stack.callback(services.comparer.close)

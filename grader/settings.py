@@ -142,6 +142,12 @@ class Settings(BaseSettings):
     streams_per_person: int = Field(
         default=10, ge=1, description="Most streams of events one person may have open."
     )
+    live_cars: int = Field(
+        default=20,
+        ge=0,
+        le=200,
+        description="Most live cars at once, one child process each of about 60 MB; 0: none are offered.",
+    )
     metrics_token: SecretStr | None = Field(
         default=None,
         description="Token that opens `/metrics`, at least 16 characters; without it, only those who may see the "

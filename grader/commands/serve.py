@@ -11,7 +11,7 @@ import sys
 from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import h11
 import uvicorn
@@ -80,9 +80,12 @@ def run(arguments: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
     with listening(settings.host, settings.port) as listener, _running(settings) as services:
         from grader.api import create_app  # takes a second, which nobody waits for whose settings are refused
+        from grader.composition import websockets_installed
+        from grader.live.cars import CLIENTS
 
         app = create_app(lambda: nullcontext(services))
-        server = _Server(app, most_connections(settings.max_streams))
+        live = settings.live_cars if websockets_installed() else 0
+        server = _Server(app, most_connections(settings.max_streams + live * CLIENTS), websockets=live > 0)
         # uvicorn raises the signal once more after it has stopped; that must not look like a failure
         signal.signal(signal.SIGTERM, server.stop)
         if settings.log_format == "json":
@@ -104,14 +107,14 @@ def _running(settings: "Settings") -> AbstractContextManager["Services"]:
 class _Server(uvicorn.Server):
     """uvicorn, whose log lines are the service's, and whose connections are bounded."""
 
-    def __init__(self, app: "FastAPI", most_connections: int) -> None:
+    def __init__(self, app: "FastAPI", most_connections: int, *, websockets: bool = False) -> None:
         config = uvicorn.Config(
             app,
             log_config=None,
             access_log=False,
             server_header=False,
             http=BoundedConnection,
-            ws="none",
+            **_websockets(offered=websockets),
             limit_concurrency=most_connections,
             h11_max_incomplete_event_size=HEADER_BYTES,
         )
@@ -131,6 +134,15 @@ class _Server(uvicorn.Server):
         gc.collect()
         gc.freeze()
         gc.enable()
+
+
+def _websockets(*, offered: bool) -> dict[str, Any]:
+    """Return uvicorn's arguments for websockets."""
+    if not offered:
+        return {"ws": "none"}
+    from grader.live.protocol import SETTINGS, BoundedWebSocket
+
+    return {"ws": BoundedWebSocket, **SETTINGS}
 
 
 def listening(host: str, port: int) -> socket.socket:

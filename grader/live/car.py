@@ -102,15 +102,18 @@ class LiveCar:
     Attributes:
         clients: how many are connected.
         most_clients: how many may be.
+        on_join, on_empty, on_end: called when a client comes, when the last one has gone, when the car has ended.
     """
 
-    def __init__(self, most_clients: int, on_empty: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, most_clients: int) -> None:
         self.most_clients = most_clients
-        self.on_empty = on_empty
+        self.on_join: Callable[[], None] = lambda: None
+        self.on_empty: Callable[[], None] = lambda: None
         self.on_end: Callable[[], None] = lambda: None
         self._clients: dict[int, LiveClient] = {}
         self._numbers = 0
         self._pid = 0
+        self._ended = False
         self._writer: asyncio.StreamWriter | None = None
         self._reading: asyncio.Task[None] | None = None
 
@@ -130,6 +133,7 @@ class LiveCar:
         Raises:
             InfrastructureError: it did not come to that.
         """
+        self._ended = False
         ours, theirs = socket.socketpair()
         try:
             self._pid = _spawn(theirs.fileno())
@@ -139,6 +143,8 @@ class LiveCar:
         finally:
             theirs.close()
         reader, self._writer = await asyncio.open_connection(sock=ours)
+        if self._ended:
+            self.end()
         try:
             await asyncio.wait_for(reader.readexactly(HEAD.size), START_S)
         except (TimeoutError, asyncio.IncompleteReadError, ConnectionError) as error:
@@ -153,6 +159,7 @@ class LiveCar:
         self._numbers += 1
         client = self._clients[self._numbers] = LiveClient(self._numbers, self)
         self.tell(Parcel(OPEN, client.number))
+        self.on_join()
         return client
 
     def leave(self, client: LiveClient) -> None:
@@ -171,7 +178,8 @@ class LiveCar:
             self.end(TRY_AGAIN, "the car does not answer")
 
     def end(self, status: int = GONE, reason: str = "the car has ended") -> None:
-        """End the process and all connections."""
+        """End the process and all connections. A car that is being started ends as soon as it can."""
+        self._ended = True
         for client in self._clients.values():
             client.end(status, reason)
         if self._writer is not None:

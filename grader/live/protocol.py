@@ -1,13 +1,16 @@
 """uvicorn's websocket, bounded: it reads nothing more from a client that does not read what it was sent."""
 
 import asyncio
-from typing import Final, TypedDict
+import logging
+from typing import Any, Final, TypedDict
 
 from uvicorn.protocols.websockets.wsproto_impl import WSProtocol
 
 from grader.sim.rosbridge.frames import MAX_FRAME_BYTES
 
 UNREAD_S: Final = 10.0
+_quiet: Final = logging.getLogger(__name__)
+_quiet.setLevel(logging.WARNING)
 
 
 class WebSocketSettings(TypedDict):
@@ -34,6 +37,10 @@ class BoundedWebSocket(WSProtocol):
     """
 
     _unread: asyncio.TimerHandle | None = None
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        self.logger = _quiet  # its lines would tell the addresses, which open cars
 
     def pause_writing(self) -> None:
         """Wait for the client to read."""

@@ -32,6 +32,9 @@ SUBMISSIONS = "/api/v1/submissions/"
 Address = Annotated[str, BeforeValidator(lambda submission: SUBMISSIONS + submission)]
 """Address of a submission, from its id."""
 
+SESSION_COOKIE = "grader_session"
+"""What a browser keeps in place of a token."""
+
 ENTRY_PROBLEMS = ("unauthorized", "too_many_requests", "too_many_at_once")
 """Problems of every endpoint that asks who it is."""
 

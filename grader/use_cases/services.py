@@ -7,6 +7,7 @@ from typing import Any, Self
 from grader.contracts.grading import AssignmentSource, Preflight
 from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
+from grader.live.cars import LiveCars
 from grader.settings import Settings
 from grader.store.appeals import Appeals
 from grader.store.audit import AuditLog, Signature
@@ -97,11 +98,13 @@ class Services:
     tokens: Tokens
     audit: AuditLog
 
-    # kept in this process: drawn plots, compared scripts, streams of events with their estimates, measurements
+    # kept in this process: drawn plots, compared scripts, streams of events with their estimates, measurements,
+    # live cars, which belong to its event loop
     plots: PlotCache
     comparer: Comparer
     watching: Watching
     metrics: Metrics
+    live: LiveCars
 
     @property
     def doorbell(self) -> Doorbell:
@@ -128,6 +131,7 @@ class Services:
         preflight: Preflight,
         plots: PlotCache,
         callers: Callers,
+        live: LiveCars,
     ) -> Self:
         """Return the services that work on `database`, whose tables are up to date."""
         queue, workers = Queue(database, clock, retries), Workers(database, clock)
@@ -148,6 +152,7 @@ class Services:
             plots=plots,
             comparer=Comparer(Scripts(database)),
             watching=watching,
+            live=live,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
         )
 

@@ -17,6 +17,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
 from grader.routes.dependencies import (
+    SESSION_COOKIE,
     AssignmentId,
     QueryWhole,
     RegradeId,
@@ -38,7 +39,6 @@ __all__ = (
     "SubmissionId",
 )  # what pages read of a request as the JSON interface does
 STUDENT_COOKIE = "grader_student"
-SESSION_COOKIE = "grader_session"
 ENTER = "/enter"
 
 

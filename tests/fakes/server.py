@@ -14,6 +14,8 @@ import uvicorn
 from fastapi import FastAPI
 
 from grader.api import create_app
+from grader.live.car import LiveCar
+from grader.live.cars import CLIENTS, LiveCars
 from grader.settings import Settings
 from grader.store.clock import Clock
 from grader.store.courses import Courses
@@ -57,6 +59,7 @@ def services(
             preflight=FakePreflight(),
             plots=PlotCache(plotter or FakePlotter(), 8),
             callers=Callers(Courses(database, clock), Tokens(database, clock), TOKEN),
+            live=LiveCars(settings.live_cars, make_car=lambda: FakeLiveCar(CLIENTS)),
         )
         with closing(made.watching), closing(made.plots), closing(made.comparer):
             yield made
@@ -100,3 +103,10 @@ def serving(app: FastAPI) -> Iterator[httpx.Client]:
         server.should_exit = True
         thread.join()
         listener.close()
+
+
+class FakeLiveCar(LiveCar):
+    """A live car without a process."""
+
+    async def start(self) -> None:
+        pass

@@ -112,6 +112,9 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "put /api/v1/course/archived": INSTRUCTORS,
     "get /api/v1/audit": INSTRUCTORS,
     "get /api/v1/problems/{code}": EVERYBODY,
+    "post /api/v1/live": (401, 401, 201, 201, 201, 201, 201, 201),
+    "get /api/v1/live": (401, 401, 404, 404, 404, 404, 404, 404),  # nobody has one yet
+    "delete /api/v1/live": (401, 401, 204, 204, 204, 204, 204, 204),
     "get /healthz": (503,) * 8,  # no worker lives in these tests
     "get /metrics": STAFF,
 }
@@ -186,6 +189,9 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "put /api/v1/course/archived": (401, 401, 409),
     "get /api/v1/audit": OPERATOR_ONLY,
     "get /api/v1/problems/{code}": (200, 200, 200),
+    "post /api/v1/live": (409, 401, 409),
+    "get /api/v1/live": (409, 401, 409),
+    "delete /api/v1/live": (409, 401, 409),
     "get /healthz": (503, 503, 503),
     "get /metrics": OPERATOR_ONLY,
 }
