@@ -351,12 +351,29 @@ def _wait_for_disk(connection: Connection, how: str) -> None:
 
 
 def _configure_postgresql(connection: Any, _record: Any) -> None:
+    _send_no_nul(connection)
     connection.autocommit = True
     connection.execute(
         f"SET client_encoding = 'UTF8'; SET lock_timeout = {_LOCK_TIMEOUT_MS}; "
         f"SET idle_in_transaction_session_timeout = {_IDLE_TIMEOUT_MS}"
     )
     connection.autocommit = False
+
+
+def _send_no_nul(connection: Any) -> None:
+    """Have U+FFFD sent for NUL, which PostgreSQL takes in no text: whoever asks for an id with one finds nothing.
+
+    As `PlainText` does for what is stored. SQLite, which takes any text, finds nothing either.
+    """
+    from psycopg.types.string import (
+        StrDumperUnknown,
+    )  # what a string is sent as unless somebody says otherwise
+
+    class _WithoutNul(StrDumperUnknown):
+        def dump(self, obj: str) -> Any:
+            return super().dump(obj.replace("\0", "\ufffd") if "\0" in obj else obj)
+
+    connection.adapters.register_dumper(str, _WithoutNul)
 
 
 def _replace_dead_connections(engine: Engine) -> None:

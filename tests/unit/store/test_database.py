@@ -187,6 +187,11 @@ def test_text_sorts_by_code_point_whatever_the_servers_language(database: Databa
     assert [one.id for one in courses.members("ros")] == sorted(ids)
 
 
+def test_nothing_has_an_id_with_a_nul(submissions: Submissions, database: Database) -> None:
+    assert submissions.get("a\0b") is None
+    assert Courses(database, FakeClock()).member("ros\0", "\0") is None
+
+
 def test_no_text_is_left_to_the_servers_language(postgres_database: Database) -> None:
     collations = (
         "SELECT collname, count(*) FROM pg_attribute JOIN pg_class c ON c.oid = attrelid "
