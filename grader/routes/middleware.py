@@ -11,6 +11,7 @@ import uuid
 from collections.abc import Callable, Coroutine
 from datetime import datetime
 from typing import Any
+from urllib.parse import urlsplit, urlunsplit
 
 from fastapi import Request, Response
 from fastapi.routing import APIRoute
@@ -38,6 +39,7 @@ _HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "private, no-cache",
 }
+_SLASH_REDIRECT = 307
 _WELL_FORMED = re.compile(r"[A-Za-z0-9._-]{8,64}")
 _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _OFTEN_ASKED = frozenset({"/healthz", "/metrics", "/static"})  # by machines; they would fill the log
@@ -50,6 +52,9 @@ class SafeHeaders:
 
     An answer that does not say how long it holds is asked for again each time. Almost all of it is somebody's, and
     from the age of a file browsers would guess that a script is good for months, also after an upgrade.
+
+    An address with a slash too many leads to the one without. Starlette names the host that the request has named,
+    which may be anybody's, and a scheme that is not the one outside unless a proxy tells. Both are left out.
     """
 
     def __init__(self, app: ASGIApp) -> None:
@@ -63,6 +68,8 @@ class SafeHeaders:
                 headers = MutableHeaders(scope=message)
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
+                if message["status"] == _SLASH_REDIRECT:
+                    headers["Location"] = _on_this_host(headers["Location"])
             await send(message)
 
         await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
@@ -248,6 +255,11 @@ class Observed:
             await self._app(scope, receive, send_with_id)
         finally:
             note()
+
+
+def _on_this_host(address: str) -> str:
+    parts = urlsplit(address)
+    return urlunsplit(("", "", "/" + parts.path.lstrip("/"), parts.query, ""))
 
 
 def _request_id(headers: Headers) -> str:

@@ -152,6 +152,16 @@ def test_every_page_carries_the_strict_policy(browser: Browser, path: str) -> No
     assert headers["cache-control"] == "no-store"
 
 
+@pytest.mark.parametrize("path", ["/class/?show=stuck", "/api/v1/submissions/", "/static"])
+def test_an_address_with_another_slash_leads_to_no_other_host(browser: Browser, path: str) -> None:
+    foreign = {"Host": "evil.example", "X-Forwarded-Proto": "https"}
+    answer = browser.client.get(path, headers=foreign, follow_redirects=False)
+    assert answer.status_code == 307
+    assert answer.headers["location"] == {"/static": "/static/"}.get(
+        path, path.replace("/?", "?").rstrip("/")
+    )
+
+
 def test_static_files_are_typed_and_bounded(browser: Browser, services: Services) -> None:
     for name, kind in (
         ("style.css", "text/css"),
