@@ -59,7 +59,8 @@ _MEMORY = "mmap mprotect munmap mremap brk"
 _THREADS = ("rseq set_robust_list set_tid_address exit exit_group rt_sigaction rt_sigprocmask "
             "rt_sigreturn rt_sigpending sigaltstack restart_syscall sched_yield sched_getaffinity "
             "getcpu")  # fmt: skip
-_TIME = "clock_gettime clock_getres gettimeofday time times nanosleep clock_nanosleep"
+_TIME = "gettimeofday time times nanosleep"
+_CLOCKS = "clock_gettime clock_getres clock_nanosleep"
 _WAITING = ("poll ppoll select pselect6 epoll_create1 epoll_create epoll_ctl epoll_wait epoll_pwait "
             "epoll_pwait2 eventfd2 pause")  # fmt: skip
 _IDENTITY = ("getpid getppid gettid getuid geteuid getgid getegid getresuid getresgid getgroups getpgid "
@@ -70,6 +71,8 @@ _SOCKETS = "recvfrom getsockname getpeername shutdown"
 # shim answers for the script's own files), membarrier (for all other processors).
 SYSCALLS: Final[dict[str, tuple[Rule, ...]]] = {
     **dict.fromkeys(" ".join((_FILES, _MEMORY, _THREADS, _TIME, _WAITING, _IDENTITY, _SOCKETS)).split(), ANY),
+    # The host's clocks and its own CPU time. A negative number is the CPU time of any process, or a device.
+    **dict.fromkeys(_CLOCKS.split(), (((0, 0, _LOW_32 & ~0xF),),)),
     # Between its own threads; of those that other processes share, only waiting, as for the end of a thread.
     # Whoever wakes waiters in a page of a library that two runs have mapped could talk to the other one.
     "futex": (

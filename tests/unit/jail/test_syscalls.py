@@ -14,13 +14,16 @@ UNCONDITIONAL = (
     " readlink readlinkat getdents64 getcwd chdir dup dup2 dup3 pipe pipe2 "
     "mmap mprotect munmap mremap brk rseq set_robust_list set_tid_address exit exit_group "
     "rt_sigaction rt_sigprocmask rt_sigreturn rt_sigpending sigaltstack restart_syscall sched_yield "
-    "sched_getaffinity getcpu clock_gettime clock_getres gettimeofday time times nanosleep "
-    "clock_nanosleep poll ppoll select pselect6 epoll_create1 epoll_create epoll_ctl epoll_wait epoll_pwait "
+    "sched_getaffinity getcpu gettimeofday time times nanosleep "
+    "poll ppoll select pselect6 epoll_create1 epoll_create epoll_ctl epoll_wait epoll_pwait "
     "epoll_pwait2 eventfd2 pause getpid getppid gettid getuid geteuid getgid getegid getresuid getresgid "
     "getgroups getpgid getpgrp getsid uname sysinfo getrusage getrlimit getrandom recvfrom getsockname "
     "getpeername shutdown"
 )
 CONDITIONAL = {
+    "clock_getres",
+    "clock_gettime",
+    "clock_nanosleep",
     "clone",
     "futex",
     "prlimit64",
