@@ -56,7 +56,7 @@ class Event:
 
 def bounded(text: str, most_bytes: int) -> bytes:
     """Return `text` as UTF-8, cut at a character so that it fits; lone surrogates become ``?``."""
-    data = text.encode("utf-8", "replace")
+    data = text[:most_bytes].encode("utf-8", "replace")  # a script's text may be as long as its memory
     if len(data) > most_bytes:
         data = data[:most_bytes].decode("utf-8", "ignore").encode()
     return data

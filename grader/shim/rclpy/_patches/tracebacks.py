@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 _print_by_python = sys.__excepthook__
 """Python's own printer: only it adds a suggestion. Taken before ours replaces it in `sys`."""
 
+_LONGEST_MESSAGE = 1 << 16
+"""Characters of a message that is sent or quoted; none has room for so many. What is printed is not cut."""
+
 _BARE_MODULES = ("builtins", "__main__")
 """Modules whose exceptions are named without the module."""
 
@@ -83,9 +86,10 @@ def line_of(error: BaseException) -> int:
 
 
 def message_of(error: BaseException) -> str:
-    """Return `str(error)`, whatever the class does."""
+    """Return the beginning of `str(error)`, whatever the class does."""
     try:
-        return error.msg if isinstance(error, SyntaxError) else str(error)
+        text = error.msg if isinstance(error, SyntaxError) else str(error)
+        return "".join((text,))[:_LONGEST_MESSAGE]  # joined: of a class derived from str nothing is called
     except Exception:
         return "<exception str() failed>"
 
