@@ -111,7 +111,7 @@ class RefreshedAssignments:
 
 def same_version(before: Assignment | None, after: Assignment) -> AssignmentError | None:
     """Return the error for a rubric that was changed under its version: two gradings of it would look alike."""
-    if before is None or before.version != after.version:
+    if before is None or before is after or before.version != after.version:
         return None
     changed = ", ".join(graded_otherwise(before, after))
     if not changed:

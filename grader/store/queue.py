@@ -2,58 +2,42 @@
 
 Guarantees, whatever is killed when: an accepted submission is graded or ends as ``infrastructure_error``; a
 result is stored at most once per claim, and only from the latest claim. A claim raises `attempt`, and
-`finish` writes only where the row still carries that number and is ``running``: a worker that wakes up late,
+`finish` writes only where the row still carries that number and worker and is ``running``: who wakes up late,
 or a submission delivered twice, changes nothing. A claim whose lease ended goes back to the queue in
 `reconcile`.
-
-The statements that every grading needs are of tables, not of objects, and are built once, when this module is
-imported: building them, and keeping account of objects, would cost more than the database takes to execute them.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-from datetime import UTC, datetime, timedelta
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
 from statistics import fmean
 from typing import Any
 
-from sqlalchemy import (
-    ColumnElement,
-    Connection,
-    Select,
-    bindparam,
-    case,
-    func,
-    or_,
-    select,
-    update,
-)
+from sqlalchemy import ColumnElement, Connection, bindparam, case, func, or_, select, update
 from sqlmodel import Session, col
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingResult
 from grader.contracts.judgement import to_judge
 from grader.contracts.submission import Claim, QueueState, SubmissionState
+from grader.store.claiming import DUE, change, claim_of, claim_values, due_early, instants, resume, take
 from grader.store.clock import Clock
 from grader.store.database import Database, add_once
-from grader.store.gradings import AssignmentRows, Values, detail_values, grading_values, insert_grading
-from grader.store.intake import LATELY
-from grader.store.tables import (
-    CourseRow,
-    GradedAssignmentRow,
-    GradingRow,
-    SourceRow,
-    SubmissionRow,
-    UtcDateTime,
-    table_of,
+from grader.store.finishing import FinishedRows, finish_at_once
+from grader.store.gradings import (
+    AssignmentRows,
+    Values,
+    detail_values,
+    grading_values,
+    insert_grading,
 )
+from grader.store.intake import LATELY
+from grader.store.tables import GradedAssignmentRow, GradingRow, SubmissionRow, table_of
 from grader.store.work import ANNOUNCED, Announcement, announcements
 
 _TROUBLE_CHARACTERS = 2_000
 _MOST_DOUBLINGS = 60  # any pause reaches an hour before; further ones would overflow a float
 _MOST_TRIES_RUNNING = 2  # once a fault of the host, twice rather of the script
-_LAST_TURN = datetime(9999, 1, 1, tzinfo=UTC)
-_LONG = timedelta(seconds=5)
-"""A grading that others should not have to wait for. An ordinary one takes a fraction of a second."""
 _LATEST = 100  # gradings whose durations tell the pace
 # Key of a connection's notes of which assignments are stored. They are notes of a connection, not of the process:
 # when a database is replaced by another one, connections are new, and so are their notes.
@@ -62,73 +46,7 @@ _STORED_ASSIGNMENTS = "grader_assignments"
 LONGEST_PAUSE = timedelta(hours=1)
 """The longest pause between two tries of a submission. No lease is as long."""
 
-_submission = table_of(SubmissionRow)
-_row = _submission.c
-_source = table_of(SourceRow)
-_course = table_of(CourseRow)
 _grading = table_of(GradingRow).c
-
-_DUE: Select[str] = (
-    select(_row.id)
-    .where(
-        _row.state == SubmissionState.QUEUED.value,
-        _row.not_before <= bindparam("now", type_=UtcDateTime()),
-        _row.turn_at <= bindparam("turn_by", type_=UtcDateTime()),
-    )
-    .order_by(_row.priority, _row.turn_at, _row.id)
-    .limit(1)
-)
-"""The submission to grade next: by priority, then by turn. Takes the instants `now` and `turn_by`."""
-
-_DUE_EARLY = _DUE.add_columns(_row.course, _row.student, _row.tries)
-_LATELY_OF = select(_row.started_at, _row.finished_at).where(
-    _row.course.is_not_distinct_from(bindparam("course")),
-    _row.student == bindparam("student"),
-    or_(
-        _row.state == SubmissionState.RUNNING.value,
-        _row.finished_at >= bindparam("since", type_=UtcDateTime()),
-    ),
-)
-"""When the gradings of a student began and ended: those under way, and those that ended lately."""
-
-_CLAIMED = (
-    _row.id,
-    _row.attempt,
-    _row.tries,
-    _row.assignment,
-    _row.file_name,
-    _row.queued_at,
-    _row.course,
-    select(_source.c.content).where(_source.c.sha256 == _row.source_sha256).scalar_subquery(),
-    select(_course.c.distro).where(_course.c.id == _row.course).scalar_subquery(),
-)
-
-_CLAIMING = (
-    update(_submission)
-    .values(
-        state=SubmissionState.RUNNING.value,
-        attempt=_row.attempt + 1,
-        tries=_row.tries + 1,
-        worker=bindparam("by"),
-        started_at=bindparam("now", type_=UtcDateTime()),
-        lease_until=bindparam("until", type_=UtcDateTime()),
-    )
-    .returning(*_CLAIMED)
-)
-_TAKE = _CLAIMING.where(_row.id == _DUE.with_for_update(skip_locked=True).scalar_subquery())
-_TAKE_EARLY = _CLAIMING.where(_row.id == bindparam("early"), _row.state == SubmissionState.QUEUED.value)
-_RESUME = (
-    update(_submission)
-    .where(_row.state == SubmissionState.RUNNING.value, _row.worker == bindparam("by"))
-    .values(lease_until=bindparam("until", type_=UtcDateTime()))
-    .returning(*_CLAIMED)
-)
-_CHANGE = update(_submission).where(
-    _row.id == bindparam("claimed"),
-    _row.attempt == bindparam("under"),
-    _row.state == SubmissionState.RUNNING.value,
-)
-
 _STORED = select(_grading.worker, _grading.report_sha256).where(
     _grading.submission_id == bindparam("id"), _grading.attempt == bindparam("under")
 )
@@ -181,11 +99,11 @@ class Queue:
         if self._database.is_sqlite:  # an idle poll must not take the only write lock
             with self._database.reading() as session:
                 connection, now = session.connection(), self._clock()
-                due = connection.execute(_DUE, _instants(now, in_turn)).first()
-                if due is None and (not in_turn or _due_early(connection, now) is None):
+                due = connection.execute(DUE, instants(now, in_turn)).first()
+                if due is None and (not in_turn or due_early(connection, now) is None):
                     return None
         with self._database.writing() as session:
-            return _take(session.connection(), worker, self._clock(), self.lease_s, in_turn)
+            return take(session.connection(), worker, self._clock(), self.lease_s, in_turn)
 
     def renew(self, claims: Collection[Claim]) -> set[Claim]:
         """Extend the leases of `claims`; return those that are still valid. One that is not never is again."""
@@ -193,7 +111,7 @@ class Queue:
         with self._database.writing() as session:
             for claim in sorted(claims, key=lambda one: one.submission_id):  # rows are locked in one order
                 values = {"lease_until": now + timedelta(seconds=self._retries.lease_s)}
-                if _change(session.connection(), claim, values):
+                if change(session.connection(), claim, values):
                     held.add(claim)
         return held
 
@@ -356,7 +274,7 @@ class Queue:
     def waits_in_turn(self) -> bool:
         """Return whether a submission is due whose turn has come."""
         with self._database.reading() as session:
-            due = session.connection().execute(_DUE, _instants(self._clock(), in_turn=True))
+            due = session.connection().execute(DUE, instants(self._clock(), in_turn=True))
             return due.first() is not None
 
     def mean_duration_s(self) -> float | None:
@@ -384,7 +302,7 @@ class Queue:
             col(row.id) == claim.submission_id, col(row.state) == SubmissionState.QUEUED.value
         )
         with self._database.writing() as session:
-            valid = _change(session.connection(), claim, values)
+            valid = change(session.connection(), claim, values)
             if valid:
                 self._database.announcer.queued(session, announcements(session.execute(released)), now)
             return valid
@@ -400,23 +318,54 @@ class Queue:
         now = self._clock()
         graded = None if assignment is None else self._assignments.of(assignment)
         grading = grading_values(claim, result, now, None if graded is None else graded["sha256"])
-        details = detail_values(grading, result)
+        rows = FinishedRows(_outcome(claim, result, grading), grading, detail_values(grading, result), graded)
+        if (
+            self._database.is_sqlite
+            or (finished := self._finish_at_once(claim, rows, worker, in_turn)) is None
+        ):
+            finished = self._finish_by_steps(claim, rows, worker, in_turn)
+        return finished
+
+    def _finish_by_steps(
+        self, claim: Claim, rows: FinishedRows, worker: str | None, in_turn: bool
+    ) -> tuple[bool, Claim | None]:
         # A result that a power cut takes away is graded again and comes out the same.
         with self._database.writing(lasting=False) as session:
             connection = session.connection()
-            stored_assignments: set[str] = connection.info.setdefault(_STORED_ASSIGNMENTS, set())
-            current = _change(connection, claim, _outcome(claim, result, grading))
+            known, graded = _stored_assignments(connection), rows.assignment
+            current = change(connection, claim, rows.changes)
             if current:
-                if graded is not None and graded["sha256"] not in stored_assignments:
+                if graded is not None and graded["sha256"] not in known:
                     add_once(connection, GradedAssignmentRow, **graded)
-                insert_grading(connection, grading, details)
-            stored = current or _stored_already(connection, grading)
+                insert_grading(connection, rows.grading, rows.details)
+            stored = current or _stored_already(connection, rows.grading)
             following = None
             if worker is not None:
                 following = self._claim_next(session, worker, in_turn, again=stored and not current)
-        if current and graded is not None:  # after the commit: it may fail
-            stored_assignments.add(graded["sha256"])
+        if current and graded is not None:
+            known.add(graded["sha256"])
         return stored, following
+
+    def _finish_at_once(
+        self, claim: Claim, rows: FinishedRows, worker: str | None, in_turn: bool
+    ) -> tuple[bool, Claim | None] | None:
+        """Finish by one statement, on PostgreSQL; None: the claim is not valid (any more), nothing was done."""
+        next_claim = None if worker is None else claim_values(worker, self._clock(), self.lease_s, in_turn)
+        with self._database.at_once() as connection:
+            known, graded = _stored_assignments(connection), rows.assignment
+            if graded is not None and graded["sha256"] in known:
+                rows = replace(rows, assignment=None)
+            row = finish_at_once(connection, self._database.announcer, claim, rows, next_claim)
+        if row is None:
+            return None
+        if graded is not None:
+            known.add(graded["sha256"])
+        if worker is None or row.id is not None:
+            return True, None if worker is None else claim_of(row[:-1], worker)
+        if not in_turn:
+            return True, None
+        with self._database.writing() as session:  # nobody's turn has come, but something may be due
+            return True, self._claim_next(session, worker, in_turn, again=False)
 
     def _claim_next(self, session: Session, worker: str, in_turn: bool, *, again: bool) -> Claim | None:
         """Claim what is due next, in a transaction that has stored a result.
@@ -425,9 +374,9 @@ class Queue:
         claimed counts.
         """
         connection = session.connection()
-        claimed = _resume(connection, worker, self._clock(), self.lease_s) if again else None
+        claimed = resume(connection, worker, self._clock(), self.lease_s) if again else None
         if claimed is None:
-            claimed = _take(connection, worker, self._clock(), self.lease_s, in_turn)
+            claimed = take(connection, worker, self._clock(), self.lease_s, in_turn)
             if claimed is not None:
                 self._database.announcer.claimed(session, claimed)
         return claimed
@@ -450,65 +399,10 @@ def _outcome(claim: Claim, result: GradingResult, grading: Values) -> Values:
     }
 
 
-def _instants(now: datetime, in_turn: bool) -> dict[str, datetime]:
-    return {"now": now, "turn_by": now if in_turn else _LAST_TURN}
-
-
-def _take(connection: Connection, worker: str, now: datetime, lease_s: float, in_turn: bool) -> Claim | None:
-    """Claim the submission that is due first; None when nothing is due, or another worker was quicker."""
-    values = {"now": now, "by": worker, "until": now + timedelta(seconds=lease_s)}
-    row = connection.execute(_TAKE, {**values, **_instants(now, in_turn)}).first()
-    if row is None and in_turn and (early := _due_early(connection, now)) is not None:
-        row = connection.execute(_TAKE_EARLY, {**values, "early": early}).first()
-    return None if row is None else _claim(row, worker)
-
-
-def _due_early(connection: Connection, now: datetime) -> str | None:
-    """Return what would be due first if everybody's turn had come; None if it may take long.
-
-    That is known of what was tried before, and while gradings of its student take long.
-    """
-    first = connection.execute(_DUE_EARLY, _instants(now, in_turn=False)).first()
-    if first is None or first.tries:
-        return None
-    id_, course, student, _ = first
-    asked = {"course": course, "student": student, "since": now - LATELY}
-    for started_at, finished_at in connection.execute(_LATELY_OF, asked):
-        if finished_at is None or started_at is None or finished_at - started_at > _LONG:
-            return None
-    return str(id_)
-
-
-def _resume(connection: Connection, worker: str, now: datetime, lease_s: float) -> Claim | None:
-    """Return a claim of `worker` that it never heard of, under a new lease; None if there is none.
-
-    Only right where `worker` has ended every claim that it knows of.
-    """
-    until = now + timedelta(seconds=lease_s)
-    row = connection.execute(_RESUME, {"by": worker, "until": until}).first()
-    return None if row is None else _claim(row, worker)
-
-
-def _claim(row: Sequence[Any], worker: str) -> Claim:
-    id_, attempt, tries, assignment, file_name, queued_at, course, source, distro = row
-    return Claim(
-        submission_id=id_,
-        attempt=attempt,
-        tries=tries,
-        worker=worker,
-        assignment=assignment,
-        file_name=file_name,
-        source=source,
-        queued_at=queued_at,
-        course=course,
-        distro=distro,
-    )
-
-
-def _change(connection: Connection, claim: Claim, values: Mapping[str, Any]) -> bool:
-    """Write `values` to the claimed row if the claim is still the latest: the fence."""
-    fence = {"claimed": claim.submission_id, "under": claim.attempt}
-    return connection.execute(_CHANGE, {**fence, **values}).rowcount == 1
+def _stored_assignments(connection: Connection) -> set[str]:
+    """Return the notes of which assignments are stored. Add to them after the commit: it may fail."""
+    known: set[str] = connection.info.setdefault(_STORED_ASSIGNMENTS, set())
+    return known
 
 
 def _stored_already(connection: Connection, grading: Values) -> bool:

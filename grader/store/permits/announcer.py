@@ -5,11 +5,17 @@ from datetime import datetime, timedelta
 from typing import Any
 
 from sqlalchemy import (
+    CTE,
+    BigInteger,
     ColumnElement,
     DateTime,
+    Delete,
     Integer,
+    SQLColumnExpression,
     String,
+    bindparam,
     column,
+    delete,
     exists,
     func,
     select,
@@ -29,6 +35,7 @@ _LOCK = "sub"
 
 JOBS = table(
     "procrastinate_jobs",
+    column("id", BigInteger),
     column("queue_name", String),
     column("task_name", String),
     column("priority", Integer),
@@ -56,7 +63,11 @@ def lock_of(submission_id: str, attempt: int) -> str:
 
 def lock_of_row() -> ColumnElement[str]:
     """Return `lock_of` as an expression over the columns of `SubmissionRow`."""
-    return func.concat(_LOCK, "-", col(SubmissionRow.id), "-", col(SubmissionRow.attempt))
+    return _lock_of(col(SubmissionRow.id), col(SubmissionRow.attempt))
+
+
+def _lock_of(id_: SQLColumnExpression[str], attempt: SQLColumnExpression[int]) -> ColumnElement[str]:
+    return func.concat(f"{_LOCK}-", id_, "-", attempt)
 
 
 def defer(session: Session, announcements: Sequence[Announcement], now: datetime) -> None:
@@ -101,10 +112,15 @@ _PERMITS = text(
     " AND (scheduled_at IS NULL OR scheduled_at <= :now) LIMIT :most) AS permit"
 )
 
-_USE_UP = text(
-    "DELETE FROM procrastinate_jobs WHERE id = (SELECT id FROM procrastinate_jobs"
-    " WHERE queueing_lock = :lock AND status = 'todo' FOR UPDATE SKIP LOCKED)"
-)
+_TODO = JOBS.c.status == text("'todo'")
+
+
+def _use_up(lock: ColumnElement[str]) -> Delete:
+    waits = select(JOBS.c.id).where(JOBS.c.queueing_lock == lock, _TODO).with_for_update(skip_locked=True)
+    return delete(JOBS).where(JOBS.c.id == waits.scalar_subquery())
+
+
+_USE_UP = _use_up(bindparam("lock", type_=String))
 
 
 class PermitAnnouncer:
@@ -120,6 +136,11 @@ class PermitAnnouncer:
         Who took it found another row, or nothing to do. So there are never fewer permits than rows that wait.
         """
         session.execute(_USE_UP, {"lock": lock_of(claim.submission_id, claim.attempt - 1)})
+
+    def taking_back(self, claimed: CTE) -> CTE | None:
+        """Return the part of a statement that uses up the permit of the row of the part `claimed`."""
+        lock = select(_lock_of(claimed.c.id, claimed.c.attempt - 1)).scalar_subquery()
+        return _use_up(lock).cte("taken_back")
 
     def mend(self, session: Session, now: datetime) -> int:
         """Sweep, unless another worker does so at this moment.

@@ -15,7 +15,14 @@ from grader.store.costs import Costs
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
-from grader.store.tables import GradedItemRow, GradingRow, SubmissionRow, TrajectoryRow
+from grader.store.tables import (
+    GradedAssignmentRow,
+    GradedItemRow,
+    GradedMistakeRow,
+    GradingRow,
+    SubmissionRow,
+    TrajectoryRow,
+)
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import assignment, grade
 
@@ -252,6 +259,77 @@ def test_a_result_whose_commit_was_not_answered_is_known_when_it_comes_again(
     assert not queue.finish(claim, replace(result_of(claim), report=another))
     assert not queue.finish(replace(claim, worker="another"), result_of(claim))
     assert not queue.finish(replace(claim, attempt=2), result_of(claim))
+
+
+def test_a_result_keeps_every_row_and_brings_the_next_claim(
+    queue: Queue, submissions: Submissions, database: Database, clock: FakeClock
+) -> None:
+    """The second time the connection knows that the assignment is stored; the third time nothing waits."""
+    for student in ("a", "b", "c"):
+        submissions.add(upload(student, b"good\n"))
+        clock.advance(1)
+    claim: Claim | None = claimed(queue)
+    while claim is not None:
+        result = result_of(claim)
+        two = {"first": result.trajectories["default"], "second": b"{}"}
+        result = replace(result, report=replace(result.report, score=None), trajectories=two)
+        submission = claim.submission_id
+        stored, claim = queue.finish_and_claim(claim, result, assignment(), "w", in_turn=True)
+        assert stored
+        with database.reading() as session:
+            grading = session.get_one(GradingRow, (submission, 1))
+            of_it = [
+                session.exec(select(kind).where(kind.submission_id == submission).order_by(key)).all()
+                for kind, key in (
+                    (GradedItemRow, "item"),
+                    (GradedMistakeRow, "rank"),
+                    (TrajectoryRow, "position"),
+                )
+            ]
+        assert (grading.score, grading.max_score, grading.worker) == (None, 10.0, "w")
+        assert (grading.finished_at, grading.report) == (clock(), result.report.canonical_bytes())
+        assert [(one.item, one.status, one.earned) for one in of_it[0]] == [
+            ("closed", "failed", 0.0),
+            ("sides", "passed", 5.0),
+        ]
+        assert [(one.code, one.rank) for one in of_it[1]] == [("turns_too_short", 0), ("never_stops", 1)]
+        assert [(one.case_id, gzip.decompress(one.content)) for one in of_it[2]] == list(two.items())
+    with database.reading() as session:
+        assert len(session.exec(select(GradedAssignmentRow)).all()) == 1
+
+
+def test_a_claim_is_its_workers_alone(queue: Queue, submissions: Submissions, database: Database) -> None:
+    """A server that crashed may have lost a claim whose worker lives: the next claim has the same number."""
+    added = submissions.add(upload())
+    lost = claimed(queue, "lost")
+    with database.writing() as session:
+        session.execute(text("UPDATE submission SET state = 'queued', attempt = 0, tries = 0, worker = ''"))
+    claim = claimed(queue, "another")
+    assert (claim.submission_id, claim.attempt) == (lost.submission_id, lost.attempt)
+    assert not queue.finish(lost, result_of(lost))
+    assert not queue.hand_back(lost)
+    assert queue.renew([lost, claim]) == {claim}
+    assert queue.finish(claim, result_of(claim))
+    assert submissions.get(added.id).state is SubmissionState.GRADED
+
+
+def test_on_postgresql_a_result_and_the_next_claim_are_one_statement(
+    postgres_database: Database, clock: FakeClock
+) -> None:
+    """It is a transaction by itself, whose commit alone does not wait for the disk."""
+    submissions, queue = Submissions(postgres_database, clock), Queue(postgres_database, clock, Retries())
+    for student in ("a", "b"):
+        submissions.add(upload(student))
+    claim = claimed(queue)
+    asked: list[str] = []
+    listen(postgres_database.engine, "before_cursor_execute", lambda *about: asked.append(about[2]))
+    _, following = queue.finish_and_claim(claim, result_of(claim), assignment(), "w")
+    assert following is not None
+    (statement,) = asked
+    assert "set_config('synchronous_commit', 'off', true)" in statement
+    with postgres_database.reading() as session:
+        assert session.execute(text("SHOW synchronous_commit")).scalar_one() == "on"
+        assert session.execute(text("SELECT count(*) FROM procrastinate_jobs")).scalar_one() == 1
 
 
 def test_a_renewed_lease_lives_on(queue: Queue, submissions: Submissions, clock: FakeClock) -> None:
