@@ -7,7 +7,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from importlib.util import find_spec
 
-from grader.catalog import Catalog
+from grader.catalog import Catalog, set_root
 from grader.catalog.cache import AssignmentMemory
 from grader.catalog.misfits import refusals
 from grader.catalog.refreshed import RefreshedAssignments
@@ -105,8 +105,8 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
 
 
 def _assignments(settings: Settings, database: Database, clock: Clock) -> CourseAssignments:
-    """Return the assignments that come with the grader, then the operator's own, and those of single courses."""
-    folders = (None, *settings.assignment_folders)
+    """Return the assignments that come with the grader, the operator's, and those of single courses."""
+    folders = (None, *(set_root(str(one)) or one for one in settings.assignment_folders))
     shared = RefreshedAssignments([_Fitting(Catalog(one, AssignmentMemory())) for one in folders])
     return CourseAssignments(shared, OwnAssignments(database, clock))
 

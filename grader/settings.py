@@ -67,7 +67,8 @@ class Settings(BaseSettings):
     assignments: str = Field(
         default="",
         description="Folders of assignments of one's own, besides those that come with the grader; several are "
-        "separated by `:`. A file that is wrong disables its own assignment only, and the service page says so.",
+        "separated by `:`. `robot` is the set of exercises with a robot, which comes with the grader, too. "
+        "A file that is wrong disables its own assignment only, and the service page says so.",
     )
     max_upload_bytes: int = Field(
         default=256 * 1024, ge=1024, le=_MAX_UPLOAD_BYTES, description="Largest file a student may upload."

@@ -4,7 +4,7 @@ The folder is looked for inside the package (an installed wheel), then beside it
 is named.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
 from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
@@ -37,8 +37,20 @@ def default_root() -> Path:
     )
 
 
+ROBOT_SET = "robot"
+
+
+def set_root(name: str) -> Path | None:
+    """Return the folder of a further set of assignments that comes with the grader; None where there is none."""
+    folder = default_root() / name
+    return folder if name == ROBOT_SET and folder.is_dir() else None
+
+
 class Catalog:
     """The assignments under one folder.
+
+    A folder within it that holds assignments instead of being one is a further set: its assignments are found by
+    their ids and by names of files, but `all` leaves them out.
 
     Every call reads the files anew, so an edited assignment is seen without a restart.
     """
@@ -112,12 +124,15 @@ class Catalog:
         """Return the id of the assignment that `file_name` tells, or None.
 
         Of several the one with the longest matching pattern (``*square_input*.py`` before ``*square*.py``),
-        then the first on the checklist.
+        then the first on the checklist. Further sets are asked if none matches.
         """
+        return self._guess(file_name, self._folders()) or self._guess(file_name, self._further())
+
+    def _guess(self, file_name: str, folders: Iterable[Path]) -> str | None:
         name = PurePath(file_name).name.lower()
         matches = [
             (-len(pattern), order, folder.name)
-            for folder in self._folders()
+            for folder in folders
             for order, patterns in (self._order_and_patterns(folder),)
             for pattern in patterns
             if fnmatchcase(name, pattern.lower())
@@ -142,7 +157,7 @@ class Catalog:
 
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
-        folders, lesson = list(self._folders()), self.lesson()
+        folders, lesson = [*self._folders(), *self._further()], self.lesson()
         paths = [folder / name for folder in folders for name in ("starter.py", "solution.py")]
         paths += [] if lesson is None else sorted(lesson.glob("*.py"))
         return tuple(path.read_bytes() for path in paths if path.is_file())
@@ -153,7 +168,7 @@ class Catalog:
         Raises:
             UnknownAssignmentError: no assignment has that id.
         """
-        for folder in self._folders():
+        for folder in (*self._folders(), *self._further()):
             if folder.name == assignment_id:
                 return folder
         known = ", ".join(sorted(folder.name for folder in self._folders()))
@@ -168,6 +183,12 @@ class Catalog:
                 f"{self.root} is not a folder of assignments", f"{self.root} 不是作业文件夹"
             )
         return (path.parent for path in sorted(self.root.glob(f"*/{SPEC_NAME}")))
+
+    def _further(self) -> Iterator[Path]:
+        """Yield the folders of the further sets' assignments."""
+        for path in sorted(self.root.glob(f"*/*/{SPEC_NAME}")):
+            if not (path.parents[1] / SPEC_NAME).exists():
+                yield path.parent
 
     def _named(self, assignment_id: str) -> "Document":
         return self._document(self.folder(assignment_id))

@@ -92,6 +92,28 @@ NO_FREE_PLACE = Text(
     zh="在这个范围里找不到离目标和禁区足够远的出发点：放宽范围，或把目标变小",
     en="no start within these bounds is 0.5 m away from all that is to be visited or avoided; widen the bounds",
 )
+TOO_SMALL = Text(zh="不能小于 0", en="Use 0 or more")
+TOO_LARGE = Text(zh="不能大于 11", en="Use 11 or less")
+NO_ROOM = Text(
+    zh="机器人需要房间：写 room: {bounds: [左, 下, 右, 上]}，单位 m",
+    en="a robot needs a room; write room: {bounds: [left, bottom, right, top]}, in m",
+)
+NO_ROBOT = Text(
+    zh="只有机器人才有：写 kind: robot，或删掉它", en="only a robot has it; write kind: robot or remove it"
+)
+NOT_OF_ROBOTS = Text(
+    zh="机器人没有这个字段（墙写在 room 里，里程计总是有）：删掉它",
+    en="a robot does not take it: its walls stand in room, and it always has odometry; remove it",
+)
+BOUNDS = Text(
+    zh="写成 [左, 下, 右, 上]，左 < 右，下 < 上，每边 0.5 到 20 m",
+    en="write [left, bottom, right, top] with left < right and bottom < top, 0.5 to 20 m wide and high",
+)
+SAME_ENDS = Text(zh="两端重合：移开一端", en="both ends are the same; move one")
+NO_FREE_ROOM = Text(
+    zh="200 次里没有一次能让它离出发点、目标和其他东西足够远：移走它，或放宽范围",
+    en="in 200 draws it was never far enough from the start, the goals and the rest; move it or widen its range",
+)
 RANGE = Text(
     zh="写成一个数，或 [最小, 最大]，最小 <= 最大", en="write one number, or [least, most] with least <= most"
 )
@@ -107,6 +129,14 @@ def swapped(low: float, high: float) -> Text:
 def twice(name: str) -> Text:
     """Say that an earlier entry has this id."""
     return Text(zh=f"前面已经有 {name!r}：换一个 id", en=f"an earlier one is {name!r}, too; rename one")
+
+
+def unknown_topic(name: str, known: Iterable[str]) -> Text:
+    """Say that a robot does not publish on this topic."""
+    names = ", ".join(known)
+    return Text(
+        zh=f"机器人没有话题 {name!r}；有：{names}", en=f"a robot has no topic {name!r}; it has: {names}"
+    )
 
 
 def unknown_item(name: str) -> Text:

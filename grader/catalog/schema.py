@@ -3,13 +3,11 @@
 import json
 from collections.abc import Sequence
 from random import Random
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
-    BaseModel,
     BeforeValidator,
-    ConfigDict,
     Field,
     StrictBool,
     StrictFloat,
@@ -25,23 +23,32 @@ from grader.catalog.misfits import (
     INTERFACE_PATTERN,
     NO_BAND,
     NO_FREE_PLACE,
+    NO_ROBOT,
+    NO_ROOM,
     NOT_ACROSS,
+    NOT_OF_ROBOTS,
     ONE_PATH,
     ONE_PIECE,
     ONE_REGION,
-    RANGE,
     SCORE,
+    TOO_LARGE,
+    TOO_SMALL,
     WRONG_FILE_PATTERN,
     MisfitError,
     no_other_measure,
     swapped,
     twice,
     unknown_item,
+    unknown_topic,
     wrong_ending,
 )
+from grader.catalog.rooms import NoPlaceError, RoomModel
+from grader.catalog.spec import Metres, SpecModel, drawn, number_or_range
 from grader.contracts.assignment import (
     BY_PERSON,
     MIB,
+    ROBOT_COMMANDS,
+    ROBOT_TOPICS,
     SUFFIXES,
     TOPIC_PATTERN,
     Across,
@@ -61,6 +68,7 @@ from grader.contracts.assignment import (
     WantedPath,
     WantedPlaces,
     World,
+    WorldKind,
     WrongAttempt,
     outside_m,
 )
@@ -80,11 +88,7 @@ Options = dict[str, Annotated[StrictBool | StrictInt | StrictFloat | StrictStr, 
 MAX_HORIZON_S = 600.0
 
 
-class _Model(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=False, allow_inf_nan=False, frozen=True)
-
-
-class TextModel(_Model):
+class TextModel(SpecModel):
     """A sentence in both languages."""
 
     zh: Annotated[str, Field(min_length=1)]
@@ -101,7 +105,7 @@ def _in_cents(points: float) -> float:
     return points
 
 
-class ItemModel(_Model):
+class ItemModel(SpecModel):
     """A rubric item."""
 
     id: Id
@@ -132,30 +136,29 @@ class ItemModel(_Model):
         return ItemSpec(**{**dict(self), "title": self.title.to_contract()})
 
 
-def _number_or_range(value: object) -> object:
-    ends = value if isinstance(value, list | tuple) else [value, value]
-    numbers = [end for end in ends if isinstance(end, int | float) and not isinstance(end, bool)]
-    if len(ends) != 2 or len(numbers) != 2 or numbers[0] > numbers[1]:
-        raise MisfitError(RANGE)
-    return value
-
-
-FieldMetres = Annotated[float, Field(ge=0.0, le=11.0)]
 AnyHeading = Annotated[float, Field(ge=-360.0, le=360.0)]
+FIELD_M = 11.0
 FREE_M = 0.5  # a drawn start is at least that far from every goal and from what is to be avoided
 TRIES = 200
 
 
-class StartModel(_Model):
-    """Start pose; the field is 11.09 m wide and high, the origin bottom left. A pair is drawn from, by seed."""
+class StartModel(SpecModel):
+    """Start pose; turtlesim's field is 11.09 m wide and high, its origin bottom left. Seeds draw from pairs."""
 
-    x_m: Annotated[FieldMetres | tuple[FieldMetres, FieldMetres], BeforeValidator(_number_or_range)] = (
-        StartPose().x_m
-    )
-    y_m: Annotated[FieldMetres | tuple[FieldMetres, FieldMetres], BeforeValidator(_number_or_range)] = (
-        StartPose().y_m
-    )
-    heading_deg: Annotated[float | tuple[AnyHeading, AnyHeading], BeforeValidator(_number_or_range)] = 0.0
+    x_m: Annotated[Metres | tuple[Metres, Metres], BeforeValidator(number_or_range)] = StartPose().x_m
+    y_m: Annotated[Metres | tuple[Metres, Metres], BeforeValidator(number_or_range)] = StartPose().y_m
+    heading_deg: Annotated[float | tuple[AnyHeading, AnyHeading], BeforeValidator(number_or_range)] = 0.0
+
+    @property
+    def beyond_field(self) -> tuple[Text, tuple[int | str, ...]] | None:
+        """What does not lie on turtlesim's field, and where it is written."""
+        for name in ("x_m", "y_m"):
+            value = getattr(self, name)
+            for place, each in enumerate(value if isinstance(value, tuple) else (value,)):
+                if not 0.0 <= each <= FIELD_M:
+                    written_at = (name, place) if isinstance(value, tuple) else (name,)
+                    return (TOO_SMALL if each < 0.0 else TOO_LARGE), written_at
+        return None
 
     @property
     def is_drawn(self) -> bool:
@@ -170,20 +173,19 @@ class StartModel(_Model):
         """
         source = Random(seed)  # noqa: S311 - the same pose each time, not a secret
         for _ in range(TRIES if self.is_drawn else 1):
-            x_m, y_m = _drawn(self.x_m, source, 2), _drawn(self.y_m, source, 2)
-            pose = StartPose(x_m=x_m, y_m=y_m, heading_deg=_drawn(self.heading_deg, source, 0))
+            x_m, y_m = drawn(self.x_m, source, 2), drawn(self.y_m, source, 2)
+            pose = StartPose(x_m=x_m, y_m=y_m, heading_deg=drawn(self.heading_deg, source, 0))
             if not self.is_drawn or all(outside_m(each, x_m, y_m) >= FREE_M for each in taken):
                 return pose
         raise MisfitError(NO_FREE_PLACE)
 
 
-def _drawn(value: float | tuple[float, float], source: Random, decimals: int) -> float:
-    return round(source.uniform(*value), decimals) if isinstance(value, tuple) else value
+class WorldModel(SpecModel):
+    """The simulated world: turtlesim's, or a robot's."""
 
-
-class WorldModel(_Model):
-    """The simulated world."""
-
+    kind: WorldKind = "turtle"
+    room: RoomModel | None = None
+    topics: dict[Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")], Topic] = Field(default_factory=dict)
     profile: Profile = "nominal"
     walls: bool = True
     start: StartModel = StartModel()
@@ -191,13 +193,39 @@ class WorldModel(_Model):
     seed: Annotated[int, Field(ge=0)] = 0
     odometry: bool = False
 
-    def to_contract(self, first: StartPose | None) -> World:
-        """Return the contract; the start pose is the first case's where it is drawn."""
-        start = first if self.start.is_drawn and first else self.start.to_contract(str(self.seed))
-        return World(**{**dict(self), "start": start})
+    @model_validator(mode="before")
+    @classmethod
+    def _of_a_robot(cls, data: Any) -> Any:
+        """Let a robot start in the middle of its coordinates, and hear its own topic."""
+        if isinstance(data, dict) and data.get("kind") == "robot":
+            start = data.get("start", {})
+            if isinstance(start, dict):
+                start = {"x_m": 0.0, "y_m": 0.0, **start}
+            return {"cmd_vel_topic": ROBOT_COMMANDS, **data, "start": start}
+        return data
+
+    @model_validator(mode="after")
+    def _fits_its_kind(self) -> Self:
+        if (self.kind == "robot") != (self.room is not None):
+            raise MisfitError(NO_ROOM if self.kind == "robot" else NO_ROBOT, "room")
+        if self.kind == "robot":
+            for name in sorted({"walls", "odometry"} & self.model_fields_set):
+                raise MisfitError(NOT_OF_ROBOTS, name)
+            if missing := sorted(set(self.topics) - set(ROBOT_TOPICS)):
+                raise MisfitError(unknown_topic(missing[0], ROBOT_TOPICS), "topics", missing[0])
+        elif self.topics:
+            raise MisfitError(NO_ROBOT, "topics")
+        elif (beyond := self.start.beyond_field) is not None:
+            raise MisfitError(beyond[0], "start", *beyond[1])
+        return self
+
+    def to_contract(self, first: Case) -> World:
+        """Return the contract; start pose and room are the first case's where they are drawn."""
+        start = first.start if self.start.is_drawn and first.start else self.start.to_contract(str(self.seed))
+        return World(**{**dict(self), "start": start, "room": first.room})
 
 
-class LimitsModel(_Model):
+class LimitsModel(SpecModel):
     """What one run may use; the defaults are right for ordinary assignments."""
 
     steps: Annotated[int, Field(ge=1_000, le=100_000_000)] = Limits().steps
@@ -221,11 +249,10 @@ class LimitsModel(_Model):
         )
 
 
-Metres = Annotated[float, Field(ge=-50.0, le=50.0)]
 Degrees = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 
 
-class RegionModel(_Model):
+class RegionModel(SpecModel):
     """A circle (`at` with `within`) or a box: left, bottom, right, top."""
 
     at: tuple[Metres, Metres] | None = None
@@ -265,7 +292,7 @@ class GoalModel(RegionModel):
 Goals = Annotated[tuple[GoalModel, ...], Field(min_length=1, max_length=20)]
 
 
-class PlacesModel(_Model):
+class PlacesModel(SpecModel):
     """Where to go, in which order, and where not to."""
 
     visit: Goals
@@ -288,14 +315,14 @@ class PlacesModel(_Model):
         return [each.region() for each in (*visit, *self.avoid)]
 
 
-class CaseModel(_Model):
+class CaseModel(SpecModel):
     """One run of the script and what it is given."""
 
     id: Id = "default"
     title: TextModel | None = None
     stdin: str = ""
     args: tuple[str, ...] = ()
-    options: Options = {}
+    options: Options = Field(default_factory=dict)
     seed: Annotated[int, Field(ge=0)] | None = None
     start: StartModel | None = None
     visit: Annotated[tuple[GoalModel, ...], Field(max_length=20)] = ()
@@ -305,14 +332,16 @@ class CaseModel(_Model):
         title = Case().title if self.title is None else self.title.to_contract()
         start = self.start or (world.start if world.start.is_drawn else None)
         visit = tuple(goal.to_contract() for goal in self.visit)
-        pose = None
-        if start is not None:
-            seed = world.seed if self.seed is None else self.seed
-            pose = start.to_contract(f"{seed} {self.id}", places.taken(self) if places else ())
-        return Case(**{**dict(self), "title": title, "start": pose, "visit": visit})
+        seed = f"{world.seed if self.seed is None else self.seed} {self.id}"
+        taken = places.taken(self) if places else []
+        pose = None if start is None else start.to_contract(seed, taken)
+        room = None
+        if world.room is not None:
+            room = world.room.to_contract(seed, pose or world.start.to_contract(seed), taken)
+        return Case(**{**dict(self), "title": title, "start": pose, "visit": visit, "room": room})
 
 
-class PieceModel(_Model):
+class PieceModel(SpecModel):
     """A piece of a path: one of `line`, `arc` (with `radius`), `turn` and `goto`."""
 
     line: Metres | None = None
@@ -339,7 +368,7 @@ class PieceModel(_Model):
         return PathPiece(kind="turn", angle_deg=self.turn or 0.0)
 
 
-class PathModel(_Model):
+class PathModel(SpecModel):
     """The path that is wanted, and in which ways a driven one may differ from it."""
 
     pieces: Annotated[tuple[PieceModel, ...], Field(max_length=40)] = ()
@@ -369,13 +398,13 @@ class PathModel(_Model):
         )
 
 
-class CallModel(_Model):
+class CallModel(SpecModel):
     """A request to a service of the script, `at_s` seconds after its start or as soon as it is offered."""
 
     at_s: Annotated[float, Field(ge=0.0, le=MAX_HORIZON_S)] = 1.0
     service: Topic
     type: Interface
-    values: Options = {}
+    values: Options = Field(default_factory=dict)
 
     def to_contract(self) -> ServiceCall:
         """Return the contract."""
@@ -384,7 +413,7 @@ class CallModel(_Model):
         )
 
 
-class AnswerModel(_Model):
+class AnswerModel(SpecModel):
     """A number that students are known to answer."""
 
     value: float
@@ -397,7 +426,7 @@ class AnswerModel(_Model):
         return Answer(**{**dict(self), "remark": self.remark.to_contract()})
 
 
-class WrongModel(_Model):
+class WrongModel(SpecModel):
     """A wrong file and the score it must get."""
 
     file: Annotated[str, Field(pattern=WRONG_FILE_PATTERN)]
@@ -417,7 +446,7 @@ class WrongModel(_Model):
         return WrongAttempt(file=self.file, low=low, high=high, fails=self.fails, mistake=self.mistake)
 
 
-class AssignmentModel(_Model):
+class AssignmentModel(SpecModel):
     """The whole file."""
 
     id: Id
@@ -428,7 +457,7 @@ class AssignmentModel(_Model):
     check: str
     input: Input = "script"
     distro: Distro | None = None
-    options: Options = {}
+    options: Options = Field(default_factory=dict)
     file_patterns: tuple[str, ...] = ()
     horizon_s: Annotated[float, Field(gt=0.0, le=MAX_HORIZON_S)] = 60.0
     limits: LimitsModel = LimitsModel()
@@ -466,8 +495,13 @@ class AssignmentModel(_Model):
     @model_validator(mode="after")
     def _starts_are_free(self) -> Self:
         for i, case in enumerate(self.cases):
+            beyond = None if case.start is None or self.world.kind == "robot" else case.start.beyond_field
+            if beyond is not None:
+                raise MisfitError(beyond[0], "cases", i, "start", *beyond[1])
             try:
                 case.to_contract(self.world, self.places)
+            except NoPlaceError as error:
+                raise MisfitError(error.told, "world", "room", *error.field) from error
             except MisfitError as error:
                 place = ("world",) if case.start is None else ("cases", i)
                 raise MisfitError(error.told, *place, "start") from error
@@ -500,7 +534,7 @@ class AssignmentModel(_Model):
             file_patterns=self.file_patterns,
             horizon_s=self.horizon_s,
             limits=self.limits.to_contract(),
-            world=self.world.to_contract(cases[0].start),
+            world=self.world.to_contract(cases[0]),
             cases=cases,
             input=self.input,
             distro=self.distro,

@@ -12,7 +12,7 @@ import numpy as np
 
 from grader.checks.drive import MOVING_MPS, is_motion
 from grader.checks.measure import Measure, Mistake, mistake
-from grader.contracts.assignment import World
+from grader.contracts.assignment import ROBOT_TOPICS, World
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
@@ -126,6 +126,8 @@ def command_mistakes(
         turns: measures that a turn spoils when it ends too early.
         drives: those that a drive spoils.
     """
+    if world.kind == "robot":
+        return robot_mistakes(run, world)
     outcome, topic = run.outcome, world.cmd_vel_topic
     if _teleports(run.trajectory):
         return (mistake("teleported", topic=topic),)
@@ -145,6 +147,31 @@ def command_mistakes(
             return (mistake("stop_in_loop", times=_motions(run.trajectory)),)
         return (mistake("too_brief", longest=number(longest_ns / 1e6, "ms")),)
     return _timeouts(run.trajectory, outcome, turns, drives)
+
+
+def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
+    """Return why a robot got no commands, or the script nothing of its sensors."""
+    outcome, topic = run.outcome, world.cmd_vel_topic
+    usual = {world.topics.get(name, name): name for name in ROBOT_TOPICS}
+    unfit = noted(outcome, "incompatible_qos")
+    if unfit in usual:
+        return (mistake("sensor_qos", topic=unfit),)
+    if outcome.status is RunStatus.INTERRUPTED:
+        own = {one.name for one in outcome.endpoints if one.kind == "publisher"}
+        heard = [one for one in outcome.endpoints if one.kind == "subscription"]
+        unknown = next((one.name for one in heard if one.name not in own | usual.keys() | {topic}), None)
+        if unknown is not None:
+            return (mistake("robot_silent", topic=unknown, topics=", ".join(usual)),)
+    if outcome.command_count == 0:
+        return _silence(run, topic)
+    if outcome.nonfinite_commands:
+        return (mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
+    if noted(outcome, "lateral_command") is not None:
+        return (mistake("sideways"),)
+    commands = run.trajectory.commands
+    if commands and not any(command.v_mps or command.w_radps for command in commands):
+        return (_only_zeros(run),)
+    return ()
 
 
 def _teleports(trajectory: Trajectory) -> bool:

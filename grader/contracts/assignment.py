@@ -72,10 +72,72 @@ TOPIC_PATTERN: Final = r"(/[A-Za-z_][A-Za-z0-9_]*)+"
 """A fully qualified name of a topic or service, by the rules of ROS 2."""
 
 
+WorldKind = Literal["turtle", "robot"]
+SolidKind = Literal["edge", "wall", "box", "cylinder", "ramp"]
+
+ROBOT_COMMANDS: Final = "/cmd_vel"
+"""The topic that moves a robot unless the assignment says otherwise."""
+
+
+ROBOT_TOPICS: Final = ("/odom", "/tf", "/tf_static", "/joint_states", "/scan", "/clock")
+"""What a robot publishes, by its usual names."""
+
+
+class Solid(Record):
+    """Something in a room that stands on the floor and does not move.
+
+    Attributes:
+        kind: an outer wall (``edge``), a ``wall`` within the room, a ``box``, a ``cylinder``, or a ``ramp`` that
+            rises along its own x axis, from the floor to its height.
+        x_m, y_m: its middle.
+        heading_deg: where its own x axis points.
+        length_m, width_m: along its own x and y axis; of a cylinder both are its diameter.
+        height_m: how high it stands, or rises.
+    """
+
+    kind: SolidKind
+    x_m: float
+    y_m: float
+    heading_deg: float = 0.0
+    length_m: float
+    width_m: float
+    height_m: float
+
+
+class Stripe(Record):
+    """A line on the floor of a room: seen by a camera, felt by nothing.
+
+    Attributes:
+        points_m: its corners, in order. width_m: how wide it is.
+        colour: red, green and blue, 0 to 1.
+    """
+
+    points_m: tuple[tuple[float, float], ...]
+    width_m: float = 0.05
+    colour: tuple[float, float, float] = (0.05, 0.05, 0.05)
+
+
+class Room(Record):
+    """Where a robot drives.
+
+    Attributes:
+        left_m, bottom_m, right_m, top_m: the floor. Its outer walls are among the solids.
+    """
+
+    left_m: float
+    bottom_m: float
+    right_m: float
+    top_m: float
+    solids: tuple[Solid, ...] = ()
+    stripes: tuple[Stripe, ...] = ()
+
+
 class World(Record):
     """The simulated world of an episode.
 
     Attributes:
+        kind: turtlesim's (``turtle``), or a ``robot`` with sensors in a room.
+        room: of a robot. topics: other names of what it publishes, by the usual ones.
         profile: ``nominal`` obeys commands as turtlesim does; ``rough`` adds lag, slip and seeded noise.
         walls: whether turtlesim's window edges stand as walls.
         cmd_vel_topic: fully qualified topic that moves the car.
@@ -89,6 +151,14 @@ class World(Record):
     cmd_vel_topic: str = "/turtle1/cmd_vel"
     seed: int = 0
     odometry: bool = False
+    kind: WorldKind = "turtle"
+    room: Room | None = None
+    topics: dict[str, str] = field(default_factory=dict)
+
+    @property
+    def window(self) -> bool:
+        """Whether the edges of turtlesim's window stand as walls."""
+        return self.walls and self.kind == "turtle"
 
 
 Scalar = float | int | str | bool
@@ -184,6 +254,7 @@ class Case(Record):
         seed: takes the place of the world's seed in this run, unless None.
         start: takes the place of the world's start pose, unless None.
         visit: take the place of the goals of the assignment's places, unless there are none.
+        room: takes the place of the world's room, unless None.
     """
 
     id: str = "default"
@@ -194,6 +265,7 @@ class Case(Record):
     seed: int | None = None
     start: StartPose | None = None
     visit: tuple[WantedGoal, ...] = ()
+    room: Room | None = None
 
 
 class PathPiece(Record):
@@ -350,6 +422,8 @@ class Assignment(Record):
         if case.seed is not None or case.start is not None:
             seed = world.seed if case.seed is None else case.seed
             world = replace(world, seed=seed, start=case.start or world.start)
+        if case.room is not None:
+            world = replace(world, room=case.room)
         if case.visit and places is not None:
             places = replace(places, visit=case.visit)
         options = {**self.options, **case.options}

@@ -17,7 +17,10 @@ Ints = NDArray[np.int64]
 
 
 class Contact(Record):
-    """The car touched a wall during [start_ns, end_ns]. `wall` is left, right, top or bottom."""
+    """The car touched a wall during [start_ns, end_ns]. `wall` is left, right, top or bottom.
+
+    In a robot's room it may also be wall, box, cylinder or ramp.
+    """
 
     start_ns: int
     end_ns: int
@@ -40,7 +43,8 @@ class Trajectory:
     """Poses of the car over virtual time, in turtlesim's frame (origin bottom left, x right, y up).
 
     All arrays have the same length n >= 1 (the start pose). Samples are 16 ms apart while the car moves
-    and sparser while it rests: between two samples further apart the car stood still.
+    (those of a robot in a room 16.7 ms) and sparser while it rests: between two samples further apart the car
+    stood still.
 
     Attributes:
         t_ns: (n,) strictly increasing virtual time.

@@ -26,6 +26,7 @@ from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.frames import INTERRUPTED_NOTE
+from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
 
 Account: TypeAlias = tuple[EpisodeResult, JailReport]
 """What the simulator and what the sandbox saw of one run."""
@@ -37,12 +38,15 @@ class Pipeline:
     def __init__(self, sandbox: Sandbox) -> None:
         self._sandbox = sandbox
         self._car = BulletCar()
+        self._body: RobotBody | None = None
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._car.close()
+        if self._body is not None:
+            self._body.close()
 
     def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
         """Run and score one submission; a text is only read. `on_run` is called when a run has begun.
@@ -100,7 +104,7 @@ class Pipeline:
             import grader.checks  # noqa: F401 - the first run of a process has the time for it now
 
         limits = job.assignment.limits
-        episode = Episode(_episode_spec(job, case), self._car)
+        episode = Episode(_episode_spec(job, case), self._car, self._robot)
         with self._sandbox.open(limits) as jail:
 
             def on_note(code: str) -> None:
@@ -108,6 +112,12 @@ class Pipeline:
                     jail.limit_cpu(limits.grace_cpu_s)
 
             return episode.run(jail, meanwhile, on_note, jail.take_turns), jail.close()
+
+    def _robot(self) -> RobotBody:
+        """Return the robot's body, which most gradings do not need."""
+        if self._body is None:
+            self._body = RobotBody()
+        return self._body
 
     def _measurements(self, accounts: list[Account]) -> Measurements:
         return Measurements(
@@ -170,7 +180,7 @@ def _report(
         assignment=assignment.id,
         assignment_version=assignment.version,
         grader_version=__version__,
-        simulator=SIMULATOR,
+        simulator=SIMULATOR if assignment.world.kind == "turtle" else ROBOT_SIMULATOR,
         seed=assignment.world.seed,
         status=status,
         score=None if status is GradeStatus.NEEDS_MANUAL else score,

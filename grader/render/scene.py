@@ -89,7 +89,7 @@ def compose(  # noqa: PLR0913, PLR0917
         outcome=run.outcome,
         trajectory=trajectory,
         sketch=sketch,
-        walls=assignment.world.walls,
+        walls=assignment.world.window,
     )
 
 

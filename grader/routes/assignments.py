@@ -112,7 +112,7 @@ def read(
         file_patterns=list(assignment.file_patterns),
         distro=assignment.release,
         cmd_vel_topic=assignment.world.cmd_vel_topic,
-        walls=assignment.world.walls,
+        walls=assignment.world.window,
         cpu_limit_s=assignment.limits.cpu_s,
         memory_limit_bytes=assignment.limits.memory_bytes,
         rubric=[

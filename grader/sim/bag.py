@@ -199,7 +199,7 @@ def _wanted(figure: FigureSketch | None) -> Iterator[_Message]:
 
 
 def _walls(world: World) -> Iterator[_Message]:
-    if not world.walls:
+    if not world.window:
         return
     corners = ((0.0, 0.0), (WINDOW_M, 0.0), (WINDOW_M, WINDOW_M), (0.0, WINDOW_M), (0.0, 0.0))
     marker = {

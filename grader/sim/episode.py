@@ -38,7 +38,10 @@ from grader.sim.frames import (
     Response,
 )
 from grader.sim.recorder import LOG, Journal, Recorder
+from grader.sim.robot_body import RobotBody
+from grader.sim.robot_world import RobotWorld
 from grader.sim.script_graph import ScriptGraph, ServiceCalls
+from grader.sim.simulated_world import SimulatedWorld
 from grader.sim.turtle import Turtle
 from grader.sim.turtle_world import TWIST, TurtleWorld
 from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
@@ -118,13 +121,20 @@ class EpisodeResult(Record):
 
 
 class Episode:
-    """Runs one script's episode on `car`, which any number of episodes may use one after the other."""
+    """Runs one script's episode on `car`, which any number of episodes may use one after the other.
 
-    def __init__(self, spec: EpisodeSpec, car: BulletCar) -> None:
+    In the robot's world it is run on what `robot` returns, which is not called in turtlesim's.
+    """
+
+    def __init__(self, spec: EpisodeSpec, car: BulletCar, robot: Callable[[], RobotBody] = RobotBody) -> None:
         self._spec = spec
         self._recorder = Recorder()
-        self._turtle = Turtle(car, self._recorder, spec.world, spec.horizon_ns)
-        self._world = TurtleWorld(self._turtle, spec.world, spec.epoch_ns, spec.distro)
+        self._world: SimulatedWorld
+        if spec.world.kind == "robot":
+            self._world = RobotWorld(robot(), self._recorder, spec.world, spec.horizon_ns)
+        else:
+            turtle = Turtle(car, self._recorder, spec.world, spec.horizon_ns)
+            self._world = TurtleWorld(turtle, spec.world, spec.epoch_ns, spec.distro)
         self._world.on_change = self._reconnect
         self._graph = ScriptGraph()
         self._journal = Journal()
@@ -158,7 +168,7 @@ class Episode:
         self._take_turns = take_turns
         try:
             link.send(encode_start(self._start_fields(), self._spec.source))
-            self._turtle.appear()
+            self._world.appear()
             meanwhile()
             while self._exit is None and (body := link.receive()) is not None:
                 self._take(decode(body), link)
@@ -269,10 +279,10 @@ class Episode:
             self._journal.note("type_mismatch", entity.name)
         elif entity.what == PUBLISHER and entity.reliable:
             self._sinks[entity.id] = partial(self._command, entity.name, entity.t_ns)
-        elif entity.what == PUBLISHER or (entity.transient_local and not self._world.keeps_last(entity.name)):
+        elif entity.what == PUBLISHER or not self._world.suits(entity):
             self._journal.note("incompatible_qos", entity.name)
         else:
-            self._world.listen(entity.name, entity.id, entity.t_ns)
+            self._world.listen(entity.name, entity.id, entity.t_ns, late=entity.transient_local)
 
     def _reconnect(self, topics: frozenset[str]) -> None:
         """Connect what the script has on `topics` anew: a turtle has come or gone."""
@@ -344,23 +354,23 @@ class Episode:
         return now_ns >= limit_ns
 
     def _finish(self, violation: str | None) -> EpisodeResult:
-        turtle, journal = self._turtle, self._journal
+        received, journal = self._world.received, self._journal
         noted = any(note.code == INTERRUPTED_NOTE for note in journal.notes)
         if noted if self._exit is None else self._exit.after_interrupt:
             self._now_ns = self._spec.horizon_ns  # Ctrl+C comes there, whenever a script says it came
         end_ns, violation = self._come_to_rest(violation)
-        turtle.finish(end_ns)
+        self._world.finish(end_ns)
         trajectory = self._recorder.finish(end_ns)
         for contact in trajectory.contacts:
             journal.note("wall", contact.wall)
-        if turtle.lateral_commands:
+        if received.lateral:
             journal.note("lateral_command")
-        if turtle.motion_commands and not any(each.v_mps or each.w_radps for each in trajectory.commands):
+        if received.motions and not any(each.v_mps or each.w_radps for each in trajectory.commands):
             journal.note("stopped_at_once")
         asked = any(note.code == LISTENER_NOTE for note in journal.notes)
         if self._has_moved and not self._is_heard and not asked:
             journal.note(UNHEARD_NOTE)
-        if turtle.clamped_commands:
+        if received.clamped:
             journal.note("clamped_command")
         return EpisodeResult(
             trajectory=trajectory,
@@ -372,11 +382,11 @@ class Episode:
             logs=journal.logs,
             logs_dropped=journal.logs_dropped,
             notes=journal.notes,
-            command_count=turtle.command_count,
-            nonfinite_commands=turtle.nonfinite_commands,
-            first_command_ns=turtle.first_command_ns,
-            last_command_ns=turtle.last_command_ns,
-            sim_steps=turtle.steps_run,
+            command_count=received.count,
+            nonfinite_commands=received.nonfinite,
+            first_command_ns=received.first_ns,
+            last_command_ns=received.last_ns,
+            sim_steps=self._world.steps_run,
             calls=self._calls.results,
             most_steps=self._spec.steps,
             requests=tuple(self._requests),

@@ -4,10 +4,11 @@ import math
 from typing import Final, Protocol
 
 from grader.contracts.assignment import WINDOW_M, World
-from grader.contracts.trajectory import COMMAND_LIFE_NS, Command
+from grader.contracts.trajectory import COMMAND_LIFE_NS
 from grader.sim.bullet import BulletCar
 from grader.sim.car import UPDATE_NS, PlanarPose, clamp_command, next_update, turtlesim_update
 from grader.sim.frames import CarState
+from grader.sim.received import ReceivedCommands
 from grader.sim.recorder import Recorder
 
 _NEVER: Final = 1 << 62
@@ -15,14 +16,6 @@ _LIFE_UPDATES: Final = COMMAND_LIFE_NS // UPDATE_NS
 _LAG_NS: Final = 100_000_000
 """How far the car may lag behind while commands only repeat the present one. Driving in larger pieces costs less;
 0.1 s is small enough for the car to drive while the script computes, instead of after it."""
-
-
-_MOST_RECORDED: Final = 1e6
-"""Of a command's components, so that what is drawn and printed stays readable; the car obeys a hundred at most."""
-
-
-def _recorded(asked: float) -> float:
-    return min(max(asked, -_MOST_RECORDED), _MOST_RECORDED)
 
 
 class AnyTurtle(Protocol):
@@ -54,19 +47,13 @@ class Turtle:
 
     Attributes:
         alive: false between /kill and the next turtle of the same name; until then commands have no effect.
-        command_count, nonfinite_commands, lateral_commands, clamped_commands: commands received, and how many
-            of them had a NaN or infinite component, a sideways one, or one beyond the car's bounds.
-        motion_commands: how many were no stop.
-        first_command_ns, last_command_ns: when the first and the last one came.
+        commands: what it was told.
     """
 
     def __init__(self, car: BulletCar, recorder: Recorder, world: World, horizon_ns: int) -> None:
         self.start: PlanarPose = (world.start.x_m, world.start.y_m, math.radians(world.start.heading_deg))
         self.alive = True
-        self.command_count = self.nonfinite_commands = self.lateral_commands = self.clamped_commands = 0
-        self.motion_commands = 0
-        self.first_command_ns: int | None = None
-        self.last_command_ns: int | None = None
+        self.commands = ReceivedCommands(recorder)
         self._car = car
         self._recorder = recorder
         self._horizon_ns = horizon_ns
@@ -114,21 +101,8 @@ class Turtle:
         v, w, finite = clamp_command(linear_x, angular_z)
         if (v, w) != self._car.commanded or t_ns >= self._drop_ns or t_ns - self._car.now_ns >= _LAG_NS:
             self.advance(t_ns)
-        if not finite:
-            self.nonfinite_commands += 1
-        elif v != linear_x or w != angular_z:
-            self.clamped_commands += 1
-        if v or w:
-            self.motion_commands += 1
-        if linear_y:
-            self.lateral_commands += 1
-        self.command_count += 1
-        if self.first_command_ns is None:
-            self.first_command_ns = t_ns
-        self.last_command_ns = t_ns
         update = next_update(t_ns)
-        asked = (_recorded(linear_x), _recorded(angular_z)) if finite else (v, w)
-        self._recorder.command(update, Command(t_ns, *asked))
+        self.commands.take(update, t_ns, (linear_x, linear_y, angular_z), (v, w, finite))
         if self.alive:
             self._obey(update, v, w)
 

@@ -13,8 +13,9 @@ from grader.sim import parameters
 from grader.sim.car import UPDATE_NS, PlanarPose, fold, next_update
 from grader.sim.cdr import Values, decode, encode
 from grader.sim.feeds import Feeds, Outbox, Pen
-from grader.sim.frames import GRAPH_EVENT, CarState, Event, Request
+from grader.sim.frames import GRAPH_EVENT, CarState, Entity, Event, Request
 from grader.sim.parameters import Parameters
+from grader.sim.received import ReceivedCommands
 from grader.sim.rotate_action import RotateAction
 from grader.sim.turtle import AnyTurtle, SpawnedTurtle, Turtle
 
@@ -143,11 +144,29 @@ class TurtleWorld:
         """Return the type the world publishes or subscribes to on `topic`, None when it does neither."""
         return TWIST if topic in self._commands else self._topics.get(topic)
 
-    def keeps_last(self, topic: str) -> bool:
-        """Return whether the world's publisher on `topic` is TRANSIENT_LOCAL."""
-        return topic.endswith("/_action/status")
+    @property
+    def received(self) -> ReceivedCommands:
+        """The commands that came for the graded turtle."""
+        return self.turtle.commands
 
-    def listen(self, topic: str, identity: int, t_ns: int) -> None:
+    @property
+    def steps_run(self) -> int:
+        """Physics steps computed."""
+        return self.turtle.steps_run
+
+    def appear(self) -> None:
+        """Build the physical world. To be called first, once; InfrastructureError."""
+        self.turtle.appear()
+
+    def finish(self, end_ns: int) -> None:
+        """Drive up to `end_ns`, when the episode ended, and record the last sample."""
+        self.turtle.finish(end_ns)
+
+    def suits(self, entity: Entity) -> bool:
+        """Return whether the QoS of a subscription fits that of the world's publisher on its topic."""
+        return not entity.transient_local or entity.name.endswith("/_action/status")
+
+    def listen(self, topic: str, identity: int, t_ns: int, *, late: bool = False) -> None:
         """Connect subscription `identity` to `topic`, which the world publishes, from `t_ns` on."""
         self.advance(t_ns)
         self.outbox.subscribe(topic, identity)

@@ -5,7 +5,7 @@ They do not know each other: import-linter holds every module in this folder to 
 
 from collections.abc import Mapping
 
-from grader.checks.kinds import essay, motion, node, number, path, places, polygon, rotation, service
+from grader.checks.kinds import essay, motion, node, number, path, places, polygon, room, rotation, service
 from grader.checks.measure import Check, Kind, TextCheck
 
 CHECKS: Mapping[str, Check] = {
@@ -17,6 +17,7 @@ CHECKS: Mapping[str, Check] = {
         polygon.CHECK,
         path.CHECK,
         places.CHECK,
+        room.CHECK,
         service.CHECK,
     )
 }

@@ -9,6 +9,7 @@ from grader.checks.drive import Drive, drive_of
 from grader.checks.kinds.places.mistakes import place_mistakes
 from grader.checks.kinds.places.visits import Visit, Way, entered, jolt_mps, outside_of, visits, way_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
+from grader.checks.surroundings import clearance
 from grader.contracts.assignment import WINDOW_M, Assignment, Region, WantedPlaces, outside_m
 from grader.contracts.figure import FigureSketch, Point, SketchLabel, SketchRegion
 from grader.contracts.scoring import Run
@@ -75,9 +76,11 @@ def _of_the_goals(wanted: WantedPlaces, way: Way, seen: list[Visit]) -> dict[str
 def _of_the_way(assignment: Assignment, run: Run, way: Way) -> dict[str, Measure]:
     avoid = () if assignment.places is None else assignment.places.avoid
     apart = [float(np.min(outside_of(region, way))) for region in avoid]
-    if assignment.world.walls:
+    if assignment.world.window:
         edges = (way.x_m, way.y_m, WINDOW_M - way.x_m, WINDOW_M - way.y_m)
         apart.append(max(min(float(np.min(edge)) for edge in edges), 0.0))
+    if assignment.world.room is not None:
+        apart.append(clearance(assignment.world.room, run.trajectory).value)
     return {
         "contacts": Measure(float(len(run.trajectory.contacts))),
         "entered": Measure(float(len(entered(avoid, way)))),
@@ -185,6 +188,9 @@ _OUTSIDE = Text(
     zh=f"在场地外面（0 到 {WINDOW_M:.2f} m）：改位置，或写 world: {{walls: false}}",
     en=f"lies outside the field (0 to {WINDOW_M:.2f} m); move it, or write world: {{walls: false}}",
 )
+_OUTSIDE_ROOM = Text(
+    zh="在房间外面（world.room.bounds）：改位置", en="lies outside the room (world.room.bounds); move it"
+)
 _TOO_LONG = Text(
     zh="要短于 horizon_s：缩短它，或者加长 horizon_s",
     en="must be less than horizon_s; shorten it or lengthen that",
@@ -202,11 +208,12 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
 
 
 def _wrong_items(assignment: Assignment, wanted: WantedPlaces) -> Iterator[tuple[str, Text]]:
+    has_walls = assignment.world.window or assignment.world.room is not None
     needs = {
         "heading_error_deg": (wanted.end_heading_deg is not None, _NO_HEADING),
         "entered": (bool(wanted.avoid), _NOTHING_TO_AVOID),
-        "contacts": (assignment.world.walls, _NO_WALLS),
-        "clearance_m": (assignment.world.walls or bool(wanted.avoid), _NOTHING_TO_AVOID),
+        "contacts": (has_walls, _NO_WALLS),
+        "clearance_m": (has_walls or bool(wanted.avoid), _NOTHING_TO_AVOID),
     }
     most = max(len(case.visit) or len(wanted.visit) for case in assignment.cases)
     for i, item in enumerate(assignment.items):
@@ -225,9 +232,14 @@ def _wrong_goals(assignment: Assignment) -> Iterator[tuple[str, Text]]:
         where = f"cases.{case_number}.visit" if case.visit else "places.visit"
         for i, goal in enumerate(() if task.places is None else task.places.visit):
             region = goal.region
+            room = task.world.room
             inside = 0.0 <= region.x_m <= WINDOW_M and 0.0 <= region.y_m <= WINDOW_M
-            if task.world.walls and not inside:
+            if task.world.window and not inside:
                 yield f"{where}.{i}", _OUTSIDE
+            if room is not None and not (
+                room.left_m <= region.x_m <= room.right_m and room.bottom_m <= region.y_m <= room.top_m
+            ):
+                yield f"{where}.{i}", _OUTSIDE_ROOM
             if outside_m(region, start.x_m, start.y_m) <= 0.0 and i == 0:
                 yield f"{where}.{i}", _AT_START
             if goal.hold_s >= assignment.horizon_s:

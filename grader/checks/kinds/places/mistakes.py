@@ -10,6 +10,7 @@ from grader.checks.kinds.places.visits import Visit, Way, entered
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes
 from grader.checks.scoring import fits
+from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
@@ -46,7 +47,12 @@ def place_mistakes(
 
 def _touched(assignment: Assignment, run: Run, way: Way) -> Iterator[Mistake]:
     for contact in run.trajectory.contacts[:1]:
-        time, wall = number(contact.start_ns / 1e9, "s"), say(f"wall.{contact.wall}")
+        time = number(contact.start_ns / 1e9, "s")
+        if assignment.world.kind == "robot":
+            spoilt = ("contacts", "clearance_m", *_GOALS)
+            yield mistake("place_hit", spoilt, time=time, what=name_of(contact.wall))
+            continue
+        wall = say(f"wall.{contact.wall}")
         yield mistake("place_wall", ("contacts", "clearance_m", *_GOALS), time=time, wall=wall)
     avoid = () if assignment.places is None else assignment.places.avoid
     for i in entered(avoid, way)[:1]:
@@ -107,7 +113,8 @@ def _entered_in_vain(assignment: Assignment, seen: Sequence[Visit], first: Visit
 def _ignores_the_pose(assignment: Assignment, run: Run) -> bool:
     """Whether the car starts somewhere else in each case, and the script never asks where."""
     starts = {case.start for case in assignment.cases}
-    heard = any(each.kind == "subscription" and each.name.endswith("/pose") for each in run.outcome.endpoints)
+    tells = assignment.world.topics.get("/odom", "/odom") if assignment.world.kind == "robot" else "/pose"
+    heard = any(each.kind == "subscription" and each.name.endswith(tells) for each in run.outcome.endpoints)
     return len(starts) > 1 and not heard
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from rclpy._link import link
 from rclpy._rcl.qos import (
+    BEST_EFFORT,
     KEEP_LAST,
     RELIABLE,
     TRANSIENT_LOCAL,
@@ -64,16 +65,22 @@ def next_gid() -> int:
 class WorldEndpoint:
     """A topic end or service of the simulated world: reliable, volatile, depth 7, as turtlesim's are.
 
-    The status of an action is kept for late listeners (rcl_action/default_qos.h).
+    The status of an action is kept for late listeners (rcl_action/default_qos.h). A world that offers something
+    else says so: whether it is reliable, and whether it is kept.
     """
 
-    def __init__(self, name: str, type_name: str, owner: tuple[str, str]) -> None:
+    def __init__(
+        self, name: str, type_name: str, owner: tuple[str, str], offered: list[bool] | None = None
+    ) -> None:
         self.name = name
         self.type_name = type_name
         self.owner = owner
-        keeps_last = name.endswith("/_action/status")
+        keeps_last = offered[1] if offered else name.endswith("/_action/status")
         self.qos = NativeQos(
-            KEEP_LAST, 1 if keeps_last else 7, RELIABLE, TRANSIENT_LOCAL if keeps_last else VOLATILE
+            KEEP_LAST,
+            1 if keeps_last else 7,
+            BEST_EFFORT if offered and not offered[0] else RELIABLE,
+            TRANSIENT_LOCAL if keeps_last else VOLATILE,
         )
         self.gid = next_gid()
 
@@ -141,8 +148,9 @@ class Graph:
             self._add_world(change)
 
     def _add_world(self, world: dict[str, Any]) -> None:
+        offered = world.get("qos", {})
         for name, kind in world["publishes"]:
-            self.add_writer(WorldEndpoint(name, kind, self._owner))
+            self.add_writer(WorldEndpoint(name, kind, self._owner, offered.get(name)))
         for name, kind in world["subscribes"]:
             self.add_reader(WorldEndpoint(name, kind, self._owner))
         for members, key in ((self.servers, "services"), (self.clients, "calls")):

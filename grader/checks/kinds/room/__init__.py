@@ -1,0 +1,160 @@
+"""Check ``room``: what a robot did among walls: how near it came, for how long, where it went and stopped."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from grader.checks.drive import MOVING_MPS, Drive, drive_of
+from grader.checks.kinds.room.mistakes import room_mistakes
+from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option
+from grader.checks.surroundings import clearance
+from grader.contracts.assignment import Assignment, Room
+from grader.contracts.figure import FigureSketch
+from grader.contracts.robot import SCANNER_X_M
+from grader.contracts.scoring import Run
+from grader.contracts.text import Text
+from grader.contracts.trajectory import Floats, Trajectory
+from grader.geometry.room import ahead_m, from_point_m
+from grader.messages.quantity import number
+
+CELL_M = 0.25
+_AROUND_M = 0.12  # from a cell's middle to whatever stands there, so that a robot gets in
+_POINT_M = 0.01  # how close together points of the way are looked at
+MEASURES = {
+    "distance_m": MeasureKind("m"),
+    "contacts": MeasureKind(form="count"),
+    "clearance_m": MeasureKind("m"),
+    "ahead_m": MeasureKind("m"),
+    "settled": MeasureKind(form="flag"),
+    "moving_s": MeasureKind("s"),
+    "covered_pct": MeasureKind("%"),
+    "band_pct": MeasureKind("%"),
+    "band_m": MeasureKind("m"),
+}
+
+
+def examine(assignment: Assignment, run: Run) -> Findings:
+    """Measure a drive in a room."""
+    drive, room = drive_of(run), assignment.world.room
+    if drive is None or room is None:
+        return Findings(mistakes=room_mistakes(assignment, run, None, {}))
+    trajectory = run.trajectory
+    measures = {
+        "distance_m": Measure(float(np.max(drive.path.along_m))),
+        "contacts": Measure(float(len(trajectory.contacts))),
+        "clearance_m": clearance(room, trajectory),
+        "ahead_m": _ahead(room, trajectory),
+        "settled": Measure(0.0 if drive.moving_at_end else 1.0),
+        "moving_s": Measure(_moving_s(trajectory)),
+        "covered_pct": Measure(100.0 * _covered(room, drive)),
+        **_band(assignment, room, drive),
+    }
+    return Findings(measures, room_mistakes(assignment, run, drive, measures))
+
+
+def _ahead(room: Room, trajectory: Trajectory) -> Measure:
+    """Return how far the scanner sees straight ahead in the end."""
+    x, y, heading = (float(c[-1]) for c in (trajectory.x_m, trajectory.y_m, trajectory.heading_rad))
+    x += SCANNER_X_M * math.cos(heading)
+    y += SCANNER_X_M * math.sin(heading)
+    seen = ahead_m(room.solids, x, y, heading)
+    return Measure(seen) if math.isfinite(seen) else UNMEASURED
+
+
+def _moving_s(trajectory: Trajectory) -> float:
+    """Return for how long the robot drove; turning on the spot is not driving."""
+    steps_s = np.diff(trajectory.t_ns) * 1e-9
+    return float(np.sum(steps_s[np.abs(trajectory.v_mps[1:]) > MOVING_MPS]))
+
+
+def _points(drive: Drive) -> tuple[Floats, Floats]:
+    """Return points of the driven way, a centimetre apart; the first one alone if nothing was driven."""
+    along = drive.path.along_m
+    rising = np.concatenate(([True], np.diff(along) > 0.0))
+    at = np.arange(0.0, max(float(along[-1]), _POINT_M / 2.0), _POINT_M)
+    return (
+        np.interp(at, along[rising], drive.path.x_m[rising]),
+        np.interp(at, along[rising], drive.path.y_m[rising]),
+    )
+
+
+def _covered(room: Room, drive: Drive) -> float:
+    """Return which share of the floor's cells the robot has been in, of those it can be in."""
+    columns = np.arange(room.left_m + CELL_M / 2.0, room.right_m, CELL_M)
+    rows = np.arange(room.bottom_m + CELL_M / 2.0, room.top_m, CELL_M)
+    x, y = (each.ravel() for each in np.meshgrid(columns, rows))
+    free = np.ones(len(x), dtype=bool)
+    for solid in room.solids:
+        free &= from_point_m(solid, x, y) > (_AROUND_M if solid.kind != "ramp" else -1.0)
+    at_x, at_y = _points(drive)
+    column = np.clip(((at_x - room.left_m) / CELL_M).astype(int), 0, len(columns) - 1)
+    row = np.clip(((at_y - room.bottom_m) / CELL_M).astype(int), 0, len(rows) - 1)
+    been = np.zeros(len(x), dtype=bool)
+    been[row * len(columns) + column] = True
+    return float(np.sum(been & free)) / max(int(np.sum(free)), 1)
+
+
+def _band(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure]:
+    """Measure which share of the way ran at the wanted distance from walls, from where it was first kept on."""
+    low, high = (assignment.options.get(name) for name in ("band_low_m", "band_high_m"))
+    if low is None or high is None:
+        return {}
+    x, y = _points(drive)
+    walls = [from_point_m(solid, x, y) for solid in room.solids if solid.kind != "ramp"]
+    near = np.min(np.array(walls), axis=0)
+    within = (near >= float(low)) & (near <= float(high))
+    details = {"low": number(float(low), "m"), "high": number(float(high), "m")}
+    if not within.any():
+        return {"band_pct": Measure(0.0, details), "band_m": Measure(0.0, details)}
+    kept = within[int(np.argmax(within)) :]
+    return {
+        "band_pct": Measure(100.0 * float(np.mean(kept)), details),
+        "band_m": Measure(_POINT_M * float(np.sum(kept)), details),
+    }
+
+
+def sketch(assignment: Assignment, run: Run) -> FigureSketch:
+    """Return the bare path: the room is drawn for every check."""
+    return FigureSketch(view="path", ideal_closed=False)
+
+
+_NO_ROBOT = Text(
+    zh="检查 room 需要机器人：写 world: {kind: robot, room: …}",
+    en="the check room needs a robot; write world: {kind: robot, room: …}",
+)
+_NO_BAND = Text(
+    zh="缺少 options.band_low_m 和 band_high_m：补上",
+    en="options.band_low_m and band_high_m are missing; add them",
+)
+
+
+def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+    if assignment.world.kind != "robot":
+        return (("world", _NO_ROBOT),)
+    return tuple(_without_band(assignment))
+
+
+def _without_band(assignment: Assignment) -> Iterator[tuple[str, Text]]:
+    has_band = {"band_low_m", "band_high_m"} <= assignment.options.keys()
+    for i, item in enumerate(assignment.items):
+        if item.measure in ("band_pct", "band_m") and not has_band:
+            yield f"items.{i}.measure", _NO_BAND
+
+
+_LENGTH = Text(zh="要写大于 0 的长度，单位 m", en="must be a length above 0, in m")
+
+
+def _problem_with_length(value: Option) -> Text | None:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    return None if is_number and float(value) > 0.0 else _LENGTH
+
+
+CHECK = Check(
+    kind="room",
+    measures=MEASURES,
+    optional={"band_low_m": _problem_with_length, "band_high_m": _problem_with_length},
+    consult=_consult,
+    examine=examine,
+    sketch=sketch,
+)

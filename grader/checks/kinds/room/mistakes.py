@@ -1,0 +1,59 @@
+"""Mistakes of a drive in a room, told by what was touched and where the robot ended."""
+
+from collections.abc import Iterator, Mapping
+
+from grader.checks.drive import Drive
+from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
+from grader.checks.mistakes import asleep, lost_at_home, robot_mistakes, script_mistakes
+from grader.checks.scoring import fits
+from grader.checks.surroundings import name_of
+from grader.contracts.assignment import Assignment
+from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Run
+from grader.messages.quantity import number
+
+_FAR = ("ahead_m", "settled")
+_TOUCH = ("contacts", "clearance_m", "ahead_m", "settled", "band_pct", "band_m", "moving_s", "covered_pct")
+
+
+def room_mistakes(
+    assignment: Assignment, run: Run, drive: Drive | None, measures: Mapping[str, Measure]
+) -> tuple[Mistake, ...]:
+    """Return what probably went wrong in a room."""
+    found = [*script_mistakes(run), *asleep(run), *robot_mistakes(run, assignment.world)]
+    if drive is not None:
+        found += _touched(run)
+        found += _ended(assignment, drive, measures)
+        found += _strayed(assignment, measures)
+    return (*found, *lost_at_home(run))
+
+
+def _touched(run: Run) -> Iterator[Mistake]:
+    for contact in run.trajectory.contacts[:1]:
+        values = {"time": number(contact.start_ns / 1e9, "s"), "what": name_of(contact.wall)}
+        ended_ns = run.outcome.duration_ns
+        if run.outcome.status is RunStatus.FINISHED and contact.start_ns > ended_ns:
+            yield mistake("room_ran_on", _TOUCH, ended=number(ended_ns / 1e9, "s"), **values)
+        elif not any(one.kind == "subscription" for one in run.outcome.endpoints):
+            yield mistake("room_blind", _TOUCH, **values)
+        else:
+            yield mistake("room_hit", _TOUCH, **values)
+
+
+def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
+    """Tell of a robot that did not stop where it should have."""
+    if fits(assignment, "settled", measures["settled"].value) is False:
+        yield mistake("room_never_stops", ("settled",))
+    wanted = assignment.item_on("ahead_m")
+    ahead = measures.get("ahead_m", UNMEASURED).value
+    if wanted is None or fits(assignment, "ahead_m", ahead) is not False or drive.moving_at_end:
+        return
+    too_far = wanted.high is not None and ahead > wanted.high
+    yield mistake("room_too_early" if too_far else "room_too_late", ("ahead_m",), ahead=number(ahead, "m"))
+
+
+def _strayed(assignment: Assignment, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
+    kept = measures.get("band_pct")
+    if kept is not None and fits(assignment, "band_pct", kept.value) is False:
+        code = "room_no_wall" if kept.value == 0.0 else "room_strays"
+        yield mistake(code, ("band_pct", "band_m"), **kept.details)

@@ -1,0 +1,58 @@
+"""The velocity commands that came, for the trajectory and for the account of the run."""
+
+from typing import Final
+
+from grader.contracts.trajectory import Command
+from grader.sim.recorder import Recorder
+
+_MOST_RECORDED: Final = 1e6
+"""Of a command's components, so that what is drawn and printed stays readable; no car obeys more."""
+
+
+class ReceivedCommands:
+    """Counts commands and hands them to the recorder.
+
+    Attributes:
+        count, nonfinite, lateral, clamped: commands received, and how many of them had a NaN or infinite
+            component, a sideways one, or one beyond the car's bounds.
+        motions: how many were no stop.
+        first_ns, last_ns: when the first and the last one came.
+    """
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._recorder = recorder
+        self.count = self.nonfinite = self.lateral = self.clamped = self.motions = 0
+        self.first_ns: int | None = None
+        self.last_ns: int | None = None
+
+    def take(
+        self, update: int, t_ns: int, asked: tuple[float, float, float], obeyed: tuple[float, float, bool]
+    ) -> None:
+        """Take a command of time `t_ns`.
+
+        Args:
+            update: which update of the car acts on it; of several commands the last counts.
+            t_ns: when it came.
+            asked: its speeds ahead and to the left, and its yaw rate.
+            obeyed: speed and yaw rate as the car takes them, and whether the command was finite.
+        """
+        v, w, finite = obeyed
+        ahead, left, turn = asked
+        if not finite:
+            self.nonfinite += 1
+        elif v != ahead or w != turn:
+            self.clamped += 1
+        if v or w:
+            self.motions += 1
+        if left:
+            self.lateral += 1
+        self.count += 1
+        if self.first_ns is None:
+            self.first_ns = t_ns
+        self.last_ns = t_ns
+        told = (_recorded(ahead), _recorded(turn)) if finite else (v, w)
+        self._recorder.command(update, Command(t_ns, *told))
+
+
+def _recorded(asked: float) -> float:
+    return min(max(asked, -_MOST_RECORDED), _MOST_RECORDED)

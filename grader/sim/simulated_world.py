@@ -1,0 +1,77 @@
+"""What an episode needs of a world, whichever it is."""
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+from grader.sim.feeds import Outbox
+from grader.sim.frames import CarState, Entity, Request
+from grader.sim.received import ReceivedCommands
+
+
+class SimulatedWorld(Protocol):
+    """Everything that is not the script, in virtual time. Instants never decrease from call to call.
+
+    Attributes:
+        outbox: what is due for the script, and who hears what.
+        on_change: called with the topics that came or went.
+        services: types by name.
+        carried: every topic on which commands were taken at any time.
+    """
+
+    outbox: Outbox
+    on_change: Callable[[frozenset[str]], None]
+    services: dict[str, str]
+    carried: set[str]
+
+    @property
+    def received(self) -> ReceivedCommands:
+        """The commands that came for what is graded."""
+
+    @property
+    def steps_run(self) -> int:
+        """Physics steps computed."""
+
+    def appear(self) -> None:
+        """Build the physical world. To be called first, once; InfrastructureError."""
+
+    def graph(self) -> dict[str, Any]:
+        """Return START's ``world``: what exists besides the script, from the world's point of view."""
+
+    def type_of(self, topic: str) -> str | None:
+        """Return the type the world publishes or subscribes to on `topic`, None when it does neither."""
+
+    def suits(self, entity: Entity) -> bool:
+        """Return whether the QoS of a subscription fits that of the world's publisher on its topic."""
+
+    def listen(self, topic: str, identity: int, t_ns: int, *, late: bool = False) -> None:
+        """Connect subscription `identity` to `topic`, which the world publishes, from `t_ns` on.
+
+        `late`: it is TRANSIENT_LOCAL, and wants what is kept for those who come late.
+        """
+
+    def command(self, topic: str, t_ns: int, linear_x: float, linear_y: float, angular_z: float) -> None:
+        """Take a message on a command topic."""
+
+    def request(self, service: str, request: Request) -> bool:
+        """Queue a request to one of `services`; false when too many wait."""
+
+    def forget_requests(self) -> None:
+        """Drop every waiting request: a script that broke the protocol is served no more."""
+
+    def next_due(self) -> int | None:
+        """Return the next instant at which something may become due for the script, None when never."""
+
+    def let_reckon(self) -> CarState | None:
+        """Let the script reckon the poses, if only its commands decide them; return what it needs for that."""
+
+    def take_back(self, t_ns: int) -> None:
+        """Publish again what comes after `t_ns`, and is not to be reckoned any more."""
+
+    def advance(self, t_ns: int) -> None:
+        """Run until `t_ns`."""
+
+    def settle(self, from_ns: int, until_ns: int) -> int:
+        """Let the world go on without the script until the car rests; return when that is."""
+
+    def finish(self, end_ns: int) -> None:
+        """Drive up to `end_ns`, when the episode ended, and record the last sample."""
