@@ -73,6 +73,12 @@ class Settings(BaseSettings):
     max_upload_bytes: int = Field(
         default=256 * 1024, ge=1024, le=_MAX_UPLOAD_BYTES, description="Largest file a student may upload."
     )
+    max_package_bytes: int = Field(
+        default=1024 * 1024,
+        ge=1024,
+        le=_MAX_UPLOAD_BYTES,
+        description="Largest zip of a package that a student may upload.",
+    )
     max_open_submissions: int = Field(
         default=50, ge=1, description="Most submissions of one student that may wait for grading at once."
     )

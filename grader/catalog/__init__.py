@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
 from grader.catalog.cache import AssignmentCache, AssignmentMemory
-from grader.catalog.files import SPEC_NAME, content
+from grader.catalog.files import SPEC_NAME, content, is_there
 from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.text import Text
@@ -112,7 +112,7 @@ class Catalog:
         attempts = document.wrong_attempts()
         for i, attempt in enumerate(attempts):
             path = self.folder(assignment_id) / "wrong" / attempt.file
-            if not path.is_file():
+            if not is_there(path):
                 told = Text(
                     zh=f"没有文件 {path}：补上，或者删掉这一项",
                     en=f"no file {path}; add it or remove the entry",
@@ -140,13 +140,15 @@ class Catalog:
         return min(matches)[2] if matches else None
 
     def own_file(self, assignment: Assignment, name: str) -> Path:
-        """Return the path of an assignment's own file: ``solution.py``, or ``solution.txt`` for a text.
+        """Return the path of an assignment's own file: ``solution.py``, ``solution.txt`` for a text, ``.zip``.
+
+        A folder ``solution`` may stand for ``solution.zip``; `grader.catalog.files.handed_in` reads both.
 
         Raises:
             AssignmentError: it is not there.
         """
         path = self.folder(assignment.id) / (name + SUFFIXES[assignment.input][0])
-        if not path.is_file():
+        if not is_there(path):
             raise _refused(str(path), _MISSING)
         return path
 

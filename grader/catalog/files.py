@@ -21,6 +21,26 @@ def interface_files(folder: Path) -> list[Path]:
     return [path for path in found if path.name not in _BESIDE or path.parent.parent != root]
 
 
+def is_there(path: Path) -> bool:
+    """Whether an assignment's own file is there; a zip may stand there as the folder that it is made of."""
+    return path.is_file() or (path.suffix == ".zip" and path.with_suffix("").is_dir())
+
+
+def handed_in(path: Path) -> bytes:
+    """Return what would be stored of an assignment's own file, if a student handed it in.
+
+    Raises:
+        OSError: it cannot be read.
+        RefusedError: it is a zip or folder that holds no package.
+    """
+    if path.suffix != ".zip":
+        return path.read_bytes()
+    from grader.packages.bundle import bundled
+    from grader.packages.folders import read_folder
+
+    return bundled(path.read_bytes()) if path.is_file() else read_folder(path.with_suffix(""))
+
+
 def content(spec: Path) -> bytes:
     """Return all that the files say; two assignments with equal content are equal.
 

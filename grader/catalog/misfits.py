@@ -13,7 +13,7 @@ from grader.contracts.validation_words import said
 
 ID_PATTERN: Final = r"^[a-z][a-z0-9_]{0,39}$"
 INTERFACE_PATTERN: Final = r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$"
-WRONG_FILE_PATTERN: Final = r"^[a-z][a-z0-9_]*\.(py|txt|md)$"
+WRONG_FILE_PATTERN: Final = r"^[a-z][a-z0-9_]*\.(py|txt|md|zip)$"
 
 _FIXES: Mapping[str, Text] = {
     "extra_forbidden": Text(
@@ -31,8 +31,8 @@ _FORMS: Mapping[str, Text] = {
         en="use small letters, digits and _, beginning with a letter, at most 40 characters",
     ),
     WRONG_FILE_PATTERN: Text(
-        zh="文件名用小写英文字母、数字和 _，以 .py、.txt 或 .md 结尾",
-        en="use small letters, digits and _, ending in .py, .txt or .md",
+        zh="文件名用小写英文字母、数字和 _，以 .py、.txt、.md 或 .zip 结尾",
+        en="use small letters, digits and _, ending in .py, .txt, .md or .zip",
     ),
     INTERFACE_PATTERN: Text(
         zh="写成 rosclaw_msgs/srv/GetCapabilities 这样的类型",

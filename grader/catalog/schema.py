@@ -65,6 +65,7 @@ from grader.contracts.assignment import (
     ServiceCall,
     StartPose,
     WantedGoal,
+    WantedPackage,
     WantedPath,
     WantedPlaces,
     World,
@@ -398,6 +399,18 @@ class PathModel(SpecModel):
         )
 
 
+class PackageModel(SpecModel):
+    """Which part of a package is run."""
+
+    name: Annotated[str, Field(pattern=r"^([a-z][a-z0-9_]{0,59})?$")] = ""
+    executable: Annotated[str, Field(max_length=100)] = ""
+    launch: Annotated[str, Field(max_length=100)] = ""
+
+    def to_contract(self) -> WantedPackage:
+        """Return the contract."""
+        return WantedPackage(**dict(self))
+
+
 class CallModel(SpecModel):
     """A request to a service of the script, `at_s` seconds after its start or as soon as it is offered."""
 
@@ -467,6 +480,7 @@ class AssignmentModel(SpecModel):
     answers: tuple[AnswerModel, ...] = ()
     path: PathModel | None = None
     places: PlacesModel | None = None
+    package: PackageModel | None = None
     items: Annotated[tuple[ItemModel, ...], Field(min_length=1)]
     wrong: tuple[WrongModel, ...] = ()
 
@@ -542,6 +556,7 @@ class AssignmentModel(SpecModel):
             answers=tuple(answer.to_contract() for answer in self.answers),
             path=None if self.path is None else self.path.to_contract(),
             places=None if self.places is None else self.places.to_contract(),
+            package=None if self.package is None else self.package.to_contract(),
             items=tuple(item.to_contract() for item in self.items),
         )
 

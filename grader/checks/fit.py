@@ -7,15 +7,22 @@ from grader.contracts.assignment import BY_PERSON, Assignment
 from grader.contracts.text import Text
 from grader.messages.quantity import is_unit
 
+_NO_PACKAGE = Text(
+    zh="只有 `input: package` 才用得上：删掉，或者改写 input",
+    en="only `input: package` uses this; remove it, or change the input",
+)
+
 Misfit = tuple[str, Text]
 """A field (``items.2.measure``), and what is wrong with it and what to do."""
 
 
 def misfits(assignment: Assignment, check: Kind) -> Iterator[Misfit]:
     """Yield all that does not fit `check`."""
-    wanted = "script" if isinstance(check, Check) else "text"
-    if assignment.input != wanted:
-        yield "input", _other_input(check, wanted)
+    wanted = ("script", "package") if isinstance(check, Check) else ("text",)
+    if assignment.input not in wanted:
+        yield "input", _other_input(check, wanted[0])
+    if assignment.package is not None and assignment.input != "package":
+        yield "package", _NO_PACKAGE
     for i, case in enumerate(assignment.cases):
         options = {**assignment.options, **case.options}
         where = "options" if not case.options else f"cases.{i}.options"

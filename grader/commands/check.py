@@ -41,7 +41,11 @@ FORMATS = ("gradescope", "prairielearn", "autolab", "classroom50")
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("file", type=Path, help="the script or answer to grade / 要评分的脚本或答案")
+    parser.add_argument(
+        "file",
+        type=Path,
+        help="the script, answer or package (folder, zip) to grade / 要评分的脚本、答案或功能包",
+    )
     parser.add_argument("-a", "--assignment", help=ASSIGNMENT_HELP)
     add_language_option(parser)
     parser.add_argument("--json", action="store_true", help=JSON_HELP)
@@ -78,7 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
         check_plot_path(arguments.plot)
     if arguments.record is not None:
         check_bag_path(arguments.record)
-    source = read_source(arguments.file)
+    source = read_handed_in(arguments.file)
     _check_environment(arguments)
     with Slot(SlotConfig(mode=arguments.isolation)) as slot:  # warms up while the assignment is read
         assignment, result = _grade(slot, arguments, source)
@@ -87,6 +91,28 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.result is not None:
         return EXIT_FULL_MARKS  # other platforms take anything else for a fault of the grader
     return EXIT_FULL_MARKS if report.score == report.max_score else EXIT_NOT_FULL
+
+
+def read_handed_in(path: Path) -> bytes:
+    """Return what would be stored of a script, an answer, or a package as a zip or a folder.
+
+    Raises:
+        RefusedError: it cannot be read, or could not be uploaded either.
+    """
+    if path.is_dir() or path.suffix.lower() == ".zip":
+        from grader.packages.bundle import MAX_PACKAGE_BYTES, bundled
+        from grader.packages.folders import read_bounded, read_folder
+
+        try:
+            return read_folder(path) if path.is_dir() else bundled(read_bounded(path, MAX_PACKAGE_BYTES))
+        except OSError as error:
+            raise file_error("unreadable", str(path), error) from error
+    return read_source(path)
+
+
+def handed_in_name(path: Path) -> str:
+    """Return the name under which a file or a package's folder is handed in."""
+    return f"{path.resolve().name}.zip" if path.is_dir() else path.name
 
 
 def read_source(path: Path) -> bytes:
@@ -123,7 +149,7 @@ def _grade(slot: Slot, arguments: argparse.Namespace, source: bytes) -> tuple[As
     chosen = catalog.get(arguments.assignment or _guess(catalog, arguments.file))
     assignment = chosen.of_course(arguments.distro)
     _check_input(arguments, assignment)
-    job = GradingJob(file_name=arguments.file.name, source=source, assignment=assignment)
+    job = GradingJob(file_name=handed_in_name(arguments.file), source=source, assignment=assignment)
     with faults_explained():
         result = slot.grade(job, _import_output if _for_people(arguments) else lambda: None)
     slot.abort()  # such a large process takes a while to die: let it do so while the table is printed
@@ -162,7 +188,7 @@ def _check_input(arguments: argparse.Namespace, assignment: Assignment) -> None:
     from grader.contracts.assignment import SUFFIXES
     from grader.contracts.upload import check_name
 
-    check_name(arguments.file.name, SUFFIXES[assignment.input])
+    check_name(handed_in_name(arguments.file), SUFFIXES[assignment.input])
     if assignment.input != "text":
         return
     if arguments.plot is not None:
@@ -187,7 +213,7 @@ def _guess(catalog: "Catalog", file: Path) -> str:
     from grader.contracts.assignment import SUFFIXES
     from grader.contracts.upload import check_name
 
-    file_name = file.name
+    file_name = handed_in_name(file)
     guess = catalog.guess_assignment(file_name)
     if guess is None:
         known = tuple(ending for endings in SUFFIXES.values() for ending in endings)

@@ -9,10 +9,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from grader.catalog.files import INTERFACES, interface_files
-from grader.commands.check import faults_explained, read_source
+from grader.commands.check import faults_explained, handed_in_name, read_handed_in
 from grader.commands.options import add_distro_option, add_grading_options, add_language_option, wrong_value
 from grader.commands.plots import check_plot_path, form_of, write_file
-from grader.contracts.assignment import TOPIC_PATTERN, Assignment, Case, InterfaceDefinition, World
+from grader.contracts.assignment import (
+    TOPIC_PATTERN,
+    Assignment,
+    Case,
+    InterfaceDefinition,
+    WantedPackage,
+    World,
+)
 from grader.contracts.errors import AssignmentError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.notation import decimal
@@ -22,6 +29,7 @@ from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Trajectory, decode_trajectory
 from grader.grading.slot import Slot, SlotConfig
 from grader.messages.quantity import number
+from grader.packages.bundle import is_package
 from grader.render.labels import word
 
 if TYPE_CHECKING:
@@ -39,7 +47,7 @@ _LONGEST_TOPIC = 247  # characters, as rmw_validate_full_topic_name has it
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """Declare the command's arguments."""
-    parser.add_argument("file", type=Path, help="the script to run / 要运行的脚本")
+    parser.add_argument("file", type=Path, help="the script or package to run / 要运行的脚本或功能包")
     parser.add_argument(
         "args", nargs="*", help="arguments for the script, after -- / 传给脚本的参数，写在 -- 后面"
     )
@@ -57,6 +65,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--no-walls", action="store_true", help="an open world instead of turtlesim's window / 没有墙"
     )
+    _add_package_options(parser)
     add_distro_option(parser, help="release of ROS 2 that the script finds (humble) / 脚本用的 ROS 2 版本")
     parser.add_argument("--interfaces", type=Path, metavar="DIR",
                         help="import the interfaces of this assignment's folder / 用这个作业的接口")  # fmt: skip
@@ -75,12 +84,28 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add_grading_options(parser)
 
 
+def _add_package_options(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--executable",
+        default="",
+        metavar="NAME",
+        help="of a package: what to run / 功能包里要运行的可执行文件",
+    )
+    parser.add_argument(
+        "--launch",
+        default="",
+        metavar="FILE",
+        help="of a package: the launch file to start / 要启动的 launch 文件",
+    )
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Run the script; 0 when it ended well, 1 when it failed."""
     if arguments.plot is not None:
         check_plot_path(arguments.plot)
+    source = read_handed_in(arguments.file)
     job = GradingJob(
-        file_name=arguments.file.name, source=read_source(arguments.file), assignment=_sandpit(arguments)
+        file_name=handed_in_name(arguments.file), source=source, assignment=_sandpit(arguments, source)
     )
     with faults_explained(), Slot(SlotConfig(mode=arguments.isolation)) as slot:
         result = slot.grade(job)
@@ -88,8 +113,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 0 if result.report.runs[0].outcome.blame is Blame.NOBODY else 1
 
 
-def _sandpit(arguments: argparse.Namespace) -> Assignment:
-    """Return an assignment that asks for nothing."""
+def _sandpit(arguments: argparse.Namespace, source: bytes = b"") -> Assignment:
+    """Return an assignment that asks for nothing; of a package it runs what the options name."""
     name = arguments.file.name
     return Assignment(
         id="run",
@@ -100,6 +125,8 @@ def _sandpit(arguments: argparse.Namespace) -> Assignment:
         check="motion",
         options={"direction": "forward"},
         items=(),
+        input="package" if is_package(source) else "script",
+        package=WantedPackage(executable=arguments.executable, launch=arguments.launch),
         horizon_s=arguments.horizon_s,
         world=World(cmd_vel_topic=arguments.topic, walls=not arguments.no_walls),
         interfaces=_interfaces(arguments.interfaces),

@@ -15,7 +15,7 @@ import httpx
 from rich.console import Console
 
 from grader.catalog import Catalog
-from grader.commands.check import EXIT_FULL_MARKS, EXIT_NOT_FULL, read_source
+from grader.commands.check import EXIT_FULL_MARKS, EXIT_NOT_FULL, handed_in_name, read_handed_in
 from grader.commands.options import ASSIGNMENT_HELP, JSON_HELP, add_language_option, tell
 from grader.contracts.errors import InfrastructureError, RefusedError, UnknownAssignmentError
 from grader.contracts.report import report_from
@@ -67,7 +67,7 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Hand in and wait; 0 full marks, 1 not, 2 could not be handed in or graded (raised as GraderError)."""
     _check_address(arguments.server)
-    source = read_source(arguments.file)
+    source = read_handed_in(arguments.file)
     assignment = arguments.assignment or _guess(arguments.file.name)
     headers = {"Accept-Language": arguments.lang, **_authorization(arguments)}
     with httpx.Client(base_url=arguments.server, headers=headers, timeout=_TIMEOUT_S) as client:
@@ -104,7 +104,7 @@ def _upload(client: httpx.Client, arguments: argparse.Namespace, source: bytes, 
         "POST",
         "/api/v1/submissions",
         data={"assignment": assignment, "student": arguments.student},
-        files={"file": (arguments.file.name, source)},
+        files={"file": (handed_in_name(arguments.file), source)},
         headers={"Idempotency-Key": uuid.uuid4().hex},  # a lost answer must not cost an attempt
     )
     receipt = response.json()

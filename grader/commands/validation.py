@@ -7,6 +7,7 @@ from rich import text as styled
 from rich.table import Table
 
 from grader.catalog import Catalog
+from grader.catalog.files import handed_in
 from grader.catalog.misfits import refusals
 from grader.catalog.reference import record
 from grader.checks import problems as check_problems
@@ -106,10 +107,10 @@ def own_scripts(catalog: Catalog, assignment: Assignment) -> OwnScripts:
     wrong = catalog.folder(assignment.id) / "wrong"
     return OwnScripts(
         assignment=assignment,
-        solution=OwnScript(name=solution.name, source=solution.read_bytes()),
-        starter=OwnScript(name=starter.name, source=starter.read_bytes()),
+        solution=OwnScript(name=solution.name, source=handed_in(solution)),
+        starter=OwnScript(name=starter.name, source=handed_in(starter)),
         wrong=tuple(
-            (one, OwnScript(name=one.file, source=(wrong / one.file).read_bytes()))
+            (one, OwnScript(name=one.file, source=handed_in(wrong / one.file)))
             for one in catalog.wrong_attempts(assignment.id)
         ),
     )
@@ -125,7 +126,7 @@ def record_reference(catalog: Catalog, assignment_id: str, grader: Grader) -> No
     if not wants_reference(assignment):
         return
     solution = catalog.own_file(assignment, "solution")
-    trace = traced(assignment, str(solution), solution.read_bytes(), grader)
+    trace = traced(assignment, str(solution), handed_in(solution), grader)
     try:
         record(solution.parent, trace)
     except OSError as error:

@@ -9,14 +9,18 @@ from grader.contracts.rubric import summed
 from grader.contracts.text import EMPTY, Language, Text
 
 Profile = Literal["nominal", "rough"]
-Input = Literal["script", "text"]
+Input = Literal["script", "text", "package"]
 Distro = Literal["humble", "jazzy"]
 Across = Literal["each", "worst", "mean"]
 """A release of ROS 2."""
 
 DISTROS: Final[tuple[Distro, ...]] = get_args(Distro)
 DEFAULT_DISTRO: Final[Distro] = "humble"
-SUFFIXES: dict[Input, tuple[str, ...]] = {"script": (".py",), "text": (".txt", ".md")}
+SUFFIXES: dict[Input, tuple[str, ...]] = {
+    "script": (".py",),
+    "text": (".txt", ".md"),
+    "package": (".zip",),
+}
 """Endings of handed-in files, by kind of input. The assignment's own files have the first one."""
 
 BY_PERSON = "by_person"
@@ -311,6 +315,20 @@ class WantedPath(Record):
     laps: bool = True
 
 
+class WantedPackage(Record):
+    """Which part of a handed-in package is run.
+
+    Attributes:
+        name: what the package must be called; empty: anything.
+        executable: as ``ros2 run`` names it; empty: the only one.
+        launch: name of the launch file that is started instead, such as ``drive.launch.py``; empty: none.
+    """
+
+    name: str = ""
+    executable: str = ""
+    launch: str = ""
+
+
 class ItemSpec(Record):
     """One rubric item as the instructor wrote it.
 
@@ -365,7 +383,7 @@ class Assignment(Record):
     """A validated assignment.
 
     Attributes:
-        input: what is handed in: a ``script`` that is run, or a ``text`` that is only read.
+        input: what is handed in: a ``script`` or a ``package`` (a zip), which is run, or a ``text`` to be read.
         check: kind of check, a key of the table in `grader.checks`.
         options: the check's own options, validated by it.
         file_patterns: shell patterns of file names that tell this assignment.
@@ -373,6 +391,7 @@ class Assignment(Record):
         order: position on the checklist.
         calls: requests sent to the script's services in every run.
         answers: of a question whose answer is a number.
+        package: what of a package is run; None: its only executable.
         path: what the check ``path`` compares with. places: where the check ``places`` looks.
         interfaces: which the script can import besides ROS's own.
         distro: release of ROS 2 that the script finds; None: the course's, see `of_course` and `release`.
@@ -398,6 +417,7 @@ class Assignment(Record):
     distro: Distro | None = None
     path: WantedPath | None = None
     places: WantedPlaces | None = None
+    package: WantedPackage | None = None
 
     @property
     def release(self) -> Distro:

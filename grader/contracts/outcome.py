@@ -1,5 +1,6 @@
 """What happened when a script ran: how it ended, what it said, what it connected to, what it answered."""
 
+import re
 from collections.abc import Mapping
 from enum import StrEnum
 from typing import Any
@@ -12,6 +13,9 @@ SHOWN_CHARACTERS = 16_384
 
 SHOWN_LOGS = 200
 """How many messages of a run are shown, from the first one on; the report has all."""
+
+
+_FRAME = re.compile(r'^ *File "([^"\n]*)", line (\d+)', re.MULTILINE)
 
 
 class Blame(StrEnum):
@@ -62,6 +66,13 @@ class StudentError(Record):
     message: str
     line: int | None
     traceback: str
+
+    @property
+    def file(self) -> str:
+        """The file that `line` is in, as the traceback names it; empty where it names none at that line."""
+        return next(
+            (name for name, line in reversed(_FRAME.findall(self.traceback)) if line == str(self.line)), ""
+        )
 
 
 class Endpoint(Record):

@@ -1,13 +1,15 @@
 """From a submission to a graded report: run every case, score the motion, put the report together."""
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Self, TypeAlias
+from typing import Any, Self, TypeAlias
 
 from grader import __version__
 from grader.contracts.assignment import Assignment, Case
 from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.outcome import StudentError
+from grader.contracts.record import Record, field
 from grader.contracts.report import (
     CaseOutput,
     CaseRun,
@@ -30,6 +32,41 @@ from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
 
 Account: TypeAlias = tuple[EpisodeResult, JailReport]
 """What the simulator and what the sandbox saw of one run."""
+
+
+class _Script(Record):
+    """What of a submission is run.
+
+    Attributes:
+        source: the text of the script, or of the module that a package's executable is in.
+        body: what START ends with. fields: START's ``package``; None for a script.
+        texts: of a package's modules, by path.
+    """
+
+    file_name: str
+    source: str
+    body: bytes
+    fields: Mapping[str, Any] | None = None
+    texts: Mapping[str, str] = field(default_factory=dict)
+
+    def concerned(self, error: StudentError | None) -> str:
+        """Return the text of the file that an error is in; without one, that of what was run."""
+        return self.source if error is None else self.texts.get(error.file, self.source)
+
+
+def _script_of(job: GradingJob) -> _Script:
+    if job.assignment.input != "package":
+        return _Script(file_name=job.file_name, source=decoded(job.source), body=job.source)
+    from grader.packages.mounting import mounted
+
+    package = mounted(job.source, job.assignment.package, job.assignment.release)
+    return _Script(
+        file_name=package.file_name,
+        source=package.source,
+        body=package.body,
+        fields=package.fields,
+        texts=package.texts,
+    )
 
 
 class Pipeline:
@@ -62,10 +99,10 @@ class Pipeline:
             return GradingResult(
                 report=_report(job, [], scoring, {}), trajectories={}, measurements=self._measurements([])
             )
-        accounts = [self._run_repeatably(job, case, on_run) for case in job.assignment.cases]
-        source = decoded(job.source)
+        script = _script_of(job)
+        accounts = [self._run_repeatably(job, script, case, on_run) for case in job.assignment.cases]
         runs = [
-            _scored_run(case, job.assignment, source, *account)
+            _scored_run(case, job.assignment, script, *account)
             for case, account in zip(job.assignment.cases, accounts, strict=True)
         ]
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
@@ -88,23 +125,25 @@ class Pipeline:
             },
         )
 
-    def _run_repeatably(self, job: GradingJob, case: Case, on_run: Callable[[], None]) -> Account:
+    def _run_repeatably(
+        self, job: GradingJob, script: "_Script", case: Case, on_run: Callable[[], None]
+    ) -> Account:
         """Run one case; one that only a clock ended is run once more, when the host may be less busy.
 
         Not one that had sent and printed nothing for the second half of its CPU time: it hangs on any host.
         """
-        episode, jail = self._run(job, case, on_run)
+        episode, jail = self._run(job, script, case, on_run)
         if ended_by_the_clock(episode, jail) and not jail.settled:
-            return self._run(job, case, on_run)
+            return self._run(job, script, case, on_run)
         return episode, jail
 
-    def _run(self, job: GradingJob, case: Case, on_run: Callable[[], None]) -> Account:
+    def _run(self, job: GradingJob, script: "_Script", case: Case, on_run: Callable[[], None]) -> Account:
         def meanwhile() -> None:
             on_run()
             import grader.checks  # noqa: F401 - the first run of a process has the time for it now
 
         limits = job.assignment.limits
-        episode = Episode(_episode_spec(job, case), self._car, self._robot)
+        episode = Episode(_episode_spec(job, script, case), self._car, self._robot)
         with self._sandbox.open(limits) as jail:
 
             def on_note(code: str) -> None:
@@ -140,24 +179,26 @@ def _cut_output(case: Case, jail: JailReport, assignment: Assignment) -> CaseOut
 
 
 def _scored_run(
-    case: Case, assignment: Assignment, source: str, episode: EpisodeResult, jail: JailReport
+    case: Case, assignment: Assignment, script: _Script, episode: EpisodeResult, jail: JailReport
 ) -> Run:
+    outcome = merge(episode, jail, assignment.release)
     return Run(
         case=case.id,
         trajectory=episode.trajectory,
-        outcome=merge(episode, jail, assignment.release),
+        outcome=outcome,
         calls=episode.calls,
-        source=source,
+        source=script.concerned(outcome.error),
         at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
     )
 
 
-def _episode_spec(job: GradingJob, case: Case) -> EpisodeSpec:
+def _episode_spec(job: GradingJob, script: _Script, case: Case) -> EpisodeSpec:
     return EpisodeSpec(
         world=job.assignment.in_case(case.id).world,
         horizon_ns=round(job.assignment.horizon_s * 1_000_000_000),
-        source=job.source,
-        file_name=job.file_name,
+        source=script.body,
+        file_name=script.file_name,
+        package=script.fields,
         args=case.args,
         stdin=case.stdin,
         calls=job.assignment.calls,

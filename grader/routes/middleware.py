@@ -22,7 +22,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
 from grader.telemetry import context
 from grader.telemetry.metrics import Metrics
-from grader.use_cases.handing_in import too_large
+from grader.use_cases.handing_in import most_upload_bytes, too_large
 
 MOST_BYTES = 1024 * 1024
 """Of a body without files: the longest list of students a form takes is a third of it."""
@@ -188,7 +188,7 @@ class UploadRoute(APIRoute):
             if media_type(request.headers) != "multipart/form-data":
                 raise RefusedError("unsupported_media_type")
             request.state.arrived_at = request.app.state.services.clock()
-            limit = request.app.state.services.settings.max_upload_bytes
+            limit = most_upload_bytes(request.app.state.services)
             return await handle(with_file(request, limit))
 
         return bounded

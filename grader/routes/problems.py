@@ -125,6 +125,8 @@ _STATUS = {
     "empty": 422,
     "not_utf8": 422,
     "contains_nul": 422,
+    "bad_archive": 422,
+    "no_package": 422,
     "syntax_error": 422,
     "key_reused": 422,
     "too_many_open": 429,

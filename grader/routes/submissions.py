@@ -18,6 +18,7 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.submission import StoredReport, Submission, SubmissionFilter, SubmissionState
 from grader.contracts.text import Language
+from grader.packages.bundle import is_package
 from grader.render.escape import visible
 from grader.routes.dependencies import (
     COSTLY,
@@ -32,7 +33,7 @@ from grader.routes.dependencies import (
 from grader.routes.middleware import UploadRoute, arrival
 from grader.routes.problems import responses
 from grader.use_cases import submissions
-from grader.use_cases.handing_in import Upload, hand_in
+from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes
 from grader.use_cases.submissions import ShownSubmission
 from grader.use_cases.visibility import graded
 
@@ -293,6 +294,8 @@ def read_all(  # noqa: PLR0913
             "empty",
             "not_utf8",
             "contains_nul",
+            "bad_archive",
+            "no_package",
             "syntax_error",
             "key_reused",
             "too_many_open",
@@ -317,7 +320,7 @@ def upload(  # noqa: PLR0913
         assignment=assignment,
         student=student,
         file_name=file.filename or "",
-        content=file.file.read(services.settings.max_upload_bytes + 1),
+        content=file.file.read(most_upload_bytes(services) + 1),
         arrived_at=arrived_at,
         key=idempotency_key,
     )
@@ -393,16 +396,20 @@ def read_report(services: ServicesDep, caller: CallerDep, submission_id: Submiss
     responses={
         200: {
             "description": "Byte for byte; its SHA-256 is the ETag.",
-            "content": {"text/plain": {"schema": {"type": "string"}}},
+            "content": {
+                "text/plain": {"schema": {"type": "string"}},
+                "application/zip": {"schema": {"type": "string", "format": "binary"}},
+            },
         },
         **responses(*ENTRY_PROBLEMS, "submission_not_found", "invalid_request"),
     },
 )
 def read_source(services: ServicesDep, caller: CallerDep, submission_id: SubmissionId) -> Response:
-    """Return what the student uploaded: a script, or the answer to a question."""
+    """Return what the student uploaded: a script, the answer to a question, or a package as a zip."""
     submission, source = submissions.read_source(services, caller, submission_id)
     headers = {"ETag": f'"{submission.sha256}"', "Cache-Control": "private, no-cache"}
-    return Response(source, media_type="text/plain; charset=utf-8", headers=headers)
+    kind = "application/zip" if is_package(source) else "text/plain; charset=utf-8"
+    return Response(source, media_type=kind, headers=headers)
 
 
 _OWN = SubmissionView.model_fields.keys() & {one.name for one in fields(Submission)}

@@ -2,7 +2,7 @@
 
 import hashlib
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any, Final
 
@@ -66,6 +66,7 @@ class EpisodeSpec(Record):
     Attributes:
         horizon_ns: virtual instant of Ctrl+C; the car is not moved beyond it.
         source: the student's file. file_name: its name, for tracebacks.
+        package: START's field for a package; `source` then holds its files one after the other. None: a script.
         args: of the command line, without the file. stdin: text for `input()`.
         epoch_ns: wall clock the script reads at virtual time 0.
         calls: requests the assignment sends to the script's services.
@@ -87,6 +88,7 @@ class EpisodeSpec(Record):
     output_bytes: int | None = None
     steps: int | None = None
     distro: Distro = "humble"
+    package: Mapping[str, Any] | None = None
 
 
 class EpisodeResult(Record):
@@ -180,6 +182,7 @@ class Episode:
     def _start_fields(self) -> dict[str, Any]:
         spec = self._spec
         return {
+            **({} if spec.package is None else {"package": spec.package}),
             "protocol": PROTOCOL,
             "file_name": spec.file_name,
             "args": list(spec.args),

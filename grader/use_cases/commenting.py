@@ -8,7 +8,8 @@ from grader.contracts.identity import Caller, Role
 from grader.contracts.judgement import is_comment
 from grader.contracts.submission import Submission
 from grader.contracts.text import Text
-from grader.contracts.upload import decoded, lines_of
+from grader.contracts.upload import lines_of
+from grader.packages.bundle import text_of
 from grader.use_cases.services import Services
 from grader.use_cases.visibility import visible_submission
 
@@ -63,7 +64,7 @@ def add_comment(
     if not text or not is_comment(text, LONGEST_COMMENT):
         raise RefusedError("invalid_request", _TEXT, field="text")
     if line is not None:
-        last = len(lines_of(decoded(services.submissions.source(submission.id) or b"")))
+        last = len(lines_of(text_of(services.submissions.source(submission.id) or b"")))
         if not 1 <= line <= last:
             detail = Text(zh=f"文件有 {last} 行。", en=f"The file has {last} lines.")
             raise RefusedError("invalid_request", detail, field="line")

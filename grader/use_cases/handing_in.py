@@ -16,6 +16,7 @@ from grader.contracts.text import Text
 from grader.contracts.upload import check_name, check_source, decoded
 from grader.messages.exceptions import meaning
 from grader.messages.script import ScriptText
+from grader.packages.bundle import bundled, files_of
 from grader.render.escape import visible_line
 from grader.telemetry.context import note
 from grader.use_cases.assignments import require_published
@@ -25,6 +26,7 @@ _log = logging.getLogger(__name__)
 _LONGEST_NAME = 100
 _LONGEST_LINE = 200
 _RETRY_AFTER_S = 5
+_MOST_CHECKED = 40  # modules of a package; a grading says what is wrong with others
 _USUAL_S = 0.25  # what takes longer to check counts as several uploads
 
 
@@ -91,12 +93,14 @@ def _checked(services: Services, caller: Caller, new: NewSubmission, owner: str)
     name = _checked_name(new.file_name, published.input)
     begun_s = time.monotonic()
     try:
-        _check_content(services, new.source, name, published.input)
+        source = _checked_content(services, new.source, name, published.input)
     finally:
         services.allowances.uploads.charge(owner, (time.monotonic() - begun_s) // _USUAL_S)
     if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
         raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
-    return replace(new, file_name=name, assignment_version=published.version, distro=published.distro)
+    return replace(
+        new, source=source, file_name=name, assignment_version=published.version, distro=published.distro
+    )
 
 
 def checked_student(student: str) -> str:
@@ -138,18 +142,54 @@ def _checked_name(file_name: str, kind: Input) -> str:
     return name
 
 
-def _check_content(services: Services, source: bytes, file_name: str, kind: Input) -> None:
-    """Refuse what could not run at all.
+def _checked_content(services: Services, source: bytes, file_name: str, kind: Input) -> bytes:
+    """Return what is stored of an upload: its bytes, of a zip the package in it. Refuse what could not run at all.
 
     Raises:
-        RefusedError: too large, empty, not UTF-8, not text, or not Python.
+        RefusedError: too large, empty, not UTF-8, not text, not Python, or no package.
     """
-    limit = services.settings.max_upload_bytes
+    limit = upload_limit(services, kind)
     if len(source) > limit:
         raise too_large(limit)
+    if kind == "package":
+        return _checked_package(services, source)
     check_source(source, limit)
-    if kind == "text":
-        return
+    if kind != "text":
+        _check_syntax(services, source, file_name)
+    return source
+
+
+def upload_limit(services: Services, kind: Input) -> int:
+    """Return how many bytes an upload of a kind may have."""
+    settings = services.settings
+    return settings.max_package_bytes if kind == "package" else settings.max_upload_bytes
+
+
+def most_upload_bytes(services: Services) -> int:
+    """Return how many bytes of an upload are read before its assignment is known."""
+    return max(services.settings.max_package_bytes, services.settings.max_upload_bytes)
+
+
+def _checked_package(services: Services, source: bytes) -> bytes:
+    """Return the package in a zip; the syntax of its modules is checked, setup.py's, too.
+
+    Raises:
+        RefusedError: there is none, or a module is not Python.
+    """
+    stored = bundled(source)
+    modules = {path: content for path, content in files_of(stored).items() if path.endswith(".py")}
+    for path in sorted(modules)[:_MOST_CHECKED]:
+        if modules[path].strip():
+            _check_syntax(services, modules[path], path)
+    return stored
+
+
+def _check_syntax(services: Services, source: bytes, file_name: str) -> None:
+    """Refuse what is not Python.
+
+    Raises:
+        RefusedError: ``syntax_error``.
+    """
     try:
         problem = services.preflight.check(source, file_name)
     except (InfrastructureError, SandboxError) as error:
@@ -174,6 +214,8 @@ def _syntax_error(problem: SyntaxProblem, file_name: str, source: str) -> Refuse
     shown = f'  File "{file_name}", line {problem.line}\n    {problem.text.strip()}\n'
     error = StudentError(type=kind, message=message or kind, line=problem.line, traceback=shown)
     _, text = meaning(error, "syntax_error", ScriptText(source))
+    if "/" in file_name:  # of a package
+        text = Text(zh=f"{file_name}：{text.zh}", en=f"{file_name}: {text.en}")
     return RefusedError(
         "syntax_error",
         text,

@@ -13,7 +13,7 @@ import numpy as np
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.trajectory import decode_commands
-from grader.contracts.upload import decoded
+from grader.packages.bundle import code_of
 from grader.similarity.commands import SentCommands, drive_of
 from grader.similarity.fingerprints import Fingerprints, Hashes, fingerprints, grams
 from grader.similarity.ranking import Pair, Script, rank
@@ -97,7 +97,7 @@ def _similar(services: Services, caller: Caller, assignment_id: str) -> Similar:
     own = [one for one in state.progress if one.assignment == assignment_id]
     look = published if own else require_published
     assignment = look(services, caller, assignment_id)
-    if assignment is not None and assignment.input != "script":
+    if assignment is not None and assignment.input == "text":
         raise RefusedError("no_scripts")
     latest = sorted(own, key=lambda one: (one.last_activity_at, one.student), reverse=True)[:MOST_SCRIPTS]
     scripts = services.comparer.scripts.of(
@@ -150,7 +150,7 @@ def _grams(services: Services, staff: Collection[HandedIn], given: Sequence[byte
     if known is not None:
         return known
     theirs = [source for _, source in services.comparer.scripts.sources(handed_in)]
-    every = [grams(tokens_of(decoded(one))) for one in (*given, *theirs)]
+    every = [grams(tokens_of(code_of(one))) for one in (*given, *theirs)]
     made = np.unique(np.concatenate([np.zeros(0, dtype=np.uint64), *every]))
     return services.comparer.grams.keep(key, made)
 
@@ -161,7 +161,7 @@ def _fingerprints(services: Services, scripts: Collection[HandedIn]) -> dict[str
     digests = {one.sha256 for one in scripts}
     found = {one: known for one in digests if (known := kept.find(one)) is not None}
     for sha256, source in services.comparer.scripts.sources(digests - found.keys()):
-        found[sha256] = kept.keep(sha256, fingerprints(tokens_of(decoded(source))))
+        found[sha256] = kept.keep(sha256, fingerprints(tokens_of(code_of(source))))
     return found
 
 

@@ -9,8 +9,8 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, sections_of
 from grader.contracts.judgement import judged
 from grader.contracts.submission import StoredReport, Submission
-from grader.contracts.upload import decoded
 from grader.messages import outline
+from grader.packages.bundle import text_of
 from grader.render.labels import status_word
 from grader.use_cases.appealing import waiting
 from grader.use_cases.assignments import item_title, published
@@ -173,4 +173,4 @@ def _graded(services: Services, visitor: Visitor, submission_id: str) -> tuple[S
 
 
 def _source(services: Services, submission: Submission) -> str:
-    return decoded(services.submissions.source(submission.id) or b"")
+    return text_of(services.submissions.source(submission.id) or b"")

@@ -4,7 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from grader.contracts.report import CaseRun
-from grader.contracts.upload import decoded, lines_of
+from grader.contracts.upload import lines_of
+from grader.packages.bundle import line_in_text, text_of
 
 _MOST_LINES = 2_000
 _LONGEST_LINE = 500
@@ -34,7 +35,7 @@ class SourceView:
 
 def source_view(source: bytes, errors: Mapping[int, Sequence[str]]) -> SourceView:
     """Return a file with `errors`, by line number, at their lines. Its size on a page is bounded."""
-    lines = lines_of(decoded(source))
+    lines = lines_of(text_of(source))
     shown = lines[:_MOST_LINES]
     return SourceView(
         lines=tuple(
@@ -46,13 +47,14 @@ def source_view(source: bytes, errors: Mapping[int, Sequence[str]]) -> SourceVie
     )
 
 
-def failing_lines(runs: Sequence[CaseRun]) -> dict[int, list[str]]:
-    """Return by line what ended a run there, the same in several runs once."""
+def failing_lines(source: bytes, runs: Sequence[CaseRun]) -> dict[int, list[str]]:
+    """Return by line of `source_view` what ended a run there, the same in several runs once."""
     found: dict[int, list[str]] = {}
     for run in runs:
         error = run.outcome.error
         if error is not None and error.line is not None:
-            said, here = f"{error.type}: {error.message}", found.setdefault(error.line, [])
+            line = line_in_text(source, error.file, error.line)
+            said, here = f"{error.type}: {error.message}", found.setdefault(line, [])
             if said not in here:
                 here.append(said)
     return found

@@ -17,7 +17,7 @@ from grader.telemetry.context import note
 from grader.use_cases.appealing import pending
 from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
 from grader.use_cases.commenting import unread
-from grader.use_cases.handing_in import Upload, hand_in
+from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes, upload_limit
 from grader.use_cases.regrading import unseen_changes
 from grader.use_cases.services import Services
 from grader.use_cases.submissions import PastAttempt, best_of, history
@@ -76,7 +76,7 @@ def take_file(  # noqa: PLR0913, PLR0917
         assignment=assignment.id,
         student=given,
         file_name=file.filename or "",
-        content=file.file.read(services.settings.max_upload_bytes + 1),
+        content=file.file.read(most_upload_bytes(services) + 1),
         arrived_at=arrival_of(request),
     )
     try:
@@ -129,7 +129,7 @@ def _assignment_page(
         late="" if terms is None else _late(terms, language),
         attempts=_attempts(services, visitor, assignment.id)[:_MOST_ATTEMPTS],
         suffixes=SUFFIXES[assignment.input],
-        max_bytes=services.settings.max_upload_bytes,
+        max_bytes=upload_limit(services, assignment.input),
         closed=None if closed is None else form_problem(closed, language),
         refusal=refused,
         given=given,

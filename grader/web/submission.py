@@ -18,12 +18,13 @@ from grader.contracts.comment import LONGEST_COMMENT, Comment
 from grader.contracts.errors import RefusedError
 from grader.contracts.figure import FigureSketch
 from grader.contracts.judgement import JudgedItem, judged
+from grader.contracts.outcome import StudentError
 from grader.contracts.progress import Standing
 from grader.contracts.report import CaseRun, GradeReport, report_from
 from grader.contracts.submission import StoredReport, Submission
 from grader.contracts.text import Language
-from grader.contracts.upload import decoded
 from grader.messages import on_page
+from grader.packages.bundle import line_in_text, text_of
 from grader.routes.events import LastEventId, events, owner_of, watched
 from grader.use_cases import appealing, commenting, recordings, submissions
 from grader.use_cases.assignments import item_title, published, terms_of
@@ -89,6 +90,7 @@ def read(  # noqa: PLR0913
         same=same,
         corrections=_corrections(services, visitor, submission, found.grading),
         source=_source(services, submission, found.grading),
+        line_of=lambda error: _line_of(services, submission, error),
         **_beside(services, visitor, submission),
         **_comments(services, visitor, submission),
         told_changes=look_at_changes(services, visitor.caller, submission),
@@ -263,7 +265,14 @@ def _corrections(
 
 def _source(services: Services, submission: Submission, stored: StoredReport | None) -> SourceView:
     runs = () if stored is None else report_from(stored.content).runs
-    return source_view(services.submissions.source(submission.id) or b"", failing_lines(runs))
+    source = services.submissions.source(submission.id) or b""
+    return source_view(source, failing_lines(source, runs))
+
+
+def _line_of(services: Services, submission: Submission, error: StudentError) -> int:
+    """Return the line of `source_view` at which an error with a line is."""
+    source = services.submissions.source(submission.id) or b""
+    return line_in_text(source, error.file, error.line or 0)
 
 
 def _beside(services: Services, visitor: Visitor, submission: Submission) -> dict[str, Any]:
@@ -311,7 +320,7 @@ def _changed(services: Services, submission: Submission, attempts: Sequence[Subm
     if not earlier:
         return None
     before, after = (
-        decoded(services.submissions.source(one) or b"") for one in (earlier[0].id, submission.id)
+        text_of(services.submissions.source(one) or b"") for one in (earlier[0].id, submission.id)
     )
     return Changed(since=earlier[0], lines=changes(before, after))
 

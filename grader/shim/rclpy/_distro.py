@@ -41,12 +41,17 @@ class _NotOnHumble:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 
 
+chosen = HUMBLE
+
+
 def choose(distro: str) -> None:
     """Let the script find `distro`; to be called once, before the script is compiled.
 
     Raises:
         ValueError: there is no such distro here.
     """
+    global chosen
+    chosen = distro
     if distro == HUMBLE:
         finder: Any = _NotOnHumble
         sys.meta_path.insert(0, finder)

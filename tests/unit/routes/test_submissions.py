@@ -2,14 +2,17 @@ import hashlib
 import io
 import json
 from collections.abc import Callable
+from dataclasses import replace
 
 import httpx
 import pytest
 from mcap.reader import make_reader
 
+from grader.packages.bundle import bundled
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.grading import trajectory
+from tests.fakes.packages import below, package_files, zipped
 from tests.fakes.server import PNG, FakePlotter
 
 Upload = Callable[..., httpx.Response]
@@ -28,6 +31,24 @@ def test_an_upload_is_accepted_with_an_address(upload: Upload, client: httpx.Cli
 def test_the_bytes_are_kept_as_they_came(upload: Upload, services: Services) -> None:
     source = "\ufeff# 方\r\n\tprint('你好')\r\n".encode()
     assert services.submissions.source(upload(source).json()["id"]) == source
+
+
+def test_a_package_is_kept_without_what_lies_around_it(
+    upload: Upload, client: httpx.Client, services: Services
+) -> None:
+    known = services.assignments.assignments  # type: ignore[attr-defined]
+    services.assignments.assignments = (*known, replace(known[0], id="make", input="package"))  # type: ignore[attr-defined]
+    first = upload(zipped(package_files()), "make", "s1", "my_turtle.zip")
+    other = upload(zipped(below("src", package_files())), "make", "s2", "src.zip")
+    assert first.status_code == other.status_code == 202
+    assert first.json()["sha256"] == other.json()["sha256"]
+    source = client.get(first.headers["Location"] + "/source")
+    assert source.headers["content-type"] == "application/zip"
+    assert source.content == bundled(zipped(package_files()))
+    refused = upload(zipped({"a.py": "x"}), "make", "s1", "a.zip")
+    assert (refused.status_code, refused.json()["code"]) == (422, "no_package")
+    wrong = upload(zipped(package_files(**{"my_turtle/helper.py": "def broken("})), "make", "s1", "a.zip")
+    assert (wrong.json()["code"], "my_turtle/my_turtle/helper.py" in wrong.text) == ("syntax_error", True)
 
 
 def test_an_upload_rings_for_the_workers(upload: Upload, services: Services) -> None:

@@ -27,22 +27,29 @@ class Script:
     """The script that runs: its name, and its lines for `linecache`.
 
     Attributes:
+        files: of a package all modules, by the names that tracebacks show; else nothing.
         aborted: what ends it where code in C would abort the process; never raised.
     """
 
     def __init__(self) -> None:
         self.file_name = ""
         self.source = b""
+        self.files: dict[str, bytes] = {}
         self.aborted: BaseException | None = None
 
-    def lines(self) -> list[str]:
-        """Return the source lines, decoded as Python does; empty when they cannot be decoded."""
+    def owns(self, file_name: str | None) -> bool:
+        """Whether code of this file is the student's."""
+        return file_name == self.file_name or file_name in self.files
+
+    def lines(self, file_name: str | None = None) -> list[str]:
+        """Return a file's lines (the script's own), decoded as Python does; empty when they cannot be decoded."""
         import tokenize
         from io import BytesIO, TextIOWrapper
 
+        source = self.source if file_name is None else self.files.get(file_name, self.source)
         try:
-            encoding, _ = tokenize.detect_encoding(BytesIO(self.source).readline)
-            text = TextIOWrapper(BytesIO(self.source), encoding).read()
+            encoding, _ = tokenize.detect_encoding(BytesIO(source).readline)
+            text = TextIOWrapper(BytesIO(source), encoding).read()
         except (SyntaxError, UnicodeError, LookupError):
             return []
         lines = text.splitlines(keepends=True)
@@ -58,6 +65,8 @@ def prime_linecache(linecache: Any) -> None:
     """Let tracebacks and `inspect` find the source, which is in no file."""
     entry = (len(script.source), None, script.lines(), script.file_name)
     linecache.cache[script.file_name] = entry
+    for name, source in script.files.items():
+        linecache.cache[name] = (len(source), None, script.lines(name), name)
 
 
 def patch_traceback(traceback: Any) -> None:
@@ -66,7 +75,7 @@ def patch_traceback(traceback: Any) -> None:
     extract = summary._extract_from_extended_frame_gen.__func__
 
     def extract_own(kind: Any, /, frames: Iterable[tuple[FrameType, Any]], **options: Any) -> Any:
-        own = ((frame, place) for frame, place in frames if frame.f_code.co_filename == script.file_name)
+        own = ((frame, place) for frame, place in frames if script.owns(frame.f_code.co_filename))
         return extract(kind, own, **options)
 
     summary._extract_from_extended_frame_gen = classmethod(extract_own)
@@ -74,12 +83,12 @@ def patch_traceback(traceback: Any) -> None:
 
 def line_of(error: BaseException) -> int:
     """Return the line of the innermost frame of the student's file; 0 when there is none."""
-    if isinstance(error, SyntaxError) and error.filename == script.file_name:
+    if isinstance(error, SyntaxError) and script.owns(error.filename):
         return error.lineno or 0
     line = 0
     traceback: TracebackType | None = error.__traceback__
     while traceback is not None:
-        if traceback.tb_frame.f_code.co_filename == script.file_name:
+        if script.owns(traceback.tb_frame.f_code.co_filename):
             line = traceback.tb_lineno or 0
         traceback = traceback.tb_next
     return line
@@ -146,8 +155,9 @@ def _add_texts(exception: Any) -> None:
         if one is None or id(one) in seen:
             continue
         seen.add(id(one))
-        if getattr(one, "filename", None) == script.file_name and not getattr(one, "text", None):
-            lines = script.lines()
+        name = getattr(one, "filename", None)
+        if script.owns(name) and not getattr(one, "text", None):
+            lines = script.lines(name)
             number = int(one.lineno or 0)
             one.text = lines[number - 1] if 0 < number <= len(lines) else one.text
         waiting += [one.__cause__, one.__context__, *(getattr(one, "exceptions", None) or ())]

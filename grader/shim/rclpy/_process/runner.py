@@ -18,6 +18,7 @@ from rclpy._kernel import kernel
 from rclpy._link import Descriptor, link
 from rclpy._patches import install, output, tracebacks
 from rclpy._process import loops
+from rclpy._process.packages import workspace
 from rclpy._storage.entries import WORK
 from rclpy._storage.tree import storage
 
@@ -80,6 +81,9 @@ def run(channel: int = 3) -> NoReturn:
     import json
 
     start: dict[str, Any] = json.loads(text)
+    if "package" in start:
+        workspace.mount(start["package"], source)
+        start["file_name"], source = workspace.entry_source()
     tracebacks.script.file_name = start["file_name"]
     tracebacks.script.source = source
     _distro.choose(start.get("distro", _distro.HUMBLE))
@@ -128,14 +132,16 @@ def _get_ready() -> None:
 def _prepare(start: dict[str, Any], source: bytes) -> ModuleType:
     """Make the process look as Python makes it for ``python3 student.py``."""
     install.begin(start["seed"])
-    storage.place_script(start["file_name"], source)
-    sys.argv = [start["file_name"], *start["args"]]
+    called = workspace.argv0() if "package" in start else start["file_name"]
+    if "package" not in start:
+        storage.place_script(start["file_name"], source)
+    sys.argv = [called, *start["args"]]
     sys.orig_argv = [sys.executable, *sys.argv]
-    sys.path.insert(0, WORK)
+    sys.path.insert(0, WORK if "package" not in start else called.rpartition("/")[0])
     _open_stdin(start["stdin"])
     output.budget.limit(start.get("output_bytes"), _end_at_output_limit)
     module = ModuleType("__main__")
-    names: dict[str, Any] = {"__file__": start["file_name"], "__builtins__": builtins, "__cached__": None}
+    names: dict[str, Any] = {"__file__": called, "__builtins__": builtins, "__cached__": None}
     module.__dict__.update(names)
     sys.modules["__main__"] = module
     from rclpy._patches.audit import watch
@@ -187,20 +193,23 @@ def _compile(source: bytes) -> CodeType | None:
 def _execute(module: ModuleType, code: CodeType) -> None:
     """Run the script up to the end of its main thread, with its other threads and exit handlers."""
     gc.collect()  # from here on the collector runs at the same points in each run
-    _guard(lambda: exec(code, module.__dict__))  # noqa: S102
+    if tracebacks.script.files:
+        _guard(workspace.call)
+    else:
+        _guard(lambda: exec(code, module.__dict__))  # noqa: S102
     _guard(_join_threads)
     _guard(_run_exit_handlers)
-    if b"__del__" in tracebacks.script.source:
-        _guard(lambda: _finalize(module))
+    if b"__del__" in tracebacks.script.source + b"".join(tracebacks.script.files.values()):
+        for each in (*workspace.modules, module):
+            _guard(lambda names=each.__dict__: _finalize(names))
 
 
-def _finalize(module: ModuleType) -> None:
+def _finalize(names: dict[str, Any]) -> None:
     """Call what the script's objects have as `__del__`, which may publish a stop, as the end of Python does.
 
     Python's last collection finds the module with all it holds unreachable and finalizes the instances while
     the globals are still there (PEP 442); here the module stays, so its instances go first.
     """
-    names = module.__dict__
     for name in [name for name, value in names.items() if hasattr(type(value), "__del__")]:
         del names[name]
     gc.collect()

@@ -1,0 +1,301 @@
+"""What a ``setup.py`` says, read from its syntax tree: it is a program, and never executed to find out.
+
+Understood are literals, names bound to them, f-strings, ``+``, ``os.path.join``, ``glob``, ``find_packages``,
+``list.append`` and ``list.extend``: what ``ros2 pkg create`` and its readers write. Anything else is `UNKNOWN`.
+"""
+
+import ast
+from collections.abc import Collection, Mapping, Sequence
+from fnmatch import fnmatchcase
+from typing import Any, Final
+
+UNKNOWN: Final = object()
+"""Stands for a value that only running the file would tell."""
+
+_MOST_BYTES: Final = 64 * 1024
+_MOST_DEPTH: Final = 60
+_LONGEST_LINE: Final = 4_000
+_LONGEST_VALUE: Final = 4_000
+
+
+class SetupFile:
+    """The keyword arguments that a ``setup.py`` gives to ``setup``, as far as they can be read.
+
+    Attributes:
+        arguments: by name; a value may be, or hold, `UNKNOWN`.
+        calls_setup: whether there is a call of ``setup`` at all.
+        is_python: whether the file could be parsed.
+    """
+
+    def __init__(self, source: bytes, paths: Collection[str]) -> None:
+        """Read `source`; `paths` are the package's files, relative to its folder."""
+        self.arguments: dict[str, Any] = {}
+        self.calls_setup = False
+        self._paths = sorted(paths)
+        self._names: dict[str, Any] = {}
+        tree = _parsed(source)
+        self.is_python = tree is not None
+        try:
+            for statement in [] if tree is None else tree.body:
+                self._execute(statement)
+        except RecursionError:
+            self.arguments, self.is_python = {}, False
+
+    def text(self, name: str) -> str:
+        """Return an argument that is a text; empty when it is not given, or not known."""
+        value = self.arguments.get(name)
+        return value if isinstance(value, str) else ""
+
+    def strings(self, name: str) -> list[str] | None:
+        """Return an argument that is a list of texts; None when it is not known."""
+        value = self.arguments.get(name, [])
+        if isinstance(value, list | tuple) and all(isinstance(each, str) for each in value):
+            return list(value)
+        return None
+
+    def console_scripts(self) -> list[str] | None:
+        """Return the lines of the group ``console_scripts``; None when they are not known."""
+        points = self.arguments.get("entry_points", {})
+        if isinstance(points, str):
+            points = _sections(points)
+        if not isinstance(points, dict):
+            return None
+        lines = points.get("console_scripts", [])
+        if isinstance(lines, str):
+            lines = [line.strip() for line in lines.splitlines() if line.strip()]
+        if isinstance(lines, list | tuple) and all(isinstance(each, str) for each in lines):
+            return list(lines)
+        return None
+
+    def data_files(self) -> list[tuple[str, list[str]]] | None:
+        """Return (target folder, files) as far as it is known; None when nothing is."""
+        value = self.arguments.get("data_files", [])
+        if not isinstance(value, list | tuple):
+            return None
+        found: list[tuple[str, list[str]]] = []
+        for each in value:
+            if not (isinstance(each, list | tuple) and len(each) == 2 and isinstance(each[0], str)):
+                return None
+            files = each[1]
+            if not (isinstance(files, list | tuple) and all(isinstance(one, str) for one in files)):
+                return None
+            found.append((each[0], list(files)))
+        return found
+
+    def _execute(self, statement: ast.stmt) -> None:
+        if isinstance(statement, ast.Assign):
+            value = self._value(statement.value)
+            for target in statement.targets:
+                if isinstance(target, ast.Name):
+                    self._names[target.id] = value
+        elif isinstance(statement, ast.AnnAssign) and isinstance(statement.target, ast.Name):
+            self._names[statement.target.id] = (
+                UNKNOWN if statement.value is None else self._value(statement.value)
+            )
+        elif isinstance(statement, ast.AugAssign) and isinstance(statement.target, ast.Name):
+            name = statement.target.id
+            self._names[name] = _sum(self._names.get(name, UNKNOWN), self._value(statement.value))
+        elif isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
+            self._call(statement.value)
+        elif isinstance(statement, ast.If) and _is_main_guard(statement.test):
+            for inner in statement.body:
+                self._execute(inner)
+        else:
+            self._forget(statement)
+
+    def _forget(self, statement: ast.stmt) -> None:
+        """Take every name that another kind of statement may change for unknown."""
+        for node in ast.walk(statement):
+            if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+                self._names[node.id] = UNKNOWN
+            elif isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+                owner = node.func.value
+                if isinstance(owner, ast.Name) and owner.id in self._names:
+                    self._names[owner.id] = UNKNOWN
+            if isinstance(node, ast.Call) and _name_of(node.func) == "setup":
+                self._take_arguments(node)
+
+    def _call(self, call: ast.Call) -> None:
+        function = call.func
+        if _name_of(function) == "setup":
+            self._take_arguments(call)
+        elif isinstance(function, ast.Attribute) and isinstance(function.value, ast.Name):
+            known = self._names.get(function.value.id)
+            if isinstance(known, list) and function.attr in ("append", "extend") and len(call.args) == 1:
+                value = self._value(call.args[0])
+                added = [value] if function.attr == "append" else value
+                self._names[function.value.id] = _sum(known, added)
+
+    def _take_arguments(self, call: ast.Call) -> None:
+        self.calls_setup = True
+        for keyword in call.keywords:
+            value = self._value(keyword.value)
+            if keyword.arg is not None:
+                self.arguments[keyword.arg] = value
+            elif isinstance(value, dict):
+                self.arguments.update({str(name): each for name, each in value.items()})
+
+    def _value(self, node: ast.expr) -> Any:
+        if isinstance(node, ast.Constant):
+            return node.value
+        if isinstance(node, ast.Name):
+            return self._names.get(node.id, UNKNOWN)
+        if isinstance(node, ast.List | ast.Tuple):
+            return self._elements(node.elts)
+        if isinstance(node, ast.Dict):
+            return self._dict(node)
+        if isinstance(node, ast.JoinedStr):
+            return self._joined(node)
+        if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
+            return _sum(self._value(node.left), self._value(node.right))
+        if isinstance(node, ast.Call):
+            return self._called(node)
+        return UNKNOWN
+
+    def _elements(self, nodes: Sequence[ast.expr]) -> Any:
+        found: list[Any] = []
+        for node in nodes:
+            if isinstance(node, ast.Starred):
+                more = self._value(node.value)
+                if not isinstance(more, list):
+                    return UNKNOWN
+                found += more
+                if len(found) > _LONGEST_VALUE:
+                    return UNKNOWN
+            else:
+                found.append(self._value(node))
+        return found
+
+    def _dict(self, node: ast.Dict) -> Any:
+        found = {}
+        for key, value in zip(node.keys, node.values, strict=True):
+            name = UNKNOWN if key is None else self._value(key)
+            if not isinstance(name, str):
+                return UNKNOWN
+            found[name] = self._value(value)
+        return found
+
+    def _joined(self, node: ast.JoinedStr) -> Any:
+        text = ""
+        for part in node.values:
+            value = self._value(part.value if isinstance(part, ast.FormattedValue) else part)
+            if not isinstance(value, str):
+                return UNKNOWN
+            text += value
+        return _bounded(text)
+
+    def _called(self, call: ast.Call) -> Any:
+        name = _name_of(call.func)
+        arguments = [self._value(each) for each in call.args]
+        options = {each.arg: self._value(each.value) for each in call.keywords if each.arg is not None}
+        if name == "find_packages":
+            return self._found_packages(arguments, options)
+        if name in ("glob", "iglob", "join", "str", "list", "sorted") and arguments:
+            if name == "glob" and isinstance(arguments[0], str):
+                return _globbed(arguments[0], self._paths)
+            if name == "join" and all(isinstance(each, str) for each in arguments):
+                return _bounded(_joined_path(arguments))
+            return arguments[0] if name in ("str", "list", "sorted") else UNKNOWN
+        return UNKNOWN
+
+    def _found_packages(self, arguments: list[Any], options: Mapping[str, Any]) -> Any:
+        where = (arguments or [options.get("where", ".")])[0]
+        excluded = options.get("exclude", [])
+        if where not in (".", "") or not isinstance(excluded, list):
+            return UNKNOWN
+        folders = {path.rpartition("/")[0] for path in self._paths if path.endswith("/__init__.py")}
+        found = []
+        for folder in sorted(folders):
+            parts = folder.split("/")
+            whole = all("/".join(parts[:end]) in folders for end in range(1, len(parts)))
+            name = ".".join(parts)
+            if whole and not any(fnmatchcase(name, str(pattern)) for pattern in excluded):
+                found.append(name)
+        return found
+
+
+def _parsed(source: bytes) -> ast.Module | None:
+    """Return the syntax tree; None of what is no Python, or nested so deeply that reading it is not safe."""
+    depth = deepest = 0
+    for byte in source:
+        depth += (byte in b"([{") - (byte in b")]}")
+        deepest = max(deepest, depth)
+    longest = max(map(len, source.splitlines()), default=0)
+    if len(source) > _MOST_BYTES or deepest > _MOST_DEPTH or longest > _LONGEST_LINE or b"\0" in source:
+        return None
+    try:
+        return ast.parse(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return None
+
+
+def _sum(left: Any, right: Any) -> Any:
+    if isinstance(left, str) and isinstance(right, str):
+        return _bounded(left + right)
+    if isinstance(left, list) and isinstance(right, list):
+        return _bounded(left + right)
+    return UNKNOWN
+
+
+def _bounded(value: Any) -> Any:
+    """Return a text or list unless it is longer than people write them: names can double it line by line."""
+    return value if len(value) <= _LONGEST_VALUE else UNKNOWN
+
+
+def _name_of(function: ast.expr) -> str:
+    if isinstance(function, ast.Attribute):
+        return function.attr
+    return function.id if isinstance(function, ast.Name) else ""
+
+
+def _is_main_guard(test: ast.expr) -> bool:
+    return isinstance(test, ast.Compare) and isinstance(test.left, ast.Name) and test.left.id == "__name__"
+
+
+def _joined_path(parts: Sequence[str]) -> str:
+    path = ""
+    for part in parts:
+        path = part if part.startswith("/") or not path else f"{path.rstrip('/')}/{part}"
+    return path
+
+
+def _globbed(pattern: str, paths: Sequence[str]) -> list[str]:
+    """Return the files and folders that match, as `glob.glob` does in the package's folder."""
+    wanted = pattern.removeprefix("./").split("/")
+    every = {"/".join(path.split("/")[:end]) for path in paths for end in range(1, path.count("/") + 2)}
+    return [path for path in sorted(every) if _matches(path.split("/"), wanted)]
+
+
+def _matches(parts: Sequence[str], wanted: Sequence[str]) -> bool:
+    """Whether a path fits a pattern; ``**`` stands for any number of folders. Linear in both."""
+    reached = {0}  # how many names of the pattern the path so far may stand for
+    for part in (*parts, None):
+        for at in range(len(wanted)):
+            if at in reached and wanted[at] == "**":
+                reached.add(at + 1)
+        if part is None:
+            return len(wanted) in reached
+        reached = {
+            at + (wanted[at] != "**")
+            for at in reached
+            if at < len(wanted) and (wanted[at] == "**" or _fits(part, wanted[at]))
+        }
+    return False
+
+
+def _fits(name: str, pattern: str) -> bool:
+    hidden = name.startswith(".") and not pattern.startswith(".")
+    return not hidden and fnmatchcase(name, pattern)
+
+
+def _sections(text: str) -> dict[str, str]:
+    """Return the sections of entry points that are written as the text of an INI file."""
+    found: dict[str, str] = {}
+    section = ""
+    for line in text.splitlines():
+        if line.strip().startswith("[") and line.strip().endswith("]"):
+            section = line.strip()[1:-1].strip()
+            found.setdefault(section, "")
+        elif section:
+            found[section] += f"{line}\n"
+    return found
