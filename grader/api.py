@@ -9,6 +9,7 @@ from contextlib import AbstractContextManager, asynccontextmanager
 
 from fastapi import FastAPI
 from fastapi.concurrency import contextmanager_in_threadpool
+from starlette.types import ASGIApp
 
 from grader import __version__
 from grader.routes import (
@@ -34,7 +35,7 @@ from grader.routes import (
     submissions,
 )
 from grader.routes.events import told_to_stop
-from grader.routes.middleware import BoundedBodies, HeldToTheEnd, Observed, SafeHeaders
+from grader.routes.middleware import BoundedBodies, HeldToTheEnd, KnownPeer, Observed, SafeHeaders
 from grader.use_cases.services import Services
 from grader.web import routing as pages
 
@@ -68,6 +69,11 @@ _ROUTERS = (
     health.router,
     metrics.router,
 )
+
+
+def behind_proxies(app: FastAPI) -> ASGIApp:
+    """Return `app` for a server that does not look at proxies' headers itself."""
+    return KnownPeer(app)
 
 
 def create_app(open_services: ServicesOpener | None = None) -> FastAPI:

@@ -20,6 +20,7 @@ from grader.grading.slot import Slot, SlotConfig
 from grader.live.cars import LiveCars
 from grader.sandbox import script_sandbox, syntax_sandbox
 from grader.settings import Settings, is_loopback
+from grader.signin import Providers, opened, read_config
 from grader.store.clock import Clock, clock_of
 from grader.store.courses import Courses
 from grader.store.database import Database, checkpoints
@@ -57,7 +58,8 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
         preflight: looks at uploads; by default a sandbox of its own.
 
     Raises:
-        SettingsError: the database does not fit this version, or the service would be open to the network.
+        SettingsError: the database does not fit this version, the service would be open to the network, or what is
+            said about sign-in is wrong.
         AssignmentError: a folder of assignments is not there.
         InfrastructureError: the database cannot be opened.
     """
@@ -76,6 +78,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
             callers=Callers(courses, Tokens(database, clock), _token(settings, courses)),
             live=LiveCars(settings.live_cars if websockets_installed() else 0),
+            providers=_providers(settings, clock),
         )
         stack.callback(services.plots.close)
         stack.callback(services.comparer.close)
@@ -102,6 +105,12 @@ def running_worker(settings: Settings) -> Iterator[Worker]:
         if settings.metrics_port is not None:
             stack.enter_context(exported(metrics, settings.metrics_port, settings.host))
         yield stack.enter_context(_working(settings, replace(parts, observer=metrics)))
+
+
+def _providers(settings: Settings, clock: Clock) -> Providers:
+    if settings.signin is None:
+        return Providers()
+    return opened(read_config(settings.signin), lambda: clock().timestamp())
 
 
 def _assignments(settings: Settings, database: Database, clock: Clock) -> CourseAssignments:

@@ -61,6 +61,11 @@ class Settings(BaseSettings):
         description="Token that opens the class while there is no course, at least 16 characters; without it, "
         "one is made and printed at each start.",
     )
+    signin: Path | None = Field(
+        default=None,
+        description="File that says who recognises people besides their tokens: a university's OpenID Connect or "
+        "CAS, or a proxy; `docs/signin.md` describes it.",
+    )
     default_language: Language = Field(
         default="zh", description="Language of answers when a request asks for neither zh nor en."
     )

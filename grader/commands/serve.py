@@ -23,7 +23,7 @@ from grader.contracts.errors import SettingsError
 from grader.contracts.text import trouble
 
 if TYPE_CHECKING:
-    from fastapi import FastAPI
+    from starlette.types import ASGIApp
 
     from grader.settings import Settings
     from grader.use_cases.services import Services
@@ -79,13 +79,15 @@ def run(arguments: argparse.Namespace) -> int:
     sys.setswitchinterval(_SWITCH_S)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
     with listening(settings.host, settings.port) as listener, _running(settings) as services:
-        from grader.api import create_app  # takes a second, which nobody waits for whose settings are refused
+        # takes a second, which nobody waits for whose settings are refused
+        from grader.api import behind_proxies, create_app
         from grader.composition import websockets_installed
         from grader.live.cars import CLIENTS
 
         app = create_app(lambda: nullcontext(services))
         live = settings.live_cars if websockets_installed() else 0
-        server = _Server(app, most_connections(settings.max_streams + live * CLIENTS), websockets=live > 0)
+        most = most_connections(settings.max_streams + live * CLIENTS)
+        server = _Server(behind_proxies(app), most, websockets=live > 0)
         # uvicorn raises the signal once more after it has stopped; that must not look like a failure
         signal.signal(signal.SIGTERM, server.stop)
         if settings.log_format == "json":
@@ -107,9 +109,10 @@ def _running(settings: "Settings") -> AbstractContextManager["Services"]:
 class _Server(uvicorn.Server):
     """uvicorn, whose log lines are the service's, and whose connections are bounded."""
 
-    def __init__(self, app: "FastAPI", most_connections: int, *, websockets: bool = False) -> None:
+    def __init__(self, app: "ASGIApp", most_connections: int, *, websockets: bool = False) -> None:
         config = uvicorn.Config(
             app,
+            proxy_headers=False,  # `behind_proxies` looks at them
             log_config=None,
             access_log=False,
             server_header=False,

@@ -97,6 +97,25 @@ class TokenInfo:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class Identity:
+    """What a sign-in provider calls a member: who comes with that name is let in as this member.
+
+    Attributes:
+        id: names the binding, for example to end it. It gives no access.
+        provider: id of the provider. subject: its own name for the person.
+        by_token: the person has shown a token once; else the provider said an id of the roster.
+    """
+
+    id: str
+    provider: str
+    subject: str
+    course: str
+    person: str
+    bound_at: datetime
+    by_token: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Caller:
     """Who asks.
 

@@ -20,9 +20,9 @@ from grader.messages import is_on_page, on_page
 
 ACTIONS = (
     "course.create", "course.change", "course.copy", "course.archive", "course.reopen", "course.retain",
-    "member.add", "member.change", "member.remove", "member.forget", "token.issue",
-    "token.revoke", "rules.change", "extension.change", "submission.hand_in", "grade.judge", "grade.change",
-    "regrade.applied", "regrade.discarded", "regrade.undone",
+    "member.add", "member.change", "member.remove", "member.forget", "token.issue", "token.revoke",
+    "signin.bind", "signin.unbind", "rules.change", "extension.change", "submission.hand_in",
+    "grade.judge", "grade.change", "regrade.applied", "regrade.discarded", "regrade.undone",
     "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "submission", "token")
@@ -49,6 +49,8 @@ FIELDS: Mapping[str, str] = {
     "email": "people.email",
     "sections": "people.sections",
     "token": "enter.token",
+    "provider": "audit.field.provider",
+    "subject": "audit.field.subject",
     "expires_at": "audit.field.expires_at",
     "copy": "audit.field.copy",
     "submissions": "audit.field.submissions",

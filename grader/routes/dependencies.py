@@ -26,6 +26,9 @@ from grader.use_cases.visibility import visible_submission
 _LONGEST_HEADER = 1_000
 _TAG = re.compile(r'(W/)?"([\x21\x23-\x7e\x80-\xff]*)"')  # RFC 9110, section 8.8.3
 
+PEER = "grader.peer"
+"""Where a request's scope has address and port of the connection's other end, whatever proxies say of others."""
+
 SUBMISSIONS = "/api/v1/submissions/"
 """A submission's address begins with it."""
 

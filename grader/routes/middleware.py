@@ -5,6 +5,7 @@ in forms the disk. Of a body beyond the bound some more is read and dropped, the
 """
 
 import logging
+import os
 import re
 import time
 import uuid
@@ -17,9 +18,11 @@ from fastapi import Request, Response
 from fastapi.routing import APIRoute
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from uvicorn.middleware.proxy_headers import ProxyHeadersMiddleware
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
+from grader.routes.dependencies import PEER
 from grader.telemetry import context
 from grader.telemetry.metrics import Metrics
 from grader.use_cases.handing_in import most_upload_bytes, too_large
@@ -44,6 +47,7 @@ _WELL_FORMED = re.compile(r"[A-Za-z0-9._-]{8,64}")
 _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
 _OFTEN_ASKED = frozenset({"/healthz", "/metrics", "/static"})  # by machines; they would fill the log
 _NOWHERE = "none"
+_THIS_MACHINE = "127.0.0.1,::1"
 _log = logging.getLogger(__name__)
 
 
@@ -73,6 +77,25 @@ class SafeHeaders:
             await send(message)
 
         await self._app(scope, receive, send_with_headers if scope["type"] == "http" else send)
+
+
+class KnownPeer:
+    """ASGI middleware that notes who holds the connection, before it believes whose request a proxy passes on.
+
+    It does for `X-Forwarded-For` and `X-Forwarded-Proto` what uvicorn does, from the addresses in
+    ``FORWARDED_ALLOW_IPS`` (this machine without it), and must be the outermost.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        trusted = os.environ.get("FORWARDED_ALLOW_IPS", _THIS_MACHINE)
+        # uvicorn's types of ASGI are its own
+        self._app: Any = ProxyHeadersMiddleware(app, trusted_hosts=trusted)  # type: ignore[arg-type]
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one request."""
+        if scope["type"] == "http":
+            scope = {**scope, PEER: scope["client"]}
+        await self._app(scope, receive, send)
 
 
 class HeldToTheEnd:

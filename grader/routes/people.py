@@ -19,7 +19,7 @@ from grader.routes.dependencies import (
 )
 from grader.routes.middleware import MOST_BYTES
 from grader.routes.problems import responses
-from grader.use_cases import people
+from grader.use_cases import people, signing_in
 from grader.use_cases.bodies import Whole
 from grader.use_cases.people import changes, members, myself
 
@@ -124,6 +124,24 @@ class TokenView(BaseModel):
 
     person: str = Field(examples=["20260123"])
     token: str = Field(examples=["grader_..."])
+
+
+class IdentityView(BaseModel):
+    """By which name a member signs in at a provider."""
+
+    id: str = Field(examples=["3f2a9c0b1d4e"])
+    provider: str = Field(examples=["campus"])
+    subject: str = Field(description="The provider's own name for the person.", examples=["20260123"])
+    bound_at: datetime
+    by_token: bool = Field(
+        description="By a token that was shown once; else by an id that the provider said."
+    )
+
+
+class IdentityList(BaseModel):
+    """By which names a member signs in, oldest first."""
+
+    identities: list[IdentityView]
 
 
 class MemberList(BaseModel):
@@ -277,6 +295,37 @@ def make_token(
     """Return a new token, which is shown this once; older ones work on."""
     response.headers.update(_PRIVATE)
     return TokenView(person=person, token=people.give_token(services, caller, person, body.days))
+
+
+@router.get(
+    "/members/{person}/identities",
+    summary="By which names a member signs in",
+    responses=responses(*ENTRY_PROBLEMS, "forbidden", "member_not_found", "invalid_request"),
+)
+def read_identities(
+    services: ServicesDep, caller: InstructorDep, person: PersonId, response: Response
+) -> IdentityList:
+    """Return what sign-in providers call a member."""
+    response.headers.update(_PRIVATE)
+    member = people.member_of(services, caller, person)
+    found = signing_in.ways_of(services, caller, member.id)
+    return IdentityList(identities=[IdentityView.model_validate(one, from_attributes=True) for one in found])
+
+
+@router.delete(
+    "/members/{person}/identities/{identity}",
+    summary="Let a member no longer sign in by a name",
+    status_code=status.HTTP_204_NO_CONTENT,
+    responses=responses(*_CHANGING, "member_not_found", "identity_not_found"),
+)
+def delete_identity(
+    services: ServicesDep,
+    caller: InstructorDep,
+    person: PersonId,
+    identity: Annotated[str, Path(max_length=16)],
+) -> None:
+    """End a binding and the sessions that it opened; the next time a token is asked for, or the roster decides."""
+    signing_in.unbind(services, caller, people.member_of(services, caller, person).id, identity)
 
 
 @router.get(

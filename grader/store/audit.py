@@ -14,8 +14,8 @@ from grader.store.database import Database
 from grader.store.tables import AuditRow, CourseRow, as_contract
 
 IN_ARCHIVE = frozenset({
-    "course.archive", "course.copy", "course.retain", "course.reopen", "member.forget", "token.issue",
-    "token.revoke",
+    "course.archive", "course.copy", "course.retain", "course.reopen", "member.forget", "signin.bind",
+    "signin.unbind", "token.issue", "token.revoke",
 })  # fmt: skip
 """What is done to an archived course, too: everything else changes what the archive keeps."""
 

@@ -20,13 +20,11 @@ from grader.store.forgetting import Forgotten, is_known, known_as, new_pseudonym
 from grader.store.own_assignments import copy_own_assignments
 from grader.store.rules import add_rules, rules_of
 from grader.store.tables import (
+    OF_MEMBERS,
     CourseRow,
-    ExtensionRow,
     MemberRow,
     RegradeRow,
-    SectionRow,
     SubmissionRow,
-    TokenRow,
     as_contract,
 )
 
@@ -124,7 +122,7 @@ class CourseLife:
             _held(session, signed)
             _require_student(session, course, person)
             known = known_as(session, course, person)
-            for table in (TokenRow, ExtensionRow, SectionRow, MemberRow):
+            for table in OF_MEMBERS:
                 theirs = col(table.course) == course, col(table.person) == person
                 session.execute(delete(table).where(*theirs))
         with self._database.writing() as session:  # after the last upload that had begun before

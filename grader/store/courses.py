@@ -25,12 +25,11 @@ from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import (
+    OF_MEMBERS,
     CourseRow,
-    ExtensionRow,
     MemberRow,
     SectionRow,
     SubmissionRow,
-    TokenRow,
     as_contract,
 )
 
@@ -184,7 +183,7 @@ class Courses:
             unknown = [one for one in people if one not in known]
             if unknown:
                 raise unknown_members(course_id, *unknown)
-            for table in (TokenRow, ExtensionRow, SectionRow, MemberRow):
+            for table in OF_MEMBERS:
                 theirs = col(table.course) == course_id, col(table.person).in_(people)
                 session.execute(delete(table).where(*theirs))
             for person in people:

@@ -3,7 +3,7 @@
 import gzip
 from dataclasses import fields
 from datetime import UTC, datetime
-from typing import Any, ClassVar, TypeVar
+from typing import Any, ClassVar, Final, TypeVar
 
 from sqlalchemy import (
     CheckConstraint,
@@ -165,6 +165,32 @@ class TokenRow(SQLModel, table=True):
     expires_at: datetime = Field(sa_column=instant_column())
     revoked_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
     opened_by: str | None = Field(default=None, max_length=16)
+
+
+class IdentityRow(SQLModel, table=True):
+    """What a provider calls a member: whoever comes with that name is let in as this member."""
+
+    __tablename__: ClassVar[str] = "identity"
+    __table_args__ = (_of_member(), Index("identity_subject", "provider", "subject", "course", unique=True))
+
+    id: str = Field(primary_key=True, max_length=16)
+    provider: str = Field(max_length=64)
+    subject: str = Field(max_length=255)
+    course: str = Field(max_length=64)
+    person: str = Field(max_length=64)
+    bound_at: datetime = Field(sa_column=instant_column())
+    by_token: bool
+
+
+class RecognisedRow(SQLModel, table=True):
+    """Somebody whom a provider recognised a moment ago, who is still asked for a token or a course."""
+
+    __tablename__: ClassVar[str] = "recognised"
+
+    sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
+    provider: str = Field(max_length=64)
+    subject: str = Field(max_length=255)
+    expires_at: datetime = Field(sa_column=instant_column())
 
 
 class AuditRow(SQLModel, table=True):
@@ -512,6 +538,10 @@ class OwnAssignmentRow(SQLModel, table=True):
     lease_until: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
     tries: int = 0
     trouble: str = Field(default="", sa_column=text_column())
+
+
+OF_MEMBERS: Final = (IdentityRow, TokenRow, ExtensionRow, SectionRow, MemberRow)
+"""Whose rows go when somebody is no member any more, in an order that foreign keys allow."""
 
 
 def as_contract(row: SQLModel, contract: type[_Contract], **others: Any) -> _Contract:

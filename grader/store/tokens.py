@@ -1,7 +1,8 @@
 """Bearer tokens: issued, recognised, revoked. A secret is shown once; the store keeps its SHA-256.
 
 A browser that shows a token gets a session: a secret of its own, good for pages alone and for half a day, which
-ends with the token. So whoever gets hold of a browser's cookie has no token.
+ends with the token. So whoever gets hold of a browser's cookie has no token. Who signs in by a provider gets the
+same kind of session (`grader.store.identities`).
 
 The secrets have 256 random bits, so a plain digest cannot be searched backwards, and looking one up by its
 digest tells nothing about how close a guess was.
@@ -12,7 +13,7 @@ import secrets
 from datetime import datetime, timedelta
 
 from sqlalchemy import ColumnElement, CursorResult, delete, select, update
-from sqlmodel import col
+from sqlmodel import Session, col
 
 from grader.contracts.identity import Caller, Role, TokenInfo, unknown_members
 from grader.store.audit import Signature, record
@@ -56,24 +57,14 @@ class Tokens:
 
     def open_session(self, secret: str) -> str | None:
         """Open a session for a browser that shows the token `secret`; None when that opens nothing."""
-        now, session_secret = self._clock(), secrets.token_urlsafe(_SECRET_BYTES)
+        now = self._clock()
         with self._database.writing() as session:
             token = session.execute(
                 select(TokenRow).where(*_open(secret, now), col(TokenRow.opened_by).is_(None))
             ).scalar_one_or_none()
             if token is None:
                 return None
-            session.execute(
-                delete(TokenRow).where(
-                    col(TokenRow.course) == token.course,
-                    col(TokenRow.person) == token.person,
-                    col(TokenRow.opened_by).is_not(None),
-                    col(TokenRow.expires_at) <= now,
-                )
-            )
-            until = min(now + SESSION_LIFE, token.expires_at)
-            session.add(_row(session_secret, token.course, token.person, now, until, opened_by=token.id))
-        return session_secret
+            return new_session(session, token.course, token.person, token.id, now, token.expires_at)
 
     def session_caller(self, secret: str) -> Caller | None:
         """Return whose session it is; None when it is unknown, closed or over, or its token was revoked."""
@@ -143,6 +134,33 @@ class Tokens:
                     before={"open": result.rowcount},
                 )
             return result.rowcount
+
+
+def new_session(  # noqa: PLR0913, PLR0917
+    session: Session, course: str, person: str, opened_by: str, now: datetime, until: datetime | None = None
+) -> str:
+    """Add a session of a member, in place of those that are over; return its secret.
+
+    Args:
+        session: the transaction.
+        course: where it is one.
+        person: whose it is.
+        opened_by: id of the token, or of the identity, that it ends with.
+        now: when it begins.
+        until: its latest end; None: half a day later.
+    """
+    secret, latest = secrets.token_urlsafe(_SECRET_BYTES), now + SESSION_LIFE
+    session.execute(
+        delete(TokenRow).where(
+            col(TokenRow.course) == course,
+            col(TokenRow.person) == person,
+            col(TokenRow.opened_by).is_not(None),
+            col(TokenRow.expires_at) <= now,
+        )
+    )
+    end = latest if until is None else min(latest, until)
+    session.add(_row(secret, course, person, now, end, opened_by=opened_by))
+    return secret
 
 
 def _open(secret: str, now: datetime) -> tuple[ColumnElement[bool], ...]:

@@ -30,6 +30,7 @@ PLOT_WEIGHT = 4
 """As how many costly requests a plot counts: drawing one takes a fifth of a second."""
 
 _UPLOADS_AT_ONCE = 2  # a file, and the same once more by a client that got no answer
+_SIGN_INS_AT_ONCE = 8  # of each provider; the service has forty threads for requests
 _SOON_S = 1  # until one of the answers under way has probably been sent
 
 
@@ -241,6 +242,7 @@ class Allowances:
         requests: of each student. uploads: under each student's name.
         requests_at_once: of each person, streams of events apart. uploads_at_once: under each student's name.
         costly: of each student's requests whose answers take much time to make.
+        sign_ins: of those that wait for one provider, which may be slow.
     """
 
     requests: RateLimit
@@ -248,6 +250,7 @@ class Allowances:
     requests_at_once: AtOnce
     uploads_at_once: AtOnce
     costly: Costly
+    sign_ins: AtOnce
 
     @classmethod
     def of(cls, settings: Settings, clock: Clock) -> Self:
@@ -258,6 +261,7 @@ class Allowances:
             requests_at_once=AtOnce(settings.requests_at_once),
             uploads_at_once=AtOnce(_UPLOADS_AT_ONCE),
             costly=Costly(settings.costly_at_once, settings.costly_per_minute, clock),
+            sign_ins=AtOnce(_SIGN_INS_AT_ONCE),
         )
 
 

@@ -9,6 +9,7 @@ from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
 from grader.live.cars import LiveCars
 from grader.settings import Settings
+from grader.signin import Providers
 from grader.store.appeals import Appeals
 from grader.store.audit import AuditLog, Signature
 from grader.store.clock import Clock
@@ -19,6 +20,7 @@ from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.gradings import PastGradings
+from grader.store.identities import Identities
 from grader.store.judgements import Judgements
 from grader.store.own_assignments import OwnAssignments
 from grader.store.queue import Queue, Retries
@@ -68,6 +70,7 @@ class Services:
 
     Attributes:
         callers: recognises who asks, by token.
+        providers: who else recognises people.
         allowances: how much each of them may ask for.
     """
 
@@ -79,6 +82,7 @@ class Services:
     # who asks, and how often
     callers: Callers
     allowances: Allowances
+    providers: Providers
 
     # the database, by subject
     submissions: Submissions
@@ -96,6 +100,7 @@ class Services:
     courses: Courses
     course_life: CourseLife
     tokens: Tokens
+    identities: Identities
     audit: AuditLog
 
     # kept in this process: drawn plots, compared scripts, streams of events with their estimates, measurements,
@@ -132,6 +137,7 @@ class Services:
         plots: PlotCache,
         callers: Callers,
         live: LiveCars,
+        providers: Providers | None = None,
     ) -> Self:
         """Return the services that work on `database`, whose tables are up to date."""
         queue, workers = Queue(database, clock, retries), Workers(database, clock)
@@ -142,6 +148,7 @@ class Services:
             assignments=assignments,
             preflight=preflight,
             callers=callers,
+            providers=providers or Providers(),
             allowances=Allowances.of(settings, clock),
             submissions=Submissions(database, clock),
             queue=queue,
@@ -163,6 +170,7 @@ def _of_courses(database: Database, clock: Clock) -> dict[str, Any]:
         "courses": Courses(database, clock),
         "course_life": CourseLife(database, clock),
         "tokens": Tokens(database, clock),
+        "identities": Identities(database, clock),
     }
 
 

@@ -17,6 +17,7 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import ANYBODY, Caller, is_person_id
 from grader.contracts.submission import StoredReport, Submission
 from grader.routes.dependencies import (
+    PEER,
     SESSION_COOKIE,
     AssignmentId,
     QueryWhole,
@@ -32,6 +33,8 @@ from grader.use_cases.visibility import found, visible_submission
 from grader.web.forms import set_private_cookie
 
 __all__ = (
+    "PEER",
+    "SESSION_COOKIE",
     "AssignmentId",
     "QueryWhole",
     "RegradeId",

@@ -75,4 +75,13 @@ def own_address(path: str) -> str:
 
 def _ask(request: Request, entry: EnterForm, status: int = 200, wrong: Wrong | None = None) -> Response:
     wanted = own_address(entry.next)
-    return page(request, "enter.html", status=status, next=wanted, given=entry.student, refusal=wrong)
+    providers = () if access.visitor_of(request).open else tuple(access.services_of(request).providers)
+    return page(
+        request,
+        "enter.html",
+        status=status,
+        next=wanted,
+        given=entry.student,
+        refusal=wrong,
+        providers=providers,
+    )

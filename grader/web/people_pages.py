@@ -13,10 +13,19 @@ from grader.contracts.identity import Member, Role, RosterEntry, Seen, sections_
 from grader.render.audit_lines import Teller
 from grader.sheets.roster import as_csv
 from grader.sheets.writing import csv_table
-from grader.use_cases import people
+from grader.use_cases import people, signing_in
 from grader.use_cases.people import ImportPlan, changes, members
 from grader.use_cases.services import Services
-from grader.web.access import InstructorDep, QueryWhole, ServicesDep, StaffDep, Visitor, require_staff
+from grader.web.access import (
+    InstructorDep,
+    QueryWhole,
+    ServicesDep,
+    StaffDep,
+    Visitor,
+    require_staff,
+    services_of,
+    visitor_of,
+)
 from grader.web.errors import FormProblem, form_problem
 from grader.web.forms import MOST_FILE_BYTES, require_own_form
 from grader.web.pages import language_of, page
@@ -189,6 +198,19 @@ def make_token(request: Request, services: ServicesDep, visitor: InstructorDep, 
     return _member_page(request, member, token=people.give_token(services, visitor.caller, person, _DAYS))
 
 
+@router.post("/people/{person}/unbind", dependencies=[Depends(require_own_form)])
+def unbind(
+    services: ServicesDep,
+    visitor: InstructorDep,
+    person: PersonId,
+    identity: Annotated[str, Form(max_length=16)] = "",
+) -> Response:
+    """Let a member no longer come in by what a provider calls them."""
+    member = people.member_of(services, visitor.caller, person)
+    signing_in.unbind(services, visitor.caller, member.id, identity)
+    return RedirectResponse(f"/class/people/{quote(person, safe='')}?done=saved", status_code=303)
+
+
 @router.get("/audit")
 def read_audit(
     request: Request,
@@ -250,9 +272,12 @@ def _member_page(  # noqa: PLR0913
     done: str = "",
 ) -> Response:
     problem = None if error is None else form_problem(error, language_of(request))
+    caller = visitor_of(request).caller
+    ways = signing_in.ways_of(services_of(request), caller, member.id) if caller.is_instructor else ()
     return page(
         request,
         "person.html",
+        ways=ways,
         status=200 if problem is None else problem.status,
         member=member,
         form=form or MemberForm.of(member),

@@ -23,6 +23,7 @@ from grader.store.comments import Comments
 from grader.store.courses import Courses
 from grader.store.dashboard import Dashboard
 from grader.store.database import Database
+from grader.store.identities import Identities
 from grader.store.judgements import Given, Judgements
 from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
 from grader.store.queue import Queue, Retries
@@ -46,6 +47,9 @@ def fill(database: Database) -> str:
     courses.create("ros", "ROS 2 入门", "Asia/Shanghai", "me", "jazzy")
     courses.import_roster("ros", [RosterEntry(id="li", name="李雷", sections=("1",))], "me")
     _, token = Tokens(database, clock).issue("ros", "li", timedelta(days=1), "me")
+    identities = Identities(database, clock)
+    assert identities.bind("campus", "l1", "ros", "li", by_token=True)
+    identities.hold("campus", "somebody")
     rules = StoredRules(database)
     rules.set("square", Rules(attempts=9), signed)
     rules.extend("square", "li", Extension(extra_attempts=1), signed)

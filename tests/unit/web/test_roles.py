@@ -40,6 +40,10 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /guide": EVERYBODY,
     "POST /enter": (303,) * 6,
     "POST /leave": (303,) * 6,
+    "GET /enter/with/{provider_id}": (404,) * 6,  # there is no such provider
+    "GET /enter/with/{provider_id}/back": (404,) * 6,
+    "POST /enter/bind": (403,) * 6,  # nobody was recognised a moment ago
+    "POST /enter/course": (403,) * 6,
     "GET /assignments/{assignment_id}": EVERYBODY,
     "POST /assignments/{assignment_id}": (303,) * 6,
     "GET /submissions": MEMBERS,
@@ -100,6 +104,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/people/{person}": COURSE,
     "POST /class/people/{person}": CHANGES,
     "POST /class/people/{person}/token": (303, 403, 403, 403, 200, 404),
+    "POST /class/people/{person}/unbind": (303, 403, 403, 403, 404, 404),  # nothing is bound
     "POST /class/people/{person}/remove": CHANGES,
     "GET /class/course": STAFF,
     "GET /class/own": STAFF,
@@ -140,6 +145,7 @@ def school(
         "assignment_id": "square",
         "student": "li",
         "person": "li",
+        "provider_id": "campus",
         **{role: services.callers.open_session(token) for role, token in shown.items()},
     }
 

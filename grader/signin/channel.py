@@ -1,0 +1,65 @@
+"""Asking a provider directly: short waits, small answers, no redirects."""
+
+from collections.abc import Mapping
+from typing import Any
+from urllib.parse import urlsplit
+
+import httpx
+
+PATIENCE_S = 5.0
+MOST_BYTES = 256 * 1024
+
+
+class UnreachableError(Exception):
+    """The other side did not answer in time, or not in a form that can be read; the message is for operators."""
+
+
+def host_of(address: str) -> str | None:
+    """Return the host of an http or https address without user, query and fragment; None for anything else."""
+    try:
+        parts = urlsplit(address)
+        host, _ = parts.hostname, parts.port
+    except ValueError:
+        return None
+    plain = not (parts.username or parts.password or parts.query or parts.fragment)
+    return host if plain and parts.scheme in ("http", "https") and address.isprintable() else None
+
+
+def get(address: str, parameters: Mapping[str, str] | None = None) -> bytes:
+    """Return what an address answers.
+
+    Raises:
+        UnreachableError: nothing, nothing in time, too much, or no success.
+    """
+    return _exchange("GET", address, params=parameters)[1]
+
+
+def post(address: str, form: Mapping[str, str], credentials: tuple[str, str] | None) -> tuple[int, bytes]:
+    """Send a form, with a client's credentials (RFC 6749, 2.3.1); return status and answer.
+
+    Raises:
+        UnreachableError: as `get`; but a refusal, which is status 400 or 401, is an answer.
+    """
+    return _exchange("POST", address, accepted=(200, 400, 401), data=form, auth=credentials)
+
+
+def _exchange(
+    method: str, address: str, accepted: tuple[int, ...] = (200,), **request: Any
+) -> tuple[int, bytes]:
+    if host_of(address) is None:
+        raise UnreachableError(f"{address!r} is no address")
+    try:
+        with (
+            httpx.Client(timeout=PATIENCE_S, follow_redirects=False, trust_env=False) as client,
+            client.stream(method, address, headers={"Accept-Encoding": "identity"}, **request) as answer,
+        ):
+            if answer.status_code not in accepted:
+                raise UnreachableError(f"{address} answers {answer.status_code}")
+            content = b""
+            for part in answer.iter_raw():
+                content += part
+                if len(content) > MOST_BYTES:
+                    raise UnreachableError(f"{address} answers with more than {MOST_BYTES} bytes")
+            return answer.status_code, content
+    except (httpx.HTTPError, httpx.InvalidURL) as error:
+        raise UnreachableError(f"{address}: {type(error).__name__}: {error}") from error

@@ -1,0 +1,156 @@
+"""What sign-in providers call the members of courses, and the sessions which that opens."""
+
+import hashlib
+import secrets
+from datetime import timedelta
+
+from sqlalchemy import delete, func, select
+from sqlmodel import col
+
+from grader.contracts.identity import Identity, Role
+from grader.store.audit import Signature, record
+from grader.store.clock import Clock
+from grader.store.database import Database, one_at_a_time
+from grader.store.tables import CourseRow, IdentityRow, MemberRow, RecognisedRow, TokenRow, as_contract
+from grader.store.tokens import new_session
+
+_SECRET_BYTES = 32
+_ID_BYTES = 6
+_PATIENCE = timedelta(minutes=10)
+_MOST_COURSES = 20
+
+
+class Identities:
+    """Who is whom; safe to share between threads."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database = database
+        self._clock = clock
+
+    def of_subject(self, provider: str, subject: str) -> tuple[Identity, ...]:
+        """Return where a provider's `subject` is known, courses that are taught first, then the newest."""
+        statement = (
+            select(IdentityRow)
+            .join(CourseRow, col(CourseRow.id) == col(IdentityRow.course))
+            .where(col(IdentityRow.provider) == provider, col(IdentityRow.subject) == subject)
+            .order_by(
+                col(CourseRow.archived_at).is_not(None), col(CourseRow.created_at).desc(), col(CourseRow.id)
+            )
+            .limit(_MOST_COURSES)
+        )
+        with self._database.reading() as session:
+            return tuple(as_contract(row, Identity) for row in session.execute(statement).scalars())
+
+    def of_member(self, course: str, person: str) -> tuple[Identity, ...]:
+        """Return by which names a member comes, oldest first."""
+        own = col(IdentityRow.course) == course, col(IdentityRow.person) == person
+        statement = select(IdentityRow).where(*own).order_by(col(IdentityRow.bound_at), col(IdentityRow.id))
+        with self._database.reading() as session:
+            return tuple(as_contract(row, Identity) for row in session.execute(statement).scalars())
+
+    def bind_claimed(self, provider: str, subject: str, *, person: str = "", email: str = "") -> None:
+        """Bind a subject to the students of that id, or of that address, in the courses that are taught.
+
+        A role is never believed: staff bind by a token. Where the subject or an address is not of one student
+        alone, nothing is bound.
+        """
+        member = MemberRow
+        if not person and not email:
+            return
+        named = col(member.person) == person if person else func.lower(col(member.email)) == email.lower()
+        statement = (
+            select(col(member.course), col(member.person))
+            .join(CourseRow, col(CourseRow.id) == col(member.course))
+            .where(named, col(member.role) == Role.STUDENT.value, col(CourseRow.archived_at).is_(None))
+            .limit(_MOST_COURSES)
+        )
+        with self._database.reading() as session:
+            found = [(course, one) for course, one in session.execute(statement)]
+        courses = [course for course, _ in found]
+        for course, one in found:
+            if courses.count(course) == 1:
+                self.bind(provider, subject, course, one, by_token=False)
+
+    def bind(self, provider: str, subject: str, course: str, person: str, *, by_token: bool) -> bool:
+        """Let whoever comes as `subject` in as a member; return whether they are that member now.
+
+        A subject that is another member of the course already stays that one. By an id alone, without a token, a
+        member to whom another subject of the provider is bound is not bound again.
+        """
+        with self._database.writing() as session:
+            one_at_a_time(session, "identity", course)
+            rows = session.execute(
+                select(IdentityRow).where(
+                    col(IdentityRow.provider) == provider,
+                    col(IdentityRow.course) == course,
+                    (col(IdentityRow.subject) == subject) | (col(IdentityRow.person) == person),
+                )
+            ).scalars()
+            bound = {row.subject: row.person for row in rows}
+            if subject in bound:
+                return bool(bound[subject] == person)
+            if (bound and not by_token) or session.get(MemberRow, (course, person)) is None:
+                return False
+            row = IdentityRow(
+                id=secrets.token_hex(_ID_BYTES),
+                provider=provider,
+                subject=subject,
+                course=course,
+                person=person,
+                bound_at=self._clock(),
+                by_token=by_token,
+            )
+            session.add(row)
+            after = {"provider": provider, "subject": subject}
+            signed = Signature(row.bound_at, course, person)
+            record(session, signed, "signin.bind", f"member {person}", after=after)
+            return True
+
+    def unbind(self, identity_id: str, course: str, person: str, actor: str) -> bool:
+        """End a binding and the sessions that it opened; return whether there was such a one."""
+        with self._database.writing() as session:
+            row = session.get(IdentityRow, identity_id)
+            if row is None or (row.course, row.person) != (course, person):
+                return False
+            session.execute(
+                delete(TokenRow).where(col(TokenRow.course) == course, col(TokenRow.opened_by) == row.id)
+            )
+            session.delete(row)
+            before = {"provider": row.provider, "subject": row.subject}
+            signed = Signature(self._clock(), course, actor)
+            record(session, signed, "signin.unbind", f"member {person}", before=before)
+            return True
+
+    def open_session(self, identity: Identity) -> str | None:
+        """Open a session of a browser for whom a provider recognised; None: the binding has ended."""
+        with self._database.writing() as session:
+            if session.get(IdentityRow, identity.id) is None:
+                return None
+            return new_session(session, identity.course, identity.person, identity.id, self._clock())
+
+    def hold(self, provider: str, subject: str) -> str:
+        """Remember for ten minutes who was recognised; return the secret that the browser keeps."""
+        now, secret = self._clock(), secrets.token_urlsafe(_SECRET_BYTES)
+        row = RecognisedRow(
+            sha256=_digest(secret), provider=provider, subject=subject, expires_at=now + _PATIENCE
+        )
+        with self._database.writing() as session:
+            session.execute(delete(RecognisedRow).where(col(RecognisedRow.expires_at) <= now))
+            session.add(row)
+        return secret
+
+    def held(self, secret: str) -> tuple[str, str] | None:
+        """Return provider and subject of who was recognised; None when that is too long ago."""
+        with self._database.reading() as session:
+            row = session.get(RecognisedRow, _digest(secret))
+            known = row is not None and row.expires_at > self._clock()
+            return (row.provider, row.subject) if row is not None and known else None
+
+    def let_go(self, secret: str) -> None:
+        """Forget who was recognised."""
+        with self._database.writing() as session:
+            session.execute(delete(RecognisedRow).where(col(RecognisedRow.sha256) == _digest(secret)))
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode(errors="replace")).hexdigest()
