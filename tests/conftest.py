@@ -19,6 +19,9 @@ from tests.fakes import postgres
 if TYPE_CHECKING:  # imported by the fixtures: the process that only hands out the tests does without
     from sqlalchemy import URL, Engine
 
+    from grader.contracts.grading import Grader
+    from grader.grading.slot import Slot
+
 # The same examples every time, and no deadline: a loaded machine must not fail a test.
 settings.register_profile(
     "project", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
@@ -157,6 +160,21 @@ def migrated_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
     migrate(database)
     database.close()
     return path
+
+
+@pytest.fixture(scope="session")
+def slot() -> Iterator["Slot"]:
+    """One grading process for all tests that only need its answers: starting one takes as long as ten gradings."""
+    from grader.grading.slot import Slot, SlotConfig
+
+    with Slot(SlotConfig()) as made:
+        yield made
+
+
+@pytest.fixture(scope="session")
+def grader(slot: "Slot") -> "Grader":
+    """The same, for tests that need no more of it than that it grades."""
+    return slot
 
 
 @pytest.fixture(scope="session")

@@ -1,12 +1,10 @@
 """No right script loses more than a tenth, no wrong one gets full marks; defects cost from 8 % and 6° on."""
 
 from collections import Counter
-from collections.abc import Iterator
 
 import pytest
 
 from grader.contracts.grading import Grader
-from grader.grading.slot import Slot, SlotConfig
 from tests.corpus.attempts import FIGURES, STYLES, Attempt, corpus
 from tests.corpus.scoring import confusion, for_real, on_the_ideal_turtle
 
@@ -31,12 +29,6 @@ def sample() -> list[Attempt]:
         chosen.append(max(CORPUS, key=lambda attempt: len(kinds(attempt) & wanted)))
         wanted -= kinds(chosen[-1])
     return chosen
-
-
-@pytest.fixture(scope="module")
-def grader() -> Iterator[Grader]:
-    with Slot(SlotConfig()) as slot:
-        yield slot
 
 
 def test_the_corpus_is_large_and_varied() -> None:

@@ -9,7 +9,7 @@ import pytest
 
 from grader.commands import check, cli
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.grading.slot import Slot, SlotConfig
+from grader.grading.slot import Slot
 from tests.e2e.chromium import DESKTOP, Browser, chromium
 
 
@@ -36,17 +36,11 @@ class _Lent:
         """Grade the next one, too."""
 
 
-@pytest.fixture(scope="module")
-def slot() -> Iterator[Slot]:
-    with Slot(SlotConfig()) as made:
-        yield made
-
-
 @pytest.fixture
 def at_terminal(
     slot: Slot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., CompletedProcess[str]]:
-    """`grader` with its arguments, in `tmp_path`: in this process, and with one slot for all tests of a module."""
+    """`grader` with its arguments, in `tmp_path`: in this process, and with one slot for all tests."""
     monkeypatch.setattr(check, "Slot", lambda config: nullcontext(_Lent(slot)))
     monkeypatch.chdir(tmp_path)
 

@@ -1,6 +1,5 @@
 """Every assignment keeps its word: its own scripts, the lesson's, and right scripts in other styles."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -11,16 +10,9 @@ from grader.commands.validation import examine
 from grader.contracts.grading import Grader, GradingJob
 from grader.contracts.text import EMPTY
 from grader.examination import sensitivity
-from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
 
 CHECKLIST = [assignment.id for assignment in catalog().all()]
-
-
-@pytest.fixture(scope="module")
-def grader() -> Iterator[Grader]:
-    with Slot(SlotConfig()) as slot:
-        yield slot
 
 
 @pytest.mark.parametrize("name", CHECKLIST)

@@ -33,27 +33,24 @@ def test_one_report_whatever_else_the_machine_does() -> None:
     assert len({digest for each in found for digest in each}) == 1
 
 
-def test_what_differs_in_the_file_differs_in_the_report() -> None:
-    with Slot(SlotConfig()) as slot:
-        first = grade(slot, "hello", (LESSON / "hello_node.py").read_bytes())
-        other = grade(
-            slot, "hello", (LESSON / "hello_node.py").read_bytes().replace("我是".encode(), "这是".encode())
-        )
+def test_what_differs_in_the_file_differs_in_the_report(grader: Grader) -> None:
+    source = (LESSON / "hello_node.py").read_bytes()
+    first = grade(grader, "hello", source)
+    other = grade(grader, "hello", source.replace("我是".encode(), "这是".encode()))
     assert first.score == other.score == 100
     assert first.sha256() != other.sha256()
 
 
-def test_a_slot_grades_both_releases_each_as_its_own() -> None:
+def test_a_slot_grades_both_releases_each_as_its_own(slot: Slot) -> None:
     """A slot's processes are prepared for Humble before it is known what comes."""
     wrong = SQUARE.replace(b"float(self.SPEED)", b"int(self.SPEED) + 1")
     on_humble = catalog().get("square")
     on_jazzy = replace(on_humble, distro="jazzy")
-    with Slot(SlotConfig()) as slot:
-        found = [
-            slot.grade(GradingJob(file_name="a.py", source=source, assignment=assignment)).report
-            for source in (SQUARE, wrong)
-            for assignment in (on_humble, on_jazzy, on_humble)
-        ]
+    found = [
+        slot.grade(GradingJob(file_name="a.py", source=source, assignment=assignment)).report
+        for source in (SQUARE, wrong)
+        for assignment in (on_humble, on_jazzy, on_humble)
+    ]
     assert [report.interface for report in found[:3]] == ["ros2-humble", "ros2-jazzy", "ros2-humble"]
     assert [report.score for report in found[:3]] == [100, 100, 100]
     assert found[0].sha256() == found[2].sha256()

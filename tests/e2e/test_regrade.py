@@ -8,7 +8,7 @@ from pathlib import Path
 
 from grader.catalog import Catalog
 from grader.contracts.grading import GradingJob
-from grader.grading.slot import Slot, SlotConfig
+from grader.grading.slot import Slot
 from tests.e2e.school import SQUARE, school
 
 WORK = (
@@ -33,13 +33,9 @@ def scores(slot: Slot, files: Path) -> dict[str, float | None]:
 
 
 def test_a_trial_after_tightening_one_tolerance_lists_exactly_those_it_hits(
-    sqlite_url: str, tmp_path: Path
+    sqlite_url: str, tmp_path: Path, slot: Slot
 ) -> None:
-    with (
-        school(sqlite_url, tmp_path, WORK) as course,
-        course.client("wang") as wang,
-        Slot(SlotConfig()) as slot,
-    ):
+    with school(sqlite_url, tmp_path, WORK) as course, course.client("wang") as wang:
         before = scores(slot, course.files)
         course.tighten()
         after = scores(slot, course.files)

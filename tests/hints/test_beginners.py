@@ -4,13 +4,11 @@
 """
 
 import re
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from grader.contracts.grading import Grader
-from grader.grading.slot import Slot, SlotConfig
 from tests.hints.beginners import FOLDER, Beginner, answer, beginners
 from tests.hints.scripts import SCRIPTS
 
@@ -23,12 +21,6 @@ NAMED = set(re.findall(r"\w+", "".join(path.read_text(encoding="utf-8") for path
 KNOWN = NAMED | {script.cause for script in SCRIPTS} | {""}
 FIRST_OF_CAUSE = {script.cause: script for script in reversed(beginners()) if script.cause not in KNOWN}
 ODD = [script for script in beginners() if script.verdict == "harmless" and script.cause == ""][::3]
-
-
-@pytest.fixture(scope="module")
-def grader() -> Iterator[Grader]:
-    with Slot(SlotConfig()) as slot:
-        yield slot
 
 
 def test_each_script_has_one_row() -> None:

@@ -1,24 +1,15 @@
 """Each script of a beginner gets the hint that names its cause; a right one gets none."""
 
-from collections.abc import Iterator
-
 import pytest
 
 from grader.contracts.assignment import Limits
 from grader.contracts.grading import Grader
 from grader.contracts.text import EMPTY
-from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import grade
 from tests.hints.scripts import SCRIPTS, Script
 
 # less than usual: what has no end ends sooner, and no other script meets them
 LIMITS = Limits(steps=150_000, output_bytes=256 * 1024)
-
-
-@pytest.fixture(scope="module")
-def grader() -> Iterator[Grader]:
-    with Slot(SlotConfig()) as slot:
-        yield slot
 
 
 def test_there_are_enough_scripts_of_either_sort() -> None:

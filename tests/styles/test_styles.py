@@ -4,7 +4,6 @@ The expectations are written by hand, from what the script says; none is taken f
 """
 
 import hashlib
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
@@ -16,7 +15,6 @@ from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.outcome import RunOutcome
 from grader.contracts.text import EMPTY
 from grader.contracts.trajectory import Trajectory, decode_trajectory
-from grader.grading.slot import Slot, SlotConfig
 from tests.styles import expected_endings, expected_feedback, expected_threads, expected_timers
 from tests.styles.expectation import Expectation
 from tests.styles.ideal import UPDATE_S, IdealTurtle, Jump
@@ -34,12 +32,6 @@ MIN_TOLERANCE_M = 0.01  # for turns on the spot
 MAX_TOLERANCE_M = 0.05  # for long paths, whose sides would otherwise hide behind their sum
 MAX_HEADING_ERROR_RAD = np.radians(3.0)
 UNWELCOME = {"incompatible_qos", "type_mismatch", "unreadable_message"}  # no script here deserves these notes
-
-
-@pytest.fixture(scope="module")
-def grader() -> Iterator[Grader]:
-    with Slot(SlotConfig()) as slot:
-        yield slot
 
 
 def job_of(name: str) -> GradingJob:

@@ -1,19 +1,18 @@
 """Attacks on the grade itself, through the whole grading process: shim, wire, episode, checks."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from grader.catalog import Catalog
 from grader.contracts.assignment import Limits
 from grader.contracts.grading import GradingJob
 from grader.contracts.report import GradeReport
 from grader.grading.budget import REPORT_TEXT_BYTES
-from grader.grading.slot import Slot, SlotConfig
+from grader.grading.slot import Slot
 from grader.jail import landlock
+from tests.e2e.grading_slot import catalog
 
 pytestmark = pytest.mark.skipif(landlock.abi_version() == 0, reason="this kernel has no Landlock")
 
@@ -26,26 +25,23 @@ WORTHLESS = 0.25
 """Of the points: driving straight ahead, which some attacks do on the way, may earn as much."""
 
 
-@pytest.fixture(scope="module")
-def slot() -> Iterator[Slot]:
-    with Slot(SlotConfig()) as made:
-        yield made
-
-
 def grade(slot: Slot, source: bytes, name: str, limits: Limits = LIMITS) -> GradeReport:
-    assignment = replace(Catalog().get("square"), limits=limits)
+    assignment = replace(catalog().get("square"), limits=limits)
     return slot.grade(GradingJob(file_name=name, source=source, assignment=assignment)).report
 
 
 @pytest.fixture(scope="module")
 def good(slot: Slot) -> bytes:
-    report = grade(slot, solution(), "good.py")
+    report = grade_solution(slot)
     assert report.score == report.max_score
     return report.canonical_bytes()
 
 
-def solution() -> bytes:
-    return (Catalog().folder("square") / "solution.py").read_bytes()
+def grade_solution(slot: Slot) -> GradeReport:
+    """Grade a script that also drives, and takes half as long as a square."""
+    source = (catalog().folder("straight") / "solution.py").read_bytes()
+    job = GradingJob(file_name="good.py", source=source, assignment=catalog().get("straight"))
+    return slot.grade(job).report
 
 
 @pytest.mark.parametrize("script", SCRIPTS, ids=lambda path: path.stem)
@@ -59,7 +55,7 @@ def test_attack_earns_nothing_and_disturbs_nobody(slot: Slot, good: bytes, scrip
     assert expected == ["any"] or status in expected, report.runs[0].outcome
     assert report.score is not None
     assert report.score <= WORTHLESS * report.max_score
-    assert grade(slot, solution(), "good.py").canonical_bytes() == good
+    assert grade_solution(slot).canonical_bytes() == good
 
 
 @pytest.mark.parametrize("script", ABUSE, ids=lambda path: path.stem)
@@ -73,4 +69,4 @@ def test_abuse_ends_as_the_scripts_own_and_leaves_nothing(slot: Slot, good: byte
     assert outcome.status in match[1].split(" or "), outcome
     assert "BREACH" not in outcome.stdout.text
     assert len(report.canonical_bytes()) <= LONGEST_REPORT
-    assert grade(slot, solution(), "good.py").canonical_bytes() == good
+    assert grade_solution(slot).canonical_bytes() == good
