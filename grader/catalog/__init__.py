@@ -10,7 +10,7 @@ from pathlib import Path, PurePath
 from typing import TYPE_CHECKING
 
 from grader.catalog.cache import AssignmentCache, AssignmentMemory
-from grader.catalog.files import SPEC_NAME, content, is_there
+from grader.catalog.files import SPEC_NAME, content, handed_in, is_there
 from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, UnknownAssignmentError
 from grader.contracts.text import Text
@@ -161,8 +161,9 @@ class Catalog:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
         folders, lesson = [*self._folders(), *self._further()], self.lesson()
         paths = [folder / name for folder in folders for name in ("starter.py", "solution.py")]
+        paths += [folder / name for folder in folders for name in ("starter.zip", "solution.zip")]
         paths += [] if lesson is None else sorted(lesson.glob("*.py"))
-        return tuple(path.read_bytes() for path in paths if path.is_file())
+        return tuple(handed_in(path) for path in paths if is_there(path))
 
     def folder(self, assignment_id: str) -> Path:
         """Return the folder of an assignment: starter, solution and wrong/ stand there.

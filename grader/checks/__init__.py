@@ -10,7 +10,8 @@ from dataclasses import replace
 from grader.checks.across import ignored_input, together_scored
 from grader.checks.fit import misfits
 from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
-from grader.checks.measure import Check, Findings, first_causes
+from grader.checks.measure import Check, Findings, Kind, first_causes
+from grader.checks.package import examined, with_package
 from grader.checks.rubric_text import published
 from grader.checks.scoring import WHOLE, Portion, score_items
 from grader.checks.summary import summarise, summarise_text
@@ -35,7 +36,7 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
     check = _script_check(assignment)
     found, scored = [], []
     for part, run in enumerate(runs):
-        found.append(check.examine(assignment.in_case(run.case), run))
+        found.append(examined(check, check.examine(assignment.in_case(run.case), run), run))
         portion = Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE
         scored.append(score_items(check, assignment.items, found[-1], portion))
     together = together_scored(check, assignment, runs, found) if len(runs) > 1 else {}
@@ -102,24 +103,28 @@ def published_rubric(assignment: Assignment) -> PublishedRubric:
         AssignmentError: the assignment does not fit its check.
     """
     _raise_problem(assignment)
-    return published(KINDS[assignment.check], assignment)
+    return published(_kind(assignment), assignment)
 
 
 def problems(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     """Return (field, problem) for all that does not fit the assignment's check; empty when it fits."""
-    check = KINDS.get(assignment.check)
-    if check is None:
+    if assignment.check not in KINDS:
         name, known = repr(assignment.check), ", ".join(KINDS)
         told = Text(zh=f"没有 {name} 这种检查，可用：{known}", en=f"unknown check {name}; use one of {known}")
         return (("check", told),)
-    return tuple(dict.fromkeys(misfits(assignment, check)))  # the same may be wrong in each case
+    return tuple(dict.fromkeys(misfits(assignment, _kind(assignment))))  # the same may be wrong in each case
 
 
 def _script_check(assignment: Assignment) -> Check:
     _raise_problem(assignment)
     if assignment.check not in CHECKS:
         raise AssignmentError(f"{assignment.id}: check: {assignment.check!r} scores texts, not scripts")
-    return CHECKS[assignment.check]
+    return with_package(CHECKS[assignment.check], assignment)
+
+
+def _kind(assignment: Assignment) -> Kind:
+    check = KINDS[assignment.check]
+    return with_package(check, assignment) if isinstance(check, Check) else check
 
 
 def _raise_problem(assignment: Assignment) -> None:

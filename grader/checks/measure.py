@@ -22,10 +22,12 @@ class MeasureKind(PositionalRecord):
     Attributes:
         unit: of its values; empty for counts and flags.
         form: how it reads: a number with a unit, a whole number, or yes (1) and no (0).
+        of: what its texts begin with instead of the check's kind, where several checks have it.
     """
 
     unit: Unit = ""
     form: Form = "quantity"
+    of: str = ""
 
 
 class Measure(PositionalRecord):
@@ -128,6 +130,11 @@ class Check(Kind):
 
     examine: Callable[[Assignment, Run], Findings]
     sketch: Callable[[Assignment, Run], FigureSketch]
+
+
+def text_id(check: Kind, name: str) -> str:
+    """Return what the ids of a measure's texts begin with."""
+    return f"{check.measures[name].of or check.kind}.{name}"
 
 
 class TextCheck(Kind):

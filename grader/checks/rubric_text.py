@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from grader.checks.measure import Kind, MeasureKind
+from grader.checks.measure import Kind, MeasureKind, text_id
 from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
 from grader.contracts.rubric import PublishedItem, PublishedRubric, Unit
 from grader.contracts.text import EMPTY, Text
@@ -60,7 +60,7 @@ def _item(check: Kind, spec: ItemSpec, specs: Mapping[str, ItemSpec]) -> Publish
 
 
 def _measure(check: Kind, spec: ItemSpec) -> Text:
-    name = say(f"{check.kind}.{spec.measure}.name")
+    name = say(f"{text_id(check, spec.measure)}.name")
     return name if spec.across == "each" else say(f"rubric.{spec.across}", measure=name)
 
 

@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake
+from grader.checks.measure import UNMEASURED, Findings, Kind, Measure, MeasureKind, Mistake, text_id
 from grader.checks.rubric_text import wanted
 from grader.contracts.assignment import BY_PERSON, Assignment, ItemSpec
 from grader.contracts.record import PositionalRecord
@@ -185,9 +185,9 @@ def _seen(check: Kind, spec: ItemSpec, measure: Measure) -> Text:
         return why if isinstance(why, Text) else say("item.unmeasured")
     if kind.form == "flag":
         answer = "yes" if measure.value >= 1.0 else "no"
-        return say(f"{check.kind}.{spec.measure}.{answer}", **measure.details)
+        return say(f"{text_id(check, spec.measure)}.{answer}", **measure.details)
     value = number_beside(measure.value, kind.unit, (spec.low, spec.high))
-    return say(f"{check.kind}.{spec.measure}.seen", value=value, **measure.details)
+    return say(f"{text_id(check, spec.measure)}.seen", value=value, **measure.details)
 
 
 def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mistake]) -> Text:
@@ -196,4 +196,4 @@ def _hint(check: Kind, spec: ItemSpec, measure: Measure, mistakes: Sequence[Mist
             return mistake.text
     if "why" in measure.details:  # it was kept from being measured by what the other items tell
         return EMPTY
-    return say(f"{check.kind}.{spec.measure}.hint")
+    return say(f"{text_id(check, spec.measure)}.hint")

@@ -18,6 +18,7 @@ from rich.console import Console
 from rich.progress import Progress
 
 from grader.catalog import Catalog
+from grader.catalog.files import handed_in
 from grader.commands.options import add_language_option
 from grader.contracts.errors import InfrastructureError
 from grader.render.dashboard import render_dashboard
@@ -167,7 +168,7 @@ def hand_in(client: httpx.Client, upload: DemoUpload) -> str:
     response = client.post(
         "/api/v1/submissions",
         data={"student": upload.student, "assignment": upload.assignment},
-        files={"file": (upload.path.name, upload.path.read_bytes(), "text/x-python")},
+        files={"file": (upload.path.name, handed_in(upload.path), "text/x-python")},
     )
     if response.status_code != httpx.codes.ACCEPTED:
         raise InfrastructureError(f"{upload.path.name} was refused: {response.text}")

@@ -10,6 +10,7 @@ from typing import Any, Final
 
 import grader
 from grader.catalog import Catalog
+from grader.catalog.files import handed_in, is_there
 from grader.commands.handed_in import ChosenFile, graded, pick, write_results
 from grader.commands.options import add_language_option, tell
 from grader.commands.plots import file_error
@@ -163,13 +164,13 @@ def _probe(arguments: argparse.Namespace, folder: Path, assignment: Assignment) 
         GraderError: scripts cannot be confined here, or the solution has not got full marks.
     """
     path = folder / f"solution{SUFFIXES[assignment.input][0]}"
-    if not path.is_file():
+    if not is_there(path):
         raise AssignmentError(
             f"{assignment.id}: there is no {path.name} to try the container with",
             f"{assignment.id}：没有 {path.name}，无法检查容器",
         )
     with Slot(SlotConfig()) as slot:
-        report = graded(slot, assignment, ChosenFile(name=path.name, source=path.read_bytes())).report
+        report = graded(slot, assignment, ChosenFile(name=path.name, source=handed_in(path))).report
     if report.score not in (report.max_score, None):
         raise InfrastructureError(
             f"the solution of {assignment.id} got {report.score} of {report.max_score} here",

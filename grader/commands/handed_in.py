@@ -13,6 +13,8 @@ from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.text import Text, trouble
 from grader.contracts.upload import MAX_SOURCE_BYTES, check_name, check_source
 from grader.grading.slot import Slot
+from grader.packages.bundle import MAX_PACKAGE_BYTES, bundled
+from grader.packages.folders import read_bounded, read_folder
 
 _MOST_FILES = 1_000
 _SHOWN_NAMES = 8
@@ -33,6 +35,8 @@ def pick(folder: Path, assignment: Assignment) -> ChosenFile:
         RefusedError: there is none or more than one, or it could not be handed in to a service either.
         InfrastructureError: this machine does not read it.
     """
+    if assignment.input == "package":
+        return _package(folder)
     endings = SUFFIXES[assignment.input]
     paths = [path for path in _files(folder) if path.name.lower().endswith(endings)]
     if len(paths) > 1:
@@ -42,6 +46,22 @@ def pick(folder: Path, assignment: Assignment) -> ChosenFile:
         raise _refusal(folder, paths, endings)
     check_name(paths[0].name, endings)
     return read_file(paths[0])
+
+
+def _package(folder: Path) -> ChosenFile:
+    """Return the package that was handed in: as the only zip, or unpacked, as some platforms leave it.
+
+    Raises:
+        RefusedError, InfrastructureError: as `pick`.
+    """
+    zips = [path for path in _files(folder) if path.name.lower().endswith(".zip")]
+    try:
+        if len(zips) == 1:
+            return ChosenFile(name=zips[0].name, source=bundled(read_bounded(zips[0], MAX_PACKAGE_BYTES)))
+        return ChosenFile(name="package.zip", source=read_folder(folder))
+    except OSError as error:
+        told = trouble(error)
+        raise InfrastructureError(f"{folder.name}: {told.en}", f"{folder.name}：{told.zh}") from error
 
 
 def read_file(path: Path) -> ChosenFile:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from grader.contracts.outcome import RunOutcome, ServiceResult
+from grader.contracts.package import PackageProblem
 from grader.contracts.record import Record
 from grader.contracts.rubric import RubricItem
 from grader.contracts.text import EMPTY, Text
@@ -17,6 +18,7 @@ class Run:
         case: id of one of the assignment's cases.
         calls: what became of the assignment's calls, in its order.
         source: the script, decoded. Hints are worded by it; points never depend on it.
+        package: what is wrong with the files of a package; None: a script.
         at_horizon: where the main thread was when Ctrl+C came, as the script's process says.
     """
 
@@ -26,6 +28,7 @@ class Run:
     calls: tuple[ServiceResult, ...] = ()
     source: str = ""
     at_horizon: str = ""
+    package: tuple[PackageProblem, ...] | None = None
 
 
 class Scoring(Record):

@@ -8,7 +8,8 @@ from typing import Any, Self, TypeAlias
 from grader import __version__
 from grader.contracts.assignment import Assignment, Case
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.outcome import StudentError
+from grader.contracts.outcome import Note, StudentError
+from grader.contracts.package import PackageProblem
 from grader.contracts.record import Record, field
 from grader.contracts.report import (
     CaseOutput,
@@ -30,6 +31,9 @@ from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.frames import INTERRUPTED_NOTE
 from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
 
+UNREAD_NOTE = "setup_unread"
+"""Names what of a setup.py only running it would tell."""
+
 Account: TypeAlias = tuple[EpisodeResult, JailReport]
 """What the simulator and what the sandbox saw of one run."""
 
@@ -40,6 +44,7 @@ class _Script(Record):
     Attributes:
         source: the text of the script, or of the module that a package's executable is in.
         body: what START ends with. fields: START's ``package``; None for a script.
+        problems: what is wrong with a package's files. unread: what of its setup.py could not be read.
         texts: of a package's modules, by path.
     """
 
@@ -47,6 +52,8 @@ class _Script(Record):
     source: str
     body: bytes
     fields: Mapping[str, Any] | None = None
+    problems: tuple[PackageProblem, ...] | None = None
+    unread: str = ""
     texts: Mapping[str, str] = field(default_factory=dict)
 
     def concerned(self, error: StudentError | None) -> str:
@@ -65,6 +72,8 @@ def _script_of(job: GradingJob) -> _Script:
         source=package.source,
         body=package.body,
         fields=package.fields,
+        problems=package.problems,
+        unread=package.unread,
         texts=package.texts,
     )
 
@@ -182,12 +191,15 @@ def _scored_run(
     case: Case, assignment: Assignment, script: _Script, episode: EpisodeResult, jail: JailReport
 ) -> Run:
     outcome = merge(episode, jail, assignment.release)
+    if script.unread:
+        outcome = replace(outcome, notes=(Note(code=UNREAD_NOTE, text=script.unread), *outcome.notes))
     return Run(
         case=case.id,
         trajectory=episode.trajectory,
         outcome=outcome,
         calls=episode.calls,
         source=script.concerned(outcome.error),
+        package=script.problems,
         at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
     )
 

@@ -4,9 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from grader.contracts.assignment import WantedPackage
+from grader.contracts.package import PackageProblem
 from grader.contracts.record import Record
 from grader.contracts.upload import decoded
-from grader.packages.workspace import Executable, Package, read_packages
+from grader.packages.problems import problems, unread
+from grader.packages.workspace import Executable, Package, choose, read_packages
 
 ANY_PACKAGE = WantedPackage()
 
@@ -18,6 +20,7 @@ class Mounted(Record):
         fields: START's ``package``. body: all files' contents, one after the other.
         chosen: what is run; None: nothing can be, or a launch file says what.
         file_name: path of the module that is run, in the archive. source: its text.
+        problems: what is wrong with its files. unread: arguments of ``setup`` that only running it would tell.
         texts: of all modules, by path.
     """
 
@@ -26,6 +29,8 @@ class Mounted(Record):
     chosen: Executable | None
     file_name: str
     source: str
+    problems: tuple[PackageProblem, ...]
+    unread: str
     texts: Mapping[str, str]
 
 
@@ -62,15 +67,10 @@ def mounted(source: bytes, wanted: WantedPackage | None, distro: str) -> Mounted
         chosen=chosen,
         file_name=path,
         source=texts.get(path, ""),
+        problems=problems(packages, files, wanted or ANY_PACKAGE),
+        unread=unread(packages),
         texts=texts,
     )
-
-
-def choose(packages: Sequence[Package], wanted: WantedPackage) -> Executable | None:
-    """Return the executable that is run: the one of the wanted name, or the only one."""
-    every = [each for package in packages for each in package.executables]
-    named = [each for each in every if wanted.executable in ("", each.name)]
-    return named[0] if len(named) == 1 or (named and wanted.executable) else None
 
 
 def entry_path(packages: Sequence[Package], chosen: Executable) -> str:

@@ -33,7 +33,7 @@ class SetupFile:
         self.calls_setup = False
         self._paths = sorted(paths)
         self._names: dict[str, Any] = {}
-        tree = _parsed(source)
+        tree = parsed(source)
         self.is_python = tree is not None
         try:
             for statement in [] if tree is None else tree.body:
@@ -214,7 +214,7 @@ class SetupFile:
         return found
 
 
-def _parsed(source: bytes) -> ast.Module | None:
+def parsed(source: bytes) -> ast.Module | None:
     """Return the syntax tree; None of what is no Python, or nested so deeply that reading it is not safe."""
     depth = deepest = 0
     for byte in source:

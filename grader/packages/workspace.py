@@ -8,9 +8,10 @@ ament_python.
 import configparser
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Final
 
+from grader.contracts.assignment import WantedPackage
 from grader.contracts.record import PositionalRecord, Record, field
 from grader.packages.bundle import MANIFEST, SETUP, files_of, package_folders
 from grader.packages.setup_file import SetupFile
@@ -112,6 +113,15 @@ def read_packages(source: bytes) -> tuple[tuple[Package, ...], dict[str, bytes]]
     return tuple(_package(folder, files) for folder in package_folders(list(files))), files
 
 
+def choose(packages: Sequence[Package], wanted: WantedPackage) -> Executable | None:
+    """Return the executable that is run: the one of the wanted name, or the only one."""
+    every = [each for package in packages for each in package.executables]
+    named = [
+        each for each in every if wanted.executable in ("", each.name) and wanted.name in ("", each.package)
+    ]
+    return named[0] if len(named) == 1 or (named and wanted.executable) else None
+
+
 def _package(folder: str, files: Mapping[str, bytes]) -> Package:
     own = {
         path[len(folder) + 1 :]: content for path, content in files.items() if path.startswith(f"{folder}/")
@@ -136,8 +146,8 @@ def _package(folder: str, files: Mapping[str, bytes]) -> Package:
         script_folder=_script_folder(own.get("setup.cfg", b"")),
         entries=tuple(scripts or ()),
         scripts=tuple(Executable(setup.text("name"), each[1], each[2], each[3]) for each in found),
-        modules=_modules(packages or [], modules or [], own),
-        shared=_shared(data or [], own),
+        modules=_modules(_folders(own) if packages is None else packages, modules or [], own),
+        shared=_all_shared(setup.text("name"), own) if data is None else _shared(data, own),
     )
 
 
@@ -191,6 +201,22 @@ def _modules(packages: list[str], singles: list[str], own: Mapping[str, bytes]) 
         if (path := name.replace(".", "/") + ".py") in own:
             found[name] = path
     return dict(sorted(found.items()))
+
+
+def _folders(own: Mapping[str, bytes]) -> list[str]:
+    """Return all packages of Python: what ``setup`` probably installs where it does not say so readably."""
+    return sorted(path.rpartition("/")[0].replace("/", ".") for path in own if path.endswith("/__init__.py"))
+
+
+def _all_shared(name: str, own: Mapping[str, bytes]) -> dict[str, str]:
+    """Return what ``setup`` probably shares where it does not say so readably: all that is no module."""
+    found = {
+        f"share/{name}/{path}": path
+        for path in own
+        if not path.startswith((f"{name}/", "resource/", "test/"))
+    }
+    marker = f"resource/{name}"
+    return {**found, f"{_INDEX}/{name}": marker} if marker in own else found
 
 
 def _shared(data: list[tuple[str, list[str]]], own: Mapping[str, bytes]) -> dict[str, str]:

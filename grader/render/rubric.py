@@ -43,7 +43,7 @@ def _parts(assignment: Assignment, rubric: PublishedRubric, language: Language) 
         (visible_line(rubric.title.get(language)), "bold"), f"  {assignment.id}  ", style=""
     )
     worth = word("worth", language, points=most)
-    if assignment.input == "script":  # a text is read, not run
+    if assignment.input != "text":  # which is read, not run
         worth += word("time_limit", language, seconds=quantity.points(rubric.horizon_s))
     if assignment.release != DEFAULT_DISTRO:  # which goes without saying
         worth += f"  ROS 2 {assignment.release.capitalize()}"

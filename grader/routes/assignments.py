@@ -135,7 +135,7 @@ def _summary(assignment: Assignment, language: Language) -> dict[str, Any]:
         "title": assignment.title.get(language),
         "brief": assignment.brief.get(language),
         "max_score": assignment.max_score,
-        "horizon_s": assignment.horizon_s if assignment.input == "script" else None,
+        "horizon_s": None if assignment.input == "text" else assignment.horizon_s,
         "url": f"/api/v1/assignments/{assignment.id}",
     }
 

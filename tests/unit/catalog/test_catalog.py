@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from grader.catalog import Catalog, default_root
+from grader.catalog.files import is_there
 from grader.checks import problems
 from grader.commands.validation import fitting
 from grader.contracts.assignment import Assignment, StartPose
@@ -38,6 +39,7 @@ CHECKLIST = [
     "go_to_goal",
     "patrol",
     "parking",
+    "make_package",
     "theory_quadruped",
     "theory_quadrotor",
     "theory_arm",
@@ -83,10 +85,12 @@ def test_every_shipped_assignment_is_complete(name: str) -> None:
     folder = catalog.folder(name)
     attempts = catalog.wrong_attempts(name)
     assignment = catalog.get(name)
-    assert catalog.own_file(assignment, "starter").is_file()
-    assert catalog.own_file(assignment, "solution").is_file()
+    assert is_there(catalog.own_file(assignment, "starter"))
+    assert is_there(catalog.own_file(assignment, "solution"))
     assert len(attempts) >= (1 if assignment.check == "essay" else 5)
-    assert {attempt.file for attempt in attempts} == {path.name for path in (folder / "wrong").iterdir()}
+    assert {attempt.file for attempt in attempts} == {
+        f"{path.name}.zip" if path.is_dir() else path.name for path in (folder / "wrong").iterdir()
+    }
     assert all(attempt.high < 100 for attempt in attempts)
 
 

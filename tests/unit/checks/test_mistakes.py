@@ -13,6 +13,7 @@ from grader.contracts.outcome import Endpoint, Note, RunStatus, Stream
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Trajectory
 from grader.messages import entries, exceptions
+from grader.packages import problems
 from tests.unit.checks.ideal_turtle import drive, error, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, score, silent
 
@@ -161,7 +162,11 @@ def test_the_hint_of_an_item_is_the_mistake_that_spoilt_it() -> None:
 
 def codes_in_source() -> set[str]:
     """Every string in the recognisers that has a text ``mistake.<string>``."""
-    files = [*Path(mistakes.__file__).parent.rglob("*.py"), Path(exceptions.__file__)]
+    files = [
+        *Path(mistakes.__file__).parent.rglob("*.py"),
+        Path(exceptions.__file__),
+        Path(problems.__file__),
+    ]
     strings = {
         node.value
         for path in files

@@ -1,0 +1,49 @@
+"""What every check also measures where a package is handed in: its files, before anything of it is run."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from grader.checks.measure import Check, Findings, Measure, MeasureKind, Mistake, mistake
+from grader.contracts.assignment import Assignment
+from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Run
+from grader.messages import say
+from grader.packages.problems import AREAS
+
+MEASURES = {area: MeasureKind(form="flag", of="package") for area in AREAS}
+
+
+def with_package(check: Check, assignment: Assignment) -> Check:
+    """Return the check with the measures of packages, if the assignment takes packages."""
+    if assignment.input != "package":
+        return check
+    return replace(check, measures={**check.measures, **MEASURES})
+
+
+def examined(check: Check, findings: Findings, run: Run) -> Findings:
+    """Return findings with what is wrong with the package's files, which comes before what follows from it."""
+    if run.package is None:
+        return findings
+    spoilt = {problem.area for problem in run.package}
+    measures = {area: Measure(float(area not in spoilt)) for area in AREAS}
+    driven = tuple(name for name in check.measures if name not in MEASURES)
+    mistakes = tuple(
+        mistake(each.code, (each.area, *(driven if each.fatal else ())), **each.values)
+        for each in run.package
+    )
+    return Findings({**findings.measures, **measures}, (*mistakes, *_placed(findings.mistakes, run)))
+
+
+def _placed(mistakes: Sequence[Mistake], run: Run) -> Iterator[Mistake]:
+    """Yield mistakes; what ended the run is said with the file that it is in."""
+    error = run.outcome.error
+    has_place = run.outcome.status is RunStatus.CRASHED and error is not None and error.file
+    for number, each in enumerate(mistakes):
+        if number or error is None or not has_place:
+            yield each
+        elif each.code == "missing_module":
+            package = (*error.file.split("/"), "")[1]
+            values = {"file": error.file, "line": error.line, "problem": error.message, "package": package}
+            yield replace(each, text=say("package.missing_module", **values))
+        else:
+            yield replace(each, text=say("package.in_file", file=error.file, said=each.text))
