@@ -61,6 +61,13 @@ class Catalog:
         """Look under `root` (None: the built-in assignments). What `cache` knows is not validated again."""
         self.root = default_root() if root is None else root
         self._cache = cache
+        self._shift = 0
+
+    def with_seeds(self, shift: int) -> "Catalog":
+        """Return the same catalog with all seeds larger by `shift`: other starts, rooms and noise."""
+        shifted = Catalog(self.root)
+        shifted._shift = shift
+        return shifted
 
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist.
@@ -221,7 +228,7 @@ class Catalog:
     def _document(self, folder: Path) -> "Document":
         from grader.catalog.document import Document
 
-        return Document.read(folder / SPEC_NAME)
+        return Document.read(folder / SPEC_NAME).with_seeds(self._shift)
 
 
 def _refused(place: str, told: Text) -> AssignmentError:

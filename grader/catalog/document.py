@@ -86,6 +86,22 @@ class Document:
             raise refusals([(f"{path}:1", _NO_FIELDS)])
         return cls(path, text, data)
 
+    def with_seeds(self, shift: int) -> "Document":
+        """Return the file with all seeds larger by `shift`, as far as they are whole numbers."""
+        if not shift:
+            return self
+
+        def later(part: object) -> object:
+            seed = part.get("seed", 0) if isinstance(part, dict) else None
+            return (
+                {**part, "seed": seed + shift} if isinstance(part, dict) and isinstance(seed, int) else part
+            )
+
+        data = {**self.data, "world": later(self.data.get("world", {}))}
+        if isinstance(cases := self.data.get("cases"), list):
+            data["cases"] = [later(case) for case in cases]
+        return replace(self, data=data)
+
     @property
     def order(self) -> float:
         """Position on the checklist as written, last if it is not a number."""

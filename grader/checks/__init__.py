@@ -15,6 +15,7 @@ from grader.checks.package import examined, with_package
 from grader.checks.rubric_text import published
 from grader.checks.scoring import WHOLE, Portion, score_items
 from grader.checks.summary import summarise, summarise_text
+from grader.checks.surroundings import solids_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError
 from grader.contracts.figure import FigureSketch
@@ -93,7 +94,9 @@ def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     Raises:
         AssignmentError: the assignment does not fit its check.
     """
-    return _script_check(assignment).sketch(assignment.in_case(run.case), run)
+    task = assignment.in_case(run.case)
+    drawn = _script_check(assignment).sketch(task, run)
+    return drawn if task.world.room is None else replace(drawn, solids=solids_of(task.world.room))
 
 
 def published_rubric(assignment: Assignment) -> PublishedRubric:

@@ -1,16 +1,19 @@
 """What stood around the robot, as the checks in a room measure it."""
 
+import itertools
 import math
 
 import numpy as np
 
 from grader.checks.measure import Measure
-from grader.contracts.assignment import Room
+from grader.contracts.assignment import Room, Solid
+from grader.contracts.figure import Point, SketchSolid
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Trajectory
-from grader.geometry.room import clearance_m
+from grader.geometry.room import clearance_m, corners
 from grader.messages import say
 
+_CIRCLE_POINTS = 24
 _MOST_POSES = 2_000  # a robot drives 1 cm between two of them in two minutes
 
 
@@ -23,6 +26,32 @@ def clearance(room: Room, trajectory: Trajectory) -> Measure:
     ]
     touched = any(contact.wall != "ramp" for contact in trajectory.contacts)
     return Measure(0.0 if touched else min(apart))
+
+
+def solids_of(room: Room) -> tuple[SketchSolid, ...]:
+    """Return what a picture shows of a room: lines on the floor, then what stands on it."""
+    lines = [
+        SketchSolid(kind="line", outline_m=_band(begin, end, stripe.width_m))
+        for stripe in room.stripes
+        for begin, end in itertools.pairwise(stripe.points_m)
+    ]
+    return (*lines, *(SketchSolid(kind=solid.kind, outline_m=_outline(solid)) for solid in room.solids))
+
+
+def _outline(solid: Solid) -> tuple[Point, ...]:
+    if solid.kind == "cylinder":
+        turns = [math.tau * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS)]
+        radius = solid.length_m / 2.0
+        return tuple((solid.x_m + radius * math.cos(a), solid.y_m + radius * math.sin(a)) for a in turns)
+    return tuple((float(x), float(y)) for x, y in corners(solid))
+
+
+def _band(begin: Point, end: Point, width_m: float) -> tuple[Point, ...]:
+    """Return the outline of a line of some width."""
+    long = math.dist(begin, end) or 1.0
+    x, y = ((end[i] - begin[i]) / long * width_m / 2.0 for i in (0, 1))
+    (x0, y0), (x1, y1) = begin, end
+    return ((x0 - y, y0 + x), (x1 - y, y1 + x), (x1 + y, y1 - x), (x0 + y, y0 - x))
 
 
 def name_of(wall: str) -> Text:

@@ -27,6 +27,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
         metavar="id",
         help="these, with margins and sensitivity (default: all, without) / 只检验这些，给出细节",
     )
+    validate.add_argument(
+        "--seeds",
+        type=int,
+        default=1,
+        metavar="N",
+        help="with N different seeds: other starts, rooms, noise (default: 1) / 换 N 组种子",
+    )
     new = actions.add_parser("new", help="start a new assignment from a working example / 从例子新建一个作业")
     new.add_argument("name", help="its id, e.g. heptagon / 作业 id")
     new.add_argument(
@@ -54,9 +61,11 @@ def run(arguments: argparse.Namespace) -> int:
         return _list(catalog, arguments)
     if arguments.action == "show":
         return _show(catalog, arguments)
-    from grader.commands.validation import validate
+    from grader.commands.validation import validate, validate_seeds
 
     ids = arguments.ids or [each.id for each in catalog.all()]
+    if arguments.seeds > 1:
+        return validate_seeds(catalog, ids, arguments.lang, arguments.seeds)
     return validate(catalog, ids, arguments.lang, details=bool(arguments.ids))
 
 

@@ -72,6 +72,40 @@ def validate(
     return 1 if any(finding.problem != EMPTY for finding in findings) else 0
 
 
+def validate_seeds(catalog: Catalog, assignment_ids: Iterable[str], language: Language, seeds: int) -> int:
+    """Grade the files of the assignments with so many seeds; return 0 when all scores are as expected.
+
+    A row has the lowest and the highest score of a script, and the first seed that makes a problem.
+    """
+    table = _table(language, EMPTY, _ASSIGNMENT, _SCRIPT, _SCORE, _PROBLEM)
+    failed = False
+    with Slot(SlotConfig()) as slot, closing(followed(list(assignment_ids))) as under_way:
+        for assignment_id in under_way:
+            scores: dict[str, list[float]] = {}
+            problems: dict[str, str] = {}
+            for shift in range(seeds):
+                shifted = catalog.with_seeds(100 * shift)
+                for finding in examine(shifted, assignment_id, slot).findings:
+                    scores.setdefault(finding.script, []).append(finding.score or 0.0)
+                    if finding.problem != EMPTY:
+                        problems.setdefault(
+                            finding.script, f"seed +{100 * shift}: {finding.problem.get(language)}"
+                        )
+            for script, found in scores.items():
+                low, high = written(min(found)), written(max(found))
+                told = problems.get(script, "")
+                table.add_row(
+                    "✗" if told else "✓",
+                    assignment_id,
+                    script,
+                    f"{low} - {high}",
+                    styled.Text(told, style="red"),
+                )
+            failed |= bool(problems)
+    console().print(table)
+    return 1 if failed else 0
+
+
 def fitting(catalog: Catalog, assignment_id: str) -> Assignment:
     """Return an assignment that fits its check.
 

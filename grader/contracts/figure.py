@@ -72,6 +72,18 @@ class SketchRegion(Record):
     avoid: bool = False
 
 
+class SketchSolid(Record):
+    """Something that stands in a robot's room, or a line on its floor.
+
+    Attributes:
+        kind: as a `Solid`'s, or ``line``.
+        outline_m: its corners, or points of its circle, seen from above.
+    """
+
+    kind: str
+    outline_m: tuple[Point, ...]
+
+
 class FigureSketch(Record):
     """What a plot shows beside the bare path.
 
@@ -87,6 +99,7 @@ class FigureSketch(Record):
         begin_ns, end_ns: the part of the trajectory that was judged; the rest is drawn faded. None: up to
             the trajectory's own end.
         regions: places to visit or to avoid; at most a few dozen.
+        solids: what stands in a robot's room; none in turtlesim's window.
         wanted_turn_deg: turn that earns full credit in the ``heading`` view, or None.
     """
 
@@ -101,3 +114,4 @@ class FigureSketch(Record):
     end_ns: int | None = None
     wanted_turn_deg: float | None = None
     regions: tuple[SketchRegion, ...] = ()
+    solids: tuple[SketchSolid, ...] = ()

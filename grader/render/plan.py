@@ -28,6 +28,7 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
     path = _path(track)
     _frame(axes, path, sketch)
     _walls(axes, scene)
+    _room(axes, sketch)
     _ideal(axes, sketch, scene)
     _regions(axes, sketch)
     _draw_path(axes, track, path, sketch, scene)
@@ -60,6 +61,7 @@ def _frame(axes: Axes, path: Floats, sketch: FigureSketch) -> None:
         *(side.start_m for side in sketch.sides),
         *(side.end_m for side in sketch.sides),
         *(point for region in sketch.regions for point in region.outline_m),
+        *(point for solid in sketch.solids for point in solid.outline_m),
     ]
     points = np.vstack([_finite(path), np.array(corners, dtype=float).reshape(-1, 2)])
     low, high = points.min(axis=0), points.max(axis=0)
@@ -94,6 +96,17 @@ def _walls(axes: Axes, scene: Scene) -> None:
     edge = Rectangle((0, 0), WINDOW_M, WINDOW_M, fc="none", ec=palette.WALL, lw=2.4, zorder=2)
     edge.set_label(scene.word("wall"))
     axes.add_patch(edge)
+
+
+def _room(axes: Axes, sketch: FigureSketch) -> None:
+    """Draw what stands in a robot's room, and the lines on its floor."""
+    for solid in sketch.solids:
+        face = {"line": palette.INK, "ramp": "#e8e4da"}.get(solid.kind, "#c4c4c4")
+        edge = "none" if solid.kind == "line" else palette.WALL
+        hatch = "////" if solid.kind == "ramp" else None
+        axes.add_patch(
+            Polygon(list(solid.outline_m), closed=True, fc=face, ec=edge, lw=0.9, hatch=hatch, zorder=1.1)
+        )
 
 
 def _ideal(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:

@@ -10,8 +10,19 @@ const MOST_HEIGHT = 0.45; // of the window, so that player and log lines are in 
 const LEAST_HEIGHT_PX = 320;
 const CAR_PX = 11;
 const IN_PLACE_PX = 220; // height for a car that only turns
+const SCANNER_X_M = -0.032; // of a robot's laser scanner, ahead of the middle of its axle
+const RANGE_M = 3.5;
+const SHOWN_RAYS = 36;
 const ARC_PX = 34;
 const ARC_GROWTH_PX = 9; // outward per full turn, so that further turns stay visible
+
+/** How far it is from (x, y) along (c, s) to a straight edge; infinite where they do not meet. */
+function meet(x, y, c, s, [[ax, ay], [bx, by]]) {
+  const across = c * (by - ay) - s * (bx - ax);
+  const reach = ((ax - x) * (by - ay) - (ay - y) * (bx - ax)) / across;
+  const share = ((ax - x) * s - (ay - y) * c) / across;
+  return reach >= 0 && share >= 0 && share <= 1 ? reach : Infinity;
+}
 
 export class Plan {
   constructor(holder, motion, sketch, words) {
@@ -26,7 +37,8 @@ export class Plan {
     const { motion, sketch } = this;
     const ideal = sketch.ideal_m ?? [];
     const regions = sketch.regions ?? [];
-    const shown = [...ideal, ...regions.flatMap((region) => region.outline_m)];
+    const solids = sketch.solids ?? [];
+    const shown = [...ideal, ...[...regions, ...solids].flatMap((each) => each.outline_m)];
     const [left, right] = bounds([...motion.x, ...shown.map(([x]) => x)]);
     const [bottom, top] = bounds([...motion.y, ...shown.map(([, y]) => y)]);
     const extent = Math.max(right - left, top - bottom, LEAST_EXTENT_M) * 1.08;
@@ -39,6 +51,7 @@ export class Plan {
     this.y0 = height / 2 + ((bottom + top) / 2) * this.scale;
     this.svg = picture(this.holder, width, height, this.label());
     this.grid(width, height);
+    this.room(solids);
     this.figure(ideal);
     this.regions(regions);
     const points = motion.t.map((_, i) => this.place([motion.x[i], motion.y[i]]));
@@ -65,6 +78,7 @@ export class Plan {
     if (this.sketch.view === "heading") {
       this.turned.setAttribute("d", this.arc(x, y, state.heading));
     }
+    this.rays?.setAttribute("d", this.scan(state));
     for (const { index, element } of this.finished) {
       element.classList.toggle("later", index > state.index);
     }
@@ -115,9 +129,38 @@ export class Plan {
       }
     }
     add(this.svg, "text", { class: "tick", x: width - 14, y: height - 5 }, "m");
+    if (this.sketch.solids?.length) {
+      return; // a robot's room has walls of its own
+    }
     const [x, y] = this.place([0, FIELD_M]);
     const side = FIELD_M * this.scale;
     add(this.svg, "rect", { class: "wall", x, y, width: side, height: side });
+  }
+
+  /** What stands in a robot's room, the lines on its floor, and the rays of its scanner, which `show` moves. */
+  room(solids) {
+    this.edges = [];
+    for (const { kind, outline_m: outline } of solids) {
+      add(this.svg, "path", { class: `solid ${kind}`, d: `${trace(outline.map((point) => this.place(point))).path}Z` });
+      if (kind !== "line" && kind !== "ramp") {
+        outline.forEach((point, i) => this.edges.push([point, outline[(i + 1) % outline.length]]));
+      }
+    }
+    this.rays = this.edges.length ? add(this.svg, "path", { class: "rays" }) : null;
+  }
+
+  /** Rays of the scanner, one in ten, each up to what it meets. */
+  scan(state) {
+    const x = state.x + SCANNER_X_M * Math.cos(state.heading);
+    const y = state.y + SCANNER_X_M * Math.sin(state.heading);
+    const [x0, y0] = this.place([x, y]);
+    const lines = Array.from({ length: SHOWN_RAYS }, (_, i) => {
+      const angle = state.heading + (i * 2 * Math.PI) / SHOWN_RAYS;
+      const reach = Math.min(RANGE_M, ...this.edges.map((edge) => meet(x, y, Math.cos(angle), Math.sin(angle), edge)));
+      const [x1, y1] = this.place([x + reach * Math.cos(angle), y + reach * Math.sin(angle)]);
+      return `M${x0.toFixed(1)} ${y0.toFixed(1)}L${x1.toFixed(1)} ${y1.toFixed(1)}`;
+    });
+    return lines.join("");
   }
 
   figure(ideal) {

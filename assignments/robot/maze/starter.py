@@ -1,0 +1,52 @@
+"""走出迷宫：补上 TODO。"""
+
+import math
+
+import rclpy
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+GOAL = (2.4, 0.0)  # m
+
+
+class Maze(Node):
+    def __init__(self):
+        super().__init__('maze')
+        self.publisher = self.create_publisher(Twist, '/cmd_vel', 10)
+        self.create_subscription(LaserScan, '/scan', self.on_scan, qos_profile_sensor_data)
+        self.create_subscription(Odometry, '/odom', self.on_odom, 10)
+        self.arrived = False
+
+    def on_odom(self, odom):
+        position = odom.pose.pose.position
+        if math.hypot(position.x - GOAL[0], position.y - GOAL[1]) < 0.15:
+            self.arrived = True
+            self.publisher.publish(Twist())
+
+    def on_scan(self, scan):
+        def distance(degrees):
+            i = round((math.radians(degrees) % math.tau) / scan.angle_increment) % len(scan.ranges)
+            return max(min(scan.ranges[i], scan.range_max), 0.0)
+
+        front = min(distance(d) for d in range(-25, 26, 5))
+        side = sum(distance(d) for d in (266, 270, 274)) / 3
+        ahead = sum(distance(d) for d in (313, 315, 317)) / 3
+        # TODO: 一直沿着右边的墙走，到了就停，再发布 msg
+        self.get_logger().info(f'{front:.2f} {side:.2f} {ahead:.2f} m {self.arrived}')
+
+
+def main():
+    rclpy.init()
+    node = Maze()
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        pass
+    node.destroy_node()
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,110 @@
+"""Check ``room``: each measure against a drive whose measure is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from grader.checks import problems, sketch
+from grader.checks.kinds.room import examine
+from grader.contracts.assignment import Assignment, ItemSpec, Stripe, World
+from grader.contracts.outcome import RunStatus
+from grader.contracts.robot import FRONT_M, HALF_WIDTH_M, SCANNER_X_M
+from grader.contracts.scoring import Run
+from grader.contracts.text import Text
+from grader.contracts.trajectory import Contact, Trajectory
+from tests.unit.checks.ideal_turtle import run_of
+from tests.unit.sim.rooms import room, solid
+
+NAME = Text(zh="x", en="x")
+ROOM = room(-1.0, -1.0, 2.0, 1.0, solid("cylinder", 0.5, 0.7, 0.2, 0.2))
+
+
+def task(*measures: str, **options: float) -> Assignment:
+    items = tuple(
+        ItemSpec(id=each, title=NAME, points=1.0, measure=each, low=0.4, high=0.6) for each in measures
+    )
+    return Assignment(
+        id="a", version=1, order=1, title=NAME, brief=NAME, check="room", items=items,
+        options=dict(options), world=World(kind="robot", room=ROOM),
+    )  # fmt: skip
+
+
+def straight(
+    to_m: float, *, y_m: float = 0.0, moving: bool = False, contacts: tuple[Contact, ...] = ()
+) -> Run:
+    """Return a run along y = `y_m` from x = 0 to `to_m` at 0.2 m/s, and a rest of a second unless `moving`."""
+    count = round(to_m / 0.2 * 60.0) + 1
+    t_ns = np.arange(count, dtype=np.int64) * 16_666_667
+    v = np.full(count, 0.2)
+    if not moving:
+        v[-1] = 0.0
+    track = Trajectory(
+        t_ns=t_ns, x_m=np.linspace(0.0, to_m, count), y_m=np.full(count, y_m), heading_rad=np.zeros(count),
+        v_mps=v, w_radps=np.zeros(count), end_ns=int(t_ns[-1]) + (0 if moving else 10**9), contacts=contacts,
+    )  # fmt: skip
+    return run_of(track)
+
+
+def test_where_it_stopped_and_how_near_it_came() -> None:
+    found = examine(task("ahead_m"), straight(1.5)).measures
+    assert found["distance_m"].value == pytest.approx(1.5)
+    assert found["ahead_m"].value == pytest.approx(0.5 - SCANNER_X_M)
+    assert found["clearance_m"].value == pytest.approx(min(0.5 - FRONT_M, 0.6 - HALF_WIDTH_M))
+    assert found["settled"].value == 1.0
+    assert found["moving_s"].value == pytest.approx(7.5, abs=0.05)
+    assert found["contacts"].value == 0.0
+    assert "band_pct" not in found
+
+
+def test_the_band_counts_from_where_it_was_first_kept() -> None:
+    found = examine(task("band_pct", band_low_m=0.25, band_high_m=0.45), straight(1.5, y_m=-0.6)).measures
+    assert found["band_pct"].value == pytest.approx(100.0)  # 0.4 m from the bottom, 0.5 m from the right
+    assert found["band_m"].value == pytest.approx(1.5, abs=0.02)
+    far = examine(task("band_pct", band_low_m=0.25, band_high_m=0.45), straight(1.9)).measures
+    # in the middle 0.6 m from the post, then nearer to the right wall: 0.45 m at x = 1.55, 0.25 m at 1.75
+    assert far["band_m"].value == pytest.approx(0.2, abs=0.02)
+    assert far["band_pct"].value == pytest.approx(100.0 * 0.2 / 0.35, abs=5.0)
+
+
+def test_the_floor_that_was_visited() -> None:
+    found = examine(task("covered_pct"), straight(1.9, y_m=0.1)).measures
+    # 8 of the row's 12 cells, of 12 by 8; those by the walls and round the post are left out
+    cells = found["covered_pct"].value
+    assert 5.0 < cells < 12.0
+    more = examine(task("covered_pct"), straight(0.5)).measures
+    assert more["covered_pct"].value < cells
+
+
+@pytest.mark.parametrize(
+    ("contact_s", "status", "ended_s", "code"),
+    [(5.0, RunStatus.INTERRUPTED, 9.0, "room_blind"), (5.0, RunStatus.FINISHED, 3.0, "room_ran_on")],
+)
+def test_what_was_hit_and_why(contact_s: float, status: RunStatus, ended_s: float, code: str) -> None:
+    at = round(contact_s * 1e9)
+    run = straight(1.9, moving=True, contacts=(Contact(start_ns=at, end_ns=at + 1, wall="box"),))
+    run = replace(run, outcome=replace(run.outcome, status=status, duration_ns=round(ended_s * 1e9)))
+    found = examine(task("contacts"), run)
+    assert code in [each.code for each in found.mistakes]
+    assert found.measures["clearance_m"].value == 0.0
+
+
+def test_a_robot_that_stops_at_the_wrong_place_is_told_which_way() -> None:
+    early, late = (examine(task("ahead_m"), straight(to_m)).mistakes for to_m in (1.0, 1.8))
+    assert "room_too_early" in [each.code for each in early]
+    assert "room_too_late" in [each.code for each in late]
+
+
+def test_pictures_show_the_room() -> None:
+    assignment = task("ahead_m")
+    with_line = replace(ROOM, stripes=(Stripe(points_m=((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))),))
+    assignment = replace(assignment, world=replace(assignment.world, room=with_line))
+    kinds = [each.kind for each in sketch(assignment, straight(1.0)).solids]
+    assert kinds == ["line", "line", "edge", "edge", "edge", "edge", "cylinder"]
+
+
+def test_the_check_needs_a_robot_and_its_band() -> None:
+    assert [field for field, _ in problems(task("band_pct"))] == ["items.0.measure"]
+    turtle = replace(task("contacts"), world=World())
+    assert "world" in [field for field, _ in problems(turtle)]
+    assert problems(task("band_pct", band_low_m=-1.0, band_high_m=1.0)) != ()
