@@ -21,11 +21,12 @@ from grader.messages import is_on_page, on_page
 ACTIONS = (
     "course.create", "course.change", "course.copy", "course.archive", "course.reopen", "course.retain",
     "member.add", "member.change", "member.remove", "member.forget", "token.issue", "token.revoke",
-    "signin.bind", "signin.unbind", "rules.change", "extension.change", "submission.hand_in",
+    "signin.bind", "signin.unbind", "platform.add", "platform.remove",
+    "rules.change", "extension.change", "submission.hand_in",
     "grade.judge", "grade.change", "regrade.applied", "regrade.discarded", "regrade.undone",
     "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
 )  # fmt: skip
-KINDS = ("assignment", "course", "item", "member", "submission", "token")
+KINDS = ("assignment", "course", "item", "member", "platform", "submission", "token")
 _RULES = {**kinds_of(Rules), **kinds_of(Extension)}
 _KINDS: Mapping[str, FieldKind] = {
     **_RULES,
@@ -51,6 +52,8 @@ FIELDS: Mapping[str, str] = {
     "token": "enter.token",
     "provider": "audit.field.provider",
     "subject": "audit.field.subject",
+    "issuer": "platforms.field.issuer",
+    "client_id": "platforms.field.client_id",
     "expires_at": "audit.field.expires_at",
     "copy": "audit.field.copy",
     "submissions": "audit.field.submissions",

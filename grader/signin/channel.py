@@ -1,5 +1,11 @@
-"""Asking a provider directly: short waits, small answers, no redirects."""
+"""Asking a provider directly: short waits, small answers, no redirects.
 
+Addresses that an operator set up are believed. Those that an instructor pasted must not lead into the network
+behind the service (`public_only`): the name is looked up once, and the connection goes to what was looked at.
+"""
+
+import ipaddress
+import socket
 from collections.abc import Mapping
 from typing import Any
 from urllib.parse import urlsplit
@@ -25,13 +31,13 @@ def host_of(address: str) -> str | None:
     return host if plain and parts.scheme in ("http", "https") and address.isprintable() else None
 
 
-def get(address: str, parameters: Mapping[str, str] | None = None) -> bytes:
+def get(address: str, parameters: Mapping[str, str] | None = None, *, public_only: bool = False) -> bytes:
     """Return what an address answers.
 
     Raises:
         UnreachableError: nothing, nothing in time, too much, or no success.
     """
-    return _exchange("GET", address, params=parameters)[1]
+    return _exchange("GET", address, public_only=public_only, params=parameters)[1]
 
 
 def post(address: str, form: Mapping[str, str], credentials: tuple[str, str] | None) -> tuple[int, bytes]:
@@ -44,14 +50,25 @@ def post(address: str, form: Mapping[str, str], credentials: tuple[str, str] | N
 
 
 def _exchange(
-    method: str, address: str, accepted: tuple[int, ...] = (200,), **request: Any
+    method: str,
+    address: str,
+    accepted: tuple[int, ...] = (200,),
+    *,
+    public_only: bool = False,
+    **request: Any,
 ) -> tuple[int, bytes]:
-    if host_of(address) is None:
+    host = host_of(address)
+    if host is None:
         raise UnreachableError(f"{address!r} is no address")
+    url, headers, extensions = httpx.URL(address), {"Accept-Encoding": "identity"}, {}
+    if public_only:
+        headers["Host"] = url.netloc.decode()
+        extensions["sni_hostname"] = host  # for which the certificate must be
+        url = url.copy_with(host=_public(host, url.port or (443 if url.scheme == "https" else 80)))
     try:
         with (
             httpx.Client(timeout=PATIENCE_S, follow_redirects=False, trust_env=False) as client,
-            client.stream(method, address, headers={"Accept-Encoding": "identity"}, **request) as answer,
+            client.stream(method, url, headers=headers, extensions=extensions, **request) as answer,
         ):
             if answer.status_code not in accepted:
                 raise UnreachableError(f"{address} answers {answer.status_code}")
@@ -63,3 +80,14 @@ def _exchange(
             return answer.status_code, content
     except (httpx.HTTPError, httpx.InvalidURL) as error:
         raise UnreachableError(f"{address}: {type(error).__name__}: {error}") from error
+
+
+def _public(host: str, port: int) -> str:
+    try:
+        found = {str(one[4][0]) for one in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)}
+    except OSError as error:
+        raise UnreachableError(f"{host}: {error}") from error
+    private = sorted(one for one in found if not ipaddress.ip_address(one).is_global)
+    if private:
+        raise UnreachableError(f"{host} is {private[0]}, in a private network (allow_private_platforms)")
+    return min(found)

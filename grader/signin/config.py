@@ -119,7 +119,9 @@ class SignInConfig(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, hide_input_in_errors=True)
 
     public_url: str
-    providers: Annotated[tuple[Entry, ...], Field(min_length=1, max_length=_MOST_PROVIDERS)]
+    allow_private_platforms: bool = False
+    """Whether learning platforms, whose addresses instructors paste, may be in a private network."""
+    providers: Annotated[tuple[Entry, ...], Field(max_length=_MOST_PROVIDERS)] = ()
 
     @field_validator("public_url")
     @classmethod

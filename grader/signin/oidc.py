@@ -46,17 +46,26 @@ class _Header(msgspec.Struct, frozen=True):
 
 
 class KeySet:
-    """The public keys behind an address, kept until a token names one that is not there."""
+    """The public keys behind an address, kept until a token names one that is not there.
 
-    def __init__(self, address: Callable[[], str], clock_s: Callable[[], float]) -> None:
+    Args:
+        address: tells it. clock_s: the time. public_only: no address of a private network.
+    """
+
+    def __init__(
+        self, address: Callable[[], str], clock_s: Callable[[], float], *, public_only: bool = False
+    ) -> None:
         self._address = address
+        self._public_only = public_only
         self._clock_s = clock_s
         self._lock = threading.Lock()
         self._keys: Any = None
         self._fetched_s = 0.0
 
-    def claims(self, token: str) -> dict[str, Any]:
-        """Return what a signed token says.
+    def claims(
+        self, token: str, algorithms: tuple[str, ...] = ALGORITHMS, *, needs_id: bool = False
+    ) -> dict[str, Any]:
+        """Return what a signed token says, which must name its key if it `needs_id`.
 
         Raises:
             SignInError: the keys cannot be had, or none of them has signed the token by an accepted algorithm.
@@ -65,10 +74,12 @@ class KeySet:
         from joserfc.errors import JoseError
 
         header = _header_of(token)
-        if header.alg not in ALGORITHMS:
+        if header.alg not in algorithms:
             raise SignInError("signin_failed", f"the token is signed by {header.alg[:20]}")
+        if needs_id and not header.kid:
+            raise SignInError("signin_failed", "the token names no key")
         try:
-            decoded = jwt.decode(token, self._with(header.kid), algorithms=list(ALGORITHMS))
+            decoded = jwt.decode(token, self._with(header.kid), algorithms=list(algorithms))
         except (JoseError, ValueError, TypeError, KeyError) as error:
             raise SignInError("signin_failed", f"the token: {type(error).__name__}: {error}") from None
         return dict(decoded.claims)
@@ -88,7 +99,9 @@ class KeySet:
         from joserfc.jwk import KeySet as Keys
 
         try:
-            return Keys.import_key_set(msgspec.json.decode(get(self._address())))
+            return Keys.import_key_set(
+                msgspec.json.decode(get(self._address(), public_only=self._public_only))
+            )
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
         except (JoseError, msgspec.DecodeError, ValueError, TypeError, KeyError) as error:

@@ -86,10 +86,12 @@ class Providers:
 
     Attributes:
         public_url: where browsers reach the service, without a slash at the end.
+        private_platforms: whether learning platforms may be in a private network.
         headers: what proxies say, instead of sending anybody away.
     """
 
     public_url: str = ""
+    private_platforms: bool = False
     away: tuple[Provider, ...] = ()
     headers: tuple[HeaderEntry, ...] = ()
 
@@ -118,6 +120,7 @@ def opened(config: SignInConfig, clock_s: Callable[[], float]) -> Providers:
     sending = [one for one in config.providers if not isinstance(one, HeaderEntry)]
     return Providers(
         public_url=config.public_url,
+        private_platforms=config.allow_private_platforms,
         away=tuple(_made(one, clock_s) for one in sending),
         headers=tuple(one for one in config.providers if isinstance(one, HeaderEntry)),
     )

@@ -48,20 +48,25 @@ class Identities:
         with self._database.reading() as session:
             return tuple(as_contract(row, Identity) for row in session.execute(statement).scalars())
 
-    def bind_claimed(self, provider: str, subject: str, *, person: str = "", email: str = "") -> None:
+    def bind_claimed(
+        self, provider: str, subject: str, *, person: str = "", email: str = "", within: str | None = None
+    ) -> None:
         """Bind a subject to the students of that id, or of that address, in the courses that are taught.
 
         A role is never believed: staff bind by a token. Where the subject or an address is not of one student
-        alone, nothing is bound.
+        alone, nothing is bound. `within`: one course alone.
         """
         member = MemberRow
         if not person and not email:
             return
         named = col(member.person) == person if person else func.lower(col(member.email)) == email.lower()
+        course = col(member.course).is_not(None) if within is None else col(member.course) == within
         statement = (
             select(col(member.course), col(member.person))
             .join(CourseRow, col(CourseRow.id) == col(member.course))
-            .where(named, col(member.role) == Role.STUDENT.value, col(CourseRow.archived_at).is_(None))
+            .where(
+                named, course, col(member.role) == Role.STUDENT.value, col(CourseRow.archived_at).is_(None)
+            )
             .limit(_MOST_COURSES)
         )
         with self._database.reading() as session:

@@ -540,6 +540,56 @@ class OwnAssignmentRow(SQLModel, table=True):
     trouble: str = Field(default="", sa_column=text_column())
 
 
+class PlatformKeyRow(SQLModel, table=True):
+    """A key by which the service signs what it says to learning platforms; the newest is used."""
+
+    __tablename__: ClassVar[str] = "platform_key"
+
+    id: str = Field(primary_key=True, max_length=64)
+    secret: str = Field(sa_column=text_column())
+    created_at: datetime = Field(sa_column=instant_column())
+
+
+class PlatformRow(SQLModel, table=True):
+    """A learning platform that a course is used from."""
+
+    __tablename__: ClassVar[str] = "platform"
+    __table_args__ = (Index("platform_client", "issuer", "client_id", "deployment", unique=True),)
+
+    id: str = Field(primary_key=True, max_length=16)
+    course: str = Field(foreign_key="course.id", max_length=64)
+    title: str = Field(max_length=200)
+    issuer: str = Field(max_length=255)
+    client_id: str = Field(max_length=255)
+    deployment: str = Field(max_length=255)
+    login_url: str = Field(max_length=1000)
+    token_url: str = Field(max_length=1000)
+    keys_url: str = Field(max_length=1000)
+    created_at: datetime = Field(sa_column=instant_column())
+
+
+class PlatformLinkRow(SQLModel, table=True):
+    """An activity of a platform that was opened."""
+
+    __tablename__: ClassVar[str] = "platform_link"
+
+    platform: str = Field(primary_key=True, foreign_key="platform.id", max_length=16)
+    resource: str = Field(primary_key=True, max_length=255)
+    title: str = Field(max_length=255)
+    assignment: str = Field(max_length=64)
+    line_item: str = Field(max_length=2000)
+    used_at: datetime = Field(sa_column=instant_column())
+
+
+class UsedMessageRow(SQLModel, table=True):
+    """A platform's message that let somebody in, which must not do so again."""
+
+    __tablename__: ClassVar[str] = "used_message"
+
+    sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
+    expires_at: datetime = Field(sa_column=instant_column())
+
+
 OF_MEMBERS: Final = (IdentityRow, TokenRow, ExtensionRow, SectionRow, MemberRow)
 """Whose rows go when somebody is no member any more, in an order that foreign keys allow."""
 

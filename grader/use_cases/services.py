@@ -8,6 +8,7 @@ from grader.contracts.grading import AssignmentSource, Preflight
 from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
 from grader.live.cars import LiveCars
+from grader.lti import Launches
 from grader.settings import Settings
 from grader.signin import Providers
 from grader.store.appeals import Appeals
@@ -23,6 +24,7 @@ from grader.store.gradings import PastGradings
 from grader.store.identities import Identities
 from grader.store.judgements import Judgements
 from grader.store.own_assignments import OwnAssignments
+from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -70,7 +72,7 @@ class Services:
 
     Attributes:
         callers: recognises who asks, by token.
-        providers: who else recognises people.
+        providers: who else recognises people. launches: reads what learning platforms say of people.
         allowances: how much each of them may ask for.
     """
 
@@ -83,6 +85,7 @@ class Services:
     callers: Callers
     allowances: Allowances
     providers: Providers
+    launches: Launches
 
     # the database, by subject
     submissions: Submissions
@@ -101,6 +104,7 @@ class Services:
     course_life: CourseLife
     tokens: Tokens
     identities: Identities
+    platforms: Platforms
     audit: AuditLog
 
     # kept in this process: drawn plots, compared scripts, streams of events with their estimates, measurements,
@@ -137,7 +141,7 @@ class Services:
         plots: PlotCache,
         callers: Callers,
         live: LiveCars,
-        providers: Providers | None = None,
+        providers: Providers = Providers(),  # noqa: B008 - frozen
     ) -> Self:
         """Return the services that work on `database`, whose tables are up to date."""
         queue, workers = Queue(database, clock, retries), Workers(database, clock)
@@ -148,7 +152,8 @@ class Services:
             assignments=assignments,
             preflight=preflight,
             callers=callers,
-            providers=providers or Providers(),
+            providers=providers,
+            launches=Launches(lambda: clock().timestamp(), private=providers.private_platforms),
             allowances=Allowances.of(settings, clock),
             submissions=Submissions(database, clock),
             queue=queue,
@@ -171,6 +176,7 @@ def _of_courses(database: Database, clock: Clock) -> dict[str, Any]:
         "course_life": CourseLife(database, clock),
         "tokens": Tokens(database, clock),
         "identities": Identities(database, clock),
+        "platforms": Platforms(database, clock),
     }
 
 

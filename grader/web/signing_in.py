@@ -40,7 +40,7 @@ def go(request: Request, services: ServicesDep, provider_id: ProviderId, next: N
     provider = services.providers.sending(provider_id)
     if provider is None:
         said = _said_by_proxy(request, services, provider_id)
-        return _arrived(request, signing_in.arrive(services, provider_id, said), own_address(next))
+        return arrived(request, signing_in.arrive(services, provider_id, said), own_address(next))
     attempt = SignInAttempt()
     response = RedirectResponse(signing_in.send_away(services, provider, attempt), status_code=303)
     kept = {"by": provider_id, "next": own_address(next), "state": attempt.state, "nonce": attempt.nonce}
@@ -64,7 +64,7 @@ def come_back(request: Request, services: ServicesDep, provider_id: ProviderId) 
         raise RefusedError("signin_expired")
     attempt = SignInAttempt(state=state, nonce=nonce, verifier=verifier)
     arrival = signing_in.come_back(services, provider, attempt, answer)
-    response = _arrived(request, arrival, own_address(kept.get("next", "")))
+    response = arrived(request, arrival, own_address(kept.get("next", "")))
     response.delete_cookie(AWAY_COOKIE, path=ENTER, httponly=True, samesite="lax")
     return response
 
@@ -96,7 +96,8 @@ def choose(
     return _let_in(request, session, own_address(next))
 
 
-def _arrived(request: Request, arrival: Arrival, next_: str) -> Response:
+def arrived(request: Request, arrival: Arrival, next_: str) -> Response:
+    """Let somebody in whom a provider recognised, or ask for what is missing; then lead to `next_`."""
     if arrival.session is not None:
         return _let_in(request, arrival.session, next_)
     response = page(request, "enter_bind.html", courses=arrival.courses, next=next_, wrong="")

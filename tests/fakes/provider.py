@@ -15,7 +15,7 @@ from joserfc import jwt
 from joserfc.jwk import KeySet, RSAKey
 
 CLIENT, SECRET = "grader", "a client's secret: ü/+"
-RSA = RSAKey.generate_key(2048, parameters={"kid": "first", "use": "sig", "alg": "RS256"})
+RSA = RSAKey.generate_key(2048, parameters={"kid": "first", "use": "sig"})
 CAS_SUCCESS = """<cas:serviceResponse xmlns:cas="http://www.yale.edu/tp/cas"><cas:authenticationSuccess>
 <cas:user>{user}</cas:user><cas:attributes><cas:XH>{number}</cas:XH><cas:cn>王小明</cas:cn></cas:attributes>
 </cas:authenticationSuccess></cas:serviceResponse>"""

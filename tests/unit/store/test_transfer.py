@@ -12,6 +12,7 @@ from sqlmodel import SQLModel
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import RosterEntry
+from grader.contracts.platform import NewPlatform, PlatformLink
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Extension, Rules
 from grader.contracts.submission import NewSubmission, WorkerState
@@ -26,6 +27,7 @@ from grader.store.database import Database
 from grader.store.identities import Identities
 from grader.store.judgements import Given, Judgements
 from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
+from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -50,6 +52,13 @@ def fill(database: Database) -> str:
     identities = Identities(database, clock)
     assert identities.bind("campus", "l1", "ros", "li", by_token=True)
     identities.hold("campus", "somebody")
+    platforms = Platforms(database, clock)
+    texts = dict.fromkeys(NewPlatform.__dataclass_fields__, "https://a.example")
+    used = platforms.add(NewPlatform(**texts), signed)
+    line = {"resource": "1", "title": "方", "assignment": "square", "line_item": ""}
+    platforms.open_link(PlatformLink(platform=used.id, used_at=clock(), **line))
+    assert platforms.use("message", clock())
+    platforms.keys(lambda: ("k", "{}"))
     rules = StoredRules(database)
     rules.set("square", Rules(attempts=9), signed)
     rules.extend("square", "li", Extension(extra_attempts=1), signed)

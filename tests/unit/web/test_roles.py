@@ -42,6 +42,12 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /leave": (303,) * 6,
     "GET /enter/with/{provider_id}": (404,) * 6,  # there is no such provider
     "GET /enter/with/{provider_id}/back": (404,) * 6,
+    "GET /lti/login": (409,) * 6,  # the service's own address is not set up
+    "POST /lti/login": (409,) * 6,
+    "POST /lti/launch": (403,) * 6,  # nobody was sent away
+    "GET /class/platforms": INSTRUCTORS,
+    "POST /class/platforms": (303, 403, 403, 403, 409, 409),  # not set up
+    "POST /class/platforms/remove": (303, 403, 403, 403, 404, 404),
     "POST /enter/bind": (403,) * 6,  # nobody was recognised a moment ago
     "POST /enter/course": (403,) * 6,
     "GET /assignments/{assignment_id}": EVERYBODY,

@@ -1,0 +1,54 @@
+"""Learning platforms that send students here, as LTI 1.3 has it."""
+
+from dataclasses import dataclass
+from datetime import datetime
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class NewPlatform:
+    """What an instructor copies from a platform's page about the tool that it made of this service.
+
+    Attributes:
+        issuer, client_id: name the platform and what it calls us. deployment: id of the tool's use there.
+        login_url: where browsers are sent to be recognised. token_url, keys_url: asked by the service itself.
+    """
+
+    title: str
+    issuer: str
+    client_id: str
+    deployment: str
+    login_url: str
+    token_url: str
+    keys_url: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Platform(NewPlatform):
+    """A platform that a course is used from."""
+
+    id: str
+    course: str
+    created_at: datetime
+
+    @property
+    def provider(self) -> str:
+        """Return under which name people are bound to members of the course (`Identity.provider`)."""
+        return f"lti:{self.id}"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlatformLink:
+    """An activity of a platform that leads to an assignment.
+
+    Attributes:
+        resource: the platform's id of it.
+        assignment: where it leads; empty: to the list of assignments.
+        line_item: where its scores go; empty: the platform takes none for it.
+    """
+
+    platform: str
+    resource: str
+    title: str
+    assignment: str
+    line_item: str
+    used_at: datetime

@@ -1,0 +1,161 @@
+"""Learning platforms of courses, and the activities there that lead here."""
+
+import hashlib
+import secrets
+from collections.abc import Callable
+from datetime import datetime, timedelta
+
+from sqlalchemy import delete, select
+from sqlalchemy.exc import IntegrityError
+from sqlmodel import col
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.platform import NewPlatform, Platform, PlatformLink
+from grader.store.audit import Signature, record
+from grader.store.clock import Clock
+from grader.store.database import Database, one_at_a_time
+from grader.store.tables import (
+    IdentityRow,
+    PlatformKeyRow,
+    PlatformLinkRow,
+    PlatformRow,
+    TokenRow,
+    UsedMessageRow,
+    as_contract,
+)
+
+_ID_BYTES = 6
+_SKEW = timedelta(minutes=2)
+MOST_PLATFORMS = 10
+"""Of one course."""
+
+
+class Platforms:
+    """Keeps platforms; safe to share between threads."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database = database
+        self._clock = clock
+
+    def add(self, new: NewPlatform, signed: Signature) -> Platform:
+        """Let a platform send people to the course of `signed`.
+
+        Raises:
+            RefusedError: it is there already, for this course or another, or the course has too many.
+        """
+        course = signed.course or ""
+        row = PlatformRow(
+            id=secrets.token_hex(_ID_BYTES),
+            course=course,
+            created_at=signed.at,
+            **{name: getattr(new, name) for name in NewPlatform.__dataclass_fields__},
+        )
+        try:
+            with self._database.writing() as session:
+                one_at_a_time(session, "platform", course)
+                known = session.execute(select(col(PlatformRow.id)).where(col(PlatformRow.course) == course))
+                if len(known.all()) >= MOST_PLATFORMS:
+                    raise RefusedError("too_many_platforms")
+                session.add(row)
+                after = {"title": new.title, "issuer": new.issuer, "client_id": new.client_id}
+                record(session, signed, "platform.add", f"platform {row.id}", after=after)
+                session.flush()
+                return as_contract(row, Platform)
+        except IntegrityError:
+            raise RefusedError("platform_exists") from None
+
+    def remove(self, platform_id: str, signed: Signature) -> bool:
+        """Take a platform away, with its activities and the bindings of its people, if it is there."""
+        with self._database.writing() as session:
+            row = session.get(PlatformRow, platform_id)
+            if row is None or row.course != signed.course:
+                return False
+            provider = as_contract(row, Platform).provider
+            bound = select(col(IdentityRow.id)).where(col(IdentityRow.provider) == provider)
+            session.execute(delete(TokenRow).where(col(TokenRow.opened_by).in_(bound)))
+            session.execute(delete(IdentityRow).where(col(IdentityRow.provider) == provider))
+            session.execute(delete(PlatformLinkRow).where(col(PlatformLinkRow.platform) == row.id))
+            session.delete(row)
+            before = {"title": row.title, "issuer": row.issuer, "client_id": row.client_id}
+            record(session, signed, "platform.remove", f"platform {row.id}", before=before)
+            return True
+
+    def of_course(self, course: str) -> tuple[Platform, ...]:
+        """Return the platforms of a course, oldest first."""
+        mine = select(PlatformRow).where(col(PlatformRow.course) == course)
+        ordered = mine.order_by(col(PlatformRow.created_at), col(PlatformRow.id))
+        with self._database.reading() as session:
+            return tuple(as_contract(row, Platform) for row in session.execute(ordered).scalars())
+
+    def get(self, platform_id: str) -> Platform | None:
+        """Return a platform."""
+        with self._database.reading() as session:
+            row = session.get(PlatformRow, platform_id)
+            return None if row is None else as_contract(row, Platform)
+
+    def named(self, issuer: str, client_id: str = "", deployment: str = "") -> Platform | None:
+        """Return the platform that calls itself so; None also where what it says fits several."""
+        row, wanted = PlatformRow, [col(PlatformRow.issuer) == issuer]
+        wanted += [col(row.client_id) == client_id] if client_id else []
+        wanted += [col(row.deployment) == deployment] if deployment else []
+        with self._database.reading() as session:
+            found = session.execute(select(PlatformRow).where(*wanted).limit(2)).scalars().all()
+            return as_contract(found[0], Platform) if len(found) == 1 else None
+
+    def use(self, message: str, expires_at: datetime) -> bool:
+        """Note that a message lets somebody in; False: it has done so before."""
+        now = self._clock()
+        row = UsedMessageRow(
+            sha256=hashlib.sha256(message.encode()).hexdigest(), expires_at=expires_at + _SKEW
+        )
+        try:
+            with self._database.writing() as session:
+                session.execute(delete(UsedMessageRow).where(col(UsedMessageRow.expires_at) <= now))
+                session.add(row)
+        except IntegrityError:
+            return False
+        return True
+
+    def open_link(self, link: PlatformLink) -> PlatformLink:
+        """Note that an activity was opened; return it as it is known now. What it does not say stays as it was."""
+        with self._database.writing() as session:
+            one_at_a_time(session, "platform_link", link.platform)
+            row = session.get(PlatformLinkRow, (link.platform, link.resource))
+            if row is None:
+                row = PlatformLinkRow(
+                    **{name: getattr(link, name) for name in PlatformLink.__dataclass_fields__}
+                )
+                session.add(row)
+            else:
+                row.title = link.title or row.title
+                row.assignment = link.assignment or row.assignment
+                row.line_item, row.used_at = link.line_item, link.used_at
+            session.flush()
+            return as_contract(row, PlatformLink)
+
+    def links(self, course: str) -> tuple[PlatformLink, ...]:
+        """Return the activities of a course's platforms that were opened so far, the last one first."""
+        statement = (
+            select(PlatformLinkRow)
+            .join(PlatformRow, col(PlatformRow.id) == col(PlatformLinkRow.platform))
+            .where(col(PlatformRow.course) == course)
+            .order_by(col(PlatformLinkRow.used_at).desc(), col(PlatformLinkRow.resource))
+        )
+        with self._database.reading() as session:
+            return tuple(as_contract(row, PlatformLink) for row in session.execute(statement).scalars())
+
+    def keys(self, made: Callable[[], tuple[str, str]]) -> tuple[str, ...]:
+        """Return the service's keys, newest first; the first one is `made` when it is needed, as id and secret."""
+        newest = select(PlatformKeyRow).order_by(col(PlatformKeyRow.created_at).desc()).limit(2)
+        with self._database.reading() as session:
+            found = session.execute(newest).scalars().all()
+            if found:
+                return tuple(row.secret for row in found)
+        id_, secret = made()
+        with self._database.writing() as session:
+            one_at_a_time(session, "platform_key")
+            known = session.execute(newest).scalars().all()
+            if known:
+                return tuple(row.secret for row in known)
+            session.add(PlatformKeyRow(id=id_, secret=secret, created_at=self._clock()))
+            return (secret,)

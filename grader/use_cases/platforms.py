@@ -1,0 +1,156 @@
+"""Learning platforms: who comes from one, where that leads, and what an instructor sets up."""
+
+import logging
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Caller
+from grader.contracts.platform import NewPlatform, Platform, PlatformLink
+from grader.lti import Kept, Launch, login_address
+from grader.lti.launch import LINK
+from grader.settings import is_loopback
+from grader.signin import Person, SignInError
+from grader.signin.channel import host_of
+from grader.use_cases.callers import require_instructor
+from grader.use_cases.services import Services
+from grader.use_cases.signing_in import Arrival, arrive
+
+_log = logging.getLogger(__name__)
+_ADDRESSES = ("issuer", "login_url", "token_url", "keys_url")
+_LONGEST = {"title": 200, "issuer": 255, "client_id": 255, "deployment": 255}
+_LONGEST_ADDRESS = 1_000
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Arrived:
+    """Somebody who came from a platform. `assignment`: where the activity leads; empty: to all of them."""
+
+    arrival: Arrival
+    assignment: str
+
+
+def begin(services: Services, said: dict[str, str]) -> tuple[Kept, str]:
+    """Return what a browser keeps, and where it goes to be recognised; `said`: the fields of the login request.
+
+    Raises:
+        RefusedError: no platform calls itself so.
+    """
+    public_url = _public_url(services)
+    issuer, client = said.get("iss", ""), said.get("client_id", "")
+    platform = services.platforms.named(issuer, client, said.get("lti_deployment_id", ""))
+    if platform is None:
+        _log.warning("a login of an unknown platform: issuer %.200r, client %.200r", issuer, client)
+        raise RefusedError("platform_unknown")
+    kept = Kept(platform=platform.id)
+    hints = said.get("login_hint", ""), said.get("lti_message_hint")
+    return kept, login_address(platform, kept, f"{public_url}/lti/launch", *hints)
+
+
+def finish(services: Services, kept: Kept, token: str) -> Arrived:
+    """Take in whom a platform's message names.
+
+    Raises:
+        RefusedError: the message is not to be believed, or was used before.
+    """
+    platform = services.platforms.get(kept.platform)
+    if platform is None:
+        raise RefusedError("platform_unknown")
+    try:
+        with services.allowances.sign_ins.one_more(platform.provider):
+            launch = services.launches.read(platform, token, kept.nonce)
+    except SignInError as error:
+        _log.warning("a launch from %s: %s: %s", platform.title, error.code, error.reason)
+        raise RefusedError(error.code) from None
+    if not services.platforms.use(kept.nonce, datetime.fromtimestamp(launch.until_s, UTC)):
+        raise RefusedError("signin_expired")
+    assignment = _opened(services, platform, launch)
+    for claimed in launch.claimed:
+        services.identities.bind_claimed(
+            platform.provider, launch.subject, person=claimed, within=platform.course
+        )
+    person = Person(subject=launch.subject)
+    return Arrived(arrival=arrive(services, platform.provider, person), assignment=assignment)
+
+
+def platforms_of(services: Services, caller: Caller) -> tuple[Platform, ...]:
+    """Return the platforms of the caller's course.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no course.
+    """
+    return services.platforms.of_course(_course(caller))
+
+
+def links_of(services: Services, caller: Caller) -> tuple[PlatformLink, ...]:
+    """Return the activities of the caller's course's platforms.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no course.
+    """
+    return services.platforms.links(_course(caller))
+
+
+def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platform:
+    """Let a platform send people to the caller's course.
+
+    Raises:
+        RefusedError: the caller is no instructor, a field is wrong, or the platform is there already.
+    """
+    _course(caller)
+    _public_url(services)
+    for name in NewPlatform.__dataclass_fields__:
+        value = getattr(new, name)
+        if not value or len(value) > _LONGEST.get(name, _LONGEST_ADDRESS) or not value.isprintable():
+            raise RefusedError("invalid_platform", field=name)
+    for name in _ADDRESSES:
+        address = getattr(new, name)
+        host = host_of(address.partition("?")[0])
+        if host is None or not (address.startswith("https://") or is_loopback(host)):
+            raise RefusedError("invalid_platform", field=name)
+    return services.platforms.add(new, services.signature(caller))
+
+
+def remove_platform(services: Services, caller: Caller, platform_id: str) -> None:
+    """Let a platform send nobody any more; who came by it shows a token again.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no such platform.
+    """
+    _course(caller)
+    if not services.platforms.remove(platform_id, services.signature(caller)):
+        raise RefusedError("platform_not_found")
+
+
+def _opened(services: Services, platform: Platform, launch: Launch) -> str:
+    """Remember the activity; return the assignment where it leads, if the course has that one."""
+    if launch.kind != LINK:
+        raise RefusedError("signin_failed")
+    link = services.platforms.open_link(
+        PlatformLink(
+            platform=platform.id,
+            resource=launch.resource[:255],
+            title=launch.title[:255],
+            assignment=launch.assignment if _has(services, launch.assignment) else "",
+            line_item=launch.line_item,
+            used_at=services.clock(),
+        )
+    )
+    return link.assignment
+
+
+def _has(services: Services, assignment: str) -> bool:
+    return any(one.id == assignment for one in services.assignments.all())
+
+
+def _course(caller: Caller) -> str:
+    require_instructor(caller)
+    if caller.course is None:
+        raise RefusedError("no_course")
+    return caller.course
+
+
+def _public_url(services: Services) -> str:
+    if not services.providers.public_url:
+        raise RefusedError("platforms_not_set_up")
+    return services.providers.public_url

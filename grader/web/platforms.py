@@ -1,0 +1,156 @@
+"""What learning platforms open (LTI 1.3), and the page on which an instructor sets one up.
+
+The platform's form comes from another site: a cookie of this browser ties it to the login that went before, and
+must be one that such a form brings along (``SameSite=None``). In a frame no such cookie is sure to work, so there
+a page offers the same in a window of its own.
+"""
+
+import hmac
+import re
+from typing import Annotated
+from urllib.parse import parse_qsl, urlencode, urlsplit
+
+from fastapi import APIRouter, Depends, Form, Request, Response
+from fastapi.responses import RedirectResponse
+from pydantic import BaseModel, Field
+
+from grader.contracts.errors import RefusedError
+from grader.contracts.platform import NewPlatform
+from grader.lti import Kept
+from grader.use_cases import platforms
+from grader.web.access import InstructorDep, ServicesDep, Visitor, require_staff
+from grader.web.errors import FormProblem, form_problem
+from grader.web.forms import require_own_form
+from grader.web.pages import language_of, page
+from grader.web.signing_in import arrived
+
+router = APIRouter(prefix="/lti", include_in_schema=False)
+desk = APIRouter(prefix="/class/platforms", include_in_schema=False, dependencies=[Depends(require_staff)])
+COOKIE = "grader_lti"
+_PATIENCE_S = 600
+_LONGEST = 2_000
+_SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
+_ASKED = ("iss", "login_hint", "lti_message_hint", "client_id", "lti_deployment_id", "target_link_uri")
+_LONGEST_TOKEN = 64 * 1024
+
+
+class PlatformForm(BaseModel):
+    """What an instructor copies from the platform."""
+
+    title: str = Field(default="", max_length=200)
+    issuer: str = Field(default="", max_length=255)
+    client_id: str = Field(default="", max_length=255)
+    deployment: str = Field(default="", max_length=255)
+    login_url: str = Field(default="", max_length=1_000)
+    token_url: str = Field(default="", max_length=1_000)
+    keys_url: str = Field(default="", max_length=1_000)
+
+    def stripped(self) -> NewPlatform:
+        """Return what it says."""
+        return NewPlatform(**{name: value.strip() for name, value in self.model_dump().items()})
+
+
+@router.get("/login")
+def login_by_get(request: Request, services: ServicesDep) -> Response:
+    """Send a browser to the platform to be recognised."""
+    return _login(request, services, dict(request.query_params))
+
+
+@router.post("/login")
+async def login(request: Request, services: ServicesDep) -> Response:
+    """As `login_by_get`: platforms may do either."""
+    fields = await request.form(max_files=0, max_fields=50)
+    return _login(request, services, {name: str(value) for name, value in fields.items()})
+
+
+@router.post("/launch")
+def launch(
+    request: Request,
+    services: ServicesDep,
+    id_token: Annotated[str, Form(max_length=_LONGEST_TOKEN)] = "",
+    state: Annotated[str, Form(max_length=_LONGEST)] = "",
+    error: Annotated[str, Form(max_length=_LONGEST)] = "",
+) -> Response:
+    """Take in whom a platform sends back."""
+    kept = dict(parse_qsl(request.cookies.get(COOKIE, "")[:_LONGEST]))
+    known, nonce = kept.get("state", ""), kept.get("nonce", "")
+    if not (_SECRET.fullmatch(known) and _SECRET.fullmatch(nonce)):
+        raise RefusedError("signin_expired")
+    if not hmac.compare_digest(known.encode(), state.encode()):
+        raise RefusedError("signin_expired")
+    if error or not id_token:
+        raise RefusedError("signin_refused")
+    came = platforms.finish(
+        services, Kept(platform=kept.get("platform", ""), state=known, nonce=nonce), id_token
+    )
+    response = arrived(request, came.arrival, f"/assignments/{came.assignment}" if came.assignment else "/")
+    response.delete_cookie(COOKIE, path="/lti", httponly=True, secure=True, samesite="none")
+    return response
+
+
+@desk.get("")
+def read(request: Request, services: ServicesDep, visitor: InstructorDep) -> Response:
+    """Show the course's platforms and how to add one."""
+    return _desk(request, services, visitor)
+
+
+@desk.post("", dependencies=[Depends(require_own_form)])
+def add(
+    request: Request, services: ServicesDep, visitor: InstructorDep, form: Annotated[PlatformForm, Form()]
+) -> Response:
+    """Add a platform, or show the form again with what is wrong."""
+    try:
+        platforms.add_platform(services, visitor.caller, form.stripped())
+    except RefusedError as error:
+        return _desk(request, services, visitor, form, form_problem(error, language_of(request)))
+    return RedirectResponse("/class/platforms", status_code=303)
+
+
+@desk.post("/remove", dependencies=[Depends(require_own_form)])
+def remove(
+    services: ServicesDep, visitor: InstructorDep, platform: Annotated[str, Form(max_length=16)] = ""
+) -> Response:
+    """Take a platform away."""
+    platforms.remove_platform(services, visitor.caller, platform)
+    return RedirectResponse("/class/platforms", status_code=303)
+
+
+def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Response:
+    asked = {name: said[name] for name in _ASKED if name in said and len(said[name]) <= _LONGEST}
+    kept, address = platforms.begin(services, asked)
+    if request.headers.get("sec-fetch-dest") in ("iframe", "frame"):
+        shown = page(request, "lti_window.html", address=f"/lti/login?{urlencode(asked)}")
+        policy = shown.headers["Content-Security-Policy"]
+        framed = f"frame-ancestors {_origin(asked['iss'])} {_origin(address)}"
+        shown.headers["Content-Security-Policy"] = policy.replace("frame-ancestors 'none'", framed)
+        return shown
+    response = RedirectResponse(address, status_code=303)
+    value = urlencode({"platform": kept.platform, "state": kept.state, "nonce": kept.nonce})
+    response.set_cookie(
+        COOKIE, value, max_age=_PATIENCE_S, path="/lti", httponly=True, secure=True, samesite="none"
+    )
+    return response
+
+
+def _origin(address: str) -> str:
+    parts = urlsplit(address)
+    return f"{parts.scheme}://{parts.netloc}"
+
+
+def _desk(
+    request: Request,
+    services: ServicesDep,
+    visitor: Visitor,
+    form: PlatformForm | None = None,
+    problem: FormProblem | None = None,
+) -> Response:
+    return page(
+        request,
+        "platforms.html",
+        status=200 if problem is None else problem.status,
+        platforms=platforms.platforms_of(services, visitor.caller),
+        links=platforms.links_of(services, visitor.caller),
+        form=form or PlatformForm(),
+        problem=problem,
+        public_url=services.providers.public_url,
+    )
