@@ -1,5 +1,6 @@
 """One ``assignment.yaml``: parsed safely, validated strictly, with errors that name line, field and fix."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from grader.catalog.misfits import (
     telling,
     unknown_field,
     unknown_service,
+    unknown_type,
     unparsable,
 )
 from grader.catalog.reference import with_reference
@@ -53,6 +55,10 @@ class _StrictLoader(_Loader):  # type: ignore[misc]
             return super().construct_object(node, deep=deep)
         except (ValueError, LookupError, AttributeError) as error:  # the 30th of February, `!!bool maybe`
             raise yaml.constructor.ConstructorError(None, None, str(error), node.start_mark) from error
+
+
+_SENT_AS: Mapping[str, str] = {"publish": "", "read": "", "call": "_Request", "goal": "_Goal"}
+"""What the name of the structure ends in that a tool sends or reads, after the type's own."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +129,7 @@ class Document:
         assignment = self._validated().to_contract()
         interfaces = read_interfaces(self.path.parent)
         self._check_calls(assignment, interfaces)
+        self._check_agent(assignment, interfaces)
         return with_reference(replace(assignment, interfaces=interfaces), self.path.parent)
 
     def wrong_attempts(self) -> tuple[WrongAttempt, ...]:
@@ -174,6 +181,20 @@ class Document:
             elif missing := sorted(call.values.keys() - request.keys()):
                 told = unknown_field(missing[0], request)
                 found.append((self.place(f"calls.{i}.values.{missing[0]}"), told))
+        if found:
+            raise refusals(found)
+
+    def _check_agent(self, assignment: Assignment, interfaces: tuple[InterfaceDefinition, ...]) -> None:
+        """Refuse tool calls with a type that is unknown, or with values for fields that it does not have."""
+        known = {**standard_types(), **types_of(interfaces)} if assignment.agent else {}
+        found = []
+        for i, step in enumerate(assignment.agent):
+            fields = known.get(step.type + _SENT_AS[step.tool])
+            if fields is None:
+                found.append((self.place(f"agent.{i}.type"), unknown_type(step.type)))
+            elif missing := sorted(step.values.keys() - fields.keys()):
+                told = unknown_field(missing[0], fields)
+                found.append((self.place(f"agent.{i}.values.{missing[0]}"), told))
         if found:
             raise refusals(found)
 

@@ -13,6 +13,7 @@ from grader.contracts.validation_words import said
 
 ID_PATTERN: Final = r"^[a-z][a-z0-9_]{0,39}$"
 INTERFACE_PATTERN: Final = r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$"
+ANY_TYPE_PATTERN: Final = r"^[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*$"
 WRONG_FILE_PATTERN: Final = r"^[a-z][a-z0-9_]*\.(py|txt|md|zip)$"
 
 _FIXES: Mapping[str, Text] = {
@@ -33,6 +34,10 @@ _FORMS: Mapping[str, Text] = {
     WRONG_FILE_PATTERN: Text(
         zh="文件名用小写英文字母、数字和 _，以 .py、.txt、.md 或 .zip 结尾",
         en="use small letters, digits and _, ending in .py, .txt, .md or .zip",
+    ),
+    ANY_TYPE_PATTERN: Text(
+        zh="写成 geometry_msgs/msg/Twist 这样的类型",
+        en="write a type such as geometry_msgs/msg/Twist",
     ),
     INTERFACE_PATTERN: Text(
         zh="写成 rosclaw_msgs/srv/GetCapabilities 这样的类型",
@@ -74,6 +79,10 @@ ONE_PIECE = Text(
 _QUOTES = Text(
     zh="未知的字段；如果它是文字的一部分，给整段文字加上引号",
     en="unknown field; if it is part of a text, put quotes around the whole text",
+)
+ONE_TOOL = Text(
+    zh="publish、call、goal、read 只写一个",
+    en="give one of publish, call, goal, read",
 )
 ONE_PATH = Text(
     zh="写 pieces（每段路），或 reference: solution（答案走的路），只写一个",
@@ -161,6 +170,14 @@ def unknown_service(name: str) -> Text:
     return Text(
         zh=f"没有服务类型 {name!r}：检查拼写，或者补上 interfaces/{package}/srv/{short}.srv",
         en=f"there is no service {name!r}; check its spelling or add interfaces/{package}/srv/{short}.srv",
+    )
+
+
+def unknown_type(name: str) -> Text:
+    """Say that there is no such message, service or action, or that it is another kind of type."""
+    return Text(
+        zh=f"没有类型 {name!r}，或者它不是这个工具要的那种：检查拼写，或者补上 interfaces",
+        en=f"there is no type {name!r}, or this tool takes another kind; check its spelling",
     )
 
 

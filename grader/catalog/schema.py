@@ -3,12 +3,13 @@
 import json
 from collections.abc import Sequence
 from random import Random
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, cast
 
 from pydantic import (
     AfterValidator,
     BeforeValidator,
     Field,
+    JsonValue,
     StrictBool,
     StrictFloat,
     StrictInt,
@@ -17,6 +18,7 @@ from pydantic import (
 )
 
 from grader.catalog.misfits import (
+    ANY_TYPE_PATTERN,
     BAND_MISSING,
     CENTS,
     ID_PATTERN,
@@ -30,6 +32,7 @@ from grader.catalog.misfits import (
     ONE_PATH,
     ONE_PIECE,
     ONE_REGION,
+    ONE_TOOL,
     SCORE,
     TOO_LARGE,
     TOO_SMALL,
@@ -52,6 +55,7 @@ from grader.contracts.assignment import (
     SUFFIXES,
     TOPIC_PATTERN,
     Across,
+    AgentStep,
     Answer,
     Assignment,
     Case,
@@ -64,6 +68,7 @@ from grader.contracts.assignment import (
     Region,
     ServiceCall,
     StartPose,
+    Tool,
     WantedGoal,
     WantedPackage,
     WantedPath,
@@ -426,6 +431,42 @@ class CallModel(SpecModel):
         )
 
 
+class AgentStepModel(SpecModel):
+    """A tool call of a chat agent: one of publish, call, goal, read, with the name it speaks to."""
+
+    at_s: Annotated[float, Field(ge=0.0, le=MAX_HORIZON_S)] = 1.0
+    publish: Topic | None = None
+    call: Topic | None = None
+    goal: Topic | None = None
+    read: Topic | None = None
+    type: Annotated[str, Field(pattern=ANY_TYPE_PATTERN)]
+    values: Annotated[dict[str, JsonValue], Field(default_factory=dict)]
+    moves_m: Annotated[float, Field(ge=-100.0, le=100.0)] | None = None
+    turns_deg: Annotated[float, Field(ge=-3_600.0, le=3_600.0)] | None = None
+    tells: Annotated[tuple[str, ...], Field(min_length=2, max_length=2)] | tuple[()] = ()
+
+    @model_validator(mode="after")
+    def _is_one_tool(self) -> Self:
+        if sum(each is not None for each in (self.publish, self.call, self.goal, self.read)) != 1:
+            raise MisfitError(ONE_TOOL)
+        return self
+
+    def to_contract(self) -> AgentStep:
+        """Return the contract."""
+        given = {"publish": self.publish, "call": self.call, "goal": self.goal, "read": self.read}
+        tool, target = next((tool, target) for tool, target in given.items() if target is not None)
+        return AgentStep(
+            at_ns=round(self.at_s * 1e9),
+            tool=cast("Tool", tool),
+            target=target,
+            type=self.type,
+            values=dict(self.values),
+            moves_m=self.moves_m,
+            turns_deg=self.turns_deg,
+            tells=self.tells,
+        )
+
+
 class AnswerModel(SpecModel):
     """A number that students are known to answer."""
 
@@ -477,6 +518,7 @@ class AssignmentModel(SpecModel):
     world: WorldModel = WorldModel()
     cases: Annotated[tuple[CaseModel, ...], Field(min_length=1)] = (CaseModel(),)
     calls: tuple[CallModel, ...] = ()
+    agent: Annotated[tuple[AgentStepModel, ...], Field(max_length=40)] = ()
     answers: tuple[AnswerModel, ...] = ()
     path: PathModel | None = None
     places: PlacesModel | None = None
@@ -553,6 +595,7 @@ class AssignmentModel(SpecModel):
             input=self.input,
             distro=self.distro,
             calls=tuple(call.to_contract() for call in self.calls),
+            agent=tuple(step.to_contract() for step in self.agent),
             answers=tuple(answer.to_contract() for answer in self.answers),
             path=None if self.path is None else self.path.to_contract(),
             places=None if self.places is None else self.places.to_contract(),

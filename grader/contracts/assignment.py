@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import replace
-from typing import Final, Literal, get_args
+from typing import Any, Final, Literal, get_args
 
 from grader.contracts.record import Record, field, to_plain
 from grader.contracts.rubric import summed
@@ -180,6 +180,31 @@ class ServiceCall(Record):
     service: str
     type: str
     values: dict[str, Scalar] = field(default_factory=dict)
+
+
+Tool = Literal["publish", "call", "goal", "read"]
+
+
+class AgentStep(Record):
+    """A tool call as a chat agent would send it, at `at_ns` at the earliest and once the one before is done.
+
+    Attributes:
+        tool: ``publish`` a message, ``call`` a service, send a ``goal`` to an action, or ``read`` a topic once.
+        target: fully qualified name of the topic, service or action. type: of that, e.g. ``std_srvs/srv/Trigger``.
+        values: fields of the message, request or goal; the others have their defaults.
+        moves_m, turns_deg: how far the car is to drive ahead and to turn (left is positive) until the next step;
+            None: this step is not measured.
+        tells: fields of the answer that tell where the car is: of x and y in metres; empty: none do.
+    """
+
+    at_ns: int
+    tool: Tool
+    target: str
+    type: str = ""
+    values: dict[str, Any] = field(default_factory=dict)
+    moves_m: float | None = None
+    turns_deg: float | None = None
+    tells: tuple[str, ...] = ()
 
 
 class InterfaceDefinition(Record):
@@ -390,6 +415,7 @@ class Assignment(Record):
         horizon_s: virtual seconds after which the script sees Ctrl+C.
         order: position on the checklist.
         calls: requests sent to the script's services in every run.
+        agent: tool calls that a chat agent sends in every run.
         answers: of a question whose answer is a number.
         package: what of a package is run; None: its only executable.
         path: what the check ``path`` compares with. places: where the check ``places`` looks.
@@ -412,6 +438,7 @@ class Assignment(Record):
     cases: tuple[Case, ...] = field(default_factory=lambda: (Case(),))
     input: Input = "script"
     calls: tuple[ServiceCall, ...] = ()
+    agent: tuple[AgentStep, ...] = ()
     answers: tuple[Answer, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
     distro: Distro | None = None

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from enum import StrEnum
 from typing import Any
 
-from grader.contracts.assignment import ServiceCall
+from grader.contracts.assignment import AgentStep, ServiceCall
 from grader.contracts.record import Record, field
 
 SHOWN_CHARACTERS = 16_384
@@ -120,6 +120,23 @@ class ServiceResult(Record):
     sent_ns: int | None = None
     answered_ns: int | None = None
     values: Mapping[str, Any] | None = None
+
+
+class AgentResult(Record):
+    """What became of a tool call.
+
+    Attributes:
+        sent_ns: when it was sent; None: what it speaks to was not there, or its turn never came.
+        answered_ns: when it was answered; None: it was not, or by a refusal.
+        values: of the response, result or message, as JSON has them.
+        reason: why there is no answer.
+    """
+
+    step: AgentStep
+    sent_ns: int | None = None
+    answered_ns: int | None = None
+    values: Mapping[str, Any] | None = None
+    reason: str = ""
 
 
 class Note(Record):

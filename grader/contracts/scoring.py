@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from grader.contracts.outcome import RunOutcome, ServiceResult
+from grader.contracts.outcome import AgentResult, RunOutcome, ServiceResult
 from grader.contracts.package import PackageProblem
 from grader.contracts.record import Record
 from grader.contracts.rubric import RubricItem
@@ -17,6 +17,7 @@ class Run:
     Attributes:
         case: id of one of the assignment's cases.
         calls: what became of the assignment's calls, in its order.
+        agent: what became of the agent's tool calls, in the assignment's order.
         source: the script, decoded. Hints are worded by it; points never depend on it.
         package: what is wrong with the files of a package; None: a script.
         at_horizon: where the main thread was when Ctrl+C came, as the script's process says.
@@ -26,6 +27,7 @@ class Run:
     outcome: RunOutcome
     case: str = "default"
     calls: tuple[ServiceResult, ...] = ()
+    agent: tuple[AgentResult, ...] = ()
     source: str = ""
     at_horizon: str = ""
     package: tuple[PackageProblem, ...] | None = None

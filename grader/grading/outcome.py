@@ -224,12 +224,17 @@ def _error(exit_frame: Exit | None, distro: Distro) -> StudentError | None:
 
 def _answers(episode: EpisodeResult) -> Iterator[Note]:
     """Yield the script's answers to the assignment's calls, each cut to a length that can be shown."""
-    for result in episode.calls:
-        if result.answered_ns is not None:
-            values = json.dumps(result.values, ensure_ascii=False, default=str)
-            if len(values) > _LONGEST_ANSWER:
-                values = values[: _LONGEST_ANSWER - 1] + "…"
-            yield Note(code=ANSWER_NOTE, text=f"{result.call.service} → {values}")
+    answered = [(one.call.service, one.values) for one in episode.calls if one.answered_ns is not None]
+    answered += [
+        (one.step.target, one.values)
+        for one in episode.agent
+        if one.answered_ns is not None and one.step.tool != "publish"
+    ]
+    for target, told in answered:
+        values = json.dumps(told, ensure_ascii=False, default=str)
+        if len(values) > _LONGEST_ANSWER:
+            values = values[: _LONGEST_ANSWER - 1] + "…"
+        yield Note(code=ANSWER_NOTE, text=f"{target} → {values}")
 
 
 def ended_by_the_clock(episode: EpisodeResult, jail: JailReport) -> bool:

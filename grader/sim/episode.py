@@ -4,18 +4,19 @@ import hashlib
 import struct
 from collections.abc import Callable, Mapping
 from functools import partial
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
-from grader.contracts.assignment import EPOCH_NS, Distro, InterfaceDefinition, ServiceCall, World
-from grader.contracts.errors import ProtocolError
+from grader.contracts.assignment import EPOCH_NS, AgentStep, Distro, InterfaceDefinition, ServiceCall, World
+from grader.contracts.errors import AssignmentError, ProtocolError
 from grader.contracts.grading import WorldRequest
-from grader.contracts.outcome import Endpoint, LogRecord, Note, ServiceResult
+from grader.contracts.outcome import AgentResult, Endpoint, LogRecord, Note, ServiceResult
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import HEADER
 from grader.sim.cdr import decode as read
 from grader.sim.frames import (
+    APART,
     CLIENT,
     INTERRUPTED_NOTE,
     LISTENER_NOTE,
@@ -46,6 +47,9 @@ from grader.sim.turtle import Turtle
 from grader.sim.turtle_world import TWIST, TurtleWorld
 from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
 
+if TYPE_CHECKING:
+    from grader.sim.agent import Agent
+
 ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
 """A script that has gone this long without ADVANCE runs ahead. One that subscribes sends it every 16 ms."""
@@ -70,6 +74,7 @@ class EpisodeSpec(Record):
         args: of the command line, without the file. stdin: text for `input()`.
         epoch_ns: wall clock the script reads at virtual time 0.
         calls: requests the assignment sends to the script's services.
+        agent: tool calls that a chat agent sends.
         interfaces: what the script can import besides ROS's own.
         output_bytes: what the script may print before the shim ends it; None: no bound.
         steps: what it may do before the shim ends it (`Limits.steps`); None: no bound.
@@ -84,6 +89,7 @@ class EpisodeSpec(Record):
     stdin: str = ""
     epoch_ns: int = EPOCH_NS
     calls: tuple[ServiceCall, ...] = ()
+    agent: tuple[AgentStep, ...] = ()
     interfaces: tuple[InterfaceDefinition, ...] = ()
     output_bytes: int | None = None
     steps: int | None = None
@@ -118,6 +124,7 @@ class EpisodeResult(Record):
     last_command_ns: int | None
     sim_steps: int
     calls: tuple[ServiceResult, ...] = ()
+    agent: tuple[AgentResult, ...] = ()
     most_steps: int | None = None
     requests: tuple[WorldRequest, ...] = ()
 
@@ -141,6 +148,7 @@ class Episode:
         self._graph = ScriptGraph()
         self._journal = Journal()
         self._calls = ServiceCalls(spec.calls, self._graph, spec.interfaces)
+        self._agent = _agent(spec, self._world, self._graph) if spec.agent else None
         self._sinks: dict[int, Callable[[int, bytes], None]] = {}
         self._now_ns = 0
         self._requests: list[WorldRequest] = []
@@ -194,8 +202,18 @@ class Episode:
             "output_bytes": spec.output_bytes,
             "steps": spec.steps,
             "interfaces": [each.lines for each in spec.interfaces],
-            "world": {**self._world.graph(), "calls": [[call.service, call.type] for call in spec.calls]},
+            "world": self._start_world(),
         }
+
+    def _start_world(self) -> dict[str, Any]:
+        """Return what exists besides the script: the car's world, and what the agent speaks and listens to."""
+        world = self._world.graph()
+        calls = [[call.service, call.type] for call in self._spec.calls]
+        if self._agent is not None:
+            calls += [list(each) for each in self._agent.services.items()]
+            for topic, kind in self._agent.topics.items():
+                world["publishes" if topic in self._agent.published else "subscribes"].append([topic, kind])
+        return {**world, "calls": calls}
 
     def _script_seed(self) -> int:
         """Return the seed of the script's randomness: not that of the rough noise, which it could foresee."""
@@ -237,10 +255,19 @@ class Episode:
     def _pass_time(self, t_ns: int) -> None:
         """Go on to `t_ns`; what a script does after Ctrl+C happens at the horizon, as its EXIT does."""
         self._check_time(t_ns)
+        if self._agent is not None:
+            self._run_agent(self._agent, min(t_ns, self._spec.horizon_ns))
         self._now_ns = min(t_ns, self._spec.horizon_ns)
         if self._asked_ns is not None and self._now_ns - self._asked_ns > AHEAD_NS:
             self._asked_ns = None
             self._take_turns(False)
+
+    def _run_agent(self, agent: "Agent", t_ns: int) -> None:
+        """Let the agent act up to `t_ns`, which a script has reached that runs ahead."""
+        while (due_ns := agent.next_ns()) is not None and due_ns <= t_ns:
+            self._world.advance(due_ns)
+            agent.run(due_ns)
+        agent.reach(t_ns)
 
     def _check_time(self, t_ns: int) -> None:
         if t_ns < self._now_ns:
@@ -259,7 +286,10 @@ class Episode:
             self._request(self._graph.get(frame.id, CLIENT), frame)
         else:
             self._graph.get(frame.id, SERVICE)
-            self._calls.answer(frame)
+            if self._agent is not None and frame.sequence >= APART:
+                self._agent.answer(frame)
+            else:
+                self._calls.answer(frame)
 
     def _request(self, client: Entity, frame: Request) -> None:
         """Hand a request to the world, if it offers the service."""
@@ -274,6 +304,12 @@ class Episode:
         """Connect a publisher or subscription with the world where topic, type and QoS agree."""
         if (entity.what, entity.name, entity.type) == (PUBLISHER, ROSOUT, LOG):
             self._sinks[entity.id] = self._log
+            return
+        if self._agent is not None and self._agent.topics.get(entity.name) == entity.type:
+            if entity.what == PUBLISHER:
+                self._sinks[entity.id] = partial(self._agent.heard, entity.name)
+            elif entity.what == SUBSCRIPTION:
+                self._world.outbox.subscribe(entity.name, entity.id)
             return
         kind = self._world.type_of(entity.name) if entity.what in (PUBLISHER, SUBSCRIPTION) else None
         if kind is None or (kind == TWIST) != (entity.what == PUBLISHER):
@@ -337,7 +373,8 @@ class Episode:
 
     def _let_reckon(self) -> CarState | None:
         """Let the script reckon the poses by itself while nothing else can become due."""
-        car = self._world.let_reckon() if self._calls.next_ns() is None else None
+        asked = self._agent is not None or self._calls.next_ns() is not None
+        car = None if asked else self._world.let_reckon()
         if car is None:
             return None
         drivers = tuple(identity for identity, sink in self._sinks.items() if sink != self._log)
@@ -346,7 +383,8 @@ class Episode:
     def _next_due(self) -> int:
         """Return the next instant at which something may become due, whatever is commanded until then."""
         world_ns, call_ns = self._world.next_due(), self._calls.next_ns()
-        return min(NEVER_NS if world_ns is None else world_ns, NEVER_NS if call_ns is None else call_ns)
+        agent_ns = None if self._agent is None else self._agent.next_ns()
+        return min(each for each in (world_ns, call_ns, agent_ns, NEVER_NS) if each is not None)
 
     def _run_to_next(self, limit_ns: int) -> bool:
         """Run to the next instant at which something may be due; true when that is the limit."""
@@ -354,6 +392,8 @@ class Episode:
         self._world.advance(now_ns)
         for event in self._calls.due(now_ns):
             self._world.outbox.add(event)
+        if self._agent is not None:
+            self._agent.run(now_ns)
         return now_ns >= limit_ns
 
     def _finish(self, violation: str | None) -> EpisodeResult:
@@ -391,6 +431,7 @@ class Episode:
             last_command_ns=received.last_ns,
             sim_steps=self._world.steps_run,
             calls=self._calls.results,
+            agent=() if self._agent is None else self._agent.results,
             most_steps=self._spec.steps,
             requests=tuple(self._requests),
         )
@@ -405,6 +446,14 @@ class Episode:
                 violation = str(error)
         self._world.forget_requests()
         return self._world.settle(self._now_ns, horizon_ns), violation
+
+
+def _agent(spec: EpisodeSpec, world: SimulatedWorld, graph: ScriptGraph) -> "Agent":
+    from grader.sim.agent import Agent  # its bridge is imported only by who needs one
+
+    if not isinstance(world, TurtleWorld):
+        raise AssignmentError("an agent drives turtlesim's car only")
+    return Agent(spec.agent, world, graph, spec.interfaces, spec.epoch_ns)
 
 
 _LONGEST_VALUES: Final = 200

@@ -12,7 +12,7 @@ from typing import Final
 
 from grader.sim.car import PlanarPose, fold
 from grader.sim.cdr import HEADER, encode
-from grader.sim.frames import MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
+from grader.sim.frames import APART, MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
 from grader.sim.interfaces import header, quaternion
 from grader.sim.turtle import AnyTurtle
 
@@ -34,6 +34,7 @@ class Outbox:
     def __init__(self) -> None:
         self._queue: deque[Event] = deque()
         self._listeners: dict[str, list[int]] = {}
+        self._apart: list[Event] = []
         self.changes = 0
 
     def __bool__(self) -> bool:
@@ -76,7 +77,10 @@ class Outbox:
 
     def add(self, event: Event) -> None:
         """Queue `event`. Drop it if the queue is full: then the script never fetches what is due."""
-        if len(self._queue) < MAX_QUEUED:
+        if event.id >= APART:
+            if len(self._apart) < MAX_QUEUED:
+                self._apart.append(event)
+        elif len(self._queue) < MAX_QUEUED:
             self._queue.append(event)
 
     @property
@@ -93,6 +97,11 @@ class Outbox:
     def last_ns(self) -> int:
         """Instant of the last queued event; one must be queued."""
         return self._queue[-1].t_ns
+
+    def take_apart(self) -> list[Event]:
+        """Return what has come for others than the script, in order of time."""
+        events, self._apart = self._apart, []
+        return events
 
     def take(self, together_ns: int = 0) -> tuple[int, list[Event]]:
         """Return an instant and the events queued up to it: the first event's, or `together_ns` if that is later.

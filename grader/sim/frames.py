@@ -6,6 +6,9 @@ NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
 FINISHED, EXCEPTION, STALLED, SYNTAX_ERROR, PRINTED_TOO_MUCH, TOO_MANY_STEPS = 0, 1, 2, 3, 4, 5
 MESSAGE_EVENT, RESPONSE_EVENT, REQUEST_EVENT, GRAPH_EVENT = 1, 2, 3, 4
 
+APART = 1 << 20
+"""Ids from here on are of others than the jailed process, whose own are two bytes long."""
+
 INTERRUPTED_NOTE = "interrupted"
 """Sent by the shim when the horizon's Ctrl+C is raised."""
 

@@ -100,6 +100,10 @@ class ScriptGraph:
         """Return the id of the script's living service of that name and type."""
         return next(iter(self._services.get((name, kind), ())), None)
 
+    def services(self) -> dict[str, str]:
+        """Return the types of the script's living services by name."""
+        return {name: kind for (name, kind), living in self._services.items() if living}
+
     def nodes(self) -> tuple[str, ...]:
         """Return the nodes' fully qualified names in order of creation."""
         return tuple(entry.entity.node for entry in self._entries.values() if entry.entity.what == NODE)

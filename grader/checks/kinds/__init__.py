@@ -5,7 +5,19 @@ They do not know each other: import-linter holds every module in this folder to 
 
 from collections.abc import Mapping
 
-from grader.checks.kinds import essay, motion, node, number, path, places, polygon, room, rotation, service
+from grader.checks.kinds import (
+    agent,
+    essay,
+    motion,
+    node,
+    number,
+    path,
+    places,
+    polygon,
+    room,
+    rotation,
+    service,
+)
 from grader.checks.measure import Check, Kind, TextCheck
 
 CHECKS: Mapping[str, Check] = {
@@ -19,6 +31,7 @@ CHECKS: Mapping[str, Check] = {
         places.CHECK,
         room.CHECK,
         service.CHECK,
+        agent.CHECK,
     )
 }
 TEXT_CHECKS: Mapping[str, TextCheck] = {check.kind: check for check in (number.CHECK, essay.CHECK)}

@@ -4,10 +4,10 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, Option, mistake
-from grader.checks.mistakes import script_mistakes
+from grader.checks.offers import unanswered
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch
-from grader.contracts.outcome import RunOutcome, RunStatus, ServiceResult
+from grader.contracts.outcome import RunStatus, ServiceResult
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.messages.quantity import number
@@ -37,7 +37,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         "entries": _entries(assignment, run.calls) if answered else UNMEASURED,
         "alive": Measure(float(alive), {"seconds": number(run.outcome.duration_ns / 1e9, "s")}),
     }
-    return Findings(measures, service_mistakes(run, str(assignment.options.get("list_field", ""))))
+    return Findings(measures, _mistakes(run, str(assignment.options.get("list_field", ""))))
 
 
 def listed_entries(values: Mapping[str, Any] | None, field: str) -> list[str]:
@@ -79,55 +79,9 @@ def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     return ()
 
 
-_OWN_TYPES = (
-    "rcl_interfaces/",
-    "lifecycle_msgs/",
-    "action_msgs/",
-)  # offered by every node, or by the library
-_MAX_NAMED = 4
-
-
-def service_mistakes(run: Run, list_field: str) -> tuple[Mistake, ...]:
+def _mistakes(run: Run, list_field: str) -> tuple[Mistake, ...]:
     """Return why the assignment's calls were not answered, or not with what was wanted."""
-    outcome = run.outcome
-    found = [*script_mistakes(run)]
-    if found:
-        return tuple(found)
-    if not outcome.nodes:
-        code = "init_without_node" if outcome.status is RunStatus.INTERRUPTED else "nothing_ran"
-        return (mistake(code),)
-    return tuple(_unanswered(run, outcome)) or tuple(_empty(run, list_field))
-
-
-def _unanswered(run: Run, outcome: RunOutcome) -> Iterator[Mistake]:
-    """Say of the first call without an answer what kept it from one."""
-    result = next((each for each in run.calls if each.answered_ns is None), None)
-    if result is None:
-        return
-    if result.sent_ns is None:
-        yield _not_offered(result, outcome)
-    elif outcome.status is RunStatus.FINISHED:
-        yield mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
-    else:
-        yield mistake("service_silent", service=result.call.service)
-
-
-def _not_offered(result: ServiceResult, outcome: RunOutcome) -> Mistake:
-    own = [
-        endpoint
-        for endpoint in outcome.endpoints
-        if endpoint.kind == "service" and not endpoint.type.startswith(_OWN_TYPES)
-    ]
-    wanted = result.call
-    named = [endpoint for endpoint in own if endpoint.name == wanted.service]
-    if named and named[0].type == wanted.type:
-        return mistake("not_spinning", ended=number(outcome.duration_ns / 1e9, "s"))
-    if named:
-        return mistake("wrong_service_type", service=wanted.service, type=named[0].type, wanted=wanted.type)
-    if own:
-        used = ", ".join(f"{endpoint.name} ({endpoint.type})" for endpoint in own[:_MAX_NAMED])
-        return mistake("wrong_service_name", used=used, service=wanted.service)
-    return mistake("no_service", service=wanted.service, type=wanted.type)
+    return unanswered(run, run.calls) or tuple(_empty(run, list_field))
 
 
 def _empty(run: Run, list_field: str) -> Iterator[Mistake]:

@@ -11,7 +11,7 @@ from typing import Any, Final, NamedTuple
 
 from grader.contracts.errors import ProtocolError
 from grader.sim.cdr import Values, decode
-from grader.sim.frames import MESSAGE_EVENT, Event, Request
+from grader.sim.frames import APART, MESSAGE_EVENT, Event, Request
 from grader.sim.interfaces import Types
 from grader.sim.rosbridge import rosapi
 from grader.sim.rosbridge.actions import Goals, Reply
@@ -39,8 +39,8 @@ from grader.sim.rosbridge.graph import RosGraph
 from grader.sim.rosbridge.subscriptions import Subscription
 from grader.sim.rosbridge.values import full_type, in_order, message, to_json
 
-FIRST_ID: Final = 1 << 20
-"""The bridge's ids in the graph begin here, above those of any script."""
+FIRST_ID: Final = APART
+"""The bridge's ids in the graph begin here."""
 
 BAD_CLIENT: Final = 1008
 """Status of a websocket that is closed because its client goes on to send what cannot be used."""
@@ -180,6 +180,10 @@ class Bridge:
             waiting.reply.failed(str(error))
         else:
             waiting.reply.done(values)
+
+    def awaits(self, sequence: int) -> bool:
+        """Return whether the answer to that request of the bridge is still to come."""
+        return sequence in self._waiting
 
     def tick(self, t_ns: int) -> None:
         """Give up requests that have waited too long."""

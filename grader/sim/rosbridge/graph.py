@@ -1,10 +1,19 @@
 """What a bridge speaks to: the ROS graph of a live car, or that of an exercise's script and car."""
 
+import struct
 from collections.abc import Mapping, Sequence
-from typing import Protocol
+from typing import Final, Protocol
 
 from grader.sim.frames import Request
 from grader.sim.interfaces import Types
+
+_TWIST: Final = struct.Struct("<4s6d")
+
+
+def twist_of(payload: bytes) -> tuple[float, float, float]:
+    """Return the forward and sideways speed and the turn of a geometry_msgs/msg/Twist."""
+    _, x, y, _, _, _, turn = _TWIST.unpack(payload)
+    return x, y, turn
 
 
 class RosGraph(Protocol):

@@ -1,6 +1,5 @@
 """A car of one's own as a ROS graph: turtlesim with odometry, a camera and an emergency stop, for a bridge."""
 
-import struct
 from collections.abc import Mapping, Sequence
 from typing import Final
 
@@ -12,6 +11,7 @@ from grader.sim.frames import MESSAGE_EVENT, RESPONSE_EVENT, Event, Request
 from grader.sim.interfaces import Types, header, with_interfaces
 from grader.sim.recorder import Recorder
 from grader.sim.rosbridge.camera import TopView
+from grader.sim.rosbridge.graph import twist_of
 from grader.sim.turtle import Turtle
 from grader.sim.turtle_world import NODE_NAME, TurtleWorld
 
@@ -27,7 +27,6 @@ _TOPICS: Final = {
 _CAMERA_NS: Final = 500_000_000
 _FOREVER: Final = 1 << 61
 _STOP: Final = (0.0, 0.0, 0.0)
-_TWIST_FORM: Final = struct.Struct("<4s6d")
 
 
 class _Unrecorded(Recorder):
@@ -90,7 +89,7 @@ class LiveWorld:
     def publish(self, topic: str, t_ns: int, payload: bytes) -> None:
         """Publish to the car and to whoever hears the topic."""
         if topic in self._world.command_topics:
-            x, y, turn = _STOP if self.stopped else _command(payload)
+            x, y, turn = _STOP if self.stopped else twist_of(payload)
             self._world.command(topic, t_ns, x, y, turn)
         self._world.outbox.publish(topic, t_ns, payload)
 
@@ -136,9 +135,10 @@ class LiveWorld:
     def advance(self, t_ns: int) -> list[Event]:
         """Run until `t_ns` and return what has come, in order of time."""
         self._world.advance(t_ns)
-        events, self._answers = self._answers, []
-        while self._world.outbox:
-            events += self._world.outbox.take(t_ns)[1]
+        events = self._answers + self._world.outbox.take_apart()
+        self._answers = []
+        while self._world.outbox:  # what turtles come and go, which the bridge asks for itself
+            self._world.outbox.take(t_ns)
         if self._camera and self._camera_due_ns <= t_ns:
             events += self._pictures(t_ns)
             self._camera_due_ns = t_ns + _CAMERA_NS
@@ -148,9 +148,3 @@ class LiveWorld:
         told = {"header": header(self.epoch_ns + t_ns, "camera"), "format": "png"}
         payload = encode(_IMAGE, {**told, "data": self._view.png(self._turtle.pose)}, self.types)
         return [Event(MESSAGE_EVENT, each, 0, t_ns, payload) for each in self._camera]
-
-
-def _command(payload: bytes) -> tuple[float, float, float]:
-    """Return the forward and sideways speed and the turn of a Twist."""
-    _, x, y, _, _, _, turn = _TWIST_FORM.unpack(payload)
-    return x, y, turn

@@ -40,6 +40,7 @@ CHECKLIST = [
     "patrol",
     "parking",
     "make_package",
+    "agent_tools",
     "theory_quadruped",
     "theory_quadrotor",
     "theory_arm",

@@ -130,6 +130,29 @@ def test_calls_must_fit_their_services(tmp_path: Path, old: str, new: str, line:
     assert words in str(refusal.value)
 
 
+@pytest.mark.parametrize(
+    ("step", "words"),
+    [
+        ("{call: /add, type: my_pkg/srv/Sub}", "agent.0.type: there is no type 'my_pkg/srv/Sub'"),
+        ("{publish: /m, type: my_pkg/srv/Add}", "agent.0.type: there is no type 'my_pkg/srv/Add'"),
+        ("{goal: /go, type: my_pkg/action/Go, values: {from: 1}}", "agent.0.values.from: "),
+        ("{read: /m, type: Mark}", "write a type such as geometry_msgs/msg/Twist"),
+        ("{read: /m, call: /add, type: my_pkg/msg/Mark}", "give one of publish, call, goal, read"),
+        ("{read: m, type: my_pkg/msg/Mark}", "agent.0.read: "),
+        ("{call: /add, type: my_pkg/srv/Add, tells: [x]}", "agent.0.tells"),
+    ],
+)
+def test_tool_calls_must_fit_their_types(tmp_path: Path, step: str, words: str) -> None:
+    spec = place(tmp_path, GOOD) / "assignment.yaml"
+    calls = "calls:\n  - {service: /add, type: my_pkg/srv/Add, values: {a: 1}}\n"
+    spec.write_text(
+        SPEC.replace(calls, f"agent:\n  - {step}\n").replace("check: service", "check: agent"), "utf-8"
+    )
+    with pytest.raises(AssignmentError) as refusal:
+        Catalog(tmp_path).get("demo")
+    assert words in str(refusal.value)
+
+
 @pytest.mark.parametrize("on_disk", [True, False])
 def test_an_edited_interface_is_seen(tmp_path: Path, on_disk: bool) -> None:
     folder = place(tmp_path, GOOD)
