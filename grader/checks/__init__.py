@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from grader.checks.across import ignored_input, together_scored
+from grader.checks.causes import with_causes
 from grader.checks.fit import misfits
 from grader.checks.kinds import CHECKS, KINDS, TEXT_CHECKS
 from grader.checks.measure import Check, Findings, Kind, first_causes
@@ -37,7 +38,8 @@ def evaluate(assignment: Assignment, runs: Sequence[Run]) -> Scoring:
     check = _script_check(assignment)
     found, scored = [], []
     for part, run in enumerate(runs):
-        found.append(examined(check, check.examine(assignment.in_case(run.case), run), run))
+        case = assignment.in_case(run.case)
+        found.append(examined(check, with_causes(case, run, check.examine(case, run)), run))
         portion = Portion(f"{run.case}/", part, len(runs)) if len(runs) > 1 else WHOLE
         scored.append(score_items(check, assignment.items, found[-1], portion))
     together = together_scored(check, assignment, runs, found) if len(runs) > 1 else {}

@@ -362,9 +362,18 @@ _UNAWAITED = re.compile(r"coroutine '(?:\w+\.)?(\w+)' was never awaited")
 def not_called(run: Run) -> Mistake | None:
     """Recognise a function that was named where it should have been called, or not awaited."""
     if (coroutine := _UNAWAITED.search(run.outcome.stderr.text)) is not None:
-        return mistake("never_awaited", name=coroutine[1])
+        return _unawaited(coroutine[1], ScriptText(run.source))
     named = ScriptText(run.source).uncalled
     return None if named is None else mistake("not_called", line=named.line, name=named.name)
+
+
+def _unawaited(name: str, script: ScriptText) -> Mistake:
+    """Say how to run a coroutine: by asyncio, if it waits with that, else as a function like any other."""
+    calls = script.lines_with(rf"^[ \t]*(\w+\.)*{name}\(.*\)$")
+    if len(calls) != 1 or not script.lines_with(r"\basyncio\.sleep\("):
+        return mistake("never_awaited", name=name)
+    call = script.lines[calls[0] - 1].strip()
+    return mistake("await_with_asyncio", name=name, line=calls[0], call=call)
 
 
 def _not_reached(run: Run) -> Mistake | None:

@@ -26,7 +26,7 @@ def summarise(
     if not wrong and _waits(items):
         return Scoring(items=tuple(items), summary=say("summary.waiting"))
     if not wrong:
-        return Scoring(items=tuple(items), summary=_all_passed(outcomes))
+        return Scoring(items=tuple(items), summary=_all_passed(outcomes), hint=_later(findings, outcomes))
     mistakes = _distinct(findings)
     hint = mistakes[0].text if mistakes else next((item.hint for item in wrong if item.hint != EMPTY), EMPTY)
     return Scoring(
@@ -57,6 +57,14 @@ def _all_passed(outcomes: Sequence[RunOutcome]) -> Text:
     if error is None:
         return say("summary.full")
     return say("summary.full_then_crashed", line=error.line or "?", type=error.type)
+
+
+def _later(findings: Sequence[Findings], outcomes: Sequence[RunOutcome]) -> Text:
+    """Return what the error means that ended the script when it had done all that was asked."""
+    for seen, outcome in zip(findings, outcomes, strict=False):
+        if outcome.status is RunStatus.CRASHED and outcome.error and seen.mistakes:
+            return seen.mistakes[0].text
+    return EMPTY
 
 
 def _sentence(items: Sequence[RubricItem], wrong: Sequence[RubricItem]) -> Text:

@@ -1,14 +1,14 @@
 """From a submission to a graded report: run every case, score the motion, put the report together."""
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Self, TypeAlias
 
 from grader import __version__
 from grader.contracts.assignment import Assignment, Case
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.contracts.outcome import Note, StudentError
+from grader.contracts.outcome import Note, RunOutcome, StudentError
 from grader.contracts.package import PackageProblem
 from grader.contracts.record import Record, field
 from grader.contracts.report import (
@@ -223,6 +223,14 @@ def _episode_spec(job: GradingJob, script: _Script, case: Case) -> EpisodeSpec:
     )
 
 
+def _with_remarks(run: Run, outcomes: Sequence[RunOutcome]) -> list[RunOutcome]:
+    """Return the outcomes with what is to be said of the script besides its score, by its first run."""
+    from grader.checks.remarks import remarks
+
+    first, *others = outcomes
+    return [replace(first, notes=(*first.notes, *remarks(run))), *others]
+
+
 def _report(
     job: GradingJob, runs: list[Run], scoring: Scoring, trajectories: dict[str, bytes]
 ) -> GradeReport:
@@ -230,6 +238,8 @@ def _report(
     status = status_of(scoring.items, [run.outcome for run in runs])
     outcomes = within_budget(run.outcome for run in runs)  # scored as a whole, shown in part
     score = summed(item.earned for item in scoring.items)
+    if runs and score == assignment.max_score:
+        outcomes = _with_remarks(runs[0], outcomes)
     return GradeReport(
         submission_sha256=hashlib.sha256(job.source).hexdigest(),
         assignment=assignment.id,

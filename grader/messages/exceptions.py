@@ -11,6 +11,7 @@ from typing import Final
 from grader.contracts.outcome import StudentError
 from grader.contracts.text import Text
 from grader.messages import enumerated, say
+from grader.messages.closer import Closer, looked_closer
 from grader.messages.script import NO_SCRIPT, ScriptText
 
 _AT: Final = r"\n(?:.*\n)*  File .*\n(?!(?:.*\n)*  File )"
@@ -330,14 +331,14 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
     closer = None if refine is None else refine(error, script)
     if closer is not None:
         code, values = closer
+    if (cause := looked_closer(code, error, script_line(error), script)) is not None:
+        code, values = cause
     values = {name: value or "" for name, value in values.items()}
     problem = _first_line(error.message) or _WITHOUT_WORDS
     return code, say(
         f"mistake.{code}", **{"line": error.line or "?", "type": error.type, "problem": problem, **values}
     )
 
-
-Closer = tuple[str, dict[str, object]] | None
 
 _ELSEWHERE_NAMES: Final = {
     "this": "self",

@@ -17,6 +17,13 @@ _PROSE: Final = re.compile(
 _INDENT: Final = re.compile(r"[ \t]*")
 _BLANKS: Final = re.compile(r"(?<=[^ \t])[ \t]+")
 _LONGEST_LINE: Final = 500
+_LONGEST_SCRIPT: Final = 1_000
+_ASSIGNED: Final = re.compile(r"[ \t]*(?:self\.|cls\.)?(\w+) ?(?::[^=]*)?=(?!=)(.*)$")
+_BOUND: Final = re.compile(
+    r"\b(?:for|as|global|nonlocal) ([\w, ]+?)(?: in\b|:|$)|\bdef \w+ ?\((.*)|"
+    r"([\w.]+(?: ?, ?[\w.]+)*) ?(?:[-+*/|&^%]|//|\*\*)?=(?!=)"
+)
+"""What gives names other values than one assignment does: loops, parameters, and what adds to them."""
 _TAB: Final = 8
 _ENDS: Final = re.compile(
     r"(\w+\.)*(destroy_\w+|shutdown|try_shutdown|info|print|exit|join)\(|(except|finally|else|pass|return|raise)\b"
@@ -37,6 +44,14 @@ class Mention(NamedTuple):
 
     line: int
     name: str
+
+
+class Assigned(NamedTuple):
+    """The only assignment of a name, with or without ``self.``: where, and the expression on its right."""
+
+    line: int
+    name: str
+    value: str
 
 
 class ScriptText:
@@ -73,6 +88,51 @@ class ScriptText:
         line = self.lines[numbers[0] - 1]
         takes_self = re.search(pattern + r"[ \t]*self\b", line) is not None
         return Definition(numbers[0], _indent(line), takes_self)
+
+    @property
+    def is_short(self) -> bool:
+        """Whether it is as short as what beginners write; only then is it searched line against line."""
+        return len(self.lines) <= _LONGEST_SCRIPT
+
+    def assigned(self, name: str) -> Assigned | None:
+        """Return the only assignment of that name; None when there is none, or more than one."""
+        return self._assigned.get(name)
+
+    @cached_property
+    def known_values(self) -> dict[str, float | None]:
+        """What assigned names have been found to come to; see `grader.messages.arithmetic`."""
+        return {}
+
+    @cached_property
+    def _assigned(self) -> dict[str, Assigned | None]:
+        found: dict[str, Assigned | None] = {}
+        for number, line in enumerate(self.lines, start=1):
+            whole = _ASSIGNED.match(line)
+            if whole is not None:
+                known = whole[1] in found
+                found[whole[1]] = None if known else Assigned(number, whole[1], whole[2].strip())
+                continue
+            for names in _BOUND.findall(line):
+                found.update(dict.fromkeys(re.findall(r"\w+", " ".join(names))))
+        return found
+
+    def body(self, number: int) -> list[tuple[int, str]]:
+        """Return the statements directly in the block that the given line begins, with their numbers."""
+        inside = [
+            (number + i, line) for i, line in enumerate(self.block(number)[1:], start=1) if line.strip()
+        ]
+        first = _indent(inside[0][1]) if inside else 0
+        return [(at, line.strip()) for at, line in inside if _indent(line) == first]
+
+    def callbacks(self, kind: str) -> list[tuple[int, str]]:
+        """Return the lines that create a timer, subscription or service, each with the callback's name."""
+        found = []
+        for number in self.lines_with(rf"\bcreate_{kind}\("):
+            call = " ".join(self.lines[number - 1 : number + 5]).partition(f"create_{kind}(")[2]
+            names = re.findall(r"(?:self|node|\w+)\.(\w+)|(\w+)", _arguments(call))
+            known = [name for pair in names for name in pair if name and self.definition(name) is not None]
+            found += [(number, known[0])] if known else []
+        return found
 
     def in_method(self, number: int) -> bool:
         """Whether the given line stands in a function whose first parameter is ``self``."""

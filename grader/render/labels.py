@@ -56,4 +56,5 @@ def note_sentence(note: Note, language: Language) -> str:
         text = wall_word(text, language) or text
     elif note.code == "forbidden":
         text = explained(RunStatus.FORBIDDEN, text).get(language)
-    return known.format(text=text)
+    first, _, second = text.partition("|")
+    return known.format(text=text, first=first, second=second)

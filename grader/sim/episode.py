@@ -2,7 +2,7 @@
 
 import hashlib
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final
 
@@ -38,6 +38,7 @@ from grader.sim.frames import (
     Request,
     Response,
 )
+from grader.sim.received import ReceivedCommands
 from grader.sim.recorder import LOG, Journal, Recorder
 from grader.sim.robot_body import RobotBody
 from grader.sim.robot_world import RobotWorld
@@ -406,10 +407,8 @@ class Episode:
         trajectory = self._recorder.finish(end_ns)
         for contact in trajectory.contacts:
             journal.note("wall", contact.wall)
-        if received.lateral:
-            journal.note("lateral_command")
-        if received.motions and not any(each.v_mps or each.w_radps for each in trajectory.commands):
-            journal.note("stopped_at_once")
+        for code in _seen_in(received, trajectory):
+            journal.note(code)
         asked = any(note.code == LISTENER_NOTE for note in journal.notes)
         if self._has_moved and not self._is_heard and not asked:
             journal.note(UNHEARD_NOTE)
@@ -456,6 +455,17 @@ def _agent(spec: EpisodeSpec, world: SimulatedWorld, graph: ScriptGraph) -> "Age
     return Agent(spec.agent, world, graph, spec.interfaces, spec.epoch_ns)
 
 
+def _seen_in(received: ReceivedCommands, trajectory: Trajectory) -> Iterator[str]:
+    """Yield the codes of the notes on commands that the car could not, or hardly, follow."""
+    if received.lateral:
+        yield "lateral_command"
+    if received.motions and not any(each.v_mps or each.w_radps for each in trajectory.commands):
+        yield "stopped_at_once"
+    if received.contested >= _CONTESTED:
+        yield "contested"
+
+
+_CONTESTED: Final = 20  # more changes from a drive to a turn than any figure has
 _LONGEST_VALUES: Final = 200
 
 

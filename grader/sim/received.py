@@ -16,12 +16,15 @@ class ReceivedCommands:
         count, nonfinite, lateral, clamped: commands received, and how many of them had a NaN or infinite
             component, a sideways one, or one beyond the car's bounds.
         motions: how many were no stop.
+        contested: how many drives came in one update with a turn on the spot, or the reverse.
         first_ns, last_ns: when the first and the last one came.
     """
 
     def __init__(self, recorder: Recorder) -> None:
         self._recorder = recorder
         self.count = self.nonfinite = self.lateral = self.clamped = self.motions = 0
+        self.contested = 0
+        self._last: tuple[int, bool] | None = None  # the last motion's update, and whether it was a drive
         self.first_ns: int | None = None
         self.last_ns: int | None = None
 
@@ -44,6 +47,9 @@ class ReceivedCommands:
             self.clamped += 1
         if v or w:
             self.motions += 1
+        if bool(v) != bool(w):
+            self.contested += self._last == (update, not v)
+            self._last = (update, bool(v))
         if left:
             self.lateral += 1
         self.count += 1

@@ -12,7 +12,7 @@ from grader.checks import evaluate, mistakes
 from grader.contracts.outcome import Endpoint, Note, RunStatus, Stream
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import Trajectory
-from grader.messages import entries, exceptions
+from grader.messages import closer, entries, exceptions
 from grader.packages import problems
 from tests.unit.checks.ideal_turtle import drive, error, outcome_of, polygon_legs, run_of
 from tests.unit.checks.shipped import assignment, graded, score, silent
@@ -165,6 +165,7 @@ def codes_in_source() -> set[str]:
     files = [
         *Path(mistakes.__file__).parent.rglob("*.py"),
         Path(exceptions.__file__),
+        Path(closer.__file__),
         Path(problems.__file__),
     ]
     strings = {

@@ -1,0 +1,597 @@
+"""Why a mistake happened: what the script shows of the line that is to be changed.
+
+A check tells what the car did, and that alone is a mistake's code: *sides missing*, *only stops*. Often the
+script shows the one line that explains it. `with_causes` then puts the cause in the place of the mistake that it
+explains, and nowhere else: each cause names the mistakes it can lead to, so a line that did no harm is never
+told. Where the script does not show the cause for certain the mistake stays as it was.
+"""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Final, NamedTuple
+
+from grader.checks.measure import Findings, Mistake, mistake
+from grader.checks.mistakes import not_called
+from grader.contracts.assignment import Assignment
+from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Run
+from grader.messages.arithmetic import value_of
+from grader.messages.quantity import number
+from grader.messages.script import ScriptText
+
+
+class Searched(NamedTuple):
+    """A run with its script, and what was measured and recognised in it."""
+
+    assignment: Assignment
+    run: Run
+    script: ScriptText
+    findings: Findings
+    mistake: Mistake
+
+
+def with_causes(assignment: Assignment, run: Run, findings: Findings) -> Findings:
+    """Return the findings with each mistake replaced by the cause that the script shows, where it shows one."""
+    script = ScriptText(run.source)
+    if not script.is_short:
+        return findings
+    told = tuple(_cause(Searched(assignment, run, script, findings, each)) for each in findings.mistakes)
+    return replace(findings, mistakes=told)
+
+
+def _cause(seen: Searched) -> Mistake:
+    for codes, look in _CAUSES:
+        if seen.mistake.code in codes and (cause := look(seen)) is not None:
+            return Mistake(cause.code, cause.text, seen.mistake.measures, seen.mistake.apart)
+    return seen.mistake
+
+
+# ------------------------------------------------------------------------------- numbers that come out wrong
+
+
+_INNER: Final = r"([^()\n]*(?:\([^()]*\)[^()\n]*)*)"
+"""What stands between two brackets, with at most one pair of brackets inside."""
+
+
+def _floor_is_zero(seen: Searched) -> Mistake | None:
+    """Find a division with ``//`` whose result is 0."""
+    for line in seen.script.lines_with(r"//"):
+        for found in re.finditer(r"([\w.]+) ?// ?([\w.]+)", seen.script.lines[line - 1]):
+            share = _quotient(found[1], found[2], seen.script)
+            if share is not None and 0.0 < share < 1.0:
+                return mistake("floor_is_zero", line=line, written=found[0])
+    return None
+
+
+def _quotient(above: str, below: str, script: ScriptText) -> float | None:
+    one, other = value_of(above, script), value_of(below, script)
+    return one / other if one is not None and other else None
+
+
+def _int_is_zero(seen: Searched) -> Mistake | None:
+    """Find an ``int(...)`` that makes 0 of a speed or a time."""
+    for line in seen.script.lines_with(r"\bint\("):
+        for found in re.finditer(rf"\bint\({_INNER}\)", seen.script.lines[line - 1]):
+            value = value_of(found[1], seen.script)
+            if value is not None and 0.0 < abs(value) < 1.0:
+                return mistake("int_is_zero", line=line, written=found[0], value=number(value, ""))
+    return None
+
+
+_TIME: Final = r"(?i)(time|dur|sec|shijian|miao|时间|秒)"
+
+
+def _negative_time(seen: Searched) -> Mistake | None:
+    """Find a time that is divided by a negative speed."""
+    for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=(?!=).*/"):
+        name, _, written = seen.script.lines[line - 1].strip().partition("=")
+        value = value_of(written.strip(), seen.script) if re.search(_TIME, name) else None
+        if value is not None and value < 0.0:
+            return mistake("negative_time", line=line, name=name.strip(), value=number(value, "s"))
+    return None
+
+
+def _ticks_cut(seen: Searched) -> Mistake | None:
+    """Find a number of ticks that ``int()`` or ``//`` cut by more than a hundredth."""
+    for line in seen.script.lines_with(r"\bint\(|//"):
+        text = seen.script.lines[line - 1]
+        cut = [
+            (found[0], value_of(found[1], seen.script)) for found in re.finditer(rf"\bint\({_INNER}\)", text)
+        ]
+        cut += [
+            (found[0], _quotient(found[1], found[2], seen.script))
+            for found in re.finditer(r"([\w.]+) ?// ?([\w.]+)", text)
+        ]
+        for written, value in cut:
+            if value is not None and value > 1.0 and (value - math.floor(value)) / value > _CUT:
+                values = {"value": number(value, ""), "whole": math.floor(value)}
+                return mistake("ticks_cut", line=line, written=written, **values)
+    return None
+
+
+_CUT: Final = 0.01
+
+
+def _counts_ticks(seen: Searched) -> Mistake | None:
+    """Find a count of a timer's ticks whose limit is reached much too early."""
+    timers = seen.script.callbacks("timer")
+    if len(timers) != 1:
+        return None
+    made = re.search(r"create_timer\( ?([^,()]+),", seen.script.lines[timers[0][0] - 1])
+    period_s = value_of(made[1].strip(), seen.script) if made else None
+    begins = seen.script.definition(timers[0][1])
+    if period_s is None or begins is None or not 0.0 < period_s < 1.0:
+        return None
+    for line, text in enumerate(seen.script.block(begins.line), start=begins.line):
+        found = re.search(r"\bif ([\w.]+) ?(<=?|>=?|==) ?([\w.]+) ?:", text)
+        counted = found and seen.script.lines_with(
+            rf"{re.escape(found[1])} ?(\+= ?1|= ?{re.escape(found[1])} ?\+ ?1)\s*$"
+        )
+        count = value_of(found[3], seen.script) if found and counted else None
+        if found and count and count >= 1:
+            took = number(count * period_s, "s")
+            values = {"name": found[1], "count": f"{count:g}", "period": number(period_s, "s"), "took": took}
+            return mistake("counts_ticks", line=line, **values)
+    return None
+
+
+_RADIANS: Final = 6.3  # more is meant as degrees
+
+
+def _radians_twice(seen: Searched) -> Mistake | None:
+    """Find ``math.radians`` of what is in radians already."""
+    for line in seen.script.lines_with(r"\bradians\("):
+        for found in re.finditer(rf"\b(?:math\.)?radians\({_INNER}\)", seen.script.lines[line - 1]):
+            value = value_of(found[1], seen.script)
+            small = value is not None and 0.0 < abs(value) < _RADIANS
+            if small or re.search(r"\bpi\b", found[1]):
+                return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
+    return None
+
+
+def _degrees_for_radians(seen: Searched) -> Mistake | None:
+    """Find ``math.degrees`` of what is in degrees already."""
+    for line in seen.script.lines_with(r"\bdegrees\("):
+        for found in re.finditer(rf"\b(?:math\.)?degrees\({_INNER}\)", seen.script.lines[line - 1]):
+            value = value_of(found[1], seen.script)
+            if value is not None and abs(value) > 2 * _RADIANS:
+                return mistake("degrees_for_radians", line=line, written=found[0], inner=found[1].strip())
+    return None
+
+
+# ---------------------------------------------------------------------------------------- clocks and times
+
+
+_CLOCK: Final = r"(?:time\.(?:time|monotonic|perf_counter)\(\)|(?:[\w.]+\(\)\.)?now\(\)(?:\.nanoseconds)?)"
+
+
+def _clock_before_sleep(seen: Searched) -> Mistake | None:
+    """Find a start time that is taken before a pause, and not after it."""
+    for line in seen.script.lines_with(rf"^[ \t]*[\w.]+ ?= ?[\w.()]*{_CLOCK}"):
+        name = seen.script.lines[line - 1].partition("=")[0].strip()
+        owner = seen.script.owner_of(line)
+        for at in range(line + 1, min(line + 8, len(seen.script.lines) + 1)):
+            text = seen.script.lines[at - 1].strip()
+            if seen.script.owner_of(at) != owner or re.match(r"(while|def|for)\b", text):
+                break
+            slept = re.match(r"(?:time\.)?sleep\((.+)\)$", text)
+            waited_s = value_of(slept[1], seen.script) if slept else None
+            if waited_s is not None and waited_s >= _PAUSE_S and _loops_on(seen, name, at):
+                values = {"name": name, "sleep": at, "waited": number(waited_s, "s")}
+                return mistake("clock_before_sleep", line=line, **values)
+    return None
+
+
+_PAUSE_S: Final = 0.3
+
+
+def _loops_on(seen: Searched, name: str, after: int) -> bool:
+    """Whether one of the next lines is a ``while`` that looks at `name`."""
+    nexts = seen.script.lines[after : after + 4]
+    return any(re.match(rf"[ \t]*while\b.*(?<!\w){re.escape(name)}\b", line) for line in nexts)
+
+
+def _start_once(seen: Searched) -> Mistake | None:
+    """Find a start time that only ``__init__`` takes."""
+    for line in seen.script.lines_with(rf"^[ \t]*self\.\w+ ?= ?.*{_CLOCK}"):
+        name = seen.script.lines[line - 1].partition("=")[0].strip().removeprefix("self.")
+        once = seen.script.assigned(name) is not None and seen.script.function_around(line) == "__init__"
+        if once and len(seen.script.lines_with(rf"\bwhile\b.*\bself\.{name}\b")) > 1:
+            return mistake("start_once", line=line, name=name)
+    return None
+
+
+def _wrong_time(seen: Searched) -> Mistake | None:
+    """Find a turn that is given the time of the drive."""
+    turns = rf"(?i)^[ \t]*[\w.]*(?:turn|rotate|spin|zhuan)\w*\( ?({_OF_DRIVE}) ?\)"
+    drives = rf"(?i)^[ \t]*[\w.]*(?:move|drive|straight|forward|go|zou)\w*\( ?({_OF_TURN}) ?\)"
+    turned, driven = seen.script.lines_with(turns), seen.script.lines_with(drives)
+    text = "\n".join(seen.script.lines)
+    known = re.findall(rf"(?im)^[ \t]*({_OF_TURN}) ?=", text)
+    if not turned or not known:
+        return None
+    given = re.search(turns, seen.script.lines[turned[0] - 1])
+    values = {"line": turned[0], "given": given[1] if given else "", "wanted": known[0]}
+    return (
+        mistake("times_exchanged", **values, other=driven[0]) if driven else mistake("wrong_time", **values)
+    )
+
+
+_OF_DRIVE: Final = r"(?:self\.)?\w*(?:move|drive|straight|side|forward|line)_?\w*time\w*"
+_OF_TURN: Final = r"(?:self\.)?\w*(?:turn|rotate|spin)_?\w*time\w*"
+
+
+# ------------------------------------------------------------------------------------------------- loops
+
+
+def _empty_function(seen: Searched) -> Mistake | None:
+    """Find functions in which nothing but ``pass`` stands, and that the script calls."""
+    empty = []
+    for line in seen.script.lines_with(r"^[ \t]*def \w+ ?\("):
+        name = seen.script.lines[line - 1].split("def ")[1].partition("(")[0].strip()
+        behind = seen.script.lines[line - 1].rpartition(":")[2].strip()
+        body = [text for _, text in seen.script.body(line) if text != '""'] or [behind]
+        if body == ["pass"] and seen.script.calls(name):
+            empty.append((line, name))
+    if not empty:
+        return None
+    lines = ", ".join(str(line) for line, _ in empty[:4])
+    return mistake("empty_function", lines=lines, names=", ".join(f"{name}()" for _, name in empty[:4]))
+
+
+def _removes_in_loop(seen: Searched) -> Mistake | None:
+    """Find a list that loses items while a loop goes through it."""
+    for loop in seen.script.lines_with(r"^[ \t]*for \w+ in [\w.]+ ?:"):
+        name = seen.script.lines[loop - 1].partition(" in ")[2].rpartition(":")[0].strip()
+        for line, text in enumerate(seen.script.block(loop), start=loop):
+            if re.search(rf"(?<![\w.]){re.escape(name)}\.(remove|pop)\(|\bdel {re.escape(name)}\[", text):
+                return mistake("removes_in_loop", line=line, loop=loop, name=name)
+    return None
+
+
+def _leaves_loop(seen: Searched) -> Mistake | None:
+    """Find a ``return`` or ``break`` that ends a ``for`` loop in its first round, whatever happens."""
+    for loop in seen.script.lines_with(r"^[ \t]*for \w+ in "):
+        for line, text in seen.script.body(loop):
+            found = re.match(r"(return|break)\b", text)
+            if found is not None:
+                return mistake("leaves_loop", line=line, loop=loop, word=found[1])
+    return None
+
+
+def _timer_ends(seen: Searched) -> Mistake | None:
+    """Find a thread that ends the program when it did end."""
+    ended_s = seen.run.outcome.duration_ns / 1e9
+    for line in seen.script.lines_with(r"\bTimer\( ?[\w.]+ ?, ?[\w.]+"):
+        found = re.search(r"\bTimer\( ?([\w.]+) ?, ?(?:\w+\.)*(\w+)", seen.script.lines[line - 1])
+        after_s = value_of(found[1], seen.script) if found else None
+        function = found[2] if found else ""
+        made = seen.script.definition(function)
+        inside = seen.script.block(made.line) if made else [function]
+        ends = any(re.search(r"\b_?exit\b|\bshutdown\(|\bkill\(", text) for text in inside)
+        if after_s is not None and ends and 0.0 <= ended_s - after_s < _MARGIN_S:
+            return mistake("timer_ends", line=line, function=function, after=number(after_s, "s"))
+    return None
+
+
+_MARGIN_S: Final = 2.0
+
+
+def _no_loop(seen: Searched) -> Mistake | None:
+    """Recognise a script that writes a part of the figure once, and has no loop to repeat it."""
+    count, item = seen.findings.measures.get("sides"), seen.assignment.item_on("sides")
+    wanted = item.low if item is not None else None
+    if count is None or not wanted or not 0 < count.value < wanted or wanted % count.value:
+        return None
+    counted = seen.script.lines_with(r"\bcreate_timer\(|\bimport threading\b") + [
+        line
+        for line in seen.script.lines_with(r"^[ \t]*for\b")
+        if not any(re.search(r"\.publish\(", text) for text in seen.script.block(line))
+    ]
+    waiting = seen.script.lines_with(rf"^[ \t]*while\b.*({_CLOCK}|\bok\(|time)")
+    if counted or len(waiting) != len(seen.script.lines_with(r"^[ \t]*while\b")):
+        return None
+    values = {"count": f"{count.value:g}", "sides": f"{wanted:g}", "times": f"{wanted / count.value:g}"}
+    return mistake("no_loop", **values)
+
+
+def _grows(seen: Searched) -> Mistake | None:
+    """Find a time, an angle or a speed that is multiplied by the counter of the loop."""
+    for loop in seen.script.lines_with(r"^[ \t]*for \w+ in range\("):
+        name = seen.script.lines[loop - 1].split("for ")[1].split()[0]
+        grown = rf"\* ?(?:\( ?{name} ?[+-] ?\d ?\)|{name}\b)|(?<![\w.]){name} ?\*"
+        for line, text in enumerate(seen.script.block(loop)[1:], start=loop + 1):
+            found = re.search(grown, text)
+            if (
+                found is not None
+                and "%" not in text
+                and not re.search(r"\b(cos|sin)\(|\.info\(|\bprint\(", text)
+            ):
+                return mistake("grows_in_loop", line=line, name=name, written=found[0].strip())
+    return None
+
+
+def _always_true(seen: Searched) -> Mistake | None:
+    """Find a condition that ends in ``or`` and a bare number."""
+    for line in seen.script.lines_with(r"[=!<>]=? ?[\w.]+ or \d+(\.\d+)?(?![\w.]| ?[=!<>%*/+-])"):
+        found = re.search(r"([\w.% ]+) ?[=!]= ?([\w.]+) or (\d+)", seen.script.lines[line - 1])
+        if found is not None and found[3].strip("0"):
+            return mistake("always_true", line=line, second=found[3])
+    return None
+
+
+def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
+    """Return line and name of a counter that its ``while`` never changes, in a script that never ended."""
+    if run.outcome.status is not RunStatus.INTERRUPTED:
+        return None
+    for line in script.lines_with(r"^[ \t]*while \(?\w+ ?(<=?|>=?|!=) ?[\w.]+\)? ?:"):
+        found = re.match(r"[ \t]*while \(?(\w+) ?[<>!=]+ ?([\w.]+)", script.lines[line - 1])
+        if found is None or script.lines_with(rf"\b(global|nonlocal)\b.*\b{found[1]}\b"):
+            continue
+        block = "\n".join(script.block(line)[1:])
+        names = "|".join(re.escape(name) for name in found.groups())
+        changed = rf"(?<![\w.])({names})\b ?(,[^=\n]*|[-+*/%]|//)?=(?!=)|\b(for|as) [\w, ]*\b({names})\b|:="
+        if not re.search(rf"{changed}|\b(break|return|raise|exit|shutdown|quit)\b", block):
+            return line, found[1]
+    return None
+
+
+def _counter_unchanged(seen: Searched) -> Mistake | None:
+    found = unchanged_counter(seen.run, seen.script)
+    return None if found is None else mistake("counter_unchanged", line=found[0], name=found[1])
+
+
+# ------------------------------------------------------------------------------- what was given is not used
+
+
+def _clamped(seen: Searched) -> Mistake | None:
+    """Find a limit that makes the side of this run shorter than it was asked for."""
+    given = _given_m(seen)
+    bound = r"^[ \t]*(?:if|elif) ([\w.]+) ?(>=?|<=?) ?([\w.]+) ?:"
+    for line in seen.script.lines_with(bound):
+        found = re.match(bound, seen.script.lines[line - 1])
+        limit = value_of(found[3], seen.script) if found else None
+        body = seen.script.body(line)
+        set_again = found and body and re.match(rf"{re.escape(found[1])} ?= ?[\w.]+$", body[0][1])
+        beyond = (
+            limit is not None
+            and given is not None
+            and (given > limit if found and found[2][0] == ">" else given < limit)
+        )
+        if set_again and beyond:
+            return mistake("clamped", line=line, last=body[0][0], given=number(given or 0.0, "m"))
+    for line in seen.script.lines_with(r"=.*\b(min|max)\("):
+        found = re.search(r"\b(min|max)\( ?([\w.]+) ?, ?([\w.]+) ?\)", seen.script.lines[line - 1])
+        bounds = [value_of(part, seen.script) for part in found.groups()[1:]] if found else []
+        known = next((value for value in bounds if value is not None), None)
+        if (
+            found
+            and known is not None
+            and given is not None
+            and (given > known if found[1] == "min" else given < known)
+        ):
+            return mistake("clamped", line=line, last=line, given=number(given, "m"))
+    return None
+
+
+def _given_m(seen: Searched) -> float | None:
+    """Return the side that this run was given as input or argument."""
+    case = next((one for one in seen.assignment.cases if one.id == seen.run.case), None)
+    if case is None:
+        return None
+    found = re.findall(
+        r"(?<![\w.])\d+(?:\.\d+)?(?!\w)", " ".join([*case.args, case.stdin or ""]).replace(":=", " ")
+    )
+    return float(found[-1]) if found else None
+
+
+def _parameter_default(seen: Searched) -> Mistake | None:
+    """Find a default that the run without a parameter shows to be another than the wanted one."""
+    case = next((one for one in seen.assignment.cases if one.id == seen.run.case), None)
+    wanted = seen.assignment.options.get("side_m")
+    if case is None or case.args or case.stdin or not isinstance(wanted, (int, float)):
+        return None
+    for line in seen.script.lines_with(r"\bdeclare_parameter\("):
+        found = re.search(r'\bdeclare_parameter\( ?"" ?, ?([\w.]+) ?\)', seen.script.lines[line - 1])
+        given = value_of(found[1], seen.script) if found else None
+        if (
+            given is not None
+            and given != wanted
+            and len(seen.script.lines_with(r"\bdeclare_parameter\(")) == 1
+        ):
+            values = {"given": number(given, "m"), "wanted": number(float(wanted), "m")}
+            return mistake("parameter_default", line=line, written=f"{float(wanted):.1f}", **values)
+    return None
+
+
+# ------------------------------------------------------------------------------ callbacks and publishing
+
+
+_MOTION: Final = r"\.(linear\.x|angular\.z) ?[-+]?=(?!=)(?! ?-?[0.]+ ?(;|\n|$))"
+
+
+def _timer_stops(seen: Searched) -> Mistake | None:
+    """Find the timer whose callback only stops, beside another one that drives."""
+    timers = seen.script.callbacks("timer")
+    stops, drives = [], []
+    for line, name in timers:
+        made = seen.script.definition(name)
+        body = "\n".join(seen.script.block(made.line)[1:]) if made else ""
+        if re.search(_MOTION, body):
+            drives.append((line, name))
+        elif re.search(r"\.publish\(", body):
+            stops.append((line, name))
+    if len(timers) < 2 or not stops or not drives:
+        return None
+    return mistake("timer_stops", line=stops[0][0], name=stops[0][1])
+
+
+def _spin_once(seen: Searched) -> Mistake | None:
+    """Find a ``spin_once`` that stands in no loop."""
+    once = seen.script.lines_with(r"\bspin_once\(")
+    loose = [line for line in once if _loop_around(seen.script, line) is None]
+    spins = seen.script.lines_with(r"\bspin\(")
+    return mistake("spin_once", line=loose[0]) if len(once) == len(loose) == 1 and not spins else None
+
+
+def _loop_around(script: ScriptText, number: int) -> int | None:
+    above = script.owner_of(number)
+    while above is not None and not re.match(r"[ \t]*(while|for)\b", script.lines[above - 1]):
+        above = script.owner_of(above)
+    return above
+
+
+def _ends_in_callback(seen: Searched) -> Mistake | None:
+    """Find what ends timer or program in a timer's callback, each time and so the first time."""
+    for _, name in seen.script.callbacks("timer"):
+        made = seen.script.definition(name)
+        for line, text in seen.script.body(made.line) if made else ():
+            if re.match(r"if\b|return\b|for\b|while\b", text):
+                break
+            if re.search(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit", text):
+                return mistake("ends_in_callback", line=line, name=name)
+    return None
+
+
+def _log_behind_spin(seen: Searched) -> Mistake | None:
+    """Find a message that stands behind ``spin`` in the same function."""
+    for spin in seen.script.lines_with(r"\bspin\("):
+        around = seen.script.function_around(spin)
+        for line in seen.script.lines_with(r"\bget_logger\(\)\.\w+\("):
+            if line > spin and seen.script.function_around(line) == around:
+                return mistake("log_behind_spin", line=line, spin=spin)
+    return None
+
+
+def _uncalled(seen: Searched) -> Mistake | None:
+    return not_called(seen.run)
+
+
+def _lookalike(seen: Searched) -> Mistake | None:
+    """Recognise a topic in which a letter stands for a digit, or that a namespace has changed."""
+    topic = seen.assignment.world.cmd_vel_topic
+    used = [one.name for one in seen.run.outcome.endpoints if one.kind == "publisher"]
+    for name in used:
+        if name != topic and name.translate(_DIGITS) == topic.translate(_DIGITS):
+            wrong = next(one for one, other in zip(name, topic, strict=True) if one != other)
+            right = next(other for one, other in zip(name, topic, strict=True) if one != other)
+            return mistake("lookalike", used=name, topic=topic, wrong=wrong, right=right)
+        lines = seen.script.lines_with(r"\bnamespace ?=")
+        if lines and name != topic and name.endswith(topic):
+            return mistake("in_namespace", line=lines[0], used=name, topic=topic)
+    return None
+
+
+_DIGITS: Final = str.maketrans("lIOo", "1100")
+
+
+def _no_publish(seen: Searched) -> Mistake | None:
+    """Find a timer's callback in a script that publishes nothing anywhere."""
+    timers = seen.script.callbacks("timer")
+    if not timers or seen.script.lines_with(r"\bpublish\b"):
+        return None
+    made = seen.script.definition(timers[0][1])
+    publisher = seen.script.publisher or "self.pub"
+    return mistake("no_publish", name=timers[0][1], begins=made.line, publisher=publisher) if made else None
+
+
+def _long_period(seen: Searched) -> Mistake | None:
+    """Find a timer whose first tick comes after the end of the run."""
+    for line in seen.script.lines_with(r"\bcreate_timer\("):
+        found = re.search(r"create_timer\( ?([^,()]+),", seen.script.lines[line - 1])
+        period_s = value_of(found[1].strip(), seen.script) if found else None
+        if period_s is not None and period_s * 1e9 > seen.run.outcome.duration_ns:
+            return mistake("long_period", line=line, period=number(period_s, "s"))
+    return None
+
+
+def _class_not_made(seen: Searched) -> Mistake | None:
+    """Find the class with the publisher, of which the script makes no object."""
+    for line in seen.script.lines_with(r"\bcreate_publisher\("):
+        above: int | None = line
+        while above is not None and not re.match(r"class (\w+)", seen.script.lines[above - 1]):
+            above = seen.script.owner_of(above)
+        found = re.match(r"class (\w+)", seen.script.lines[above - 1]) if above is not None else None
+        if found is not None and not seen.script.lines_with(rf"(?<!class )\b{found[1]}\b"):
+            return mistake("class_not_made", name=found[1], begins=above)
+    return None
+
+
+def _returns_before(seen: Searched) -> Mistake | None:
+    """Find a ``return`` in the same block as the ``publish`` behind it."""
+    for line in seen.script.lines_with(r"\.publish\("):
+        owner = seen.script.owner_of(line)
+        for at, text in seen.script.body(owner) if owner is not None else ():
+            if at < line and re.match(r"return\b", text):
+                return mistake("returns_before", line=at, publish=line)
+    return None
+
+
+def _waits_for_two(seen: Searched) -> Mistake | None:
+    """Find a wait for more subscribers than there are."""
+    lines = seen.script.lines_with(
+        r"\bget_subscription_count\(\) ?(<= ?1|< ?[2-9]|!= ?[02-9])|\bcount_subscribers\([^)]*\) ?(<= ?1|< ?[2-9])"
+    )
+    lines += seen.script.lines_with(
+        r"\bwhile not .*(get_subscription_count\(\)|count_subscribers\(.*\)) ?(> ?[1-9]|>= ?[2-9])"
+    )
+    return mistake("waits_for_two", line=lines[0]) if lines else None
+
+
+def _hidden_int(seen: Searched) -> Mistake | None:
+    """Find the whole number that a field for a float was given, whose error ``except`` hides."""
+    lines = seen.script.lines_with(r"\.(linear|angular)\.[xyz] ?= ?-?\d+$")
+    if not lines or (hidden := seen.script.swallowed) is None:
+        return None
+    written = seen.script.lines[lines[0] - 1].strip()
+    return mistake("hidden_int", line=lines[0], hidden=hidden, written=written, right=f"{written}.0")
+
+
+_NO_MOTION: Final = frozenset(("only_stops", "no_turns", "zero_commands"))
+_SHORT_TURN: Final = frozenset(("turn_too_short", "turned_one_radian", "half_turn", "turn_too_slow"))
+_SHORT: Final = _SHORT_TURN | {"too_short", "turns_too_short", "one_radian"}
+_COUNT: Final = frozenset(("sides_missing", "path_count", "path_unfinished"))
+_LENGTHS: Final = frozenset(("wrong_lengths", "unequal_sides"))
+_CORNERS: Final = frozenset(("turns_too_short", "turns_too_far", "one_corner_off", "one_radian"))
+_NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
+
+_CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
+    (_NO_MOTION | _SHORT, _floor_is_zero),
+    (_NO_MOTION | _SHORT, _int_is_zero),
+    (_NO_MOTION | _COUNT, _negative_time),
+    (_NO_MOTION | _SHORT, _clock_before_sleep),
+    (_NO_MOTION | _COUNT, _start_once),
+    (_NO_MOTION, _empty_function),
+    (_SHORT | _CORNERS, _radians_twice),
+    (
+        frozenset(("endless_turn", "turns_too_far", "degrees_as_radians", "turned_instead")),
+        _degrees_for_radians,
+    ),
+    (_CORNERS - {"one_radian"}, _wrong_time),
+    (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), _ticks_cut),
+    (_SHORT, _counts_ticks),
+    (_COUNT, _removes_in_loop),
+    (_COUNT, _leaves_loop),
+    (_COUNT, _timer_ends),
+    (_COUNT, _no_loop),
+    (_LENGTHS | _CORNERS | _COUNT | {"other_figure"}, _always_true),
+    (_LENGTHS | {"never_stops", "sides_extra", "drove_on", "turned_on"}, _counter_unchanged),
+    (frozenset(("one_corner_off", "unequal_sides", "turns_too_far")), _grows),
+    (frozenset(("wrong_lengths",)), _clamped),
+    (frozenset(("wrong_lengths",)), _parameter_default),
+    (frozenset(("stopped_at_once", "too_brief", "stop_in_loop")), _timer_stops),
+    (_NOT_ON, _spin_once),
+    (_NOT_ON, _ends_in_callback),
+    (frozenset(("log_not_reached",)), _log_behind_spin),
+    (frozenset(("log_not_reached",)), _uncalled),
+    (frozenset(("wrong_topic",)), _lookalike),
+    (frozenset(("never_published",)), _no_publish),
+    (frozenset(("never_published", "publish_not_reached")), _long_period),
+    (frozenset(("publisher_not_reached",)), _class_not_made),
+    (frozenset(("publish_not_reached",)), _returns_before),
+    (frozenset(("waits_in_loop", "waits_without_spin")), _waits_for_two),
+    (frozenset(("error_hidden",)), _hidden_int),
+)
+"""Which mistakes a cause explains, and what looks for it; the first that is found counts."""

@@ -1,0 +1,288 @@
+"""What a script's text shows about an exception that type and message do not: which line is to be changed.
+
+Each function takes the exception, the line that raised it, and the script; it returns a code with the values of
+its sentence ``mistake.<code>``, or None where the script does not show the cause for certain.
+"""
+
+import re
+from collections.abc import Callable, Mapping
+from typing import Final
+
+from grader.contracts.outcome import StudentError
+from grader.messages.script import ScriptText
+
+Closer = tuple[str, dict[str, object]] | None
+
+_PRIVATE_OF_NODE: Final = (
+    r"_(publishers|subscriptions|timers|clients|services|guards|waitables|parameters|descriptors|clock|logger|"
+    r"default_callback_group|rate_group|context|time_source|parameter_overrides)"
+)
+
+
+def missing_global(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find a name of the module that a function assigns without ``global``."""
+    found = re.search(r"'(\w+)'", error.message)
+    name = found[1] if found else ""
+    outer = script.lines_with(rf"^{re.escape(name)} ?=(?!=)") if name else []
+    function = script.function_around(error.line or 0) if outer and error.line else ""
+    made = script.definition(function) if function else None
+    return ("missing_global", {"name": name, "function": function, "begins": made.line}) if made else None
+
+
+def calls_itself(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the call of the function around the failed line in its own body."""
+    function = script.function_around(error.line or 0) if error.line else ""
+    made = script.definition(function) if function else None
+    if made is None:
+        return None
+    inside = range(made.line + 1, made.line + len(script.block(made.line)))
+    calls = [number for number in script.lines_with(rf"(?<![\w.]){function} ?\(") if number in inside]
+    return ("calls_itself", {"name": function, "again": calls[0]}) if calls else None
+
+
+def main_needs_args(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise ``main()``, called as usual, of a function that wants its arguments."""
+    found = re.match(r"(\w+)\(\) missing 1 required positional argument: '(args|argv)'", error.message)
+    made = script.definition(found[1]) if found else None
+    if found is None or made is None or not re.search(rf"\b{found[1]}\( ?\)", written):
+        return None
+    return "main_needs_args", {"name": found[1], "argument": found[2], "begins": made.line}
+
+
+def signature(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Say how the ``def`` should read, where a method lacks self or a callback has wrong parameters."""
+    found = re.match(r"(?:(\w+)\.)?(\w+)\(\) (takes (\d+) .* but (\d+)|missing (\d+) )", error.message)
+    made = script.definition(found[2]) if found else None
+    if found is None or made is None or script.owner_of(made.line) is None:
+        return None
+    name, given = found[2], _parameters(script.lines[made.line - 1])
+    values: dict[str, object] = {"name": name, "begins": made.line}
+    if not made.takes_self and "self" not in given:
+        fits = found[5] is None or int(found[5]) == len(given) + 1
+        inner = ", ".join(["self", *given])
+        return ("lacks_self", {**values, "written": f"def {name}({inner}):"}) if fits else None
+    for kind, wanted in _CALLBACKS.items():
+        if any(callback == name for _, callback in script.callbacks(kind)) and f"{name}(" not in written:
+            return wanted[0], {**values, "written": f"def {name}({wanted[1]}):"}
+    return None
+
+
+_CALLBACKS: Final = {
+    "timer": ("timer_callback", "self"),
+    "subscription": ("subscription_callback", "self, msg"),
+    "service": ("service_callback", "self, request, response"),
+}
+
+
+def _parameters(line: str) -> list[str]:
+    inside = line.partition("(")[2].rpartition(")")[0]
+    return [part.strip()[:40] for part in inside.split(",") if part.strip()]
+
+
+def private_taken(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find one of Node's own attributes that the script has overwritten, which broke a call of Node's."""
+    if not re.search(
+        r"\b(destroy_\w+|spin\w*|create_\w+|declare_\w+|get_\w+|publish|shutdown|add_node)\(", written
+    ):
+        return None
+    for number in script.lines_with(rf"\bself\.{_PRIVATE_OF_NODE} ?(:[^=]*)?=(?!=)"):
+        name = script.lines[number - 1].strip().removeprefix("self.").split("=")[0].split(":")[0].strip()
+        return "private_taken", {"name": name, "given": number, "instead": name.strip("_") + "_1"}
+    return None
+
+
+def list_too_short(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Name the list, its length and how often the loop around asks for an item."""
+    for owner, name, index in re.findall(r"(self\.)?\b(\w+)\[(\w+)\]", written):
+        made = script.assigned(name)
+        inside = None if made is None else re.fullmatch(r"[\[(](.*)[\])]", made.value)
+        if made is None or inside is None or "[" in inside[1]:
+            continue
+        length = len([part for part in inside[1].split(",") if part.strip()])
+        for number in script.lines_with(rf"\bfor {re.escape(index)} in range\( ?\d+ ?\)"):
+            turns = re.search(r"range\( ?(\d+)", script.lines[number - 1])
+            if turns is not None and int(turns[1]) > length:
+                values = {"length": length, "turns": turns[1], "loop": number, "given": made.line}
+                return "list_too_short", {"name": f"{owner}{name}", "last": f"{name}[{length}]", **values}
+    return None
+
+
+def none_in_init(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a value of a message that ``__init__`` uses, where none can have come yet."""
+    used = re.search(r"\bself\.(\w+)\.\w+", written)
+    if used is None or not error.line or script.function_around(error.line) != "__init__":
+        return None
+    name = used[1]
+    empty = script.lines_with(rf"\bself\.{name} ?(:[^=]*)?= ?None\b")
+    heard = [one for _, one in script.callbacks("subscription")]
+    return ("none_in_init", {"name": name, "callback": heard[0]}) if empty and heard else None
+
+
+def constructor(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find what keeps the node's name from Node: a misspelt ``__init__``, or empty brackets."""
+    if re.search(r"\bsuper\(\)\.__init__\( ?\)", written):
+        return "no_node_name", {}
+    for number in script.lines_with(r"^[ \t]+def _*[inIt1]{3,5}_*\b ?\( ?self\b"):
+        name = script.lines[number - 1].split("def ")[1].partition("(")[0].strip()
+        if name != "__init__" and sorted(name.strip("_").lower()) in (
+            sorted("init"),
+            sorted("int"),
+            sorted("inti"),
+        ):
+            return "misspelt_init", {"name": name, "begins": number}
+    return None
+
+
+def other_file(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a file of a package that is no node: setup.py, or a launch file."""
+    if script.lines_with(r"^setup ?\(") and script.lines_with(r"^(from|import) (setuptools|distutils)\b"):
+        return "other_file", {"name": "setup.py"}
+    if script.lines_with(r"^def generate_launch_description\b"):
+        return "other_file", {"name": "launch"}
+    return None
+
+
+def only_shell(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a file that holds a command of the terminal and no Python."""
+    code = [line for line in script.lines if line.strip()]
+    python = script.lines_with(r"^[ \t]*(import|from|def|class|for|while|if)\b|=")
+    return ("only_shell", {}) if 0 < len(code) <= 3 and not python else None
+
+
+def dash(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a dash of a word processor in the place of a minus sign."""
+    found = re.search(r"U\+(2010|2011|2012|2013|2014|2015|2212|FF0D)", error.message)
+    return ("dash_for_minus", {}) if found else None
+
+
+def overwritten(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the number that has taken the name of the method that was called."""
+    for name in re.findall(r"\bself\.(\w+)\(", written):
+        made = script.definition(name)
+        given = script.lines_with(rf"\bself\.{re.escape(name)} ?=(?!=)")
+        if made is not None and given:
+            return "method_overwritten", {"name": name, "given": given[0], "begins": made.line}
+    return None
+
+
+def too_early(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a method called before the line of the same function that assigns what it needs."""
+    found = re.search(r"has no attribute '(\w+)'", error.message)
+    made = script.assigned(found[1]) if found else None
+    if found is None or made is None or script.function_around(made.line) != "__init__":
+        return None
+    around = script.function_around(error.line or 0) if error.line else ""
+    calls = script.lines_with(rf"\bself\.{re.escape(around)}\(") if around else []
+    early = [n for n in calls if n < made.line and script.function_around(n) == "__init__"]
+    if not early or around == "__init__":
+        return None
+    return "called_too_early", {"name": found[1], "given": made.line, "called": early[0], "method": around}
+
+
+def imported_as(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Find the other name under which the script has imported a module."""
+    found = re.match(r"name '(\w+)' is not defined", error.message)
+    lines = script.lines_with(rf"^[ \t]*import {found[1]} as \w+") if found else []
+    if found is None or not lines:
+        return None
+    other = script.lines[lines[0] - 1].split()[-1]
+    return "imported_as", {"name": found[1], "other": other, "given": lines[0]}
+
+
+def backslash(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a topic that is written with the slashes of Windows."""
+    return ("backslash", {}) if "\\" in error.message else None
+
+
+def text_plus_number(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a number that is put behind a text with a plus sign, in a script that asks for no input."""
+    plus = re.search(r"(['\"] ?\+)|(\+ ?f?['\"])", written)
+    asked = script.lines_with(r"\binput\(|\bargv\b")
+    return ("text_plus_number", {}) if plus and not asked else None
+
+
+def rate_of_ros_1(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise ROS 1's Rate, whose ``sleep`` has to go as well."""
+    return ("rate_of_ros_1", {}) if "'rclpy' has no attribute 'Rate'" in error.message else None
+
+
+def open_docstring(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a text in three quotes that nothing ends."""
+    return ("open_docstring", {}) if "unterminated triple-quoted" in error.message else None
+
+
+def class_body(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise statements that stand in a class without a method around them."""
+    owner = script.owner_of(error.line) if error.line else None
+    if owner is None or not re.match(r"[ \t]*class\b", script.lines[owner - 1]):
+        return None
+    return ("class_body", {"begins": owner}) if script.definition("__init__") is None else None
+
+
+def called_here(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Name the callback that stands with brackets where it is handed over."""
+    text = " ".join(script.lines)
+    for kind in ("timer", "service", "subscription"):
+        found = re.search(rf"\bcreate_{kind}\([^()]*?\b(self\.\w+|\w+)\( ?\)", text)
+        if found is not None and script.definition(found[1].removeprefix("self.")) is not None:
+            return "callback_called_here", {"name": found[1], "kind": f"create_{kind}"}
+    return None
+
+
+def wanted_field(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Take Python's own suggestion of a field."""
+    found = re.search(r"attribute '(\w+)'\. Did you mean: '(\w+)'\?", error.traceback)
+    return ("misspelt_field", {"name": found[1], "suggestion": found[2]}) if found else None
+
+
+def own_module(error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Recognise a module of which nothing is known, most likely another file of the author's."""
+    found = re.match(r"No module named '(\w+)'", error.message)
+    return ("own_module", {"name": found[1]}) if found and not _KNOWN_ROOT.match(found[1]) else None
+
+
+_KNOWN_ROOT: Final = re.compile(
+    r"rcl|ros|geometry|turtle|std|sensor|nav|tf|launch|ament|_|(\w+_)?(msgs?|srvs?)$", re.I
+)
+_Look = Callable[[StudentError, str, ScriptText], Closer]
+_BY_CODE: Final[Mapping[str, tuple[_Look, ...]]] = {
+    "assigned_later": (missing_global,),
+    "bad_name": (backslash,),
+    "callback_called": (called_here,),
+    "call_mismatch": (main_needs_args, signature),
+    "foreign_character": (dash,),
+    "index_range": (list_too_short,),
+    "init_twice": (calls_itself,),
+    "library_not_here": (other_file,),
+    "missing_import": (imported_as,),
+    "missing_module": (other_file, own_module),
+    "no_super_init": (constructor,),
+    "not_callable": (overwritten,),
+    "not_yet_assigned": (too_early,),
+    "open_string": (open_docstring,),
+    "ros_1_habit": (rate_of_ros_1,),
+    "self_outside": (class_body,),
+    "shell_line": (only_shell,),
+    "still_none": (none_in_init,),
+    "text_for_number": (text_plus_number,),
+    "unknown_part": (wanted_field,),
+    "wrong_parameters": (main_needs_args, signature),
+}
+"""By the code that an exception has without the script's text: what to look for, in this order."""
+
+_GENERAL: Final = frozenset(
+    ("crashed", "unknown_attribute", "not_callable", "not_iterable", "function_not_called", "still_none")
+)
+"""Codes of exceptions that say little by themselves, as those that rise inside of Node do."""
+
+
+def looked_closer(code: str, error: StudentError, written: str, script: ScriptText) -> Closer:
+    """Return the cause that the script shows for an exception known as `code`, or None."""
+    if not script.is_short:
+        return None
+    looks: tuple[_Look, ...] = _BY_CODE.get(code, ())
+    for look in (*looks, private_taken) if code in _GENERAL else looks:
+        found = look(error, written, script)
+        if found is not None:
+            return found
+    return None
