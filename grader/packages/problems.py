@@ -198,6 +198,10 @@ def _unmatched(
     if wanted.name and all(package.name != wanted.name for package in packages):
         given = ", ".join(package.name for package in packages)
         yield _fatal("package_other_name", NAMES, name=wanted.name, given=given)
+    elif wanted.launch and not any(
+        path.rpartition("/")[2] == wanted.launch for package in packages for path in package.shared
+    ):
+        yield _fatal("package_launch_missing", SHARE, name=wanted.launch)
     elif not wanted.launch and choose(packages, wanted) is None:
         code = "package_entry_other" if wanted.executable else "package_entry_several"
         yield _fatal(code, ENTRY, wanted=wanted.executable, given=", ".join(every) or "—")

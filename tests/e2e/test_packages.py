@@ -106,3 +106,123 @@ def test_setup_is_never_run(slot: Slot, tmp_path: Path) -> None:
     evil = f"open({str(trap)!r}, 'w')\nimport os\nos._exit(1)\nwhile True: pass\n"
     assert graded(slot, package_files(**{"setup.py": evil + setup})).score == 100
     assert not trap.exists()
+
+
+LAUNCH = """import os
+from ament_index_python.packages import get_package_share_directory
+from launch import LaunchDescription
+from launch.actions import DeclareLaunchArgument, ExecuteProcess, LogInfo, RegisterEventHandler, TimerAction
+from launch.conditions import IfCondition
+from launch.event_handlers import OnProcessStart
+from launch.substitutions import LaunchConfiguration, PathJoinSubstitution
+from launch_ros.actions import Node
+from launch_ros.substitutions import FindPackageShare
+
+
+def generate_launch_description():
+    config = PathJoinSubstitution([FindPackageShare('my_turtle'), 'config', 'a.yaml'])
+    sim = Node(package='turtlesim', executable='turtlesim_node', name='sim')
+    mover = Node(
+        package='my_turtle', executable='drive', name='mover', output='screen',
+        parameters=[config, {'distance': LaunchConfiguration('distance'), 'note': '1.0', 'list': [1, 2]}],
+        remappings=[('/cmd', '/turtle1/cmd_vel')], arguments=['--fast'],
+    )
+    never = Node(package='my_turtle', executable='drive', condition=IfCondition(LaunchConfiguration('two')))
+    return LaunchDescription([
+        DeclareLaunchArgument('distance', default_value='3.5'),
+        DeclareLaunchArgument('two', default_value='false'),
+        LogInfo(msg=['distance ', LaunchConfiguration('distance')]),
+        sim, never,
+        ExecuteProcess(cmd=['ros2', 'topic', 'list']),
+        RegisterEventHandler(
+            OnProcessStart(target_action=sim, on_start=[TimerAction(period=1.5, actions=[mover])])
+        ),
+    ])
+"""
+LAUNCHED = """import sys
+import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+
+
+def main():
+    rclpy.init()
+    node = Node('drive')
+    defaults = {'speed': 0.0, 'distance': 0.0, 'note': ''}
+    values = [node.declare_parameter(name, value).value for name, value in defaults.items()]
+    print(node.get_fully_qualified_name(), values, node.declare_parameter('list', [0]).value, sys.argv[1])
+    pub = node.create_publisher(Twist, '/cmd', 10)
+    msg = Twist()
+    msg.linear.x = values[0]
+    node.create_timer(0.1, lambda: pub.publish(msg))
+    rclpy.spin(node)
+"""
+LAUNCHING = WantedPackage(launch="go.launch.py")
+
+
+def launched(slot: Slot, launch: str, **changed: str) -> GradeReport:
+    files = {MODULE: LAUNCHED, "config/a.yaml": "mover:\n  ros__parameters:\n    speed: 1.25\n", **changed}
+    return graded(slot, package_files(**files, **{"launch/go.launch.py": launch}), LAUNCHING)
+
+
+def test_a_launch_file_with_one_node_of_its_own_is_carried_out(slot: Slot) -> None:
+    report = launched(slot, LAUNCH)
+    outcome = report.runs[0].outcome
+    assert outcome.stdout.text.splitlines() == [
+        "[INFO] [launch.user]: distance 3.5",
+        "/mover [1.25, 3.5, '1.0'] [1, 2] --fast",
+    ]
+    assert report.score == 100
+    assert outcome.first_command_ns is not None
+    assert 1_600_000_000 < outcome.first_command_ns < 1_700_000_000
+    assert [(note.code, note.text) for note in outcome.notes if note.code.startswith("launch")] == [
+        ("launch_ignored", "turtlesim_node -r __node:=sim"),
+        ("launch_ignored", "ros2 topic list"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("launch", "said"),
+    [
+        (LAUNCH.replace("default_value='false'", "default_value='true'"), "several nodes of your own"),
+        (LAUNCH.replace("[mover]", "[]"), "starts no node of your own package"),
+        (LAUNCH.replace("generate_launch", "generate_lunch"), "does not contain the required function"),
+        (LAUNCH.replace("executable='drive', name", "executable='dirve', name"), "No executable found"),
+        (LAUNCH.replace("default_value='3.5'", "description='x'"), "Required launch argument 'distance'"),
+        (
+            LAUNCH.replace("FindPackageShare('my_turtle')", "FindPackageShare('mine')"),
+            "package 'mine' not found",
+        ),
+        (LAUNCH.replace("    sim =", "    sin =", 1), "NameError: name 'sim' is not defined"),
+    ],
+)
+def test_a_wrong_launch_file_is_told(slot: Slot, launch: str, said: str) -> None:
+    assert launch != LAUNCH
+    report = launched(slot, launch)
+    assert said in report.runs[0].outcome.stderr.text
+    assert report.score == 0
+
+
+def test_a_launch_file_that_is_not_installed_is_not_found(slot: Slot) -> None:
+    setup = package_files()[f"{NAME}/setup.py"].replace("glob('launch/*.launch.py')", "[]")
+    report = launched(slot, LAUNCH, **{"setup.py": setup})
+    assert "was not found in the share directory of package 'my_turtle'" in report.runs[0].outcome.stderr.text
+    assert report.mistakes[0] == "package_launch_missing"
+
+
+def test_a_launch_file_includes_another(slot: Slot) -> None:
+    outer = """from launch import LaunchDescription
+from launch.actions import GroupAction, IncludeLaunchDescription
+from launch.launch_description_sources import PythonLaunchDescriptionSource
+from launch.substitutions import PathJoinSubstitution, ThisLaunchFileDir
+from launch_ros.actions import PushRosNamespace
+
+def generate_launch_description():
+    inner = PythonLaunchDescriptionSource(PathJoinSubstitution([ThisLaunchFileDir(), 'inner.launch.py']))
+    return LaunchDescription([GroupAction([
+        PushRosNamespace('team'),
+        IncludeLaunchDescription(inner, launch_arguments={'distance': '9.0'}.items()),
+    ])])
+"""
+    outcome = launched(slot, outer, **{"launch/inner.launch.py": LAUNCH}).runs[0].outcome
+    assert "/team/mover [0.0, 9.0, '1.0']" in outcome.stdout.text

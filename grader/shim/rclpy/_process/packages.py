@@ -41,6 +41,7 @@ class Workspace:
         self._known: dict[str, tuple[str, bool, str]] = {}
         self._executables: list[tuple[str, str, str, str]] = []
         self._run: tuple[str, ...] = ()
+        self._installed: dict[str, str] = {}
 
     def mount(self, fields: dict[str, Any], body: bytes) -> None:
         """Take over START's ``package`` and the files."""
@@ -51,7 +52,8 @@ class Workspace:
         self.names = fields["packages"]
         self.launch = fields["launch"]
         self._executables = [tuple(each) for each in fields["executables"]]
-        self._run = tuple(fields["run"])
+        self.choose(*fields["run"])
+        self._installed = {f"{WORK}/{installed}": path for installed, path in fields["shared"]}
         placed = {path: storage.place(f"{WORK}/src/{path}", data) for path, data in self._files.items()}
         for name, path, is_package, installed in fields["modules"]:
             self._known[name] = (path, is_package, f"{WORK}/{installed}")
@@ -63,6 +65,19 @@ class Workspace:
         tracebacks.script.files.update(own)
         at = next(i for i, each in enumerate(sys.meta_path) if getattr(each, "__name__", "") == _AFTER)
         sys.meta_path.insert(at + 1, self)
+
+    def choose(self, *executable: str) -> None:
+        """Say what `call` calls: a package and the name of its executable, or nothing."""
+        self._run = executable
+
+    def launch_path(self) -> str:
+        """Return where the launch file is installed; nothing where it is not."""
+        found = sorted(path for path in self._installed if path.rpartition("/")[2] == self.launch)
+        return found[0] if found else ""
+
+    def shown(self, path: str) -> str:
+        """Return how tracebacks call a file that is installed: as it is called in the archive."""
+        return self._installed.get(path, path)
 
     def entry_source(self) -> tuple[str, bytes]:
         """Return path and content of the module that is called; of nothing where there is none."""
@@ -93,7 +108,10 @@ class Workspace:
             for attribute in function.split("."):
                 called = getattr(called, attribute)
             sys.exit(called())
-        sys.stderr.write("No executable found\n")
+        if self._run and self._run[0] not in self.names:
+            sys.stderr.write(f"Package '{self._run[0]}' not found\n")
+        else:
+            sys.stderr.write("No executable found\n")
         sys.exit(1)
 
     def _chosen(self) -> list[tuple[str, str, str, str]]:

@@ -194,7 +194,7 @@ def _execute(module: ModuleType, code: CodeType) -> None:
     """Run the script up to the end of its main thread, with its other threads and exit handlers."""
     gc.collect()  # from here on the collector runs at the same points in each run
     if tracebacks.script.files:
-        _guard(workspace.call)
+        _guard(_launch if workspace.launch else workspace.call)
     else:
         _guard(lambda: exec(code, module.__dict__))  # noqa: S102
     _guard(_join_threads)
@@ -202,6 +202,12 @@ def _execute(module: ModuleType, code: CodeType) -> None:
     if b"__del__" in tracebacks.script.source + b"".join(tracebacks.script.files.values()):
         for each in (*workspace.modules, module):
             _guard(lambda names=each.__dict__: _finalize(names))
+
+
+def _launch() -> None:
+    from rclpy._process.launching import launch  # the few runs that need it import it
+
+    launch()
 
 
 def _finalize(names: dict[str, Any]) -> None:

@@ -1,0 +1,98 @@
+"""``ros2 launch PACKAGE FILE``: the description is evaluated, and its one node of the workspace is called.
+
+Only one: two programs in one process would share modules, contexts and the command line, as they do not at home.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from rclpy._link import link
+from rclpy._process.packages import executable_path, workspace
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+_TURTLESIM = ("turtlesim", "turtlesim_node")
+_IGNORED_NOTE = "launch_ignored"
+_SEVERAL_NOTE = "launch_several"
+_MOST_NOTED = 5
+
+
+def launch() -> None:
+    """Evaluate the launch file and call the node.
+
+    Raises:
+        SystemExit, and whatever the launch file or the node raises.
+    """
+    node = _the_one(_started())
+    if node is None:
+        sys.exit(1)
+    if node.delay_s > 0.0:
+        import time
+
+        time.sleep(node.delay_s)  # virtual
+    workspace.choose(node.package, node.executable)
+    sys.argv = [executable_path(node.package, node.executable), *node.arguments]
+    workspace.call()
+
+
+def _started() -> list[tuple[Any, str, Any]]:
+    from launch._evaluation import LaunchContext
+    from launch.launch_description_sources import PythonLaunchDescriptionSource
+
+    path = workspace.launch_path()
+    if not path:
+        package = next(iter(workspace.names), "")
+        share = f"{workspace.prefix_of(package)}/share/{package}"
+        sys.stderr.write(
+            f"file '{workspace.launch}' was not found in the share directory of package '{package}' "
+            f"which is at '{share}'\n"
+        )
+        sys.exit(1)
+    given = dict(each.split(":=", 1) for each in sys.argv[1:] if ":=" in each)
+    context = LaunchContext(given)
+    context.files.append(path)
+    context.visit(PythonLaunchDescriptionSource(path).read(context).entities)
+    _answer(context)
+    return context.started
+
+
+def _answer(context: Any) -> None:
+    """Do what is to come when something starts, or when a command has ended."""
+    from launch.event_handlers import OnProcessExit, OnProcessStart
+
+    done = 0
+    while done < len(context.handlers):
+        handler, scope = context.handlers[done]
+        done += 1
+        context.restore(scope)
+        for action, kind, _ in list(context.started):
+            ended = isinstance(handler, OnProcessExit) and kind == "command"
+            if handler.target_action is action and (isinstance(handler, OnProcessStart) or ended):
+                actions = handler.actions
+                context.visit(actions(None, context) if callable(actions) else actions)
+
+
+def _the_one(started: list[tuple[Any, str, Any]]) -> Any:
+    """Return the node of the workspace; None, with the reason printed, unless there is just one."""
+    own, noted = [], 0
+    for _, kind, what in started:
+        if kind == "node" and what.package in workspace.names:
+            own.append(what)
+        elif kind == "node" and (what.package, what.executable) == _TURTLESIM:
+            if what.arguments != ["--ros-args"] and "-r" in what.arguments:
+                noted += 1
+                link.note(_IGNORED_NOTE, "turtlesim_node " + " ".join(what.arguments[1:])[:200])
+        elif noted < _MOST_NOTED:
+            noted += 1
+            text = what if kind == "command" else f"{what.package} {what.executable}"
+            link.note(_IGNORED_NOTE, text[:200])
+    if len(own) > 1:
+        names = ", ".join(f"{each.package}/{each.executable}" for each in own)
+        link.note(_SEVERAL_NOTE, names[:1000])
+        sys.stderr.write(f"several nodes of your own cannot be run here: {names}\n")
+    elif not own:
+        sys.stderr.write("the launch file starts no node of your own package\n")
+    return own[0] if len(own) == 1 else None
