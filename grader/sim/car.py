@@ -65,6 +65,8 @@ def fold(angle_rad: float) -> float:
 
     An angle that lies there already keeps its bits.
     """
+    if -math.pi <= angle_rad < math.pi:
+        return angle_rad
     if math.isinf(angle_rad):
         return math.nan
     folded = math.remainder(angle_rad, math.tau)

@@ -61,4 +61,6 @@ class ReceivedCommands:
 
 
 def _recorded(asked: float) -> float:
+    if -_MOST_RECORDED <= asked <= _MOST_RECORDED:
+        return asked
     return min(max(asked, -_MOST_RECORDED), _MOST_RECORDED)

@@ -253,7 +253,12 @@ class TurtleWorld:
     @property
     def _busy(self) -> bool:
         """Whether the next update has something to serve."""
-        return bool(self._pending) or any(each.action.busy for each in self._present.values())
+        if self._pending:
+            return True
+        for each in self._present.values():  # noqa: SIM110 - asked for each command: a generator costs more
+            if each.action.busy:
+                return True
+        return False
 
     def _serve(self, t_ns: int) -> None:
         """Do what the update of `t_ns` does before it moves the turtles."""

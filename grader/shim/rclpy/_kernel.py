@@ -307,13 +307,13 @@ class Kernel:
         me.deadline_ns = FOREVER_NS if deadline_ns is None else deadline_ns
         me.why = why
         me.idle = idle
-        if me.deadline_ns <= self.now_ns:
-            self.charge()  # a timeout of 0 does not block: a loop that polls must let time pass
-        else:
+        if blocks := me.deadline_ns > self.now_ns:
             self._count()
             self._spins = SPINS_PER_SLICE
+        else:
+            self.charge()  # a timeout of 0 does not block: a loop that polls must let time pass
         try:
-            return self._block(me)
+            return self._block(me, asked=blocks)
         finally:
             # A destructor run by the garbage collector may wait inside another wait.
             me.ready, me.deadline_ns, me.why, me.idle = before
@@ -446,7 +446,9 @@ class Kernel:
         if self._slices:
             self._preempt_ns = min(self._limit_ns, self._alarm_ns, self._slice_end_ns)
 
-    def _block(self, me: Thread) -> bool:
+    def _block(self, me: Thread, *, asked: bool = False) -> bool:
+        if len(self.threads) == 1 and (ended := self._block_alone(me, asked=asked)) is not None:
+            return ended
         while True:
             chosen = self._choose(self.threads.index(me))
             if chosen is not me:
@@ -461,6 +463,23 @@ class Kernel:
                 return True
             if me.deadline_ns <= self.now_ns:
                 return False
+
+    def _block_alone(self, me: Thread, *, asked: bool) -> bool | None:
+        """Do what `_block` does for the only thread there is; None: a signal has come, which `_block` delivers.
+
+        `asked`: `me.ready()` has just been asked, and did not hold.
+        """
+        while not self._signals:
+            if asked:
+                asked = False
+            elif me.ready():
+                self.replan()
+                return True
+            elif me.deadline_ns <= self.now_ns:
+                self.replan()
+                return False
+            self._pass_time(self.threads)
+        return None
 
     def _choose(self, position: int) -> Thread:
         """Return the thread to run after the one at `position`, letting time pass until there is one."""

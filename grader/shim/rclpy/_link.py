@@ -287,9 +287,10 @@ class Link:
         together_ns = min(together_ns, limit_ns)
         reckoned, reckoning = self._reckoned, self._reckoning
         if reckoning is not None:
-            self._reckon(together_ns)
+            if reckoning.next_ns <= together_ns:
+                self._reckon(together_ns)
             if not reckoned and reckoning.next_ns <= limit_ns:
-                self._reckon(reckoning.next_ns)
+                reckoned.append((reckoning.next_ns, reckoning.update()))
         if reckoned:
             target_ns = min(max(reckoned[0][0], together_ns), target_ns)
         due = [one for one in reckoned if one[0] <= target_ns]

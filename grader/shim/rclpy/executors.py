@@ -303,10 +303,10 @@ class Executor:
 
     def _block(self, watch: Watch, deadline_ns: int | None) -> None:
         """Block until the watch is ready, the executor is woken or the earliest deadline has come."""
-        context, woken = self._context, self._woken
+        woken, valid, watch_ready = self._woken, self._context._valid, watch.ready
 
         def ready() -> bool:
-            return bool(woken) or self._is_shutdown or not context._valid() or watch.ready()
+            return bool(woken) or self._is_shutdown or not valid() or watch_ready()
 
         due_ns = watch.deadline_ns
         until_ns = (
@@ -317,7 +317,7 @@ class Executor:
             kernel.be_late(min(watch.period_ns // 5, MAX_LATENESS_NS))
         if self._is_shutdown:
             raise ShutdownException()
-        if not context._valid():
+        if not valid():
             raise ExternalShutdownException()
 
     def _why(self) -> str:
@@ -355,9 +355,9 @@ class Executor:
         await await_or_execute(tmr.callback)
 
     def _take_subscription(self, sub: Any) -> Any:
-        sub.handle.require()
-        taken = sub.handle.take_message(sub.msg_type, sub.raw)
-        return None if taken is None else taken[0]
+        handle = sub.handle
+        handle.require()
+        return handle.take(sub.msg_type, sub.raw)
 
     async def _execute_subscription(self, sub: Any, msg: Any) -> None:
         if msg:

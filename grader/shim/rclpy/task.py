@@ -25,6 +25,8 @@ _CO_COROUTINE = 0x80
 
 def is_coroutine_function(callback: Any) -> bool:
     """Whether calling `callback` gives a coroutine: an ``async def`` function, method or partial of one."""
+    if type(callback) is _METHOD:
+        callback = callback.__func__
     if type(callback) is _FUNCTION:
         return bool(callback.__code__.co_flags & _CO_COROUTINE)
     while True:
@@ -39,6 +41,7 @@ def is_coroutine_function(callback: Any) -> bool:
 
 
 _FUNCTION = type(is_coroutine_function)
+_METHOD: Any = type(kernel.charge)
 
 
 async def await_or_execute(callback: Callable[..., Any], *args: Any) -> Any:

@@ -228,10 +228,16 @@ class SubscriptionHandle(EndpointHandle):
         """Return the oldest message (bytes when `raw`) with its times; None when there is none."""
         if not self.backlog:
             return None
-        data, t_ns = self.backlog.popleft()
-        stamp_ns = kernel.epoch_ns + t_ns
+        stamp_ns = kernel.epoch_ns + self.backlog[0][1]
         times = {"source_timestamp": stamp_ns, "received_timestamp": stamp_ns}
-        return (data if raw else deserialize(data, cls)), times
+        return self.take(cls, raw), times
+
+    def take(self, cls: type, raw: bool) -> Any:
+        """Return the oldest message (bytes when `raw`); None when there is none."""
+        if not self.backlog:
+            return None
+        data = self.backlog.popleft()[0]
+        return data if raw else deserialize(data, cls)
 
     def _dispose(self) -> None:
         self.node.graph.remove_reader(self)

@@ -197,11 +197,10 @@ class Watch:
             ready.sort(key=_order)
         self._ready = ready
         self._settled = changes.count
-        self._ready_waitables = [
-            (waitable, node)
-            for waitable, waits, node in self._waitables
-            if (waitable._poll() if waits is None else _is_ready(waitable, waits))
-        ]
+        self._ready_waitables = ready_waitables = []
+        for waitable, waits, node in self._waitables:
+            if waitable._poll() if waits is None else _is_ready(waitable, waits):
+                ready_waitables.append((waitable, node))
 
     def _due_timers(self) -> list[Place]:
         now_ns = kernel.now_ns
