@@ -5,7 +5,7 @@ that asks, waits or listens often must not cost much more than the lesson's squa
 CPU time says what the imitation of rclpy needs, the wall time also what the two processes wait for each other.
 
     python -m benchmarks.styles                               what each costs
-    python -m benchmarks.styles --rounds 20                   and whether 20 reports are the same to the byte
+    python -m benchmarks.styles --rounds 20 --slots 2         and whether 20 reports are the same to the byte
     python -m benchmarks.styles --rounds 10 --only limit      of what the limit of steps ends, or nearly
     python -m benchmarks.styles --rounds 10 --only limit --beside 4 --save loaded.json
     taskset -c 0 python -m benchmarks.styles --rounds 10 --only limit --compare loaded.json
@@ -21,9 +21,11 @@ import statistics
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from queue import SimpleQueue
 
 from rich.console import Console
 from rich.table import Table
@@ -160,20 +162,39 @@ def main() -> None:
     jobs = {name: job for name, job in _jobs(options.files).items() if options.only in name}
     if not jobs:
         sys.exit(f"no style has {options.only!r} in its name")
-    table = Table(title=f"warm, one slot; median (shortest) of {options.rounds}")
+    table = Table(title=f"warm, {options.slots} at once; median (shortest) of {options.rounds}")
     for heading in ("style", "wall", "script's CPU", "ended", "virtual", "report"):
         table.add_column(heading, justify="left" if heading == "style" else "right")
     reports = {}
-    with _busy(options.beside), Slot(SlotConfig()) as slot:
-        slot.grade(next(iter(jobs.values())))
-        for name, job in jobs.items():
-            graded = Graded([slot.grade(job) for _ in range(options.rounds)])
+    with _busy(options.beside):
+        for name, graded in _graded(jobs, options.rounds, options.slots).items():
             reports[name] = graded.reports
             table.add_row(name, *graded.row())
     Console(width=None if sys.stdout.isatty() else 130).print(table)
     if options.save:
         options.save.write_text(json.dumps(reports, indent=1))
     _judge(reports, json.loads(options.compare.read_text()) if options.compare else {})
+
+
+def _graded(jobs: Mapping[str, GradingJob], rounds: int, slots: int) -> dict[str, Graded]:
+    """Grade each job so many times, in so many grading processes."""
+    idle: SimpleQueue[Slot] = SimpleQueue()
+
+    def grade(name: str) -> GradingResult:
+        slot = idle.get()
+        try:
+            return slot.grade(jobs[name])
+        finally:
+            idle.put(slot)
+
+    with ExitStack() as stack:
+        for _ in range(slots):
+            slot = stack.enter_context(Slot(SlotConfig()))
+            slot.grade(next(iter(jobs.values())))
+            idle.put(slot)
+        pool = stack.enter_context(ThreadPoolExecutor(slots))
+        under_way = {name: [pool.submit(grade, name) for _ in range(rounds)] for name in jobs}
+        return {name: Graded([one.result() for one in each]) for name, each in under_way.items()}
 
 
 def _judge(reports: Mapping[str, list[str]], others: Mapping[str, list[str]]) -> None:
@@ -228,6 +249,7 @@ def _options() -> argparse.Namespace:
     )
     parser.add_argument("--only", default="", metavar="PART", help="those with PART in their name")
     parser.add_argument("--rounds", type=int, default=3, help="times that each is graded")
+    parser.add_argument("--slots", type=int, default=1, metavar="N", help="gradings at once; more are slower")
     parser.add_argument("--beside", type=int, default=0, metavar="N", help="keep N processes busy meanwhile")
     parser.add_argument("--save", type=Path, metavar="FILE", help="write the reports' digests")
     parser.add_argument("--compare", type=Path, metavar="FILE", help="compare with the digests of --save")
