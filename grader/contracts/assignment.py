@@ -83,7 +83,17 @@ ROBOT_COMMANDS: Final = "/cmd_vel"
 """The topic that moves a robot unless the assignment says otherwise."""
 
 
-ROBOT_TOPICS: Final = ("/odom", "/tf", "/tf_static", "/joint_states", "/scan", "/clock")
+ROBOT_TOPICS: Final = (
+    "/odom",
+    "/tf",
+    "/tf_static",
+    "/joint_states",
+    "/imu",
+    "/scan",
+    "/camera/image_raw",
+    "/camera/image_raw/compressed",
+    "/clock",
+)
 """What a robot publishes, by its usual names."""
 
 

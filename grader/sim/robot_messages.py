@@ -116,6 +116,50 @@ def static_transforms(t_ns: int) -> bytes:
     return encode("tf2_msgs/msg/TFMessage", {"transforms": told})
 
 
+IMU_FRAME: Final = "imu_link"
+CAMERA_FRAME: Final = "camera_link"
+TURN_NOISE_RADPS, PUSH_NOISE_MPS2 = 2e-4, 1.7e-2
+_GRAVITY_MPS2: Final = 9.8
+_IMU_HEAD: Final = _padded(_text(IMU_FRAME), 8)
+_TURNS: Final = _covariance(*(3 * (TURN_NOISE_RADPS**2,)))
+_PUSHES: Final = _covariance(*(3 * (PUSH_NOISE_MPS2**2,)))
+_IMU: Final = struct.Struct("<4d")
+_THREE: Final = struct.Struct("<3d")
+
+
+def imu(t_ns: int, heading_rad: float, turn_radps: Sequence[float], push_mps2: Sequence[float]) -> bytes:
+    """Return sensor_msgs/msg/Imu of a robot on the floor; gravity is added to what pushes it."""
+    half = math.remainder(heading_rad, math.tau) / 2.0
+    x, y, z = push_mps2
+    return b"".join(
+        (
+            HEADER,
+            _stamp(t_ns),
+            _IMU_HEAD,
+            _IMU.pack(0.0, 0.0, math.sin(half), math.cos(half)),
+            bytes(72),
+            _THREE.pack(*turn_radps),
+            _TURNS,
+            _THREE.pack(x, y, z + _GRAVITY_MPS2),
+            _PUSHES,
+        )
+    )
+
+
+def image(t_ns: int, width: int, height: int, pixels: bytes) -> bytes:
+    """Return sensor_msgs/msg/Image of encoding rgb8."""
+    head = _padded(_text(CAMERA_FRAME), 4) + struct.pack("<II", height, width) + _text("rgb8") + b"\0"
+    return b"".join(
+        (HEADER, _stamp(t_ns), _padded(head, 4), struct.pack("<II", 3 * width, len(pixels)), pixels)
+    )
+
+
+def compressed_image(t_ns: int, png: bytes) -> bytes:
+    """Return sensor_msgs/msg/CompressedImage, a PNG file; image_transport would send JPEG."""
+    head = _padded(_padded(_text(CAMERA_FRAME), 4) + _text("rgb8; png compressed bgr8"), 4)
+    return b"".join((HEADER, _stamp(t_ns), head, struct.pack("<I", len(png)), png))
+
+
 def joint_states(t_ns: int, angles_rad: Sequence[float], rates_radps: Sequence[float]) -> bytes:
     """Return sensor_msgs/msg/JointState of the two wheels; efforts are left out, as Gazebo does."""
     head = _stamp(t_ns) + _padded(_text(""), 4) + struct.pack("<I", len(WHEEL_JOINTS))

@@ -12,9 +12,11 @@ from grader.contracts.robot import LEAST_RANGE_M, MOST_RANGE_M, SCANNER_X_M
 from grader.sim import robot_messages as messages
 from grader.sim.feeds import Outbox
 from grader.sim.frames import MESSAGE_EVENT, CarState, Entity, Event, Request
+from grader.sim.png import png_of
 from grader.sim.received import ReceivedCommands
 from grader.sim.recorder import Recorder
 from grader.sim.robot import (
+    BEAT_S,
     DRIVE_BEATS,
     ROUGH_SCAN_NOISE_M,
     SCAN_BEATS,
@@ -24,6 +26,7 @@ from grader.sim.robot import (
     last_beat_at,
 )
 from grader.sim.robot_body import RobotBody
+from grader.sim.room_camera import HEIGHT, WIDTH, RoomCamera
 from grader.sim.scanner import ANGLES_RAD, RoomScanner
 
 TWIST: Final = "geometry_msgs/msg/Twist"
@@ -38,7 +41,10 @@ NODES: Final = (
 SIM_START_NS: Final = 12_625_000_000
 """What the simulation's clock shows when the script starts: Gazebo has been running for a while."""
 
+CAMERA: Final = "/camera/image_raw"
 CLOCK_BEATS: Final = 6
+CAMERA_BEATS: Final = 6
+IMU_BEATS: Final = 1
 _SETTLING_NS: Final = 100_000_000
 
 
@@ -80,6 +86,9 @@ class RobotWorld:
         self._scanner = RoomScanner(world.room)
         self._noise = np.random.RandomState(world.seed)
         self._noise_m = ROUGH_SCAN_NOISE_M if world.profile == "rough" else SCAN_NOISE_M
+        self._camera: RoomCamera | None = None
+        self._seen: tuple[int, bytes] = (-1, b"")  # the last picture, and its instant
+        self._last_v_mps = 0.0
         self._beat = 0
         self._heard: tuple[tuple[str, _Feed], ...] = ()
         self._heard_at = -1
@@ -89,6 +98,9 @@ class RobotWorld:
             "/tf_static": _Feed("tf2_msgs/msg/TFMessage", 0, messages.static_transforms),
             "/joint_states": _Feed("sensor_msgs/msg/JointState", DRIVE_BEATS, self._joint_states),
             "/scan": _Feed("sensor_msgs/msg/LaserScan", SCAN_BEATS, self._scan, reliable=False),
+            "/imu": _Feed("sensor_msgs/msg/Imu", IMU_BEATS, self._imu, reliable=False),
+            CAMERA: _Feed("sensor_msgs/msg/Image", CAMERA_BEATS, self._image),
+            f"{CAMERA}/compressed": _Feed("sensor_msgs/msg/CompressedImage", CAMERA_BEATS, self._compressed),
             "/clock": _Feed("rosgraph_msgs/msg/Clock", CLOCK_BEATS, messages.clock, reliable=False),
         }
         self._feeds = {world.topics.get(topic, topic): feed for topic, feed in feeds.items()}
@@ -198,6 +210,9 @@ class RobotWorld:
         """Drive up to `end_ns`, when the episode ended, and record the last sample."""
         self.advance(end_ns)
         self._body.observe()
+        if self._camera is not None:
+            self._camera.close()
+            self._camera = None
 
     def _odometry(self, t_ns: int) -> bytes:
         told = self._body.odometry
@@ -210,6 +225,29 @@ class RobotWorld:
     def _joint_states(self, t_ns: int) -> bytes:
         return messages.joint_states(t_ns, self._body.wheels_rad, self._body.odometry.wheels_radps)
 
+    def _imu(self, t_ns: int) -> bytes:
+        v, w = self._body.velocity
+        ahead, self._last_v_mps = (v - self._last_v_mps) / BEAT_S, v
+        turns = self._noise.normal(0.0, messages.TURN_NOISE_RADPS, 3)
+        pushes = self._noise.normal(0.0, messages.PUSH_NOISE_MPS2, 3)
+        turns[2] += w
+        pushes[0] += ahead
+        pushes[1] += v * w
+        return messages.imu(t_ns, self._body.pose[2], turns.tolist(), pushes.tolist())
+
+    def _image(self, t_ns: int) -> bytes:
+        return messages.image(t_ns, WIDTH, HEIGHT, self._picture(t_ns))
+
+    def _compressed(self, t_ns: int) -> bytes:
+        return messages.compressed_image(t_ns, png_of(WIDTH, HEIGHT, self._picture(t_ns)))
+
+    def _picture(self, t_ns: int) -> bytes:
+        if self._seen[0] != t_ns:
+            if self._camera is None:
+                self._camera = RoomCamera(self._room)
+            self._seen = (t_ns, self._camera.picture(self._body.pose))
+        return self._seen[1]
+
     def _scan(self, t_ns: int) -> bytes:
         """Measure all around, as Gazebo's sensor does: what is too near or too far is an infinity (REP 117)."""
         x, y, heading = self._body.pose
@@ -220,7 +258,8 @@ class RobotWorld:
         else:
             ranges = np.array(self._body.scan_m(ANGLES_RAD, MOST_RANGE_M), dtype=np.float32)
         noisy = ranges + self._noise.normal(0.0, self._noise_m, len(ranges))
-        noisy = np.clip(noisy, LEAST_RANGE_M, MOST_RANGE_M)
+        np.maximum(noisy, LEAST_RANGE_M, out=noisy)
+        np.minimum(noisy, MOST_RANGE_M, out=noisy)
         noisy[ranges >= MOST_RANGE_M] = math.inf
         noisy[ranges <= LEAST_RANGE_M] = -math.inf
         return messages.laser_scan(t_ns, noisy.astype("<f4").tobytes())

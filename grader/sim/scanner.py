@@ -80,10 +80,13 @@ class RoomScanner:
         ahead, left = (dx * c + dy * s).astype(np.float32), (dy * c - dx * s).astype(np.float32)
         along = np.multiply.outer(ahead, _AHEAD)
         along += np.multiply.outer(left, _LEFT)
-        rest = (self._round[:, 2] ** 2 - (dx * dx + dy * dy)).astype(np.float32)[:, None] + along * along
-        reach = along - np.sqrt(np.maximum(rest, np.float32(0.0)))
-        hit = (rest >= 0.0) & (reach > 0.0)
-        return np.asarray(np.max(hit / np.where(hit, reach, np.float32(1.0)), axis=0))
+        beside = (self._round[:, 2] ** 2 - (dx * dx + dy * dy)).astype(np.float32)
+        rest = along * along
+        rest += beside[:, None]
+        hit = (rest > 0.0) & (along > 0.0)
+        along -= np.sqrt(np.where(hit, rest, np.float32(0.0)))
+        found = np.divide(np.float32(1.0), along, out=np.zeros_like(along), where=hit)
+        return np.asarray(found.max(axis=0))
 
 
 def _sides(around: NDArray[np.float64]) -> list[tuple[float, float, float, float, float]]:

@@ -1,12 +1,11 @@
 """What a camera above turtlesim's window sees: the line that was driven, and the turtle. As PNG, drawn by hand."""
 
 import math
-import struct
-import zlib
 from typing import Final
 
 from grader.contracts.assignment import WINDOW_M
 from grader.sim.car import PlanarPose
+from grader.sim.png import png_of
 
 SIZE: Final = 222
 """Width and height of the picture, in pixels: one is 5 cm."""
@@ -43,10 +42,7 @@ class TopView:
             _dot(
                 seen, x + step * _PIXEL_M * math.cos(heading), y + step * _PIXEL_M * math.sin(heading), _NOSE
             )
-        rows = b"".join(b"\0" + seen[start : start + SIZE] for start in range(0, SIZE * SIZE, SIZE))
-        head = struct.pack(">IIBBBBB", SIZE, SIZE, 8, 3, 0, 0, 0)  # eight bits of a palette
-        parts = ((b"IHDR", head), (b"PLTE", _PALETTE), (b"IDAT", zlib.compress(rows, 6)), (b"IEND", b""))
-        return b"\x89PNG\r\n\x1a\n" + b"".join(_chunk(*part) for part in parts)
+        return png_of(SIZE, SIZE, bytes(seen), _PALETTE)
 
 
 def _pixel(x_m: float, y_m: float) -> int | None:
@@ -61,7 +57,3 @@ def _dot(pixels: bytearray, x_m: float, y_m: float, color: int) -> None:
     place = _pixel(x_m, y_m)
     if place is not None:
         pixels[place] = color
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))

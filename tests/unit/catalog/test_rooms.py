@@ -9,7 +9,7 @@ from grader.catalog import Catalog, set_root
 from grader.contracts.errors import AssignmentError
 from tests.unit.catalog.test_catalog import GOOD, write
 
-ROBOT_CHECKLIST = ["stop_before_wall", "follow_wall", "three_goals", "avoid_obstacles", "maze"]
+ROBOT_CHECKLIST = ["stop_before_wall", "follow_wall", "three_goals", "avoid_obstacles", "maze", "follow_line"]
 
 ROOM = (
     GOOD

@@ -95,6 +95,20 @@ def test_a_robot_that_stops_at_the_wrong_place_is_told_which_way() -> None:
     assert "room_too_late" in [each.code for each in late]
 
 
+def test_the_line_that_was_followed() -> None:
+    assignment = task("line_pct", line_within_m=0.1)
+    line = replace(ROOM, stripes=(Stripe(points_m=((0.0, 0.0), (1.0, 0.0))),))
+    assignment = replace(assignment, world=replace(assignment.world, room=line))
+    found = examine(assignment, straight(0.5, y_m=0.05)).measures
+    assert found["line_pct"].value == 100.0
+    assert found["line_covered_pct"].value == pytest.approx(58.0, abs=3.0)
+    beside = examine(assignment, straight(0.5, y_m=0.2)).measures
+    assert (beside["line_pct"].value, beside["line_covered_pct"].value) == (0.0, 0.0)
+    past = examine(assignment, straight(1.9)).measures
+    assert past["line_pct"].value == pytest.approx(100.0 * 1.1 / 1.9, abs=2.0)
+    assert past["line_covered_pct"].value == 100.0
+
+
 def test_pictures_show_the_room() -> None:
     assignment = task("ahead_m")
     with_line = replace(ROOM, stripes=(Stripe(points_m=((0.0, 0.0), (1.0, 0.0), (1.0, 1.0))),))

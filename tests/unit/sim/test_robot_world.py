@@ -2,11 +2,13 @@
 
 import math
 import struct
+from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 
-from grader.contracts.assignment import StartPose, World
+from grader.contracts.assignment import StartPose, Stripe, World
 from grader.sim import robot_messages as messages
 from grader.sim.bullet import BulletCar
 from grader.sim.cdr import decode, encode
@@ -188,3 +190,56 @@ def test_messages_are_as_the_general_writer_makes_them() -> None:
     assert (read["position"], read["velocity"], read["effort"]) == ([1.0, 2.0], [3.0, 4.0], [])
     assert encode("sensor_msgs/msg/JointState", read, TYPES) == joints
     assert decode("rosgraph_msgs/msg/Clock", messages.clock(t_ns))["clock"]["nanosec"] == 345_678_901
+    for kind, payload in (
+        ("sensor_msgs/msg/Imu", messages.imu(t_ns, 0.5, (0.0, 0.0, 0.2), (0.1, 0.0, 0.0))),
+        ("sensor_msgs/msg/Image", messages.image(t_ns, 4, 2, bytes(range(24)))),
+        ("sensor_msgs/msg/CompressedImage", messages.compressed_image(t_ns, b"abc")),
+    ):
+        values = decode(kind, payload, TYPES)
+        assert encode(kind, values, TYPES) == payload
+    assert decode("sensor_msgs/msg/Image", messages.image(t_ns, 4, 2, bytes(24)), TYPES)["step"] == 12
+
+
+def test_the_imu_feels_a_turn_and_gravity(car: BulletCar, body: RobotBody) -> None:
+    student = Student()
+    kind = "sensor_msgs/msg/Imu"
+
+    def story() -> Any:
+        yield jail.entity(90, 2, 0, name="/cmd_vel", type="geometry_msgs/msg/Twist")
+        yield jail.publish(90, 0, jail.twist(0.0, 1.0))
+        yield from listen(student, "/imu", kind)
+        yield from student.wait(2 * SECOND)
+        yield jail.ended(student.now)
+
+    play(car, body, story(), horizon_s=2.0)
+    told = [values for _, values in heard(student, "/imu", kind)]
+    assert len(told) == 120
+    assert told[-1]["angular_velocity"]["z"] == pytest.approx(1.0, abs=0.01)
+    assert told[-1]["linear_acceleration"]["z"] == pytest.approx(9.8, abs=0.1)
+    turned = sum(each["angular_velocity"]["z"] for each in told) / 60.0
+    q = told[-1]["orientation"]
+    assert 2.0 * math.atan2(q["z"], q["w"]) == pytest.approx(turned, abs=0.01)
+
+
+def test_a_camera_sees_a_line_on_its_side_only_while_somebody_looks(car: BulletCar, body: RobotBody) -> None:
+    student = Student()
+    kind = "sensor_msgs/msg/Image"
+    striped = replace(ROOM, stripes=(Stripe(points_m=((0.1, 0.1), (1.0, 0.1))),))
+    world = replace(WORLD, room=striped)
+
+    def story() -> Any:
+        yield from listen(student, "/camera/image_raw", kind, reliable=True)
+        yield from student.wait(SECOND // 5)
+        yield jail.gone(student.ids["/camera/image_raw"], student.now)
+        yield from student.wait(SECOND)
+        yield jail.ended(student.now)
+
+    play(car, body, story(), world)
+    ident = student.ids["/camera/image_raw"]
+    pictures = [data for _, who, data in student.heard if who == ident]
+    assert len(pictures) == 2
+    assert pictures[0][12:] == pictures[1][12:]  # all but the stamp: nothing moved
+    pixels = np.frombuffer(pictures[0][-3 * 80 * 60 :], dtype=np.uint8).reshape(60, 80, 3)
+    dark = np.nonzero(pixels[40:].max(axis=2) < 90)[1]
+    assert len(dark) > 10
+    assert dark.mean() < 36  # to the left

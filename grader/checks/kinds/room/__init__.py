@@ -31,6 +31,8 @@ MEASURES = {
     "covered_pct": MeasureKind("%"),
     "band_pct": MeasureKind("%"),
     "band_m": MeasureKind("m"),
+    "line_pct": MeasureKind("%"),
+    "line_covered_pct": MeasureKind("%"),
 }
 
 
@@ -49,6 +51,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
         "moving_s": Measure(_moving_s(trajectory)),
         "covered_pct": Measure(100.0 * _covered(room, drive)),
         **_band(assignment, room, drive),
+        **_line(assignment, room, drive),
     }
     return Findings(measures, room_mistakes(assignment, run, drive, measures))
 
@@ -114,6 +117,31 @@ def _band(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure
     }
 
 
+def _line(assignment: Assignment, room: Room, drive: Drive) -> dict[str, Measure]:
+    """Measure which share of the way ran over the lines on the floor, and how much of them."""
+    within = assignment.options.get("line_within_m")
+    if within is None or not room.stripes:
+        return {}
+    x, y = _points(drive)
+    line = [_along(stripe.points_m) for stripe in room.stripes]
+    line_x, line_y = (np.concatenate([each[i] for each in line]) for i in (0, 1))
+    apart = np.hypot(x[:, None] - line_x, y[:, None] - line_y)
+    details = {"within": number(float(within), "m")}
+    on_line = np.min(apart, axis=1) <= float(within) + _POINT_M / 2.0
+    return {
+        "line_pct": Measure(100.0 * float(np.mean(on_line)), details),
+        "line_covered_pct": Measure(100.0 * float(np.mean(np.min(apart, axis=0) <= float(within))), details),
+    }
+
+
+def _along(corners: tuple[tuple[float, float], ...]) -> tuple[Floats, Floats]:
+    """Return points of a line on the floor, a centimetre apart or less."""
+    at = np.array(corners)
+    length = np.concatenate(([0.0], np.cumsum(np.hypot(*np.diff(at, axis=0).T))))
+    steps = np.linspace(0.0, length[-1], max(round(length[-1] / _POINT_M), 1) + 1)
+    return np.interp(steps, length, at[:, 0]), np.interp(steps, length, at[:, 1])
+
+
 def sketch(assignment: Assignment, run: Run) -> FigureSketch:
     """Return the bare path: the room is drawn for every check."""
     return FigureSketch(view="path", ideal_closed=False)
@@ -128,11 +156,24 @@ _NO_BAND = Text(
     en="options.band_low_m and band_high_m are missing; add them",
 )
 
+_NO_LINE = Text(
+    zh="缺少 options.line_within_m 或 world.room.lines：补上",
+    en="options.line_within_m or world.room.lines are missing; add them",
+)
+
 
 def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
     if assignment.world.kind != "robot":
         return (("world", _NO_ROBOT),)
-    return tuple(_without_band(assignment))
+    return (*_without_band(assignment), *_without_line(assignment))
+
+
+def _without_line(assignment: Assignment) -> Iterator[tuple[str, Text]]:
+    room = assignment.world.room
+    has_line = "line_within_m" in assignment.options and room is not None and bool(room.stripes)
+    for i, item in enumerate(assignment.items):
+        if item.measure in ("line_pct", "line_covered_pct") and not has_line:
+            yield f"items.{i}.measure", _NO_LINE
 
 
 def _without_band(assignment: Assignment) -> Iterator[tuple[str, Text]]:
@@ -153,7 +194,7 @@ def _problem_with_length(value: Option) -> Text | None:
 CHECK = Check(
     kind="room",
     measures=MEASURES,
-    optional={"band_low_m": _problem_with_length, "band_high_m": _problem_with_length},
+    optional=dict.fromkeys(("band_low_m", "band_high_m", "line_within_m"), _problem_with_length),
     consult=_consult,
     examine=examine,
     sketch=sketch,

@@ -57,3 +57,10 @@ def _strayed(assignment: Assignment, measures: Mapping[str, Measure]) -> Iterato
     if kept is not None and fits(assignment, "band_pct", kept.value) is False:
         code = "room_no_wall" if kept.value == 0.0 else "room_strays"
         yield mistake(code, ("band_pct", "band_m"), **kept.details)
+    on_line = measures.get("line_pct")
+    if on_line is not None and fits(assignment, "line_pct", on_line.value) is False:
+        yield mistake("room_off_line", ("line_pct", "line_covered_pct"), share=number(on_line.value, "%"))
+        return
+    done = measures.get("line_covered_pct")
+    if done is not None and fits(assignment, "line_covered_pct", done.value) is False:
+        yield mistake("room_line_left", ("line_covered_pct",), share=number(done.value, "%"))
