@@ -42,6 +42,7 @@ _HEADERS = {
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "private, no-cache",
 }
+_OF_STREAMS = "no-cache"  # FastAPI's; a cache that many share might keep the stream
 _SLASH_REDIRECT = 307
 _WELL_FORMED = re.compile(r"[A-Za-z0-9._-]{8,64}")
 _METHODS = frozenset({"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
@@ -72,6 +73,8 @@ class SafeHeaders:
                 headers = MutableHeaders(scope=message)
                 for name, value in _HEADERS.items():
                     headers.setdefault(name, value)
+                if headers["Cache-Control"] == _OF_STREAMS:
+                    headers["Cache-Control"] = _HEADERS["Cache-Control"]
                 if message["status"] == _SLASH_REDIRECT:
                     headers["Location"] = _on_this_host(headers["Location"])
             await send(message)

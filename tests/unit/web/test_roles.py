@@ -175,6 +175,31 @@ def test_forms_are_taken_from_the_right_roles(
     assert answers(client, school, operation) == EXPECTED[operation]
 
 
+@pytest.mark.parametrize(
+    ("token", "site"), [("", "same-origin"), ("x" * 32, "none"), (FORM_TOKEN, "cross-site")]
+)
+def test_no_form_of_another_site_is_taken(
+    client: httpx.Client, school: dict[str, str], token: str, site: str
+) -> None:
+    """Not even from an instructor's browser, by any address."""
+    cookies = f"{COOKIE}={FORM_TOKEN}; {SESSION_COOKIE}={school['instructor']}"
+    headers = {**PAGE, "Cookie": cookies, "Sec-Fetch-Site": site}
+    for operation in sorted(set(OPERATIONS) - set(LOOKS)):
+        method, path = operation.split()
+        sent = {"files": {"file": ("a.csv", b"id,name\nnew,x\n")}, "data": {FIELD: token, "id": "next"}}
+        answer = client.request(method, path.format_map(school), headers=headers, **sent)
+        assert answer.status_code == httpx.codes.FORBIDDEN, operation
+        assert "Set-Cookie" not in answer.headers, operation
+
+
+def test_nothing_is_kept_on_the_way(client: httpx.Client, school: dict[str, str]) -> None:
+    """What is somebody's is in no cache that others share."""
+    headers = {**PAGE, "Cookie": f"{SESSION_COOKIE}={school['instructor']}"}
+    for operation in LOOKS:
+        with client.stream("GET", operation.split()[1].format_map(school), headers=headers) as answer:
+            assert {"no-store", "private"} & set(answer.headers["Cache-Control"].split(", ")), operation
+
+
 def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tuple[int, ...]:
     """The status that each role gets."""
     method, path = operation.split()
