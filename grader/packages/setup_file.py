@@ -7,6 +7,7 @@ Understood are literals, names bound to them, f-strings, ``+``, ``os.path.join``
 import ast
 from collections.abc import Collection, Mapping, Sequence
 from fnmatch import fnmatchcase
+from functools import cached_property
 from typing import Any, Final
 
 UNKNOWN: Final = object()
@@ -16,6 +17,11 @@ _MOST_BYTES: Final = 64 * 1024
 _MOST_DEPTH: Final = 60
 _LONGEST_LINE: Final = 4_000
 _LONGEST_VALUE: Final = 4_000
+_MOST_STEPS: Final = 200_000
+"""Names of paths that all searches of a file may compare with names of patterns; sums count, too. A package of 500
+files four folders deep takes 6,000 for a pattern. This is work of the grader, not of the script: without a bound
+4,000 lines of ``glob("**/*")`` took ten minutes."""
+_COPIED_IN_A_STEP: Final = 16
 
 
 class SetupFile:
@@ -33,6 +39,7 @@ class SetupFile:
         self.calls_setup = False
         self._paths = sorted(paths)
         self._names: dict[str, Any] = {}
+        self._steps_left = _MOST_STEPS
         tree = parsed(source)
         self.is_python = tree is not None
         try:
@@ -80,6 +87,8 @@ class SetupFile:
             if not (isinstance(files, list | tuple) and all(isinstance(one, str) for one in files)):
                 return None
             found.append((each[0], list(files)))
+            if sum(len(paths) for _, paths in found) > _LONGEST_VALUE:
+                return None
         return found
 
     def _execute(self, statement: ast.stmt) -> None:
@@ -94,7 +103,7 @@ class SetupFile:
             )
         elif isinstance(statement, ast.AugAssign) and isinstance(statement.target, ast.Name):
             name = statement.target.id
-            self._names[name] = _sum(self._names.get(name, UNKNOWN), self._value(statement.value))
+            self._names[name] = self._sum(self._names.get(name, UNKNOWN), self._value(statement.value))
         elif isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Call):
             self._call(statement.value)
         elif isinstance(statement, ast.If) and _is_main_guard(statement.test):
@@ -124,7 +133,7 @@ class SetupFile:
             if isinstance(known, list) and function.attr in ("append", "extend") and len(call.args) == 1:
                 value = self._value(call.args[0])
                 added = [value] if function.attr == "append" else value
-                self._names[function.value.id] = _sum(known, added)
+                self._names[function.value.id] = self._sum(known, added)
 
     def _take_arguments(self, call: ast.Call) -> None:
         self.calls_setup = True
@@ -147,7 +156,7 @@ class SetupFile:
         if isinstance(node, ast.JoinedStr):
             return self._joined(node)
         if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Add):
-            return _sum(self._value(node.left), self._value(node.right))
+            return self._sum(self._value(node.left), self._value(node.right))
         if isinstance(node, ast.Call):
             return self._called(node)
         return UNKNOWN
@@ -192,7 +201,7 @@ class SetupFile:
             return self._found_packages(arguments, options)
         if name in ("glob", "iglob", "join", "str", "list", "sorted") and arguments:
             if name == "glob" and isinstance(arguments[0], str):
-                return _globbed(arguments[0], self._paths)
+                return self._globbed(arguments[0])
             if name == "join" and all(isinstance(each, str) for each in arguments):
                 return _bounded(_joined_path(arguments))
             return arguments[0] if name in ("str", "list", "sorted") else UNKNOWN
@@ -203,6 +212,8 @@ class SetupFile:
         excluded = options.get("exclude", [])
         if where not in (".", "") or not isinstance(excluded, list):
             return UNKNOWN
+        if not self._may(self._names_of_paths * (1 + len(excluded))):
+            return UNKNOWN
         folders = {path.rpartition("/")[0] for path in self._paths if path.endswith("/__init__.py")}
         found = []
         for folder in sorted(folders):
@@ -212,6 +223,37 @@ class SetupFile:
             if whole and not any(fnmatchcase(name, str(pattern)) for pattern in excluded):
                 found.append(name)
         return found
+
+    def _globbed(self, pattern: str) -> Any:
+        """Return the files and folders that match, as `glob.glob` does in the package's folder."""
+        wanted = pattern.removeprefix("./").split("/")
+        if not self._may(self._names_of_paths * len(wanted)):
+            return UNKNOWN
+        return _bounded([path for path in self._every if _matches(path.split("/"), wanted)])
+
+    @cached_property
+    def _every(self) -> list[str]:
+        """All files and folders of the package."""
+        return sorted(
+            {"/".join(path.split("/")[:end]) for path in self._paths for end in range(1, path.count("/") + 2)}
+        )
+
+    @cached_property
+    def _names_of_paths(self) -> int:
+        return sum(path.count("/") + 1 for path in self._every)
+
+    def _sum(self, left: Any, right: Any) -> Any:
+        alike = (isinstance(left, str) and isinstance(right, str)) or (
+            isinstance(left, list) and isinstance(right, list)
+        )
+        if not alike or not self._may((len(left) + len(right)) // _COPIED_IN_A_STEP):
+            return UNKNOWN
+        return _bounded(left + right)
+
+    def _may(self, steps: int) -> bool:
+        """Count so many steps; return whether they are still within what one file may take."""
+        self._steps_left -= steps
+        return self._steps_left >= 0
 
 
 def parsed(source: bytes) -> ast.Module | None:
@@ -227,14 +269,6 @@ def parsed(source: bytes) -> ast.Module | None:
         return ast.parse(source)
     except (SyntaxError, ValueError, RecursionError, MemoryError):
         return None
-
-
-def _sum(left: Any, right: Any) -> Any:
-    if isinstance(left, str) and isinstance(right, str):
-        return _bounded(left + right)
-    if isinstance(left, list) and isinstance(right, list):
-        return _bounded(left + right)
-    return UNKNOWN
 
 
 def _bounded(value: Any) -> Any:
@@ -257,13 +291,6 @@ def _joined_path(parts: Sequence[str]) -> str:
     for part in parts:
         path = part if part.startswith("/") or not path else f"{path.rstrip('/')}/{part}"
     return path
-
-
-def _globbed(pattern: str, paths: Sequence[str]) -> list[str]:
-    """Return the files and folders that match, as `glob.glob` does in the package's folder."""
-    wanted = pattern.removeprefix("./").split("/")
-    every = {"/".join(path.split("/")[:end]) for path in paths for end in range(1, path.count("/") + 2)}
-    return [path for path in sorted(every) if _matches(path.split("/"), wanted)]
 
 
 def _matches(parts: Sequence[str], wanted: Sequence[str]) -> bool:
