@@ -78,7 +78,7 @@ def test_a_submission_is_followed_to_its_end(
     url = upload().headers["Location"]
     with opened(client, url) as stream:
         assert stream.response.headers["content-type"].startswith("text/event-stream")
-        assert stream.response.headers["cache-control"] == "no-cache"
+        assert stream.response.headers["cache-control"] == "private, no-cache"
         events = stream.events()
         told = [next(events)]
         finish(services, claimed(services))
