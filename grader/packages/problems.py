@@ -7,6 +7,7 @@ start ends with an exception, or ``ros2 launch`` does not find a file.
 import ast
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import islice
 from typing import Final
 
 from grader.contracts.assignment import WantedPackage
@@ -29,6 +30,9 @@ _OF_ROS: Final = re.compile(
 _TO_INSTALL: Final = re.compile(
     r"(?:.*/)?(?:[^/]+[._]launch\.(?:py|xml|yaml)|(?:launch|config|params?)/[^/]+\.(?:py|yaml|yml|xml))"
 )
+_MOST_READ: Final = 20
+"""Modules that are parsed to see whether they have what entries name: work of the grader, not of the script."""
+_MOST_LOOKED_AT, _MOST_TOLD = 200, 20
 _TESTS: Final = ("test/", "tests/")
 
 
@@ -37,9 +41,10 @@ def problems(
 ) -> tuple[PackageProblem, ...]:
     """Return what is wrong, the first cause first; of several packages in the one that is wanted, or in all."""
     looked_at = [each for each in packages if wanted.name in (each.name, each.setup_name)] or list(packages)
-    found = [problem for package in looked_at for problem in _of_package(package, files)]
+    every = (problem for package in looked_at for problem in _of_package(package, files))
+    found = list(islice(every, _MOST_LOOKED_AT))
     found += _unmatched(looked_at, wanted, found)
-    return tuple(sorted(found, key=lambda problem: not problem.fatal))
+    return tuple(sorted(found, key=lambda problem: not problem.fatal)[:_MOST_TOLD])
 
 
 def unread(packages: Sequence[Package]) -> str:
@@ -60,8 +65,9 @@ def _of_package(package: Package, files: Mapping[str, bytes]) -> Iterator[Packag
     yield from _names(package)
     yield from _config(package)
     yield from _entries(package)
+    known: dict[str, set[str] | None] = {}
     for script in package.scripts:
-        yield from _script(package, script, files)
+        yield from _script(package, script, files, known)
     yield from _shared(package)
 
 
@@ -122,7 +128,10 @@ def _entries(package: Package) -> Iterator[PackageProblem]:
         yield _fatal("package_entry_missing", ENTRY, name=package.name)
 
 
-def _script(package: Package, script: Executable, files: Mapping[str, bytes]) -> Iterator[PackageProblem]:
+def _script(
+    package: Package, script: Executable, files: Mapping[str, bytes], known: dict[str, set[str] | None]
+) -> Iterator[PackageProblem]:
+    """Yield what is wrong with an entry; `known` holds the names of the modules that were read for others."""
     path = package.modules.get(script.module)
     beside = script.module.replace(".", "/") + ".py"
     folder = beside.rpartition("/")[0]
@@ -135,7 +144,9 @@ def _script(package: Package, script: Executable, files: Mapping[str, bytes]) ->
         listed = ", ".join(there[:5]) or "—"
         yield _fatal("package_entry_module", ENTRY, module=script.module, there=listed, entry=script.name)
     elif path:
-        names = _defined(files[f"{package.folder}/{path}"])
+        if path not in known and len(known) < _MOST_READ:
+            known[path] = _defined(files[f"{package.folder}/{path}"])
+        names = known.get(path)
         if names is not None and script.function.partition(".")[0] not in names:
             yield _fatal(
                 "package_entry_function", ENTRY, module=script.module, function=script.function, file=path

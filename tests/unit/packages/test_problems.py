@@ -5,8 +5,10 @@ import pytest
 from grader.checks.measure import mistake
 from grader.contracts.assignment import WantedPackage
 from grader.contracts.text import LANGUAGES
+from grader.packages import problems as package_problems
 from grader.packages.bundle import bundled
 from grader.packages.mounting import mounted
+from grader.packages.setup_file import parsed
 from tests.fakes.packages import DRIVE, MANIFEST, NAME, SETUP, package_files, zipped
 
 MODULE = f"{NAME}/drive.py"
@@ -159,3 +161,14 @@ def test_a_setup_that_would_take_for_ever_is_read_at_once(setup: str) -> None:
     found = mounted(bundled(zipped(files)), None, "humble")
     assert found.chosen is None
     assert found.problems
+
+
+def test_each_module_is_read_once_however_many_entries_name_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """200 entries of one long module took a minute, and each had a problem of its own in the report."""
+    read = []
+    monkeypatch.setattr(package_problems, "parsed", lambda source: read.append(source) or parsed(source))
+    entries = "".join(f"\n'e{number} = {NAME}.drive:nothing'," for number in range(1_000))
+    source = bundled(zipped(package_files(**{"setup.py": changed(RIGHT, LINE, entries)})))
+    found = mounted(source, WantedPackage(executable="e1"), "humble").problems
+    assert {each.code for each in found} == {"package_entry_function"}
+    assert (len(read), len(found)) == (1, 20)

@@ -186,6 +186,8 @@ def test_no_form_of_another_site_is_taken(
     headers = {**PAGE, "Cookie": cookies, "Sec-Fetch-Site": site}
     for operation in sorted(set(OPERATIONS) - set(LOOKS)):
         method, path = operation.split()
+        if path.startswith("/lti/"):
+            continue  # another site, the learning platform, sends these: they carry proofs of their own
         sent = {"files": {"file": ("a.csv", b"id,name\nnew,x\n")}, "data": {FIELD: token, "id": "next"}}
         answer = client.request(method, path.format_map(school), headers=headers, **sent)
         assert answer.status_code == httpx.codes.FORBIDDEN, operation
