@@ -9,6 +9,7 @@ import httpx
 import pytest
 
 from grader.web import forms
+from tests.fakes.waiting import wait_until
 
 PATIENCE_S = 60
 DESKTOP, PHONE = (1280, 900), (320, 640)
@@ -36,6 +37,13 @@ class Browser:
 
     def open(self, path: str) -> None:
         self.driver.get(self.address + path)
+
+    def open_once(self, path: str, words: str) -> None:
+        """Open a page as soon as it says `words`. Looking without drawing takes a tenth of the time."""
+        cookies = {one["name"]: one["value"] for one in self.driver.get_cookies()}
+        with httpx.Client(base_url=self.address, cookies=cookies, trust_env=False) as client:
+            wait_until(lambda: words in client.get(path).text, PATIENCE_S, pause_s=0.1)
+        self.open(path)
 
     @property
     def path(self) -> str:
@@ -72,8 +80,10 @@ class Browser:
             fields = {field: text, forms.FIELD: form_token}
             answer = client.post(f"{self.address}/enter", data=fields)
         assert answer.status_code == 303, answer.text
-        for name, value in answer.cookies.items():
-            self.driver.add_cookie({"name": name, "value": value})
+        given = [
+            {"name": name, "value": value, "url": self.address} for name, value in answer.cookies.items()
+        ]
+        self.command("Network.setCookies", cookies=given)
 
     def click(self, selector: str) -> None:
         """Click what leads to another page, and wait until that one is there."""

@@ -69,8 +69,7 @@ def window(programs: tuple[str, str], tmp_path_factory: pytest.TempPathFactory) 
 def browser(window: Browser, address: str) -> Iterator[Browser]:
     """The one window, as if nobody had used it, at the module's service, whose fixture is `address`."""
     window.address = address
-    window.open("/static/icon.svg")
-    window.driver.delete_all_cookies()
+    window.command("Network.clearBrowserCookies")
     window.resize(DESKTOP)
     yield window
     assert window.complaints() == []

@@ -211,7 +211,7 @@ def test_an_uploaded_assignment_is_examined_and_tried(wang: Browser, tmp_path: P
         wang.click("form[aria-labelledby=upload] button")
         if spec != right:
             assert "items.0.points" in wang.says("main table")
-    wang.until(lambda: wang.open("/class/own") or "Can be used" in wang.says("main"))
-    wang.until(
-        lambda: wang.open("/assignments/walk_time") or "Question: time for a square" in wang.says("h1")
-    )
+    wang.open_once("/class/own", "Can be used")
+    assert "Can be used" in wang.says("main")
+    wang.open_once("/assignments/walk_time", "Question: time for a square")
+    assert "Question: time for a square" in wang.says("h1")
