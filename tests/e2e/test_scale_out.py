@@ -82,14 +82,18 @@ def test_a_worker_killed_while_it_grades_costs_nobody_a_grading(postgres_url: st
         with process(logs[0], *worker) as one, process(logs[1], *worker) as other:
             with database.writing() as session:
                 session.execute(text("LOCK grading IN SHARE MODE"))  # no result is stored before the kill
-                wait_until(lambda: grading_pid(session), PATIENCE_S)
+                wait_until(lambda: grading_pid(session), PATIENCE_S, pause_s=0.05)
                 pid = grading_pid(session)
                 victim, survivors_log = (one, logs[1]) if one.pid == pid else (other, logs[0])
                 victim.kill()
                 victim.wait()
                 session.execute(text(_END_STORING))
             urls += [upload(client, f"s{number}", hello) for number in range(3)]
-            wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls), PATIENCE_S)
+            wait_until(
+                lambda: all(client.get(url).json()["status"] == "graded" for url in urls),
+                PATIENCE_S,
+                pause_s=0.25,  # a lease runs out meanwhile
+            )
         documents = [client.get(url).json() for url in urls]
         assert {document["score"] for document in documents} == {documents[0]["max_score"]}
     with database.reading() as session:
