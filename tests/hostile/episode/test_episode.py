@@ -20,7 +20,7 @@ SCRIPTS = sorted((Path(__file__).parent / "scripts").glob("*.py"))
 ABUSE = sorted((Path(__file__).parents[1] / "abuse").glob("*.py"))
 LONGEST_REPORT = REPORT_TEXT_BYTES + 16 * 1024
 BRIEF = Limits(cpu_s=0.4, grace_cpu_s=0.2, wall_s=0.8)
-LIMITS = Limits(cpu_s=1.0, grace_cpu_s=0.2, wall_s=60.0)
+LIMITS = Limits(cpu_s=0.6, grace_cpu_s=0.2, wall_s=60.0)
 WORTHLESS = 0.25
 """Of the points: driving straight ahead, which some attacks do on the way, may earn as much."""
 
