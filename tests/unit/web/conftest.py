@@ -1,4 +1,3 @@
-import re
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -14,13 +13,13 @@ from grader.contracts.grading import AssignmentSource, GradingJob, GradingResult
 from grader.contracts.submission import NewSubmission
 from grader.settings import Settings
 from grader.use_cases.services import Services
+from grader.web.forms import COOKIE, FIELD
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
 from tests.fakes.courses import PreparedCourses
 from tests.fakes.grading import grade, grade_next
 
 PAGE = {"Accept": "text/html,application/xhtml+xml"}
-_TOKEN = re.compile(r'name="form_token" value="([^"]+)"')
 
 
 class Shipped:
@@ -58,8 +57,10 @@ class Browser:
         return self.client.get(path, headers=PAGE, follow_redirects=False, **kwargs)
 
     def post(self, path: str, data: dict[str, str], files=None, page: str | None = None):
-        token = _TOKEN.search(self.get(page or path).text)
-        fields = {**({"form_token": token[1]} if token else {}), **data}
+        """Send the form of a page, which is looked at the first time only: all pages have the same token."""
+        if COOKIE not in self.client.cookies:
+            self.get(page or path)
+        fields = {FIELD: self.client.cookies.get(COOKIE, ""), **data}
         return self.client.post(path, data=fields, files=files, headers=PAGE, follow_redirects=False)
 
     def enter(self, **said: str):
