@@ -21,6 +21,7 @@ OPS = (
     *("set_level", "status", "auth", "png", "", 5),
 )
 NAMES = (
+    *("/rosapi/set_param", "/rosapi/get_param_names"),
     *(
         "/turtle1/cmd_vel",
         "/turtle1/pose",
@@ -32,7 +33,14 @@ NAMES = (
         "",
     ),
     *("/rosapi/topics", "/rosapi/message_details", "/spawn", "/kill", "/reset", "/turtle1/set_pen", "/mine"),
-    *("/turtle1/rotate_absolute", "/emergency_stop", "/turtlesim/set_parameters", "/turtle2/cmd_vel"),
+    *(
+        "/turtle1/rotate_absolute",
+        "/emergency_stop",
+        "/turtlesim/set_parameters",
+        "/rosapi/set_param",
+        "/rosapi/get_param_names",
+        "/turtle2/cmd_vel",
+    ),
 )
 TYPES = (
     "geometry_msgs/Twist",

@@ -36,6 +36,7 @@ from grader.sim.rosbridge.frames import (
     read_frame,
 )
 from grader.sim.rosbridge.graph import RosGraph
+from grader.sim.rosbridge.parameters import RosapiParameters
 from grader.sim.rosbridge.subscriptions import Subscription
 from grader.sim.rosbridge.values import full_type, in_order, message, to_json
 
@@ -116,6 +117,7 @@ class Bridge:
         self._waiting: dict[int, _Waiting] = {}
         self._numbers = count(FIRST_ID)
         self._goals = Goals(self)
+        self._parameters = RosapiParameters(self, lambda: self._graph.services)
         self._out: list[Out] = []
         self._now_ns = 0
         self._operations: dict[type[Frame], Callable[[int, Any], None]] = {
@@ -292,8 +294,12 @@ class Bridge:
             raise FrameError(f"at most {MOST_TOPICS} topics subscribed by one client")
         kind = self._established(topic, frame.type)
         subscription = own.get(topic) or Subscription(slot=self._hear(topic, kind).id)
-        subscription.add(frame)
-        own[topic] = subscription
+        try:
+            subscription.add(frame)
+            own[topic] = subscription
+        finally:  # a wish that was refused leaves nothing
+            self._release(topic)
+            self._drop_relays()
         if frame.compression not in (None, "none"):
             told = f"compression {frame.compression} is not offered: {topic} is sent as JSON"
             self.send(client, {"op": "status", "level": "warning", "msg": told}, frame.id)
@@ -342,7 +348,7 @@ class Bridge:
 
     def _services(self) -> dict[str, str]:
         offered = {name: kind for name, (_, kind) in self._offered.items()}
-        return {**self._graph.services, **offered, **rosapi.types()}
+        return {**self._graph.services, **offered, **rosapi.types(self._parameters.names)}
 
     def _call_service(self, client: int, frame: CallService) -> None:
         service = _full_name(frame.service)
@@ -357,6 +363,9 @@ class Bridge:
         try:
             if service in self._offered:
                 self._ask_client(client, service, frame, Reply(done, failed))
+            elif service.removeprefix(rosapi.PREFIX) in self._parameters.names:
+                args = frame.args if isinstance(frame.args, dict) else {}
+                self._parameters.ask(client, service.removeprefix(rosapi.PREFIX), args, Reply(done, failed))
             elif service.startswith(rosapi.PREFIX):
                 done(self._ask_rosapi(service, frame))
             else:

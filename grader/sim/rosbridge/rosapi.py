@@ -1,7 +1,7 @@
 """The services of /rosapi that clients ask, as rosapi of ROS 2 Humble answers them."""
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -44,9 +44,9 @@ def answer(name: str, args: Mapping[str, Any], roster: KnownGraph) -> dict[str, 
     return None if serve is None else serve(args, roster)
 
 
-def types() -> dict[str, str]:
-    """Return the types of all services that `answer` knows, by their full names."""
-    return {PREFIX + name: f"rosapi_msgs/srv/{_type_name(name)}" for name in _SERVICES}
+def types(others: Iterable[str] = ()) -> dict[str, str]:
+    """Return the types of all services that `answer` knows, and of `others`, by their full names."""
+    return {PREFIX + name: f"rosapi_msgs/srv/{_type_name(name)}" for name in (*_SERVICES, *others)}
 
 
 def _type_name(service: str) -> str:

@@ -281,6 +281,23 @@ def test_rosapi_tells_types_and_definitions(table: Table) -> None:
     assert "/rosout" in table.call("/rosapi/topics")["values"]["topics"]
 
 
+def test_rosapi_reads_and_sets_parameters(table: Table) -> None:
+    red = "/turtlesim:background_r"
+    assert red in table.call("/rosapi/get_param_names")["values"]["names"]
+    assert table.call("/rosapi/get_param", {"name": red})["values"] == {"value": "69"}
+    assert table.call("/rosapi/set_param", {"name": red, "value": "200"})["values"] == {}
+    assert table.call("/rosapi/get_param", {"name": red, "default_value": "1"})["values"] == {"value": "200"}
+    assert (
+        table.call("/rosapi/set_param", {"name": red, "value": '"much"'})["values"] == {}
+    )  # refused in silence
+    assert table.call("/rosapi/has_param", {"name": red})["values"] == {"exists": True}
+    for name in ("/turtlesim:nothing", "/nobody:background_r"):
+        assert table.call("/rosapi/has_param", {"name": name})["values"] == {"exists": False}
+        asked = table.call("/rosapi/get_param", {"name": name, "default_value": "7"})
+        assert asked["values"] == {"value": "7"}
+    assert table.call("/rosapi/get_param", {"name": "background_r"})["result"] is False
+
+
 def test_fragments_are_joined_and_sent(table: Table) -> None:
     text = json.dumps({"op": "call_service", "service": "/rosapi/nodes", "id": "n"})
     parts = [text[:20], text[20:]]
