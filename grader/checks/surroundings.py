@@ -10,10 +10,9 @@ from grader.contracts.assignment import Room, Solid
 from grader.contracts.figure import Point, SketchSolid
 from grader.contracts.text import Text
 from grader.contracts.trajectory import Trajectory
-from grader.geometry.room import clearance_m, corners
+from grader.geometry.room import clearance_m, outline
 from grader.messages import say
 
-_CIRCLE_POINTS = 24
 _MOST_POSES = 2_000  # a robot drives 1 cm between two of them in two minutes
 
 
@@ -39,11 +38,7 @@ def solids_of(room: Room) -> tuple[SketchSolid, ...]:
 
 
 def _outline(solid: Solid) -> tuple[Point, ...]:
-    if solid.kind == "cylinder":
-        turns = [math.tau * i / _CIRCLE_POINTS for i in range(_CIRCLE_POINTS)]
-        radius = solid.length_m / 2.0
-        return tuple((solid.x_m + radius * math.cos(a), solid.y_m + radius * math.sin(a)) for a in turns)
-    return tuple((float(x), float(y)) for x, y in corners(solid))
+    return tuple((float(x), float(y)) for x, y in outline(solid))
 
 
 def _band(begin: Point, end: Point, width_m: float) -> tuple[Point, ...]:

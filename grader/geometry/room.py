@@ -13,6 +13,7 @@ from grader.contracts.robot import BACK_M, FRONT_M, HALF_WIDTH_M
 Points = NDArray[np.float64]
 """(n, 2) in metres."""
 
+_CIRCLE_POINTS: Final = 24
 _OUTLINE: Final = np.array(
     [(FRONT_M, HALF_WIDTH_M), (BACK_M, HALF_WIDTH_M), (BACK_M, -HALF_WIDTH_M), (FRONT_M, -HALF_WIDTH_M)]
 )
@@ -23,6 +24,15 @@ def corners(solid: Solid) -> Points:
     half_x, half_y = solid.length_m / 2.0, solid.width_m / 2.0
     own = np.array([(half_x, half_y), (-half_x, half_y), (-half_x, -half_y), (half_x, -half_y)])
     return placed(own, solid.x_m, solid.y_m, math.radians(solid.heading_deg))
+
+
+def outline(solid: Solid) -> Points:
+    """Return the corners of a solid, or points of its circle."""
+    if solid.kind != "cylinder":
+        return corners(solid)
+    turns = np.arange(_CIRCLE_POINTS) * (math.tau / _CIRCLE_POINTS)
+    around = 0.5 * solid.length_m * np.column_stack((np.cos(turns), np.sin(turns)))
+    return np.asarray(around + np.array((solid.x_m, solid.y_m)))
 
 
 def placed(points: Points, x_m: float, y_m: float, heading_rad: float) -> Points:

@@ -20,6 +20,7 @@ from grader.contracts.figure import FigureSketch
 from grader.contracts.outcome import LogRecord
 from grader.contracts.record import Record
 from grader.contracts.trajectory import Trajectory
+from grader.geometry.room import outline
 from grader.sim.car import UPDATE_NS, fold
 from grader.sim.cdr import MAX_SEQUENCE_LENGTH, encode
 from grader.sim.interfaces import Types, header, quaternion, stamp, with_interfaces
@@ -141,7 +142,8 @@ def _offered(channel: _Channel) -> str:
 def _in_order(run: BagContents) -> list[_Message]:
     """Return all messages in order of time; of one instant in the order of this list."""
     messages = [*_walls(run.world), *_wanted(run.figure), *_driven(run.trajectory), *_commands(run)]
-    messages += [*_poses(run.trajectory), *_logs(run.logs), _rubric(run)]
+    poses = _robot_poses if run.world.kind == "robot" else _poses
+    messages += [*poses(run.trajectory), *_logs(run.logs), _rubric(run)]
     return sorted(messages, key=lambda message: message.t_ns)
 
 
@@ -174,6 +176,23 @@ def _poses(trajectory: Trajectory) -> Iterator[_Message]:
         yield _Message(now_ns, tf_channel, {"transforms": [transform]})
 
 
+def _robot_poses(trajectory: Trajectory) -> Iterator[_Message]:
+    """Yield where a robot truly was, and its transform, at each recorded sample."""
+    pose_channel = _Channel("/ground_truth/pose", "geometry_msgs/msg/PoseStamped")
+    tf_channel = _Channel("/tf", "tf2_msgs/msg/TFMessage", depth=100)
+    columns = (trajectory.t_ns, trajectory.x_m, trajectory.y_m, trajectory.heading_rad)
+    for t_ns, x, y, heading in zip(*(column.tolist() for column in columns), strict=True):
+        told, turned = header(EPOCH_NS + t_ns, _FRAME), quaternion(heading)
+        pose = {"position": {"x": x, "y": y}, "orientation": turned}
+        yield _Message(t_ns, pose_channel, {"header": told, "pose": pose})
+        transform = {
+            "header": told,
+            "child_frame_id": "base_footprint",
+            "transform": {"translation": {"x": x, "y": y}, "rotation": turned},
+        }
+        yield _Message(t_ns, tf_channel, {"transforms": [transform]})
+
+
 def _driven(trajectory: Trajectory) -> Iterator[_Message]:
     """Yield the driven line when it begins; after a jump a new line begins."""
     channel = _Channel("/driven_path", _PATH, _LATCHED, 1)
@@ -199,19 +218,26 @@ def _wanted(figure: FigureSketch | None) -> Iterator[_Message]:
 
 
 def _walls(world: World) -> Iterator[_Message]:
-    if not world.window:
-        return
-    corners = ((0.0, 0.0), (WINDOW_M, 0.0), (WINDOW_M, WINDOW_M), (0.0, WINDOW_M), (0.0, 0.0))
+    if world.window:
+        edges = ((0.0, 0.0), (WINDOW_M, 0.0), (WINDOW_M, WINDOW_M), (0.0, WINDOW_M), (0.0, 0.0))
+        yield _outline(0, edges)
+    for number, solid in enumerate(() if world.room is None else world.room.solids):
+        around = [(float(x), float(y)) for x, y in outline(solid)]
+        yield _outline(number, (*around, around[0]))
+
+
+def _outline(number: int, corners: Sequence[tuple[float, float]]) -> _Message:
     marker = {
         "header": header(EPOCH_NS, _FRAME),
         "ns": "walls",
+        **({"id": number} if number else {}),
         "type": _LINE_STRIP,
         "pose": {"orientation": {"w": 1.0}},
         "scale": {"x": _WALL_WIDTH_M},
         "color": {"r": 0.4, "g": 0.4, "b": 0.4, "a": 1.0},
         "points": [{"x": x, "y": y} for x, y in corners],
     }
-    yield _Message(0, _Channel("/walls", "visualization_msgs/msg/Marker", _LATCHED, 1), marker)
+    return _Message(0, _Channel("/walls", "visualization_msgs/msg/Marker", _LATCHED, 1), marker)
 
 
 def _logs(logs: Sequence[LogRecord]) -> Iterator[_Message]:

@@ -41,7 +41,7 @@ def bagged(
         BagContents(
             trajectory=motion,
             logs=run.outcome.logs,
-            world=assignment.world,
+            world=assignment.in_case(run.case).world,
             figure=sketch(assignment, Run(trajectory=motion, outcome=run.outcome, case=run.case)),
             report=content,
             items=json.loads(content)["items"],

@@ -1,0 +1,24 @@
+"""Scripts of the robot's exercises, in the real sandbox: sensors arrive, QoS counts, the same bytes come again."""
+
+from grader.contracts.grading import Grader
+from tests.e2e.grading_slot import catalog, grade
+
+
+def own(name: str, file: str = "solution.py") -> bytes:
+    return (catalog().folder(name) / file).read_bytes()
+
+
+def test_a_robot_stops_before_the_wall_with_the_same_bytes_after_others(grader: Grader) -> None:
+    first = grade(grader, "stop_before_wall", own("stop_before_wall"))
+    assert (first.score, first.simulator[:5]) == (100, "robot")
+    assert grade(grader, "spin", own("spin")).score == 100
+    assert grade(grader, "follow_line", own("follow_line")).score == 100
+    assert grade(grader, "stop_before_wall", own("stop_before_wall")).sha256() == first.sha256()
+
+
+def test_the_wrong_qos_is_told_by_the_script_and_by_the_hint(grader: Grader) -> None:
+    report = grade(grader, "stop_before_wall", own("stop_before_wall", "wrong/reliable_scan.py"))
+    assert (report.score, report.mistakes[0]) == (0, "sensor_qos")
+    assert "qos_profile_sensor_data" in report.hint.en
+    warned = report.runs[0].outcome.logs[0]
+    assert "'/scan', offering incompatible QoS" in warned.message
