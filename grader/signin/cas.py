@@ -67,7 +67,8 @@ def _service(attempt: SignInAttempt, back: str) -> str:
 
 
 def _success(content: bytes) -> Xml.Element:
-    if len(content) > _MOST_BYTES or b"<!" in content:  # no document type, so no entities either
+    # no document type, so no entities either; in UTF-16, which no server answers in, one would look otherwise
+    if len(content) > _MOST_BYTES or b"<!" in content or b"\0" in content:
         raise SignInError("signin_failed", "the answer is too long or has a document type")
     try:
         root = Xml.fromstring(content)  # noqa: S314 - entities need a document type, which is refused

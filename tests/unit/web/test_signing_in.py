@@ -265,8 +265,10 @@ def test_a_ticket_for_another_address_is_refused(desk: Browser, idp: FakeProvide
     assert _back(desk, answer, "cas").status_code == 403
 
 
+CAS_DECLARED = '<!DOCTYPE x [<!ENTITY e "li">]>' + CAS_SUCCESS.format(user="&e;", number="li")
 CAS_ANSWERS = {
-    "document type": '<!DOCTYPE x [<!ENTITY e "li">]>' + CAS_SUCCESS.format(user="&e;", number="li"),
+    "document type": CAS_DECLARED,
+    "document type in UTF-16": "".join(f"{letter}\0" for letter in CAS_DECLARED.replace("王小明", "x")),
     "no XML": "yes\nli\n",
     "HTML": "<html></html>",
     "no user": CAS_SUCCESS.format(user="", number="li"),
