@@ -95,11 +95,23 @@ class Test:
         asyncio.run(self._handing_in.run([one for _, one in uploads], [at_s for at_s, _ in uploads]))
         sent = self._handing_in.sent[before:]
         deadline_s = time.monotonic() + self._options.patience
+        ended: set[int] = set()
         while True:
             gradings = asyncio.run(read_all(sent, self._headers))
+            ended = self._tell_progress(sent, gradings, ended)
             if all(one["finished_at"] for one in gradings) or time.monotonic() > deadline_s:
                 return list(zip(sent, gradings, strict=True))
             time.sleep(_LOOK_S)
+
+    def _tell_progress(
+        self, sent: Sequence[Sent], gradings: Sequence[dict[str, Any]], known: set[int]
+    ) -> set[int]:
+        """Tell which scripts have ended beside those that are `known` to have; return all: it takes long."""
+        ended = {number for number, told in enumerate(gradings) if told["finished_at"]}
+        for number in sorted(ended - known):
+            if (name := sent[number].upload.student) not in self._class:
+                self._tell(f"{name} ended, {len(ended)} of {len(sent)} gradings are done")
+        return ended
 
     def _judge_class(self, gradings: Sequence[tuple[Sent, dict[str, Any]]]) -> tuple[float, list[str]]:
         """Return the median wait, and what went wrong."""
