@@ -36,6 +36,7 @@ class BoundedWebSocket(WSProtocol):
     Pings are answered by uvicorn itself: without this, a client that sends them and never reads fills the memory.
     """
 
+    unread_s = UNREAD_S
     _unread: asyncio.TimerHandle | None = None
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
@@ -47,7 +48,7 @@ class BoundedWebSocket(WSProtocol):
         super().pause_writing()
         if self._unread is None:
             self.transport.pause_reading()
-            self._unread = self.loop.call_later(UNREAD_S, self.transport.abort)
+            self._unread = self.loop.call_later(self.unread_s, self.transport.abort)
 
     def resume_writing(self) -> None:
         """Go on."""
