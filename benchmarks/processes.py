@@ -89,6 +89,14 @@ class Service:
                 start_new_session=True,  # as a service manager starts it: it shares no priority with who hands in
             )
 
+    def restart(self, settings: Mapping[str, str]) -> None:
+        """End the first API process as an operator does, and start it anew with other settings besides."""
+        self._settings = {**self._settings, **settings}
+        self.running["api0"].terminate()
+        self.running["api0"].wait()
+        self.start("api0")
+        self.await_ready(self.urls[0])
+
     def kill(self, name: str) -> None:
         """End a process as a power cut would."""
         self.running[name].send_signal(signal.SIGKILL)

@@ -40,7 +40,7 @@ from grader.worker import Uploads, Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
 _SYNTAX_CHECKS = 3  # side by side: one file that keeps the compiler busy does not hold up all uploads
-_EXAMINING = SlotConfig(mode="strict", niceness=19)  # behind every grading
+_EXAMINING = SlotConfig(mode="strict", niceness=14)  # behind gradings, and soon enough
 _ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
 
 

@@ -1,6 +1,7 @@
 """Assignments that somebody may edit while the service runs."""
 
 import logging
+import math
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -51,6 +52,11 @@ class RefreshedAssignments:
     def of(self, course: str | None) -> "RefreshedAssignments":
         """Return the same ones: folders belong to no course."""
         return self
+
+    def look_again(self) -> None:
+        """Read the folders at the next question."""
+        with self._lock:
+            self._read_at_s = -math.inf
 
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist."""

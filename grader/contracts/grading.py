@@ -98,6 +98,9 @@ class AssignmentSource(Protocol):
     def of(self, course: str | None) -> "AssignmentSource":
         """Return where those of a course come from: of every course's, and of its own."""
 
+    def look_again(self) -> None:
+        """Forget what was read lately: the next answer shows what is there by then."""
+
     def all(self) -> tuple[Assignment, ...]:
         """Return every assignment in the order of the checklist."""
 

@@ -20,6 +20,7 @@ from grader.contracts.text import Text
 from grader.sheets.reading import HEADER_ROWS, ListedRow, ListedTable, read_table
 
 # Each column's names, the surest first: Canvas, for one, has its own number under "ID" beside the "SIS User ID".
+_SUMS = ("合计", "总计", "小计", "共计", "人数", "总人数", "total", "sum")
 _COLUMNS = {
     "id": (
         "学号", "学生学号", "学号/工号", "工号", "学籍号", "考号", "sis user id", "sid", "id number", "student id",
@@ -177,6 +178,8 @@ def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
     name = cells.get("name") or _joined(cells.get("first", ""), cells.get("last", ""))
     if not person and (not name or name.casefold() == "points possible"):  # Canvas' second row
         return None
+    if any(label(cell) in _SUMS for cell in row.cells):  # else the number of students becomes one
+        raise CourseError("this row adds up the others", "这一行是合计，不是学生")
     if not person:
         raise CourseError(f"no id beside the name {name[:40]}", f"“{name[:40]}”没有学号")
     email = cells.get("email", "")

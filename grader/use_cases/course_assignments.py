@@ -59,6 +59,11 @@ class CourseAssignments:
             uploaded = {id_: one for (of, id_), (_, one) in self._known.items() if of == course}
         return _OfCourse(self._shared, self._own, course, uploaded) if uploaded else self._shared
 
+    def look_again(self) -> None:
+        """Look for uploads at the next question."""
+        with self._lock:
+            self._read_at_s = None
+
     def all(self) -> tuple[Assignment, ...]:
         """Return those of every course, in the order of the checklist."""
         return self._shared.all()
@@ -113,6 +118,9 @@ class _OfCourse:
 
     def of(self, course: str | None) -> "_OfCourse":
         return self
+
+    def look_again(self) -> None:
+        """Do nothing: it is asked for anew each time."""
 
     def all(self) -> tuple[Assignment, ...]:
         shared = self.shared.all()

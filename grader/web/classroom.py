@@ -8,7 +8,8 @@ from grader import __version__
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Role, sections_of
 from grader.contracts.judgement import judged
-from grader.contracts.submission import StoredReport, Submission
+from grader.contracts.report import GradeStatus
+from grader.contracts.submission import StoredReport, Submission, SubmissionState
 from grader.messages import outline
 from grader.packages.bundle import text_of
 from grader.render.labels import status_word
@@ -30,6 +31,7 @@ from grader.web.pages import language_of, page
 router = APIRouter(prefix="/class", include_in_schema=False, dependencies=[Depends(require_staff)])
 _Id = Annotated[str, Query(max_length=64)]
 _MOST_COSTLY = 20
+_STATUSES = {*SubmissionState, *GradeStatus}
 
 
 @router.get("")
@@ -86,7 +88,7 @@ def read_concerned(  # noqa: PLR0913, PLR0917
     told = [
         *([item_title(assignment, item, language)] if item else []),
         *([outline(language, f"mistake.{mistake}") or mistake] if mistake else []),
-        *([status_word(status, language)] if status else []),
+        *([status_word(status, language) if status in _STATUSES else status] if status else []),
     ]
     return page(
         request,

@@ -1,8 +1,8 @@
 """Examines what instructors upload: runs an assignment's own scripts behind all gradings of students.
 
 A worker has one thread for it, with a grading process of its own that lives only while an upload is examined, of
-the lowest priority. Before each script it lets students go first for a while: a busy service examines slowly, but
-it examines, and no student waits for more than a share of a processor.
+a lower priority than theirs. Before each script it lets students go first for a while: a busy service examines
+slowly, but it examines, and no student waits for more than a share of a processor.
 """
 
 import json

@@ -151,6 +151,16 @@ def test_a_roster_needs_no_roles_and_minds_no_other_columns() -> None:
     assert read_roster(b'Name , ID,class\n"Li, Lei",1,3\n').checked() == (entry("1", "Li, Lei"),)
 
 
+def test_the_sum_of_a_list_is_no_student() -> None:
+    roster = read_roster(
+        workbook([("序号", *PLAIN[0]), (1, *LI), (2, *HAN), ("合计", 2, ""), ("", "人数：", 2)])
+    )
+    assert [one.id for one in roster.entries] == [LI[0], HAN[0]]
+    assert [(one.number, one.reason.en) for one in roster.skipped] == [
+        (row, "this row adds up the others") for row in (4, 5)
+    ]
+
+
 def test_lines_without_anybody_are_skipped() -> None:
     content = b"id,name,role\r\n,,\r\n\r\n1,a,\r\n , ,\r\n,,,,\r\n"
     assert read_roster(content).checked() == (entry("1", "a"),)

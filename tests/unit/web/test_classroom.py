@@ -169,6 +169,7 @@ def test_a_number_leads_to_the_students_behind_it(instructor: Browser, school: d
     assert concerned(instructor.get(items[-1]).text) == ["bo"]
     assert concerned(instructor.get("/class/assignments/square/students?mistake=never_stops").text) == ["bo"]
     assert concerned(instructor.get("/class/assignments/square/students?status=queued").text) == ["dai"]
+    assert concerned(instructor.get("/class/assignments/square/students?status=unheard").text) == []
     assert instructor.get("/class/assignments/none/students").status_code == 404
 
 
