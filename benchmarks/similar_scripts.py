@@ -112,6 +112,7 @@ def main() -> None:
     )
     measure(services)
     services.comparer.close()
+    services.space.close()
     services.plots.close()
     services.watching.close()
     database.close()

@@ -82,6 +82,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
         )
         stack.callback(services.plots.close)
         stack.callback(services.comparer.close)
+        stack.callback(services.space.close)
         stack.callback(services.watching.close)
         if settings.slots:
             parts = _parts(database, settings, services.assignments, clock)

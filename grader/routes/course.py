@@ -135,7 +135,7 @@ def archive_course(
 def read_space(services: ServicesDep, caller: StaffDep, response: Response) -> SpaceView:
     """Return what is stored of the course's submissions; rows and indexes come on top."""
     response.headers.update(_PRIVATE)
-    return SpaceView.model_validate(course_life.space(services, caller)[0], from_attributes=True)
+    return SpaceView.model_validate(course_life.space(services, caller), from_attributes=True)
 
 
 @router.post("/course/retention", summary="Erase what is old", responses=responses(*_CHANGING))

@@ -5,7 +5,7 @@ teaches them: whom else a course belongs to, its instructors decide.
 """
 
 from dataclasses import dataclass, replace
-from datetime import timedelta
+from datetime import datetime, timedelta
 
 from grader.contracts.errors import CourseError, RefusedError
 from grader.contracts.identity import Caller, Course, Role
@@ -112,18 +112,37 @@ def erase_old_work(services: Services, caller: Caller, older_than_days: int, rea
     return erased.get(course.id, Space())
 
 
-def space(services: Services, caller: Caller) -> tuple[Space, Space]:
-    """Return what is stored of the caller's course, and of all others together.
+def space(services: Services, caller: Caller) -> Space:
+    """Return what is stored of the caller's course.
 
     Raises:
         RefusedError: the caller may not see the class, or there is no course.
     """
     course = own_course(services, caller)
-    found = services.course_life.space()
+    return services.course_life.space(course.id).get(course.id, Space())
+
+
+def counted_space(services: Services, caller: Caller) -> tuple[datetime, Space, Space] | None:
+    """Return when it was counted lately, what was stored of the caller's course, and of all others together.
+
+    None: it is being counted for the first time.
+
+    Raises:
+        RefusedError: the caller may not see the class, or there is no course.
+    """
+    course = own_course(services, caller)
+    counted = services.space.latest()
+    if counted is None:
+        return None
+    found = counted.courses
     others = [one for of, one in found.items() if of != course.id]
-    return found.get(course.id, Space()), Space(
-        submissions=sum(one.submissions for one in others),
-        sources_bytes=sum(one.sources_bytes for one in others),
-        reports_bytes=sum(one.reports_bytes for one in others),
-        trajectories_bytes=sum(one.trajectories_bytes for one in others),
+    return (
+        counted.at,
+        found.get(course.id, Space()),
+        Space(
+            submissions=sum(one.submissions for one in others),
+            sources_bytes=sum(one.sources_bytes for one in others),
+            reports_bytes=sum(one.reports_bytes for one in others),
+            trajectories_bytes=sum(one.trajectories_bytes for one in others),
+        ),
     )

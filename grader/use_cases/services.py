@@ -39,6 +39,7 @@ from grader.use_cases.callers import Allowances, Callers
 from grader.use_cases.comparing import Comparer
 from grader.use_cases.following import Estimates, Watching, WatchLimits
 from grader.use_cases.pictures import PlotCache
+from grader.use_cases.space import SpaceCounter
 
 _STORES: Mapping[str, Callable[[Database], Any]] = {
     "past_gradings": PastGradings,
@@ -107,10 +108,11 @@ class Services:
     platforms: Platforms
     audit: AuditLog
 
-    # kept in this process: drawn plots, compared scripts, streams of events with their estimates, measurements,
-    # live cars, which belong to its event loop
+    # kept in this process: drawn plots, compared scripts, counted room, streams of events with their estimates,
+    # measurements, live cars, which belong to its event loop
     plots: PlotCache
     comparer: Comparer
+    space: SpaceCounter
     watching: Watching
     metrics: Metrics
     live: LiveCars
@@ -163,6 +165,7 @@ class Services:
             **_of_courses(database, clock),
             plots=plots,
             comparer=Comparer(Scripts(database)),
+            space=SpaceCounter(CourseLife(database, clock).space, clock),
             watching=watching,
             live=live,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),

@@ -17,7 +17,7 @@ from grader.use_cases.appealing import waiting
 from grader.use_cases.assignments import item_title, published
 from grader.use_cases.commenting import unread
 from grader.use_cases.concerned import Concern, concerned
-from grader.use_cases.course_life import space
+from grader.use_cases.course_life import counted_space
 from grader.use_cases.dashboard import STUCK_ATTEMPTS, Overview, class_state, costs, overview
 from grader.use_cases.own_assignments import own_troubles
 from grader.use_cases.people import members, names, person
@@ -157,7 +157,7 @@ def read_service(request: Request, services: ServicesDep, visitor: StaffDep) -> 
         health=services.health(),
         troubles=own_troubles(services, visitor.caller),
         costs=costly,
-        space=None if visitor.caller.course is None else space(services, visitor.caller),
+        space=None if visitor.caller.course is None else counted_space(services, visitor.caller),
         version=__version__,
     )
 

@@ -61,7 +61,7 @@ def services(
             callers=Callers(Courses(database, clock), Tokens(database, clock), TOKEN),
             live=LiveCars(settings.live_cars, make_car=lambda: FakeLiveCar(CLIENTS)),
         )
-        with closing(made.watching), closing(made.plots), closing(made.comparer):
+        with closing(made.watching), closing(made.plots), closing(made.comparer), closing(made.space):
             yield made
 
 
