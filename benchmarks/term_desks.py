@@ -254,7 +254,7 @@ class PageDesk:
         page.one(f"#assignment option[value={assignment}]").click()
         page.one("input[name=which][value=latest]").click()
         page.click("form.order button")
-        made = page.path
+        made = str(page.path)
         _until(lambda: page.open(made) or page.all("button[value=apply]"))
         return made.rpartition("/")[2]
 

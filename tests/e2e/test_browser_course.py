@@ -185,6 +185,7 @@ def test_a_phone_shows_everything(browser: Browser, course: School, language: st
     pages = [
         "/class", "/class/gradebook", "/class/judgements", "/class/regrades", "/class/rules",
         "/class/rules/square", "/class/people", "/class/audit", "/class/students/20260105",
+        "/class/own", "/class/course",
     ]  # fmt: skip
     pages += [f"/class/regrades/{regrade.id}"] if regrade else []
     for page in pages:
@@ -193,7 +194,13 @@ def test_a_phone_shows_everything(browser: Browser, course: School, language: st
 
 
 def test_every_control_has_a_name(wang: Browser) -> None:
-    for page in ("/class/regrades", "/class/rules/square", "/class/judgements", "/class/gradebook"):
+    for page in (
+        "/class/regrades",
+        "/class/rules/square",
+        "/class/judgements",
+        "/class/gradebook",
+        "/class/own",
+    ):
         wang.open(page)
         assert wang.nameless("a, button, input:not([type=hidden]), select, textarea, [role=group], nav") == []
 
