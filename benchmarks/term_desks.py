@@ -188,8 +188,7 @@ class PageDesk:
     def upload_broken(self, content: bytes) -> str:
         """Return where the first thing is wrong in a folder that is."""
         self._upload(content)
-        cells = [one.text for one in self.browser.all("main table tbody tr:first-child > *")]
-        return f"{cells[0]}:{cells[1]}: {cells[2]}"
+        return ": ".join(str(self.browser.one("main table tbody th").text).split())
 
     def upload(self, content: bytes) -> None:
         """Upload a folder."""
