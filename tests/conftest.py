@@ -28,6 +28,7 @@ settings.register_profile(
 )
 settings.load_profile("project")
 
+gc.disable()  # until all is imported: other conftest.py of a run's folders may be next
 _ALIVE = pytest.StashKey[int]()
 _GARBAGE = (5_000, 20, 50)
 """How much is allocated between looks for garbage: with Python's usual numbers they take 5 % of a run's time."""

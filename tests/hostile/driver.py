@@ -25,7 +25,7 @@ from grader.jail.ending import JailReport  # noqa: E402
 from grader.sandbox import Layer, Sandbox  # noqa: E402
 
 LIMITS = Limits(cpu_s=5.0, memory_bytes=128 * MIB, output_bytes=1 * MIB, threads=24)
-SHORT = replace(LIMITS, cpu_s=0.06)  # six times what a script takes up to its attack
+SHORT = replace(LIMITS, cpu_s=0.06)  # ten times what a script takes up to its attack
 BRIEF = replace(LIMITS, wall_s=0.5)
 WATCHED = ("/tmp", "/var/tmp", "/dev/shm", "/run/lock", "/dev/mqueue", str(HERE), str(HERE / "runner"))
 GOOD = (
