@@ -153,8 +153,7 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
     """Return why a robot got no commands, or the script nothing of its sensors."""
     outcome, topic = run.outcome, world.cmd_vel_topic
     usual = {world.topics.get(name, name): name for name in ROBOT_TOPICS}
-    unfit = noted(outcome, "incompatible_qos")
-    if unfit in usual:
+    if (unfit := noted(outcome, "sensor_qos")) is not None:
         return (mistake("sensor_qos", topic=unfit),)
     if outcome.status is RunStatus.INTERRUPTED:
         own = {one.name for one in outcome.endpoints if one.kind == "publisher"}

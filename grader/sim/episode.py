@@ -230,7 +230,11 @@ class Episode:
             if frame.code == STARTED_NOTE:  # only says that a frame came before the script could send one
                 return
             self._on_note(frame.code)
-            self._journal.note(frame.code, frame.text)
+            better = Note(
+                code="sensor_qos", text=frame.text
+            )  # the script cannot tell a sensor from other topics
+            if frame.code != "incompatible_qos" or better not in self._journal.notes:
+                self._journal.note(frame.code, frame.text)
         elif isinstance(frame, Advance):
             self._check_time(frame.t_ns)
             self._advance(frame, link)
@@ -319,8 +323,10 @@ class Episode:
             self._journal.note("type_mismatch", entity.name)
         elif entity.what == PUBLISHER and entity.reliable:
             self._sinks[entity.id] = partial(self._command, entity.name, entity.t_ns)
-        elif entity.what == PUBLISHER or not self._world.suits(entity):
+        elif entity.what == PUBLISHER:
             self._journal.note("incompatible_qos", entity.name)
+        elif (misfit := self._world.misfit(entity)) is not None:
+            self._journal.note(misfit, entity.name)
         else:
             self._world.listen(entity.name, entity.id, entity.t_ns, late=entity.transient_local)
 
@@ -413,7 +419,7 @@ class Episode:
         if self._has_moved and not self._is_heard and not asked:
             journal.note(UNHEARD_NOTE)
         if received.clamped:
-            journal.note("clamped_command")
+            journal.note("clamped_robot" if self._spec.world.kind == "robot" else "clamped_command")
         return EpisodeResult(
             trajectory=trajectory,
             exit=self._exit,

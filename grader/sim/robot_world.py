@@ -134,10 +134,12 @@ class RobotWorld:
         feed = self._feeds.get(topic)
         return None if feed is None else feed.type
 
-    def suits(self, entity: Entity) -> bool:
-        """Return whether the QoS of a subscription fits that of the world's publisher on its topic."""
+    def misfit(self, entity: Entity) -> str | None:
+        """Return the note on a subscription whose QoS the world's publisher on its topic does not offer."""
         feed = self._feeds[entity.name]
-        return (feed.reliable or not entity.reliable) and (feed.beats == 0 or not entity.transient_local)
+        if entity.reliable and not feed.reliable:
+            return "sensor_qos"
+        return "incompatible_qos" if entity.transient_local and feed.beats else None
 
     def listen(self, topic: str, identity: int, t_ns: int, *, late: bool = False) -> None:
         """Connect a subscription to its topic; what is kept for late ones comes at once."""

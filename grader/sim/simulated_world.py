@@ -40,8 +40,8 @@ class SimulatedWorld(Protocol):
     def type_of(self, topic: str) -> str | None:
         """Return the type the world publishes or subscribes to on `topic`, None when it does neither."""
 
-    def suits(self, entity: Entity) -> bool:
-        """Return whether the QoS of a subscription fits that of the world's publisher on its topic."""
+    def misfit(self, entity: Entity) -> str | None:
+        """Return the note on a subscription whose QoS the world's publisher on its topic does not offer."""
 
     def listen(self, topic: str, identity: int, t_ns: int, *, late: bool = False) -> None:
         """Connect subscription `identity` to `topic`, which the world publishes, from `t_ns` on.

@@ -162,9 +162,10 @@ class TurtleWorld:
         """Drive up to `end_ns`, when the episode ended, and record the last sample."""
         self.turtle.finish(end_ns)
 
-    def suits(self, entity: Entity) -> bool:
-        """Return whether the QoS of a subscription fits that of the world's publisher on its topic."""
-        return not entity.transient_local or entity.name.endswith("/_action/status")
+    def misfit(self, entity: Entity) -> str | None:
+        """Return the note on a subscription whose QoS the world's publisher on its topic does not offer."""
+        fits = not entity.transient_local or entity.name.endswith("/_action/status")
+        return None if fits else "incompatible_qos"
 
     def listen(self, topic: str, identity: int, t_ns: int, *, late: bool = False) -> None:
         """Connect subscription `identity` to `topic`, which the world publishes, from `t_ns` on."""

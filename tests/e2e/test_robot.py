@@ -20,5 +20,6 @@ def test_the_wrong_qos_is_told_by_the_script_and_by_the_hint(grader: Grader) -> 
     report = grade(grader, "stop_before_wall", own("stop_before_wall", "wrong/reliable_scan.py"))
     assert (report.score, report.mistakes[0]) == (0, "sensor_qos")
     assert "qos_profile_sensor_data" in report.hint.en
+    assert [note.code for note in report.runs[0].outcome.notes if "qos" in note.code] == ["sensor_qos"]
     warned = report.runs[0].outcome.logs[0]
     assert "'/scan', offering incompatible QoS" in warned.message

@@ -110,7 +110,7 @@ def test_a_reliable_subscription_gets_no_scan_but_odometry(car: BulletCar, body:
     result = play(car, body, story())
     assert heard(student, "/scan", SCAN) == []
     assert len(heard(student, "/odom", ODOM)) == 30
-    assert [(note.code, note.text) for note in result.notes] == [("incompatible_qos", "/scan")]
+    assert [(note.code, note.text) for note in result.notes] == [("sensor_qos", "/scan")]
 
 
 def test_what_is_fixed_to_the_robot_comes_to_late_listeners(car: BulletCar, body: RobotBody) -> None:
