@@ -40,8 +40,10 @@ def problems(
     packages: Sequence[Package], files: Mapping[str, bytes], wanted: WantedPackage
 ) -> tuple[PackageProblem, ...]:
     """Return what is wrong, the first cause first; of several packages in the one that is wanted, or in all."""
-    looked_at = [each for each in packages if wanted.name in (each.name, each.setup_name)] or list(packages)
-    every = (problem for package in looked_at for problem in _of_package(package, files))
+    looked_at = [each for each in packages if wanted.name and wanted.name in (each.name, each.setup_name)]
+    looked_at = looked_at or [each for each in packages if not _is_cpp(each)] or list(packages)
+    chosen = choose(packages, wanted)
+    every = (problem for package in looked_at for problem in _of_package(package, files, chosen))
     found = list(islice(every, _MOST_LOOKED_AT))
     found += _unmatched(looked_at, wanted, found)
     return tuple(sorted(found, key=lambda problem: not problem.fatal)[:_MOST_TOLD])
@@ -52,7 +54,14 @@ def unread(packages: Sequence[Package]) -> str:
     return ", ".join(dict.fromkeys(name for package in packages for name in package.unread))
 
 
-def _of_package(package: Package, files: Mapping[str, bytes]) -> Iterator[PackageProblem]:
+def _is_cpp(package: Package) -> bool:
+    """Whether a package of a workspace is none of Python, and none that was to be."""
+    return not package.has_setup and "CMakeLists.txt" in package.paths
+
+
+def _of_package(
+    package: Package, files: Mapping[str, bytes], chosen: Executable | None
+) -> Iterator[PackageProblem]:
     yield from _manifest(package, files)
     if not package.has_setup:
         yield _fatal("package_setup_missing", MODULES, folder=package.folder)
@@ -66,7 +75,8 @@ def _of_package(package: Package, files: Mapping[str, bytes]) -> Iterator[Packag
     yield from _config(package)
     yield from _entries(package)
     known: dict[str, set[str] | None] = {}
-    for script in package.scripts:
+    run = [script for script in package.scripts if chosen is None or script.name == chosen.name]
+    for script in run:  # nobody starts the others
         yield from _script(package, script, files, known)
     yield from _shared(package)
 

@@ -182,7 +182,8 @@ def _script_folder(content: bytes) -> str:
         parser.read_string(content[:_MOST_MANIFEST_BYTES].decode("utf-8", "replace"))
     except (configparser.Error, ValueError):
         return "bin"
-    folder = parser.get("install", "install_scripts", fallback="").strip()
+    older = parser.get("install", "install-scripts", fallback="")  # setuptools takes dashes, with a warning
+    folder = parser.get("install", "install_scripts", fallback=older).strip()
     return folder.removeprefix(_BASE).strip("/") if folder.startswith(_BASE) else "bin"
 
 

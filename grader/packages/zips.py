@@ -37,7 +37,7 @@ class ZipBounds(Record):
     Attributes:
         files: that are kept. names: entries of its directory, kept or not.
         unpacked_bytes: of all files that are kept. file_bytes: of one. ratio: unpacked to packed size.
-        name_bytes: of a path, in UTF-8. depth: names in a path.
+        name_bytes: of a kept path, in UTF-8. depth: names in one.
     """
 
     files: int = 500
@@ -123,7 +123,7 @@ def _read(archive: zipfile.ZipFile, content: bytes, keep: Keep, bounds: ZipBound
     named: dict[str, zipfile.ZipInfo] = {}
     entries = []
     for info in infos:
-        path = _path(info, bounds)
+        path = _path(info)
         if path and not path.endswith("/"):
             if path in named:
                 raise _twice(path)
@@ -140,7 +140,7 @@ def _read(archive: zipfile.ZipFile, content: bytes, keep: Keep, bounds: ZipBound
     return files
 
 
-def _path(info: zipfile.ZipInfo, bounds: ZipBounds) -> str:
+def _path(info: zipfile.ZipInfo) -> str:
     """Return an entry's path, composed (NFC) and with ``/``; a folder's ends in one.
 
     Raises:
@@ -162,11 +162,6 @@ def _path(info: zipfile.ZipInfo, bounds: ZipBounds) -> str:
             "把文件夹重新压缩一次，文件名里不要有 ..、开头的 / 或盘符。",
             en=f"the zip holds a name that cannot be used, {_shown(name)}: zip the folder again, without '..', "
             "a leading '/' or a drive letter in any name",
-        )
-    if len(name.encode("utf-8", "replace")) > bounds.name_bytes or len(parts) > bounds.depth:
-        raise _refusal(
-            zh=f"压缩包里的路径太长：{_shown(name)}。请只压缩功能包的文件夹。",
-            en=f"a path in the zip is too long: {_shown(name)}. Zip nothing but the package's folder",
         )
     return "/".join(parts) + ("/" if name.endswith("/") else "")
 
@@ -195,6 +190,11 @@ def _check_kept(wanted: Sequence[str], special: Collection[str], bounds: ZipBoun
         raise _too_many(len(wanted), bounds.files)
     seen: dict[str, str] = {}
     for path in wanted:
+        if len(path.encode("utf-8", "replace")) > bounds.name_bytes or path.count("/") >= bounds.depth:
+            raise _refusal(
+                zh=f"压缩包里的路径太长：{_shown(path)}。请只压缩功能包的文件夹。",
+                en=f"a path in the zip is too long: {_shown(path)}. Zip nothing but the package's folder",
+            )
         if path in special:
             raise _refusal(
                 zh=f"压缩包里的 {_shown(path)} 是链接，不是文件：请换成文件本身。",

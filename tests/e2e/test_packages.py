@@ -81,7 +81,7 @@ def test_a_module_finds_itself_and_its_files_where_colcon_installs_them(slot: Sl
     ("changed", "said"),
     [
         ({"setup.cfg": None}, "No executable found"),
-        ({"setup.cfg": "[install]\ninstall-scripts=$base/lib/my_turtle\n"}, "No executable found"),
+        ({"setup.cfg": "[install]\ninstall_scripts=$base/bin\n"}, "No executable found"),
         ({f"{NAME}/__init__.py": None}, "ModuleNotFoundError: No module named 'my_turtle'"),
         ({MODULE: None}, "ModuleNotFoundError: No module named 'my_turtle.drive'"),
         ({MODULE: "def mian(): pass\n"}, "AttributeError: module 'my_turtle.drive' has no attribute 'main'"),

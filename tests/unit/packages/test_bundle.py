@@ -90,3 +90,8 @@ def test_a_package_is_shown_as_one_text() -> None:
 def test_a_script_is_shown_as_it_is() -> None:
     assert text_of(b"x = 1\n") == code_of(b"x = 1\n") == "x = 1\n"
     assert line_in_text(b"x = 1\n", "a.py", 1) == 1
+
+
+def test_long_paths_in_what_is_left_out_do_not_matter() -> None:
+    far = {f"ws/build/{'deep/' * 30}{'x' * 200}.o": "x"}
+    assert bundled(zipped({**below("ws/src", FILES), **far})) == KEPT

@@ -63,8 +63,8 @@ MISTAKES: dict[str, tuple[dict[str, str | None], tuple[str, ...]]] = {
         ("package_module_not_installed",),
     ),
     "no setup.cfg": ({"setup.cfg": None}, ("package_config_missing",)),
-    "dashes in setup.cfg": (
-        {"setup.cfg": f"[install]\ninstall-scripts=$base/lib/{NAME}\n"},
+    "other folder in setup.cfg": (
+        {"setup.cfg": f"[install]\ninstall_scripts=$base/{NAME}\n"},
         ("package_config_wrong",),
     ),
     "no entry": ({"setup.py": changed(RIGHT, LINE, "")}, ("package_entry_missing",)),
@@ -169,6 +169,22 @@ def test_each_module_is_read_once_however_many_entries_name_it(monkeypatch: pyte
     monkeypatch.setattr(package_problems, "parsed", lambda source: read.append(source) or parsed(source))
     entries = "".join(f"\n'e{number} = {NAME}.drive:nothing'," for number in range(1_000))
     source = bundled(zipped(package_files(**{"setup.py": changed(RIGHT, LINE, entries)})))
-    found = mounted(source, WantedPackage(executable="e1"), "humble").problems
+    found = mounted(source, None, "humble").problems
     assert {each.code for each in found} == {"package_entry_function"}
     assert (len(read), len(found)) == (1, 20)
+
+
+def test_a_package_of_cpp_beside_it_is_no_mistake() -> None:
+    cpp = {
+        "other/package.xml": XML.replace("ament_python", "ament_cmake"),
+        "other/CMakeLists.txt": "project(x)\n",
+    }
+    source = bundled(zipped({**package_files(), **cpp}))
+    found = mounted(source, WantedPackage(executable="drive"), "humble")
+    assert (found.problems, found.file_name) == ((), f"{NAME}/{MODULE}")
+
+
+def test_dashes_in_setup_cfg_are_taken_as_setuptools_takes_them() -> None:
+    dashes = f"[develop]\nscript-dir=$base/lib/{NAME}\n[install]\ninstall-scripts=$base/lib/{NAME}\n"
+    source = bundled(zipped(package_files(**{"setup.cfg": dashes})))
+    assert mounted(source, WantedPackage(executable="drive"), "humble").problems == ()
