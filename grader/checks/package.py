@@ -10,6 +10,9 @@ from grader.contracts.scoring import Run
 from grader.messages import say
 from grader.packages.problems import AREAS
 
+_MODULES = ("missing_module", "own_module")
+"""Mistakes whose texts speak of the one file that is handed in otherwise."""
+
 MEASURES = {area: MeasureKind(form="flag", of="package") for area in AREAS}
 
 
@@ -41,7 +44,7 @@ def _placed(mistakes: Sequence[Mistake], run: Run) -> Iterator[Mistake]:
     for number, each in enumerate(mistakes):
         if number or error is None or not has_place:
             yield each
-        elif each.code == "missing_module":
+        elif each.code in _MODULES:
             package = (*error.file.split("/"), "")[1]
             values = {"file": error.file, "line": error.line, "problem": error.message, "package": package}
             yield replace(each, text=say("package.missing_module", **values))
