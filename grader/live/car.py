@@ -50,10 +50,9 @@ class LiveClient:
         self._counts: dict[int, int] = {}
         self._news = asyncio.Event()
 
-    def send(self, text: str | bytes) -> None:
+    def send(self, text: bytes) -> None:
         """Hand a frame of the client to the car."""
-        data = text.encode(errors="replace") if isinstance(text, str) else text
-        self._car.tell(Parcel(TEXT, self.number, text=data))
+        self._car.tell(Parcel(TEXT, self.number, text=text))
 
     async def next(self) -> bytes | None:
         """Return the next frame for the client; None when the connection is to be closed."""

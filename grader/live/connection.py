@@ -16,7 +16,10 @@ Send: TypeAlias = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
 FRAMES_PER_S: Final = 200.0
 FRAMES_AT_ONCE: Final = 400
+BYTES_PER_S: Final = 131_072.0
+BYTES_AT_ONCE: Final = 524_288
 SEND_S: Final = 5.0
+_TOO_MUCH: Final = f"more than {BYTES_PER_S / 1024:.0f} KiB a second"
 _TOO_FAST: Final = f"more than {FRAMES_PER_S:.0f} frames a second: let the loop that publishes sleep"
 
 
@@ -66,15 +69,30 @@ async def serve(receive: Receive, send: Send, car: LiveCar) -> None:
 async def _receive_all(receive: Receive, client: LiveClient) -> None:
     """Hand frames over until the connection ends. Whoever sends too many is let go."""
     clock = asyncio.get_running_loop().time
-    left, at_s = float(FRAMES_AT_ONCE), clock()
+    frames = _Allowance(FRAMES_PER_S, FRAMES_AT_ONCE, clock())
+    size = _Allowance(BYTES_PER_S, BYTES_AT_ONCE, clock())
     while (event := await receive())["type"] == "websocket.receive":
-        now_s = clock()
-        left, at_s = min(left + (now_s - at_s) * FRAMES_PER_S, FRAMES_AT_ONCE) - 1.0, now_s
-        if left < 0.0:
+        text = event.get("text")
+        data = event.get("bytes") or b"" if text is None else text.encode(errors="replace")
+        if not frames.take(1.0, clock()):
             client.end(BAD_CLIENT, _TOO_FAST)
+        elif not size.take(len(data), clock()):
+            client.end(BAD_CLIENT, _TOO_MUCH)
         elif not client.closed:
-            text = event.get("text")
-            client.send(event.get("bytes") or b"" if text is None else text)
+            client.send(data)
+
+
+class _Allowance:
+    """So much a second, and at most so much at once."""
+
+    def __init__(self, per_s: float, at_once: float, now_s: float) -> None:
+        self._per_s, self._most, self._left, self._at_s = per_s, at_once, at_once, now_s
+
+    def take(self, amount: float, now_s: float) -> bool:
+        """Take `amount`; false when there is not so much left."""
+        gained = (now_s - self._at_s) * self._per_s
+        self._left, self._at_s = min(self._left + gained, self._most) - amount, now_s
+        return self._left >= 0.0
 
 
 async def _send_all(send: Send, client: LiveClient) -> None:

@@ -52,6 +52,11 @@ MOST_RELAYS: Final = 32
 MOST_SERVICES: Final = 16
 MOST_WAITING: Final = 64
 MOST_FRAGMENTED: Final = 4
+_LARGE_BYTES: Final = 4_096
+_LARGE_PER_S: Final = 262_144.0
+_LARGE_AT_ONCE: Final = 1_048_576.0
+"""Bytes of a client's large answers: a question that asks for one, is cheap to send."""
+
 _MOST_ERRORS: Final = 20
 _ERRORS_PER_S: Final = 1.0
 _SERVICE_NS: Final = 60_000_000_000
@@ -80,6 +85,8 @@ class _Client:
     fragments: dict[Identity, dict[int, str]] = field(default_factory=dict)
     errors: float = 0.0
     erred_ns: int = 0
+    large: float = _LARGE_AT_ONCE
+    asked_ns: int = 0
 
 
 @dataclass(slots=True)
@@ -499,9 +506,20 @@ class Bridge:
         if client in self._clients:
             told = {**frame, "id": identity} if identity is not None else frame
             try:
-                self._out.append(Out(client, to_json(told)))
+                text = to_json(told)
             except RecursionError:
-                self._out.append(Out(client, to_json({"op": "status", "level": "error", "msg": "too deep"})))
+                text = to_json({"op": "status", "level": "error", "msg": "too deep"})
+            if len(text) > _LARGE_BYTES and not self._may_be_large(self._clients[client], len(text)):
+                text = to_json({**told, "values": "too many large answers: wait a moment", "result": False})
+            self._out.append(Out(client, text))
+
+    def _may_be_large(self, client: _Client, size: int) -> bool:
+        gained = (self._now_ns - client.asked_ns) / 1e9 * _LARGE_PER_S
+        client.large, client.asked_ns = min(client.large + gained, _LARGE_AT_ONCE), self._now_ns
+        if client.large < size:
+            return False
+        client.large -= size
+        return True
 
     def watch(self, topic: str, key: object, watcher: Callable[[Values], None]) -> None:
         """Let `watcher` see each message on a topic of the graph."""

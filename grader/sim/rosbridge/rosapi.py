@@ -14,6 +14,12 @@ NODES: Final = ("/rosapi", "/rosbridge_websocket")
 _GOAL: Final = "/_action/send_goal"
 _MOST_TYPES: Final = 64
 _OTHER_NAMES: Final = {"action_servers": "GetActionServers", "get_ros_version": "GetROSVersion"}
+_PARTS: Final = re.compile(
+    "_(SendGoal_Request|SendGoal_Response|GetResult_Request|GetResult_Response|FeedbackMessage"
+    "|Request|Response|Goal|Result|Feedback)$"
+)
+"""Ends of the names of structures that an interface is made of."""
+
 _NUMBERS: Final = ("bool", "int", "uint", "float")
 
 
@@ -137,8 +143,8 @@ def _action_type(args: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
 
 
 def _interfaces(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:
-    known = {re.sub(r"_(Request|Response|Goal|Result|Feedback)$", "", name) for name in roster.types.fields}
-    return {"interfaces": sorted(name for name in known if "_action/" not in name)}
+    known = {_PARTS.sub("", name) for name in roster.types.fields}
+    return {"interfaces": sorted(known)}
 
 
 def _get_time(_: Mapping[str, Any], roster: KnownGraph) -> dict[str, Any]:

@@ -107,6 +107,18 @@ def test_one_that_sends_too_much_is_let_go_and_one_that_never_reads_harms_nobody
     assert ask(connect(address), "/rosapi/get_ros_version") == {"version": 2, "distro": "humble"}
 
 
+def test_one_that_sends_too_many_bytes_is_let_go(address: str, connect: Connect) -> None:
+    client = connect(address)
+    frame = json.dumps({"op": "set_level", "level": "x" * 60_000})
+    for _ in range(100):  # 6 MB
+        try:
+            client.send(frame)
+        except (BrokenPipeError, ConnectionResetError):
+            break
+    opcode, data = client.recv_data()
+    assert (opcode, int.from_bytes(data[:2]), data[2:]) == (8, 1008, b"more than 128 KiB a second")
+
+
 def test_a_frame_that_is_too_long_closes_its_connection_only(address: str, connect: Connect) -> None:
     client, other = connect(address), connect(address)
     client.send("x" * 70_000)

@@ -200,6 +200,18 @@ def test_a_call_that_fails_says_why(table: Table, service: str, args: Any, said:
     assert said in answer["values"]
 
 
+def test_large_answers_are_given_at_a_bounded_rate(table: Table) -> None:
+    ask = json.dumps({"op": "call_service", "service": "/rosapi/interfaces", "id": 1})
+    for _ in range(200):
+        table.session.receive(1, ask, table.now_ns)
+    answers = table.wait(0.0)
+    assert len(json.dumps([one for one in answers if one["result"]])) < 1_300_000
+    refused = [one for one in answers if not one["result"]]
+    assert {one["values"] for one in refused} == {"too many large answers: wait a moment"}
+    table.wait(10.0)
+    assert table.call("/rosapi/interfaces")["result"] is True
+
+
 def test_a_request_that_nobody_answers_ends(table: Table) -> None:
     table.say({"op": "advertise_service", "service": "/slow", "type": "std_srvs/Trigger"})
     table.say({"op": "call_service", "service": "/slow", "id": "x"})
