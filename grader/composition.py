@@ -3,7 +3,7 @@
 import logging
 import sys
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import replace
 from importlib.util import find_spec
 
@@ -35,6 +35,7 @@ from grader.telemetry.metrics import Metrics, exported
 from grader.use_cases.callers import Callers, new_token
 from grader.use_cases.course_assignments import CourseAssignments
 from grader.use_cases.pictures import PlotCache, draw_stored
+from grader.use_cases.score_sending import ScoreSender
 from grader.use_cases.services import Services
 from grader.worker import Uploads, Worker, WorkerConfig, WorkerParts
 
@@ -84,11 +85,17 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
         stack.callback(services.comparer.close)
         stack.callback(services.space.close)
         stack.callback(services.watching.close)
+        if services.providers.public_url:
+            stack.enter_context(ScoreSender(services))
         if settings.slots:
-            parts = _parts(database, settings, services.assignments, clock)
-            parts = replace(parts, doorbell=services.doorbell, observer=services.metrics)
-            stack.enter_context(_working(settings, parts))
+            stack.enter_context(_grading(database, settings, services))
         yield services
+
+
+def _grading(database: Database, settings: Settings, services: Services) -> AbstractContextManager[Worker]:
+    """Return the service's own worker."""
+    parts = _parts(database, settings, services.assignments, services.clock)
+    return _working(settings, replace(parts, doorbell=services.doorbell, observer=services.metrics))
 
 
 @contextmanager

@@ -52,3 +52,24 @@ class PlatformLink:
     assignment: str
     line_item: str
     used_at: datetime
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlatformScore:
+    """What a platform was last told of a member at an activity.
+
+    Attributes:
+        sha256: of what it took; empty: nothing yet. sent_at: the instant named in it.
+        not_before: nobody sends again before. tries: failed in a row.
+        trouble: why it did not take the latest.
+    """
+
+    platform: str
+    resource: str
+    course: str
+    person: str
+    sha256: str
+    sent_at: datetime | None
+    not_before: datetime
+    tries: int
+    trouble: str

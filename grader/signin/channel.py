@@ -6,7 +6,8 @@ behind the service (`public_only`): the name is looked up once, and the connecti
 
 import ipaddress
 import socket
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
+from types import MappingProxyType
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -40,35 +41,55 @@ def get(address: str, parameters: Mapping[str, str] | None = None, *, public_onl
     return _exchange("GET", address, public_only=public_only, params=parameters)[1]
 
 
-def post(address: str, form: Mapping[str, str], credentials: tuple[str, str] | None) -> tuple[int, bytes]:
+def post_form(
+    address: str, form: Mapping[str, str], credentials: tuple[str, str] | None, *, public_only: bool = False
+) -> tuple[int, bytes]:
     """Send a form, with a client's credentials (RFC 6749, 2.3.1); return status and answer.
 
     Raises:
         UnreachableError: as `get`; but a refusal, which is status 400 or 401, is an answer.
     """
-    return _exchange("POST", address, accepted=(200, 400, 401), data=form, auth=credentials)
+    return _exchange(
+        "POST", address, accepted=(200, 400, 401), public_only=public_only, data=form, auth=credentials
+    )
+
+
+def post_json(
+    address: str, content: bytes, media_type: str, token: str, *, public_only: bool = False
+) -> tuple[int, bytes]:
+    """Send a document, with a bearer token; return status and answer.
+
+    Raises:
+        UnreachableError: as `get`; but whatever is no fault of the other side's, below 500, is an answer.
+    """
+    headers = {"Content-Type": media_type, "Authorization": f"Bearer {token}"}
+    answers = range(200, 500)
+    return _exchange(
+        "POST", address, accepted=answers, public_only=public_only, headers=headers, content=content
+    )
 
 
 def _exchange(
     method: str,
     address: str,
-    accepted: tuple[int, ...] = (200,),
     *,
+    accepted: Container[int] = (200,),
     public_only: bool = False,
+    headers: Mapping[str, str] = MappingProxyType({}),
     **request: Any,
 ) -> tuple[int, bytes]:
-    host = host_of(address)
+    host = host_of(address.partition("?")[0])
     if host is None:
         raise UnreachableError(f"{address!r} is no address")
-    url, headers, extensions = httpx.URL(address), {"Accept-Encoding": "identity"}, {}
+    url, sent, extensions = httpx.URL(address), {"Accept-Encoding": "identity", **headers}, {}
     if public_only:
-        headers["Host"] = url.netloc.decode()
+        sent["Host"] = url.netloc.decode()
         extensions["sni_hostname"] = host  # for which the certificate must be
         url = url.copy_with(host=_public(host, url.port or (443 if url.scheme == "https" else 80)))
     try:
         with (
             httpx.Client(timeout=PATIENCE_S, follow_redirects=False, trust_env=False) as client,
-            client.stream(method, url, headers=headers, extensions=extensions, **request) as answer,
+            client.stream(method, url, headers=sent, extensions=extensions, **request) as answer,
         ):
             if answer.status_code not in accepted:
                 raise UnreachableError(f"{address} answers {answer.status_code}")

@@ -15,7 +15,7 @@ from urllib.parse import quote, urlencode
 import msgspec
 
 from grader.contracts.errors import SettingsError
-from grader.signin.channel import UnreachableError, get, host_of, post
+from grader.signin.channel import UnreachableError, get, host_of, post_form
 from grader.signin.config import OidcEntry, secret_of
 from grader.signin.providers import MOST_SUBJECT, Person, SignInAttempt, SignInError
 
@@ -189,7 +189,7 @@ class Oidc:
             form |= {"client_id": self._entry.client_id}
             form |= {"client_secret": self._secret} if self._secret else {}
         try:
-            status, content = post(known.token_endpoint, form, credentials)
+            status, content = post_form(known.token_endpoint, form, credentials)
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
         if status != 200:

@@ -19,6 +19,7 @@ from grader.store.tables import (
     PlatformKeyRow,
     PlatformLinkRow,
     PlatformRow,
+    PlatformScoreRow,
     TokenRow,
     UsedMessageRow,
     as_contract,
@@ -74,6 +75,7 @@ class Platforms:
             bound = select(col(IdentityRow.id)).where(col(IdentityRow.provider) == provider)
             session.execute(delete(TokenRow).where(col(TokenRow.opened_by).in_(bound)))
             session.execute(delete(IdentityRow).where(col(IdentityRow.provider) == provider))
+            session.execute(delete(PlatformScoreRow).where(col(PlatformScoreRow.platform) == row.id))
             session.execute(delete(PlatformLinkRow).where(col(PlatformLinkRow.platform) == row.id))
             session.delete(row)
             before = {"title": row.title, "issuer": row.issuer, "client_id": row.client_id}

@@ -581,6 +581,30 @@ class PlatformLinkRow(SQLModel, table=True):
     used_at: datetime = Field(sa_column=instant_column())
 
 
+class PlatformScoreRow(SQLModel, table=True):
+    """What a platform was last told of a member at an activity, or is to be told again.
+
+    `sha256`: of what it took; empty: nothing yet. `sent_at`: the instant named in it. Nobody else sends before
+    `not_before`. `trouble`: why it did not take the latest.
+    """
+
+    __tablename__: ClassVar[str] = "platform_score"
+    __table_args__ = (
+        ForeignKeyConstraint(["platform", "resource"], ["platform_link.platform", "platform_link.resource"]),
+        _of_member(),
+    )
+
+    platform: str = Field(primary_key=True, max_length=16)
+    resource: str = Field(primary_key=True, max_length=255)
+    course: str = Field(max_length=64)
+    person: str = Field(primary_key=True, max_length=64)
+    sha256: str = Field(default="", max_length=SHA256_LENGTH)
+    sent_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    not_before: datetime = Field(sa_column=instant_column())
+    tries: int = 0
+    trouble: str = Field(default="", sa_column=text_column())
+
+
 class UsedMessageRow(SQLModel, table=True):
     """A platform's message that let somebody in, which must not do so again."""
 
@@ -590,7 +614,7 @@ class UsedMessageRow(SQLModel, table=True):
     expires_at: datetime = Field(sa_column=instant_column())
 
 
-OF_MEMBERS: Final = (IdentityRow, TokenRow, ExtensionRow, SectionRow, MemberRow)
+OF_MEMBERS: Final = (PlatformScoreRow, IdentityRow, TokenRow, ExtensionRow, SectionRow, MemberRow)
 """Whose rows go when somebody is no member any more, in an order that foreign keys allow."""
 
 

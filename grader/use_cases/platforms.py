@@ -3,10 +3,11 @@
 import logging
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from typing import Any
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
-from grader.contracts.platform import NewPlatform, Platform, PlatformLink
+from grader.contracts.platform import NewPlatform, Platform, PlatformLink, PlatformScore
 from grader.lti import Kept, Launch, login_address
 from grader.lti.launch import LINK
 from grader.settings import is_loopback
@@ -89,6 +90,25 @@ def links_of(services: Services, caller: Caller) -> tuple[PlatformLink, ...]:
         RefusedError: the caller is no instructor, or there is no course.
     """
     return services.platforms.links(_course(caller))
+
+
+def troubles_of(services: Services, caller: Caller) -> tuple[PlatformScore, ...]:
+    """Return which scores of the caller's course a platform does not take.
+
+    Raises:
+        RefusedError: the caller is no instructor, or there is no course.
+    """
+    return services.platform_scores.troubles(_course(caller))
+
+
+def public_keys(services: Services) -> dict[str, Any]:
+    """Return the keys by which platforms check what the service sends, as a JSON Web Key Set.
+
+    Raises:
+        RefusedError: the service is not set up for platforms.
+    """
+    _public_url(services)
+    return services.score_channel.public_keys()
 
 
 def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platform:

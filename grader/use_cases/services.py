@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cache
 from typing import Any, Self
 
 from grader.contracts.grading import AssignmentSource, Preflight
@@ -9,6 +10,7 @@ from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
 from grader.live.cars import LiveCars
 from grader.lti import Launches
+from grader.lti.scores import ScoreChannel, Signer, new_key
 from grader.settings import Settings
 from grader.signin import Providers
 from grader.store.appeals import Appeals
@@ -24,6 +26,7 @@ from grader.store.gradings import PastGradings
 from grader.store.identities import Identities
 from grader.store.judgements import Judgements
 from grader.store.own_assignments import OwnAssignments
+from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
@@ -74,6 +77,7 @@ class Services:
     Attributes:
         callers: recognises who asks, by token.
         providers: who else recognises people. launches: reads what learning platforms say of people.
+        score_channel: tells them what people reached.
         allowances: how much each of them may ask for.
     """
 
@@ -87,6 +91,7 @@ class Services:
     allowances: Allowances
     providers: Providers
     launches: Launches
+    score_channel: ScoreChannel
 
     # the database, by subject
     submissions: Submissions
@@ -106,6 +111,7 @@ class Services:
     tokens: Tokens
     identities: Identities
     platforms: Platforms
+    platform_scores: PlatformScores
     audit: AuditLog
 
     # kept in this process: drawn plots, compared scripts, counted room, streams of events with their estimates,
@@ -156,6 +162,7 @@ class Services:
             callers=callers,
             providers=providers,
             launches=Launches(lambda: clock().timestamp(), private=providers.private_platforms),
+            score_channel=_score_channel(Platforms(database, clock), clock, providers),
             allowances=Allowances.of(settings, clock),
             submissions=Submissions(database, clock),
             queue=queue,
@@ -180,7 +187,13 @@ def _of_courses(database: Database, clock: Clock) -> dict[str, Any]:
         "tokens": Tokens(database, clock),
         "identities": Identities(database, clock),
         "platforms": Platforms(database, clock),
+        "platform_scores": PlatformScores(database, clock),
     }
+
+
+def _score_channel(platforms: Platforms, clock: Clock, providers: Providers) -> ScoreChannel:
+    signer = cache(lambda: Signer(platforms.keys(new_key)))
+    return ScoreChannel(signer, lambda: clock().timestamp(), private=providers.private_platforms)
 
 
 def _watching(database: Database, settings: Settings, estimates: Estimates) -> Watching:

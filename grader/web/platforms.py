@@ -11,7 +11,7 @@ from typing import Annotated
 from urllib.parse import parse_qsl, urlencode, urlsplit
 
 from fastapi import APIRouter, Depends, Form, Request, Response
-from fastapi.responses import RedirectResponse
+from fastapi.responses import JSONResponse, RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
@@ -61,6 +61,12 @@ async def login(request: Request, services: ServicesDep) -> Response:
     """As `login_by_get`: platforms may do either."""
     fields = await request.form(max_files=0, max_fields=50)
     return _login(request, services, {name: str(value) for name, value in fields.items()})
+
+
+@router.get("/keys")
+def keys(services: ServicesDep) -> Response:
+    """Return the keys by which platforms check what the service sends."""
+    return JSONResponse(platforms.public_keys(services), headers={"Cache-Control": "public, max-age=3600"})
 
 
 @router.post("/launch")
@@ -153,4 +159,5 @@ def _desk(
         form=form or PlatformForm(),
         problem=problem,
         public_url=services.providers.public_url,
+        troubles=platforms.troubles_of(services, visitor.caller),
     )

@@ -38,6 +38,7 @@ class FakeProvider:
         self.user = "li"
         self.claims: dict[str, Any] = {}
         self.now = 0.0
+        self.clock_s: Callable[[], float] = lambda: self.now
         self.keys: list[Any] = [RSA]
         self.sign: Callable[[dict[str, Any]], str] = self.signed
         self.down = False
@@ -45,6 +46,9 @@ class FakeProvider:
         self.codes: dict[str, dict[str, str]] = {}
         self.tickets: dict[str, str] = {}
         self.asked: list[str] = []
+        self.tool_keys: dict[str, Any] = {}
+        self.scores: list[dict[str, Any]] = []
+        self.score_status = 200
 
     def signed(self, claims: dict[str, Any], key: Any = RSA) -> str:
         return jwt.encode({"alg": "RS256", "kid": key.kid}, claims, key)
@@ -99,6 +103,29 @@ class FakeProvider:
         }
         return 200, {"id_token": self.sign(claims | self.claims), "token_type": "Bearer", "access_token": "x"}
 
+    def access_token(self, form: dict[str, str]) -> tuple[int, dict[str, Any]]:
+        """Check a tool's assertion as a learning platform does."""
+        decoded = jwt.decode(
+            form["client_assertion"], KeySet.import_key_set(self.tool_keys), algorithms=["RS256"]
+        )
+        said = decoded.claims
+        own = said["iss"] == said["sub"] and said["aud"] == f"{self.address}/access" and said["jti"]
+        if not own or not self.clock_s() - 5 <= said["iat"] < said["exp"] <= self.clock_s() + 65:
+            return 400, {"error": "invalid_client"}
+        return 200, {"access_token": "t", "expires_in": 3600, "token_type": "Bearer", "scope": form["scope"]}
+
+    def take(self, form: dict[str, Any], authorization: str, media_type: str) -> int:
+        """Take a score as Moodle does: 409 unless it is later, in whole seconds, than the one before."""
+        if authorization != "Bearer t" or media_type != "application/vnd.ims.lis.v1.score+json":
+            return 401
+        if self.score_status != 200:
+            return self.score_status
+        mine = [one for one in self.scores if one["userId"] == form["userId"]]
+        if mine and mine[-1]["timestamp"][:19] >= form["timestamp"][:19]:
+            return 409
+        self.scores.append(form)
+        return 200
+
     def cas(self, query: dict[str, str]) -> str:
         if self.cas_answer is not None:
             return self.cas_answer
@@ -142,8 +169,19 @@ def provider() -> Iterator[FakeProvider]:
 
         def do_POST(self) -> None:
             known.asked.append(self.path)
-            form = dict(parse_qsl(self.rfile.read(int(self.headers["Content-Length"])).decode()))
-            self._json(*known.token(form, self.headers.get("Authorization", "")))
+            body = self.rfile.read(int(self.headers["Content-Length"]))
+            authorization, media_type = (
+                self.headers.get(one, "") for one in ("Authorization", "Content-Type")
+            )
+            form = dict(parse_qsl(body.decode(errors="replace")))
+            if known.down:
+                self._say(503, b"")
+            elif self.path == "/items/7/scores?type_id=1":
+                self._say(known.take(json.loads(body), authorization, media_type), b"")
+            elif self.path == "/access":
+                self._json(*known.access_token(form))
+            else:
+                self._json(*known.token(form, authorization))
 
         def _json(self, status: int, document: dict[str, Any]) -> None:
             self._say(status, json.dumps(document).encode())

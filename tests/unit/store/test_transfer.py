@@ -27,6 +27,7 @@ from grader.store.database import Database
 from grader.store.identities import Identities
 from grader.store.judgements import Given, Judgements
 from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
+from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
@@ -56,7 +57,8 @@ def fill(database: Database) -> str:
     texts = dict.fromkeys(NewPlatform.__dataclass_fields__, "https://a.example")
     used = platforms.add(NewPlatform(**texts), signed)
     line = {"resource": "1", "title": "方", "assignment": "square", "line_item": ""}
-    platforms.open_link(PlatformLink(platform=used.id, used_at=clock(), **line))
+    opened = platforms.open_link(PlatformLink(platform=used.id, used_at=clock(), **line))
+    assert PlatformScores(database, clock).claim(opened, "ros", "li")
     assert platforms.use("message", clock())
     platforms.keys(lambda: ("k", "{}"))
     rules = StoredRules(database)

@@ -42,6 +42,7 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /leave": (303,) * 6,
     "GET /enter/with/{provider_id}": (404,) * 6,  # there is no such provider
     "GET /enter/with/{provider_id}/back": (404,) * 6,
+    "GET /lti/keys": (409,) * 6,
     "GET /lti/login": (409,) * 6,  # the service's own address is not set up
     "POST /lti/login": (409,) * 6,
     "POST /lti/launch": (403,) * 6,  # nobody was sent away

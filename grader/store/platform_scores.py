@@ -1,0 +1,111 @@
+"""What learning platforms were told: compared with what counts now, the difference is what to tell next.
+
+So whatever changes a score (a grading, a person, a rule, a date) is sent, with no transaction having to note it,
+and a process that dies between telling and noting tells the same once more.
+"""
+
+from datetime import datetime, timedelta
+
+from sqlalchemy import select, update
+from sqlmodel import col
+
+from grader.contracts.platform import Platform, PlatformLink, PlatformScore
+from grader.store.clock import Clock
+from grader.store.database import Database, one_at_a_time
+from grader.store.tables import (
+    IdentityRow,
+    PlatformLinkRow,
+    PlatformRow,
+    PlatformScoreRow,
+    as_contract,
+)
+
+PATIENCE = timedelta(minutes=1)
+"""As long as one process may take for one score before another sends it, too."""
+
+_FIRST_PAUSE_S, _LONGEST_PAUSE_S = 30.0, 3600.0
+_LONGEST_TROUBLE = 500
+
+
+class PlatformScores:
+    """Keeps what was sent; safe to share between threads and processes."""
+
+    def __init__(self, database: Database, clock: Clock) -> None:
+        self._database = database
+        self._clock = clock
+
+    def targets(self) -> tuple[tuple[Platform, PlatformLink], ...]:
+        """Return every activity whose platform takes scores and that leads to an assignment."""
+        statement = (
+            select(PlatformRow, PlatformLinkRow)
+            .join(PlatformLinkRow, col(PlatformLinkRow.platform) == col(PlatformRow.id))
+            .where(col(PlatformLinkRow.line_item) != "", col(PlatformLinkRow.assignment) != "")
+            .order_by(col(PlatformRow.id), col(PlatformLinkRow.resource))
+        )
+        with self._database.reading() as session:
+            found = session.execute(statement).all()
+            return tuple((as_contract(one, Platform), as_contract(link, PlatformLink)) for one, link in found)
+
+    def people(self, platform: Platform) -> dict[str, str]:
+        """Return by member what the platform calls them; of several names the first that was bound."""
+        row = IdentityRow
+        mine = col(row.provider) == platform.provider, col(row.course) == platform.course
+        statement = select(col(row.person), col(row.subject)).where(*mine).order_by(col(row.bound_at).desc())
+        with self._database.reading() as session:
+            return {str(person): str(subject) for person, subject in session.execute(statement)}
+
+    def known(self, link: PlatformLink) -> dict[str, PlatformScore]:
+        """Return by member what was sent for an activity."""
+        row = PlatformScoreRow
+        mine = col(row.platform) == link.platform, col(row.resource) == link.resource
+        with self._database.reading() as session:
+            found = session.execute(select(PlatformScoreRow).where(*mine)).scalars()
+            return {one.person: as_contract(one, PlatformScore) for one in found}
+
+    def troubles(self, course: str) -> tuple[PlatformScore, ...]:
+        """Return what platforms do not take of a course."""
+        row = PlatformScoreRow
+        statement = select(PlatformScoreRow).where(col(row.course) == course, col(row.trouble) != "")
+        with self._database.reading() as session:
+            rows = session.execute(statement.order_by(col(row.person), col(row.resource))).scalars()
+            return tuple(as_contract(one, PlatformScore) for one in rows)
+
+    def claim(self, link: PlatformLink, course: str, person: str) -> bool:
+        """Take it on to send a score; False: another process does, or it is too early after a failure."""
+        now, row = self._clock(), PlatformScoreRow
+        with self._database.writing() as session:
+            one_at_a_time(session, "platform_score", link.platform, link.resource, person)
+            found = session.get(PlatformScoreRow, (link.platform, link.resource, person))
+            if found is None:
+                found = row(
+                    platform=link.platform,
+                    resource=link.resource,
+                    course=course,
+                    person=person,
+                    not_before=now,
+                )
+                session.add(found)
+            if found.not_before > now:
+                return False
+            found.not_before = now + PATIENCE
+            return True
+
+    def sent(self, link: PlatformLink, person: str, sha256: str, at: datetime) -> None:
+        """Note that the platform took a score."""
+        self._note(link, person, sha256=sha256, sent_at=at, not_before=self._clock(), tries=0, trouble="")
+
+    def failed(self, link: PlatformLink, person: str, tries: int, trouble: str) -> None:
+        """Note that it did not, for the `tries`-th time in a row: the pause until the next try doubles."""
+        pause_s = min(_FIRST_PAUSE_S * 2.0 ** min(tries - 1, 10), _LONGEST_PAUSE_S)
+        later = self._clock() + timedelta(seconds=pause_s)
+        self._note(link, person, not_before=later, tries=tries, trouble=trouble[:_LONGEST_TROUBLE])
+
+    def _note(self, link: PlatformLink, person: str, **values: object) -> None:
+        row = PlatformScoreRow
+        key = (
+            col(row.platform) == link.platform,
+            col(row.resource) == link.resource,
+            col(row.person) == person,
+        )
+        with self._database.writing() as session:
+            session.execute(update(PlatformScoreRow).where(*key).values(**values))

@@ -1,0 +1,128 @@
+"""Keeping learning platforms told of what counts: looked at again and again, and only differences are sent."""
+
+import hashlib
+import logging
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from datetime import timedelta
+
+import msgspec
+
+from grader.contracts.dashboard import StudentProgress
+from grader.contracts.errors import GraderError
+from grader.contracts.platform import Platform, PlatformLink, PlatformScore
+from grader.lti.scores import NotTakenError, Score
+from grader.messages import on_page
+from grader.signin.channel import UnreachableError
+from grader.use_cases.services import Services
+
+_log = logging.getLogger(__name__)
+_EVERY_S = 10.0
+_A_SECOND = timedelta(seconds=1)
+
+
+class ScoreSender:
+    """Sends scores while its context is open. A failure of it fails no grading and no request."""
+
+    def __init__(self, services: Services) -> None:
+        self._services = services
+        self._stopped = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="score sender", daemon=True)
+
+    def __enter__(self) -> None:
+        """Begin."""
+        self._thread.start()
+
+    def __exit__(self, *_: object) -> None:
+        """End after what is being sent."""
+        self._stopped.set()
+        self._thread.join()
+
+    def _run(self) -> None:
+        while not self._stopped.wait(_EVERY_S):
+            try:
+                send_scores(self._services, self._stopped.is_set)
+            except GraderError:
+                _log.warning("scores could not be looked at; tried again soon", exc_info=True)
+
+
+def send_scores(services: Services, stopped: Callable[[], bool] = lambda: False) -> int:
+    """Tell every platform what it does not know yet, until `stopped`; return how many scores were taken."""
+    taken = 0
+    silent: set[str] = set()
+    for platform, link in services.platform_scores.targets():
+        for person, score in _wanted(services, platform, link):
+            if platform.id in silent or stopped():
+                break
+            try:
+                taken += _tell(services, platform, link, person, score)
+            except UnreachableError as error:
+                _log.warning("%s does not take scores now: %s", platform.title, error)
+                silent.add(platform.id)  # the others there would wait as long for nothing
+    return taken
+
+
+def _tell(
+    services: Services, platform: Platform, link: PlatformLink, person: PlatformScore | str, score: Score
+) -> int:
+    """Send one score, whose row is `person`, or which has none yet; return whether it was taken."""
+    store, now = services.platform_scores, services.clock()
+    name = person if isinstance(person, str) else person.person
+    last = None if isinstance(person, str) else person.sent_at
+    tries = 0 if isinstance(person, str) else person.tries
+    if not store.claim(link, platform.course, name):
+        return 0
+    at = now if last is None else max(now, last + _A_SECOND)
+    try:
+        services.score_channel.send(platform, link.line_item, score, at)
+    except NotTakenError as error:
+        store.failed(link, name, tries + 1, str(error))
+        return 0
+    except UnreachableError as error:
+        store.failed(link, name, tries + 1, str(error))
+        raise
+    store.sent(link, name, _digest(score), at)
+    return 1
+
+
+def _wanted(
+    services: Services, platform: Platform, link: PlatformLink
+) -> Iterator[tuple[PlatformScore | str, Score]]:
+    """Yield what differs from what the platform took, with its row or, where there is none, the member."""
+    people = services.platform_scores.people(platform)
+    if not people:
+        return
+    known, now = services.platform_scores.known(link), services.clock()
+    hidden = bool(services.rules.of(platform.course).of(link.assignment).hidden_at(now))
+    for progress in services.dashboard.state(platform.course).progress:
+        if progress.assignment != link.assignment or progress.student not in people:
+            continue
+        score = _score(services, people, progress, hidden=hidden)
+        row = known.get(progress.student)
+        due = row is None or row.not_before <= now
+        if score is not None and due and (row is None or row.sha256 != _digest(score)):
+            yield row or progress.student, score
+
+
+def _score(
+    services: Services, people: Mapping[str, str], progress: StudentProgress, *, hidden: bool
+) -> Score | None:
+    """Return what a platform shall know; None: nothing that counts is there yet.
+
+    While items are hidden, or a person still gives points, it is told that there is work, and no points.
+    """
+    if progress.max_score is None or (progress.counted_score is None and not progress.waits_for_person):
+        return None
+    open_ = hidden or progress.waits_for_person
+    shown = progress.counted_submission or progress.latest_submission
+    address = f"{services.providers.public_url}/submissions/{shown}"
+    return Score(
+        subject=people[progress.student],
+        given=None if open_ else progress.counted_score,
+        most=progress.max_score,
+        comment=on_page(services.settings.default_language, "platforms.comment", address=address),
+    )
+
+
+def _digest(score: Score) -> str:
+    return hashlib.sha256(msgspec.json.encode(score)).hexdigest()

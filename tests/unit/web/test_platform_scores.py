@@ -1,0 +1,220 @@
+"""What a learning platform is told of scores: each difference once in effect, whatever caused it."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from datetime import timedelta
+
+import httpx
+import pytest
+from fastapi import FastAPI
+
+from grader.contracts.platform import NewPlatform, Platform, PlatformLink
+from grader.contracts.rules import LateRule, Rules
+from grader.lti.scores import ScoreChannel, Signer, new_key
+from grader.signin import Providers
+from grader.store.audit import Signature
+from grader.use_cases.score_sending import send_scores
+from grader.use_cases.services import Services
+from tests.fakes.provider import FakeProvider, provider
+
+KEY = new_key()
+
+
+@pytest.fixture(scope="module")
+def listening() -> Iterator[FakeProvider]:
+    with provider() as known:
+        yield known
+
+
+@pytest.fixture
+def moodle(listening: FakeProvider) -> FakeProvider:
+    listening.scores, listening.score_status, listening.down = [], 200, False
+    listening.tool_keys = Signer((KEY[1],)).public()
+    listening.asked.clear()
+    return listening
+
+
+@pytest.fixture
+def linked(services: Services, moodle: FakeProvider, tokens: dict[str, str]) -> Services:
+    """A course whose square is an activity of a platform, where `li` is known as 3."""
+
+    def clock_s() -> float:
+        return services.clock().timestamp()
+
+    moodle.clock_s = clock_s
+
+    services.platforms.keys(lambda: KEY)
+    made = replace(
+        services,
+        providers=Providers(public_url="https://grader.example.edu"),
+        score_channel=ScoreChannel(lambda: Signer((KEY[1],)), clock_s, private=True),
+    )
+    platform = add_platform(made, moodle)
+    link(made, platform, f"{moodle.address}/items/7?type_id=1")
+    assert made.identities.bind(platform.provider, "3", "ros", "li", by_token=False)
+    return made
+
+
+def add_platform(
+    services: Services, moodle: FakeProvider, issuer: str = "https://moodle.example"
+) -> Platform:
+    new = NewPlatform(
+        title="Moodle",
+        issuer=issuer,
+        client_id="c",
+        deployment="1",
+        login_url=f"{moodle.address}/auth",
+        token_url=f"{moodle.address}/access",
+        keys_url=f"{moodle.address}/keys",
+    )
+    return services.platforms.add(new, Signature(services.clock(), "ros", "wang"))
+
+
+def link(services: Services, platform: Platform, line_item: str) -> None:
+    services.platforms.open_link(
+        PlatformLink(
+            platform=platform.id,
+            resource="7",
+            title="走正方形",
+            assignment="square",
+            line_item=line_item,
+            used_at=services.clock(),
+        )
+    )
+
+
+def given(moodle: FakeProvider) -> list[float | None]:
+    return [one.get("scoreGiven") for one in moodle.scores]
+
+
+def test_a_score_is_sent_once(linked: Services, moodle: FakeProvider, put: Callable[..., str]) -> None:
+    assert send_scores(linked) == 0
+    address = put(course="ros", student="li")
+    put(course="ros", student="han")  # whom the platform does not know
+    assert send_scores(linked) == 1
+    assert send_scores(linked) == 0
+    (told,) = moodle.scores
+    assert told["userId"] == "3"
+    assert (told["scoreGiven"], told["scoreMaximum"]) == (5.0, 100.0)
+    assert (told["activityProgress"], told["gradingProgress"]) == ("Completed", "FullyGraded")
+    assert told["comment"].endswith(f"https://grader.example.edu{address}")
+    assert moodle.asked.count("/access") == 1
+
+
+def test_a_change_by_a_rule_is_sent_and_may_lower_it(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str]
+) -> None:
+    put(course="ros", student="li")
+    send_scores(linked)
+    due = linked.clock() - timedelta(days=2)
+    rules = Rules(due=due, late=LateRule(kind="linear", per_day=0.1))
+    linked.rules.set("square", rules, Signature(linked.clock(), "ros", "wang"))
+    send_scores(linked)
+    assert given(moodle)[0] == 5.0
+    assert len(moodle.scores) == 2
+    assert given(moodle)[1] < 5.0
+
+
+def test_two_changes_within_a_second_both_arrive(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str]
+) -> None:
+    """A platform refuses a score that is not later, in whole seconds, than the one it has."""
+    put(course="ros", student="li")
+    send_scores(linked)
+    linked.rules.set(
+        "square",
+        Rules(hidden_items=(linked.assignments.get("square").items[0].id,)),
+        Signature(linked.clock(), "ros", "wang"),
+    )
+    row = linked.platform_scores.known(linked.platforms.links("ros")[0])["li"]
+    linked.clock.advance((row.not_before - linked.clock()).total_seconds())
+    send_scores(linked)
+    assert len(moodle.scores) == 2
+
+
+def test_hidden_items_do_not_leak(linked: Services, moodle: FakeProvider, put: Callable[..., str]) -> None:
+    items = linked.assignments.get("square").items
+    hidden = Rules(hidden_items=(items[0].id,), hidden_until=linked.clock() + timedelta(hours=1))
+    linked.rules.set("square", hidden, Signature(linked.clock(), "ros", "wang"))
+    put(course="ros", student="li")
+    send_scores(linked)
+    assert moodle.scores[-1]["gradingProgress"] == "PendingManual"
+    assert "scoreGiven" not in moodle.scores[-1]
+    linked.clock.advance(3_601.0)  # a date passes: nothing else happens
+    send_scores(linked)
+    assert given(moodle)[-1] == 5.0
+
+
+def test_a_platform_that_is_down_loses_nothing(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str]
+) -> None:
+    put(course="ros", student="li")
+    moodle.down = True
+    for _ in range(6):
+        assert send_scores(linked) == 0
+        linked.clock.advance(120.0)
+    (trouble,) = linked.platform_scores.troubles("ros")
+    assert (trouble.person, trouble.tries > 1, "503" in trouble.trouble) == ("li", True, True)
+    moodle.down = False
+    linked.clock.advance(3_600.0)
+    assert send_scores(linked) == 1
+    assert given(moodle) == [5.0]
+    assert linked.platform_scores.troubles("ros") == ()
+
+
+def test_a_refused_score_is_tried_ever_more_seldom_and_told(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str]
+) -> None:
+    moodle.score_status = 400
+    put(course="ros", student="li")
+    tried = []
+    for minute in range(30):
+        before = moodle.asked.count("/items/7/scores?type_id=1")
+        send_scores(linked)
+        if moodle.asked.count("/items/7/scores?type_id=1") > before:
+            tried.append(minute)
+        linked.clock.advance(60.0)
+    assert tried == [0, 1, 2, 4, 8, 16]
+
+
+def test_whoever_dies_between_telling_and_noting_tells_the_same_again(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(course="ros", student="li")
+
+    class KilledError(BaseException):
+        pass
+
+    def killed(*_: object) -> None:
+        raise KilledError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(type(linked.platform_scores), "sent", killed)
+        with pytest.raises(KilledError):
+            send_scores(linked)
+    assert send_scores(linked) == 0  # another process holds it for a minute
+    linked.clock.advance(61.0)
+    assert send_scores(linked) == 1
+    assert given(moodle) == [5.0, 5.0]
+    assert send_scores(linked) == 0
+
+
+def test_a_removed_member_and_platform_leave_nothing(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str]
+) -> None:
+    put(course="ros", student="li")
+    send_scores(linked)
+    linked.courses.remove("ros", ["li"], "wang")
+    assert linked.platform_scores.known(linked.platforms.links("ros")[0]) == {}
+    (platform,) = linked.platforms.of_course("ros")
+    assert linked.platforms.remove(platform.id, Signature(linked.clock(), "ros", "wang"))
+    assert linked.platform_scores.targets() == ()
+
+
+def test_the_keys_are_public_and_have_no_secret(
+    client: httpx.Client, running: tuple[FastAPI, str], linked: Services
+) -> None:
+    running[0].state.services = linked
+    shown = client.get("/lti/keys").json()
+    assert [one["kid"] for one in shown["keys"]] == [KEY[0]]
+    assert all("d" not in one for one in shown["keys"])
