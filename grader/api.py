@@ -4,6 +4,9 @@ Importing this module opens nothing. The store, the workers and the sandbox come
 starts the application, and are put away in good order when it stops.
 """
 
+import gc
+import logging
+import threading
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractContextManager, asynccontextmanager
 
@@ -38,7 +41,9 @@ from grader.routes.events import told_to_stop
 from grader.routes.middleware import BoundedBodies, HeldToTheEnd, KnownPeer, Observed, SafeHeaders
 from grader.use_cases.services import Services
 from grader.web import routing as pages
+from grader.web.pages import compile_all
 
+_log = logging.getLogger(__name__)
 ServicesOpener = Callable[[], AbstractContextManager[Services]]
 
 _ROUTERS = (
@@ -110,6 +115,28 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
     pages.install(app)
     documentation.install(app)
     return app
+
+
+def warm_up(services: Services) -> threading.Thread:
+    """Make, in the thread that is returned, what the first visitor of each page would wait for.
+
+    That is the templates, and what is counted of each class that is taught.
+    """
+
+    def work() -> None:
+        try:
+            compile_all()
+            for course in services.courses.all():
+                if course.archived_at is None:
+                    services.dashboard.state(course.id)
+            gc.collect()
+            gc.freeze()  # all of this stays: no later look for garbage goes through it in the middle of a page
+        except Exception as error:  # then the first visitor waits
+            _log.warning("pages were not prepared: %s", error)
+
+    thread = threading.Thread(target=work, name="grader-warm-up", daemon=True)
+    thread.start()
+    return thread
 
 
 def _let_go(services: Services) -> None:

@@ -80,11 +80,12 @@ def run(arguments: argparse.Namespace) -> int:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))  # starting may take as long as an upgrade
     with listening(settings.host, settings.port) as listener, _running(settings) as services:
         # takes a second, which nobody waits for whose settings are refused
-        from grader.api import behind_proxies, create_app
+        from grader.api import behind_proxies, create_app, warm_up
         from grader.composition import websockets_installed
         from grader.live.cars import CLIENTS
 
         app = create_app(lambda: nullcontext(services))
+        warm_up(services)
         live = settings.live_cars if websockets_installed() else 0
         most = most_connections(settings.max_streams + live * CLIENTS)
         server = _Server(behind_proxies(app), most, websockets=live > 0)

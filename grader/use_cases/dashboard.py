@@ -20,6 +20,7 @@ from grader.use_cases.services import ServiceHealth, Services
 
 _BINS = 10
 STUCK_ATTEMPTS = 3
+_PROGRESS = tuple(one.name for one in fields(StudentProgress))  # asked once: a class has thousands of cells
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -254,7 +255,7 @@ def _student(student: str, cells: dict[str, Cell], member: Member | None) -> Stu
 
 
 def _cell(progress: StudentProgress, pass_fraction: float) -> Cell:
-    known = {one.name: getattr(progress, one.name) for one in fields(progress)}
+    known = {name: getattr(progress, name) for name in _PROGRESS}
     return Cell(**known, passed=_passed(progress, pass_fraction))
 
 

@@ -68,6 +68,12 @@ def page(request: Request, template: str, *, status: int = 200, **values: Any) -
     return response
 
 
+def compile_all() -> None:
+    """Compile every template, so that nobody's first page waits for that."""
+    for name in _TEMPLATES.env.list_templates():
+        _TEMPLATES.env.get_template(name)
+
+
 def _other_language(request: Request, language: Language) -> dict[str, str]:
     """Return code, name and address of this page in the other language."""
     other: Language = "en" if language == "zh" else "zh"

@@ -5,9 +5,11 @@ from collections.abc import Callable
 
 import pytest
 
+from grader.api import warm_up
 from grader.contracts.text import Text
 from grader.messages import outline
 from grader.use_cases.services import Services
+from grader.web.pages import compile_all
 from tests.unit.web.conftest import Browser
 
 
@@ -180,3 +182,20 @@ def test_who_tries_and_fails_comes_before_who_has_not_begun(
         put(b"", student="li", course="ros")
     browser.enter(token=tokens["ta"])
     assert rows(browser.get("/class?show=at_risk").text) == ["li", "han"]
+
+
+def test_a_service_that_starts_prepares_its_pages(
+    services: Services, tokens: dict[str, str], put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put(student="li", course="ros")
+    compiled: list[bool] = []
+    monkeypatch.setattr("grader.api.compile_all", lambda: compiled.append(True))
+    monkeypatch.setattr("gc.freeze", lambda: None)  # the tests' process goes on
+    warm_up(services).join()
+    assert compiled
+    monkeypatch.setattr("grader.store.dashboard.counted", None)  # whoever counts anew fails
+    assert [one.student for one in services.dashboard.state("ros").progress] == ["li"]
+
+
+def test_every_template_compiles() -> None:
+    compile_all()
