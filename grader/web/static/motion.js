@@ -14,6 +14,7 @@ export class Motion {
     this.t = columns.t_ns.map((ns) => ns * NANO);
     this.end = Math.max(columns.end_ns * NANO, this.t.at(-1));
     this.jumps = new Set(columns.jumps);
+    this.contacts = (columns.contacts ?? []).map((contact) => contact.start_ns * NANO);
     this.commands = columns.commands.map(([ns, v, w]) => ({ t: ns * NANO, v, w }));
   }
 

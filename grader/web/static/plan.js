@@ -13,6 +13,7 @@ const IN_PLACE_PX = 220; // height for a car that only turns
 const SCANNER_X_M = -0.032; // of a robot's laser scanner, ahead of the middle of its axle
 const RANGE_M = 3.5;
 const SHOWN_RAYS = 36;
+const MOST_CONTACTS = 100;
 const ARC_PX = 34;
 const ARC_GROWTH_PX = 9; // outward per full turn, so that further turns stay visible
 
@@ -64,6 +65,7 @@ export class Plan {
     this.board.block(...points.at(-1), CAR_PX);
     this.finished = []; // what is shown only from a moment on
     this.measures();
+    this.touches();
     this.turned = add(this.svg, "path", { class: "turned" });
     add(this.svg, "circle", { class: "start", cx: points[0][0], cy: points[0][1], r: 4.5 });
     const size = CAR_PX;
@@ -147,6 +149,18 @@ export class Plan {
       }
     }
     this.rays = this.edges.length ? add(this.svg, "path", { class: "rays" }) : null;
+  }
+
+  /** Where a robot touched something, from that moment on. */
+  touches() {
+    if (!this.edges.length) {
+      return;
+    }
+    for (const time of this.motion.contacts.slice(0, MOST_CONTACTS)) {
+      const index = this.motion.at(time);
+      const [cx, cy] = this.place([this.motion.x[index], this.motion.y[index]]);
+      this.finished.push({ index, element: add(this.svg, "circle", { class: "contact", cx, cy, r: 6 }) });
+    }
   }
 
   /** Rays of the scanner, one in ten, each up to what it meets. */
