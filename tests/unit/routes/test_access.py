@@ -8,7 +8,7 @@ from typing import Any
 import httpx
 import pytest
 
-from grader.contracts.identity import ANYBODY
+from grader.contracts.identity import ANYBODY, Role, RosterEntry
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.places import all_taken
@@ -264,12 +264,28 @@ together = pytest.mark.parametrize("operations", TOGETHER, ids=["looks", *(one f
 
 @together
 def test_in_courses(
-    operations: list[str], client: httpx.Client, school: Any, graded: Callable[..., str]
+    operations: list[str],
+    client: httpx.Client,
+    services: Services,
+    school: Any,
+    graded: Callable[..., str],
 ) -> None:
     submission = graded(student="", headers=school.as_("li")).rpartition("/")[2]
+    elsewhere = _assistant_of_another_section(services)
     for operation in operations:
+        bound = send(client, operation, submission, elsewhere)
         answers = tuple(send(client, operation, submission, headers_of(school, role)) for role in ROLES)
         assert answers == IN_COURSES[operation], operation
+        as_unbound = answers[ROLES.index("assistant")]
+        assert bound == (404 if "{submission_id}" in operation else as_unbound), operation
+
+
+def _assistant_of_another_section(services: Services) -> dict[str, str]:
+    """Return the headers of an assistant who looks after a section that nobody of these tests is in."""
+    entry = RosterEntry(id="tb", name="tb", role=Role.ASSISTANT, sections=("B",))
+    services.courses.import_roster("ros", [entry], "test")
+    token = services.tokens.issue("ros", "tb", timedelta(days=1), "test")[1]
+    return {"Authorization": f"Bearer {token}"}
 
 
 @together

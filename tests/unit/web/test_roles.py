@@ -139,7 +139,10 @@ def school(
     signed = Signature(services.clock(), "ros", "wang")
     regrade = services.regrades.open(Wanted(assignment="square"), signed).id
     grade_waiting()
+    bound = RosterEntry(id="tb", name="tb", role=Role.ASSISTANT, sections=("B",))
+    services.courses.import_roster("ros", [bound], "test")
     shown = {
+        "elsewhere": services.tokens.issue("ros", "tb", timedelta(days=1), "test")[1],
         "owner": tokens["li"],
         "classmate": tokens["han"],
         "assistant": tokens["ta"],
@@ -167,6 +170,19 @@ LOOKS = [one for one in OPERATIONS if one.startswith("GET")]
 def test_pages_open_for_the_right_roles(client: httpx.Client, school: dict[str, str]) -> None:
     answered = {one: answers(client, school, one) for one in LOOKS}
     assert answered == {one: EXPECTED[one] for one in LOOKS}
+
+
+def test_an_assistant_of_another_section_finds_nobody(client: httpx.Client, school: dict[str, str]) -> None:
+    """Pages about one student or submission; whatever is about the class is there for every assistant."""
+    about_one = ("{submission_id}", "{student}", "{person}", "/compare", "/pair")
+    assistant = ROLES.index("assistant")
+    expected = {
+        one: 404
+        if EXPECTED[one][assistant] in (200, 403) and any(part in one for part in about_one)
+        else EXPECTED[one][assistant]
+        for one in LOOKS
+    }
+    assert {one: answers(client, school, one, ("elsewhere",))[0] for one in LOOKS} == expected
 
 
 @pytest.mark.parametrize("operation", sorted(set(OPERATIONS) - set(LOOKS)))
@@ -203,7 +219,9 @@ def test_nothing_is_kept_on_the_way(client: httpx.Client, school: dict[str, str]
             assert {"no-store", "private"} & set(answer.headers["Cache-Control"].split(", ")), operation
 
 
-def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tuple[int, ...]:
+def answers(
+    client: httpx.Client, school: dict[str, str], operation: str, roles: tuple[str, ...] = ROLES
+) -> tuple[int, ...]:
     """The status that each role gets."""
     method, path = operation.split()
     path = path.format_map(school)
@@ -234,7 +252,7 @@ def answers(client: httpx.Client, school: dict[str, str], operation: str) -> tup
     if operation == "POST /class/people/import":
         data |= {"entries": "id,name\nnew,x\n", "seen": "x"}
     answered = []
-    for role in ROLES:
+    for role in roles:
         cookies = f"{COOKIE}={FORM_TOKEN}"
         if role != "nobody":
             cookies += f"; {SESSION_COOKIE}={school[role]}"
