@@ -6,6 +6,7 @@ explains, and nowhere else: each cause names the mistakes it can lead to, so a l
 told. Where the script does not show the cause for certain the mistake stays as it was.
 """
 
+import itertools
 import math
 import re
 from collections.abc import Callable
@@ -18,7 +19,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
 from grader.messages.arithmetic import value_of
-from grader.messages.quantity import number
+from grader.messages.quantity import exact, number
 from grader.messages.script import ScriptText
 
 
@@ -76,7 +77,7 @@ def _int_is_zero(seen: Searched) -> Mistake | None:
         for found in re.finditer(rf"\bint\({_INNER}\)", seen.script.lines[line - 1]):
             value = value_of(found[1], seen.script)
             if value is not None and 0.0 < abs(value) < 1.0:
-                return mistake("int_is_zero", line=line, written=found[0], value=number(value, ""))
+                return mistake("int_is_zero", line=line, written=found[0], value=exact(value))
     return None
 
 
@@ -199,7 +200,8 @@ def _start_once(seen: Searched) -> Mistake | None:
         name = seen.script.lines[line - 1].partition("=")[0].strip().removeprefix("self.")
         once = seen.script.assigned(name) is not None and seen.script.function_around(line) == "__init__"
         if once and len(seen.script.lines_with(rf"\bwhile\b.*\bself\.{name}\b")) > 1:
-            return mistake("start_once", line=line, name=name)
+            again = seen.script.lines[line - 1].strip()
+            return mistake("start_once", line=line, name=name, again=again)
     return None
 
 
@@ -443,15 +445,18 @@ def _loop_around(script: ScriptText, number: int) -> int | None:
     return above
 
 
+_ENDS: Final = re.compile(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit")
+
+
 def _ends_in_callback(seen: Searched) -> Mistake | None:
     """Find what ends timer or program in a timer's callback, each time and so the first time."""
     for _, name in seen.script.callbacks("timer"):
         made = seen.script.definition(name)
-        for line, text in seen.script.body(made.line) if made else ():
-            if re.match(r"if\b|return\b|for\b|while\b", text):
-                break
-            if re.search(r"\b(shutdown|destroy_timer|destroy_node|cancel|exit)\(|^raise SystemExit", text):
-                return mistake("ends_in_callback", line=line, name=name)
+        body = seen.script.body(made.line) if made else ()
+        always = itertools.takewhile(lambda one: not re.match(r"if\b|return\b|for\b|while\b", one[1]), body)
+        ends = [line for line, text in always if _ENDS.search(text)]
+        if ends:
+            return mistake("ends_in_callback", lines=", ".join(map(str, ends)), name=name)
     return None
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
-from grader.contracts.trajectory import Command, Contact, Ints, Trajectory
+from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Contact, Ints, Trajectory
 from grader.geometry.path import Path, driven_path
 
 # Slower than this counts as rest, because a car that settles keeps creeping.
@@ -57,6 +57,13 @@ def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
         moving_at_end=moving,
         cut_short=moving or _pausing(run),
     )
+
+
+def commanded_at_end(run: Run) -> Command | None:
+    """Return the command that held when Ctrl+C came, however little it moved the car; None: there was none."""
+    commands, end_ns = run.trajectory.commands, run.outcome.duration_ns
+    interrupted = run.outcome.status is RunStatus.INTERRUPTED and bool(commands)
+    return commands[-1] if interrupted and end_ns - commands[-1].t_ns < COMMAND_LIFE_NS else None
 
 
 def is_motion(command: Command) -> bool:

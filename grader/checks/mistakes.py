@@ -252,6 +252,8 @@ def without_node(run: Run) -> Mistake:
     """Say why a script that ended by itself has no node."""
     if run.source and not ScriptText(run.source).has_code:
         return mistake("no_code")
+    if ScriptText(run.source).lines_with(r"^def generate_launch_description\b"):
+        return mistake("other_file", name="launch")
     if (guard := _WRONG_GUARD.search(run.source)) is not None:
         return mistake("main_guard", given=guard[1], line=run.source.count("\n", 0, guard.start()) + 1)
     if (uncalled := not_called(run)) is not None:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from grader.checks.drive import Drive, drive_of
+from grader.checks.drive import Drive, commanded_at_end, drive_of
 from grader.checks.measure import (
     UNMEASURED,
     Check,
@@ -160,7 +160,10 @@ def motion_mistakes(
             mistake("came_back", ("way_back_m", "advance_m"), way_back=number(values["way_back_m"], "m"))
         )
     elif "advance_m" in lost and values["advance_m"] > MIN_MOTION_M:
-        found.append(mistake("too_short", ("advance_m",), distance=number(values["advance_m"], "m")))
+        held = commanded_at_end(run)
+        slow = drive.cut_short or (held is not None and held.v_mps != 0.0)
+        code = "drive_too_slow" if slow else "too_short"
+        found.append(mistake(code, ("advance_m",), distance=number(values["advance_m"], "m")))
     found += lost_at_home(run)
     return tuple(found)
 

@@ -5,15 +5,13 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, Drive, drive_of
+from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
 from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes, unheard
 from grader.checks.scoring import fits
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel
-from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
-from grader.contracts.trajectory import COMMAND_LIFE_NS
 from grader.geometry.path import Path
 from grader.geometry.segmentation import segment
 from grader.messages import say
@@ -156,15 +154,10 @@ def _short_turn(turned: float, drive: Drive, run: Run) -> Iterator[Mistake]:
         if abs(turned - telling) <= SAME_DEG:
             yield mistake(code, ("turned_deg",), turned=angle)
             return
-    code = "turn_too_slow" if drive.cut_short or _still_turning(run) else "turn_too_short"
+    held = commanded_at_end(run)
+    slow = drive.cut_short or (held is not None and held.w_radps != 0.0)
+    code = "turn_too_slow" if slow else "turn_too_short"
     yield mistake(code, ("turned_deg",), turned=angle)
-
-
-def _still_turning(run: Run) -> bool:
-    """Whether Ctrl+C came while a turn was commanded, however slow."""
-    commands, end_ns = run.trajectory.commands, run.outcome.duration_ns
-    interrupted = run.outcome.status is RunStatus.INTERRUPTED and bool(commands)
-    return interrupted and commands[-1].w_radps != 0.0 and end_ns - commands[-1].t_ns < COMMAND_LIFE_NS
 
 
 CHECK = Check(kind="rotation", measures=MEASURES, examine=examine, sketch=sketch)
