@@ -32,6 +32,13 @@ _LONGEST = 2_000
 _SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
 _ASKED = ("iss", "login_hint", "lti_message_hint", "client_id", "lti_deployment_id", "target_link_uri")
 _LONGEST_TOKEN = 64 * 1024
+_OURS = {
+    "tool_url": "/",
+    "initiate_url": "/lti/login",
+    "keys_url": "/lti/keys",
+    "redirect_url": "/lti/launch",
+}
+"""What a platform asks for, by the name of the text that says so."""
 
 
 class PlatformForm(BaseModel):
@@ -150,6 +157,7 @@ def _desk(
     form: PlatformForm | None = None,
     problem: FormProblem | None = None,
 ) -> Response:
+    public_url = services.providers.public_url
     return page(
         request,
         "platforms.html",
@@ -158,6 +166,6 @@ def _desk(
         links=platforms.links_of(services, visitor.caller),
         form=form or PlatformForm(),
         problem=problem,
-        public_url=services.providers.public_url,
+        ours={name: f"{public_url}{path}" for name, path in _OURS.items()} if public_url else {},
         troubles=platforms.troubles_of(services, visitor.caller),
     )

@@ -40,6 +40,7 @@ def test_no_page_names_a_student_of_another_section(
         "assignment_id": "square",
         "student": "han",
         "person": "han",
+        "provider_id": "campus",
         "regrade_id": regrade,
     }
     both = {"first": own.rpartition("/")[2], "second": of["submission_id"]}
