@@ -5,7 +5,9 @@ behind the service (`public_only`): the name is looked up once, and the connecti
 """
 
 import ipaddress
+import re
 import socket
+import time
 from collections.abc import Container, Mapping
 from types import MappingProxyType
 from typing import Any
@@ -15,6 +17,9 @@ import httpx
 
 PATIENCE_S = 5.0
 MOST_BYTES = 256 * 1024
+_LONGEST_S = 20.0
+_HOST = re.compile(r"[A-Za-z0-9._-]+|[0-9A-Fa-f:.]+")  # the second one stands in brackets
+_UNICAST = ipaddress.IPv6Network("2000::/3")
 
 
 class UnreachableError(Exception):
@@ -29,7 +34,8 @@ def host_of(address: str) -> str | None:
     except ValueError:
         return None
     plain = not (parts.username or parts.password or parts.query or parts.fragment)
-    return host if plain and parts.scheme in ("http", "https") and address.isprintable() else None
+    named = host is not None and _HOST.fullmatch(host) is not None
+    return host if plain and named and parts.scheme in ("http", "https") and address.isprintable() else None
 
 
 def get(address: str, parameters: Mapping[str, str] | None = None, *, public_only: bool = False) -> bytes:
@@ -81,12 +87,13 @@ def _exchange(
     host = host_of(address.partition("?")[0])
     if host is None:
         raise UnreachableError(f"{address!r} is no address")
-    url, sent, extensions = httpx.URL(address), {"Accept-Encoding": "identity", **headers}, {}
-    if public_only:
-        sent["Host"] = url.netloc.decode()
-        extensions["sni_hostname"] = host  # for which the certificate must be
-        url = url.copy_with(host=_public(host, url.port or (443 if url.scheme == "https" else 80)))
+    sent, extensions, until_s = {"Accept-Encoding": "identity", **headers}, {}, time.monotonic() + _LONGEST_S
     try:
+        url = httpx.URL(address)
+        if public_only:
+            sent["Host"] = url.netloc.decode()
+            extensions["sni_hostname"] = host  # for which the certificate must be
+            url = url.copy_with(host=_public(host, url.port or (443 if url.scheme == "https" else 80)))
         with (
             httpx.Client(timeout=PATIENCE_S, follow_redirects=False, trust_env=False) as client,
             client.stream(method, url, headers=sent, extensions=extensions, **request) as answer,
@@ -98,17 +105,28 @@ def _exchange(
                 content += part
                 if len(content) > MOST_BYTES:
                     raise UnreachableError(f"{address} answers with more than {MOST_BYTES} bytes")
+                if time.monotonic() > until_s:
+                    raise UnreachableError(f"{address} answers for longer than {_LONGEST_S:.0f} s")
             return answer.status_code, content
-    except (httpx.HTTPError, httpx.InvalidURL) as error:
+    except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:  # ValueError: no host, no header's text
         raise UnreachableError(f"{address}: {type(error).__name__}: {error}") from error
 
 
 def _public(host: str, port: int) -> str:
+    """Return the address that the system would try first: it knows which protocols have a route."""
     try:
-        found = {str(one[4][0]) for one in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)}
+        found = [str(one[4][0]) for one in socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)]
     except OSError as error:
         raise UnreachableError(f"{host}: {error}") from error
-    private = sorted(one for one in found if not ipaddress.ip_address(one).is_global)
+    private = [one for one in found if not _is_public(one)]
     if private:
         raise UnreachableError(f"{host} is {private[0]}, in a private network (allow_private_platforms)")
-    return min(found)
+    return found[0]
+
+
+def _is_public(address: str) -> bool:
+    """Return whether it is one host's of the public network; not an IPv6 address that stands for an IPv4 one."""
+    found = ipaddress.ip_address(address)
+    if isinstance(found, ipaddress.IPv6Address):
+        return found.is_global and found in _UNICAST and found.sixtofour is None and found.teredo is None
+    return found.is_global and not found.is_multicast

@@ -1,0 +1,93 @@
+"""What is asked of other servers, and what their answers may not do."""
+
+import socket
+from collections.abc import Callable
+
+import pytest
+
+from grader.signin import channel
+from grader.signin.channel import UnreachableError, get, host_of, post_json
+from tests.fakes.provider import provider
+
+Resolver = Callable[..., list[tuple[int, int, int, str, tuple[str, int]]]]
+
+
+def resolving_to(*addresses: str) -> Resolver:
+    def resolve(_host: str, port: int, **_: object) -> list[tuple[int, int, int, str, tuple[str, int]]]:
+        return [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (one, port)) for one in addresses]
+
+    return resolve
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "https://moodle.example; script-src *",
+        "https://moodle.example,evil.example",
+        "https://mood le.example",
+        "https://a:b@moodle.example",
+        "https://moodle.example?x=1",
+        "https://大学.example",
+        "https://[::1",
+        "ftp://moodle.example",
+    ],
+)
+def test_what_is_no_address_has_no_host(address: str) -> None:
+    assert host_of(address) is None
+
+
+@pytest.mark.parametrize(
+    ("address", "host"),
+    [("https://moodle.example/lti", "moodle.example"), ("http://[::1]:8000/x", "::1")],
+)
+def test_an_address_has_a_host(address: str, host: str) -> None:
+    assert host_of(address) == host
+
+
+@pytest.mark.parametrize("address", ["http://a..b/", f"http://{'a' * 70}.example/", "https://xn--/"])
+@pytest.mark.parametrize("public_only", [False, True])
+def test_a_name_that_cannot_be_looked_up_is_out_of_reach(address: str, public_only: bool) -> None:
+    with pytest.raises(UnreachableError):
+        post_json(address, b"{}", "application/json", "t", public_only=public_only)
+
+
+def test_a_token_that_no_header_can_carry_is_told_without_it() -> None:
+    with pytest.raises(UnreachableError) as raised:
+        post_json("http://127.0.0.1:9/", b"{}", "application/json", "geheim-ö")
+    assert "geheim" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "10.0.0.1",
+        "127.0.0.1",
+        "169.254.169.254",
+        "224.0.0.1",
+        "::1",
+        "::127.0.0.1",
+        "::ffff:127.0.0.1",
+        "64:ff9b::a00:1",
+        "2002:a00:1::",
+        "fec0::1",
+        "ff02::1",
+    ],
+)
+def test_no_address_leads_into_a_private_network(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(channel.socket, "getaddrinfo", resolving_to("93.184.215.14", address))
+    with pytest.raises(UnreachableError, match="private network"):
+        get("https://moodle.example/keys", public_only=True)
+
+
+def test_the_address_that_the_system_prefers_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine without IPv6 gets a server's IPv4 address first, though it is the greater text."""
+    monkeypatch.setattr(channel.socket, "getaddrinfo", resolving_to("93.184.215.14", "2606:2800::1"))
+    assert channel._public("moodle.example", 443) == "93.184.215.14"
+
+
+def test_an_answer_that_never_ends_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    with provider() as known:
+        assert get(f"{known.address}/keys")
+        monkeypatch.setattr(channel, "_LONGEST_S", -1.0)
+        with pytest.raises(UnreachableError, match="longer"):
+            get(f"{known.address}/keys")
