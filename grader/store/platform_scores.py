@@ -70,8 +70,12 @@ class PlatformScores:
             rows = session.execute(statement.order_by(col(row.person), col(row.resource))).scalars()
             return tuple(as_contract(one, PlatformScore) for one in rows)
 
-    def claim(self, link: PlatformLink, course: str, person: str) -> bool:
-        """Take it on to send a score; False: another process does, or it is too early after a failure."""
+    def claim(self, link: PlatformLink, course: str, person: str, sha256: str) -> PlatformScore | None:
+        """Take it on to send the score of that digest; return what was known of it.
+
+        None: another process sends or has sent it, or it is too early after a failure. Until `sent` it is unknown
+        what the platform has: whoever sends may die, or not hear that it was taken.
+        """
         now, row = self._clock(), PlatformScoreRow
         with self._database.writing() as session:
             one_at_a_time(session, "platform_score", link.platform, link.resource, person)
@@ -85,10 +89,11 @@ class PlatformScores:
                     not_before=now,
                 )
                 session.add(found)
-            if found.not_before > now:
-                return False
-            found.not_before = now + PATIENCE
-            return True
+            if found.not_before > now or found.sha256 == sha256:
+                return None
+            known = as_contract(found, PlatformScore)
+            found.not_before, found.sha256 = now + PATIENCE, ""
+            return known
 
     def sent(self, link: PlatformLink, person: str, sha256: str, at: datetime) -> None:
         """Note that the platform took a score."""

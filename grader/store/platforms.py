@@ -5,7 +5,7 @@ import secrets
 from collections.abc import Callable
 from datetime import datetime, timedelta
 
-from sqlalchemy import delete, select
+from sqlalchemy import delete, select, update
 from sqlalchemy.exc import IntegrityError
 from sqlmodel import col
 
@@ -119,7 +119,10 @@ class Platforms:
         return True
 
     def open_link(self, link: PlatformLink) -> PlatformLink:
-        """Note that an activity was opened; return it as it is known now. What it does not say stays as it was."""
+        """Note that an activity was opened; return it as it is known now.
+
+        A title or an assignment that it does not say stays as it was. Where its scores go is as it says.
+        """
         with self._database.writing() as session:
             one_at_a_time(session, "platform_link", link.platform)
             row = session.get(PlatformLinkRow, (link.platform, link.resource))
@@ -131,6 +134,14 @@ class Platforms:
             else:
                 row.title = link.title or row.title
                 row.assignment = link.assignment or row.assignment
+                if (
+                    link.line_item != row.line_item
+                ):  # another column of the gradebook, which has no scores yet
+                    told = (
+                        col(PlatformScoreRow.platform) == link.platform,
+                        col(PlatformScoreRow.resource) == link.resource,
+                    )
+                    session.execute(update(PlatformScoreRow).where(*told).values(sha256=""))
                 row.line_item, row.used_at = link.line_item, link.used_at
             session.flush()
             return as_contract(row, PlatformLink)

@@ -9,8 +9,7 @@ from datetime import timedelta
 import msgspec
 
 from grader.contracts.dashboard import StudentProgress
-from grader.contracts.errors import GraderError
-from grader.contracts.platform import Platform, PlatformLink, PlatformScore
+from grader.contracts.platform import Platform, PlatformLink
 from grader.lti.scores import NotTakenError, Score
 from grader.messages import on_page
 from grader.signin.channel import UnreachableError
@@ -42,7 +41,7 @@ class ScoreSender:
         while not self._stopped.wait(_EVERY_S):
             try:
                 send_scores(self._services, self._stopped.is_set)
-            except GraderError:
+            except Exception:  # a thread that ended would send nobody's scores any more
                 _log.warning("scores could not be looked at; tried again soon", exc_info=True)
 
 
@@ -51,44 +50,40 @@ def send_scores(services: Services, stopped: Callable[[], bool] = lambda: False)
     taken = 0
     silent: set[str] = set()
     for platform, link in services.platform_scores.targets():
-        for person, score in _wanted(services, platform, link):
-            if platform.id in silent or stopped():
-                break
-            try:
+        try:
+            for person, score in _wanted(services, platform, link):
+                if platform.id in silent or stopped():
+                    break
                 taken += _tell(services, platform, link, person, score)
-            except UnreachableError as error:
-                _log.warning("%s does not take scores now: %s", platform.title, error)
-                silent.add(platform.id)  # the others there would wait as long for nothing
+        except UnreachableError as error:
+            _log.warning("%s does not take scores now: %s", platform.title, error)
+            silent.add(platform.id)  # the others there would wait as long for nothing
+        except Exception:  # whatever it is, the other courses' platforms have nothing to do with it
+            _log.warning("scores could not be sent to %s; tried again soon", platform.title, exc_info=True)
     return taken
 
 
-def _tell(
-    services: Services, platform: Platform, link: PlatformLink, person: PlatformScore | str, score: Score
-) -> int:
-    """Send one score, whose row is `person`, or which has none yet; return whether it was taken."""
-    store, now = services.platform_scores, services.clock()
-    name = person if isinstance(person, str) else person.person
-    last = None if isinstance(person, str) else person.sent_at
-    tries = 0 if isinstance(person, str) else person.tries
-    if not store.claim(link, platform.course, name):
+def _tell(services: Services, platform: Platform, link: PlatformLink, person: str, score: Score) -> int:
+    """Send one score; return whether it was taken."""
+    store, now, digest = services.platform_scores, services.clock(), _digest(score)
+    known = store.claim(link, platform.course, person, digest)
+    if known is None:
         return 0
-    at = now if last is None else max(now, last + _A_SECOND)
+    at = now if known.sent_at is None else max(now, known.sent_at + _A_SECOND)
     try:
         services.score_channel.send(platform, link.line_item, score, at)
     except NotTakenError as error:
-        store.failed(link, name, tries + 1, str(error))
+        store.failed(link, person, known.tries + 1, str(error))
         return 0
     except UnreachableError as error:
-        store.failed(link, name, tries + 1, str(error))
+        store.failed(link, person, known.tries + 1, str(error))
         raise
-    store.sent(link, name, _digest(score), at)
+    store.sent(link, person, digest, at)
     return 1
 
 
-def _wanted(
-    services: Services, platform: Platform, link: PlatformLink
-) -> Iterator[tuple[PlatformScore | str, Score]]:
-    """Yield what differs from what the platform took, with its row or, where there is none, the member."""
+def _wanted(services: Services, platform: Platform, link: PlatformLink) -> Iterator[tuple[str, Score]]:
+    """Yield members whose score differs from what the platform took."""
     people = services.platform_scores.people(platform)
     if not people:
         return
@@ -101,7 +96,7 @@ def _wanted(
         row = known.get(progress.student)
         due = row is None or row.not_before <= now
         if score is not None and due and (row is None or row.sha256 != _digest(score)):
-            yield row or progress.student, score
+            yield progress.student, score
 
 
 def _score(

@@ -12,6 +12,7 @@ from grader.contracts.platform import NewPlatform, Platform, PlatformLink
 from grader.contracts.rules import LateRule, Rules
 from grader.lti.scores import ScoreChannel, Signer, new_key
 from grader.signin import Providers
+from grader.signin.channel import UnreachableError
 from grader.store.audit import Signature
 from grader.use_cases.score_sending import send_scores
 from grader.use_cases.services import Services
@@ -197,6 +198,97 @@ def test_whoever_dies_between_telling_and_noting_tells_the_same_again(
     assert send_scores(linked) == 1
     assert given(moodle) == [5.0, 5.0]
     assert send_scores(linked) == 0
+
+
+def test_a_platform_that_stumbles_stops_nobody_elses_scores(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Whatever a platform answers or an error of ours: the other platforms' scores are sent."""
+    put(course="ros", student="li")
+    (first,) = linked.platforms.of_course("ros")
+    second = add_platform(linked, moodle, issuer="https://other.example")
+    link(linked, second, f"{moodle.address}/items/7?type_id=1")
+    assert linked.identities.bind(second.provider, "4", "ros", "li", by_token=False)
+    whole = ScoreChannel.send
+
+    def send(self: ScoreChannel, platform: Platform, *others: object) -> None:
+        if platform.id == min(first.id, second.id):
+            raise RuntimeError("nobody thought of this")
+        whole(self, platform, *others)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(ScoreChannel, "send", send)
+    assert send_scores(linked) == 1
+    assert len(moodle.scores) == 1
+
+
+def test_an_address_that_is_none_is_told_as_a_trouble(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str]
+) -> None:
+    (platform,) = linked.platforms.of_course("ros")
+    link(linked, platform, "http://a..b/items/7")
+    put(course="ros", student="li")
+    assert send_scores(linked) == 0
+    (trouble,) = linked.platform_scores.troubles("ros")
+    assert "a..b" in trouble.trouble
+
+
+def test_a_score_that_returns_after_an_unheard_answer_is_sent_again(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The platform may have taken what it was not heard to take: what it has is unknown until the next answer."""
+    put(course="ros", student="li")
+    send_scores(linked)
+    whole = ScoreChannel.send
+
+    def unheard(self: ScoreChannel, *asked: object) -> None:
+        whole(self, *asked)  # type: ignore[arg-type]
+        raise UnreachableError("the connection broke while it answered")
+
+    signed = Signature(linked.clock(), "ros", "wang")
+    items = linked.assignments.get("square").items
+    linked.clock.advance(2.0)
+    with monkeypatch.context() as patch:
+        patch.setattr(ScoreChannel, "send", unheard)
+        linked.rules.set("square", Rules(hidden_items=(items[0].id,)), signed)
+        assert send_scores(linked) == 0
+    assert given(moodle) == [5.0, None]
+    linked.rules.set("square", Rules(), signed)
+    linked.clock.advance(60.0)
+    assert send_scores(linked) == 1
+    assert given(moodle) == [5.0, None, 5.0]
+    assert linked.platform_scores.troubles("ros") == ()
+
+
+def test_two_processes_that_look_at_once_send_one_score_once(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The second one saw what was known before the first one sent."""
+    put(course="ros", student="li")
+    store = type(linked.platform_scores)
+    (activity,) = linked.platforms.links("ros")
+    before = linked.platform_scores.known(activity)
+    assert send_scores(linked) == 1
+    monkeypatch.setattr(store, "known", lambda *_: before)
+    assert send_scores(linked) == 0
+    assert given(moodle) == [5.0]
+
+
+def test_a_new_column_of_the_gradebook_gets_the_scores(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str]
+) -> None:
+    (platform,) = linked.platforms.of_course("ros")
+    put(course="ros", student="li")
+    link(linked, platform, f"{moodle.address}/items/6")
+    assert send_scores(linked) == 0  # that one is not there
+    link(linked, platform, f"{moodle.address}/items/7?type_id=1")
+    linked.clock.advance(60.0)
+    assert send_scores(linked) == 1
+    moodle.scores.clear()
+    link(linked, platform, f"{moodle.address}/items/7?type_id=1")
+    assert send_scores(linked) == 0
+    link(linked, platform, "")
+    link(linked, platform, f"{moodle.address}/items/7?type_id=1")
+    assert send_scores(linked) == 1
 
 
 def test_a_removed_member_and_platform_leave_nothing(
