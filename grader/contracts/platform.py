@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 from datetime import datetime
+from typing import Final
+
+_PROVIDER: Final = "lti:"  # no id of a sign-in provider has a colon
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -33,7 +36,12 @@ class Platform(NewPlatform):
     @property
     def provider(self) -> str:
         """Return under which name people are bound to members of the course (`Identity.provider`)."""
-        return f"lti:{self.id}"
+        return f"{_PROVIDER}{self.id}"
+
+
+def platform_of(provider: str) -> str | None:
+    """Return the id of the platform that is called `provider` beside its people; None: it is no platform."""
+    return provider.removeprefix(_PROVIDER) if provider.startswith(_PROVIDER) else None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

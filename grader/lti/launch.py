@@ -19,6 +19,7 @@ _DEEP = "https://purl.imsglobal.org/spec/lti-dl/claim/deep_linking_settings"
 _SECRET_BYTES = 32
 _OLDEST_S = 600
 _LONGEST = 2_000
+_LONGEST_RESOURCE = 255  # says LTI
 _KEY_SETS = 100
 
 
@@ -118,7 +119,7 @@ def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
         "deployment_id": claims.get(f"{CLAIM}deployment_id") != platform.deployment,
         "message_type": kind not in (LINK, DEEP_LINK),
         "roles": not isinstance(roles, list) or not all(isinstance(one, str) for one in roles),
-        "resource_link": kind == LINK and not _text(resource.get("id")),
+        "resource_link": kind == LINK and not 1 <= len(_text(resource.get("id"))) <= _LONGEST_RESOURCE,
         "deep_linking_settings": kind == DEEP_LINK and not _text(deep.get("deep_link_return_url")),
     }
     failed = [name for name, is_wrong in wrong.items() if is_wrong]
@@ -134,7 +135,7 @@ def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
         subject=claims["sub"],
         claimed=tuple(dict.fromkeys(text for one in named if (text := _text(one)))),
         resource=_text(resource.get("id")),
-        title=_text(resource.get("title")),
+        title=_line(resource.get("title")),
         assignment=_text(custom.get("assignment")),
         line_item=_text(scores.get("lineitem")) if may_score else "",
         deep=deep,
@@ -147,4 +148,12 @@ def _object(value: object) -> Mapping[str, Any]:
 
 
 def _text(value: object) -> str:
-    return value.strip() if isinstance(value, str) and len(value) <= _LONGEST else ""
+    known = isinstance(value, str) and len(value) <= _LONGEST and value.isprintable()
+    return str(value).strip() if known else ""
+
+
+def _line(value: object) -> str:
+    """Return what people wrote as one line, with spaces for what cannot be printed."""
+    return (
+        _text("".join(one if one.isprintable() else " " for one in value)) if isinstance(value, str) else ""
+    )

@@ -100,6 +100,7 @@ _STATUS = {
     "signin_refused": 403,
     "signin_failed": 403,
     "signin_expired": 403,
+    "signin_other_course": 403,
     "signin_somebody_else": 403,
     "signin_unreachable": 503,
     "method_not_allowed": 405,

@@ -6,7 +6,15 @@ which role, is decided by the roster alone (`grader.use_cases.signing_in`).
 """
 
 from grader.signin.config import SignInConfig, read_config
-from grader.signin.providers import Person, Provider, Providers, SignInAttempt, SignInError, opened
+from grader.signin.providers import (
+    Person,
+    Provider,
+    Providers,
+    SignInAttempt,
+    SignInError,
+    is_subject,
+    opened,
+)
 
 __all__ = (
     "Person",
@@ -15,6 +23,7 @@ __all__ = (
     "SignInAttempt",
     "SignInConfig",
     "SignInError",
+    "is_subject",
     "opened",
     "read_config",
 )

@@ -12,7 +12,7 @@ from xml.etree import ElementTree as Xml
 
 from grader.signin.channel import UnreachableError, get
 from grader.signin.config import CasEntry
-from grader.signin.providers import MOST_SUBJECT, Person, SignInAttempt, SignInError
+from grader.signin.providers import Person, SignInAttempt, SignInError, is_subject
 
 _log = logging.getLogger(__name__)
 _NAMESPACE = "{http://www.yale.edu/tp/cas}"
@@ -47,7 +47,7 @@ class Cas:
     def _person(self, content: bytes) -> Person:
         success = _success(content)
         user = (success.findtext(f"{_NAMESPACE}user") or "").strip()
-        if not 1 <= len(user) <= MOST_SUBJECT:
+        if not is_subject(user):
             raise SignInError("signin_failed", "the answer names no user")
         name = self._entry.attribute
         if not name:

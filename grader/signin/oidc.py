@@ -17,7 +17,7 @@ import msgspec
 from grader.contracts.errors import SettingsError
 from grader.signin.channel import UnreachableError, get, host_of, post_form
 from grader.signin.config import OidcEntry, secret_of
-from grader.signin.providers import MOST_SUBJECT, Person, SignInAttempt, SignInError
+from grader.signin.providers import Person, SignInAttempt, SignInError, is_subject
 
 ALGORITHMS = ("RS256", "RS384", "RS512", "PS256", "ES256", "ES384", "EdDSA")
 """None that is made with a secret of the client's, and not ``none``."""
@@ -25,6 +25,7 @@ SKEW_S = 60
 _DAY_S = 24 * 3600.0
 _MINUTE_S = 60.0
 _LONGEST_CLAIM = 1_000
+_LATEST_S = 1e11  # of the year 5138; JSON also has numbers that no calendar has
 
 
 class _Discovered(msgspec.Struct, frozen=True):
@@ -242,7 +243,7 @@ def check_token(claims: Mapping[str, Any], issuer: str, client_id: str, nonce: s
         "exp": expires is None or expires <= now_s - SKEW_S,
         "iat": issued is None or issued > now_s + SKEW_S,
         "nonce": not isinstance(seen, str) or not hmac.compare_digest(seen.encode(), nonce.encode()),
-        "sub": not isinstance(subject, str) or not 1 <= len(subject) <= MOST_SUBJECT,
+        "sub": not isinstance(subject, str) or not is_subject(subject),
     }
     failed = [name for name, is_wrong in wrong.items() if is_wrong]
     if failed:
@@ -250,11 +251,15 @@ def check_token(claims: Mapping[str, Any], issuer: str, client_id: str, nonce: s
 
 
 def _instant(value: object) -> float | None:
-    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return None
+    return value if 0 <= value < _LATEST_S else None
 
 
 def _text(value: object) -> str:
-    return value.strip() if isinstance(value, str) and len(value) <= _LONGEST_CLAIM else ""
+    if not isinstance(value, str) or len(value) > _LONGEST_CLAIM or not value.isprintable():
+        return ""
+    return value.strip()
 
 
 def _header_of(token: str) -> _Header:

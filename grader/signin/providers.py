@@ -8,7 +8,7 @@ from typing import Protocol
 from grader.signin.config import CasEntry, Entry, HeaderEntry, SignInConfig
 
 _SECRET_BYTES = 32
-MOST_SUBJECT = 255
+_MOST_SUBJECT = 255
 
 
 class SignInError(Exception):
@@ -44,7 +44,7 @@ class Person:
     """Somebody whom a provider recognised.
 
     Attributes:
-        subject: the provider's name for them, which stays; 1 to 255 characters.
+        subject: the provider's name for them, which stays; 1 to 255 printable characters.
         claimed: the id in a roster that the provider says they have; may be empty.
         email: their address, verified by the provider; may be empty.
     """
@@ -52,6 +52,11 @@ class Person:
     subject: str
     claimed: str = ""
     email: str = ""
+
+
+def is_subject(name: str) -> bool:
+    """Return whether a provider may call somebody so."""
+    return 1 <= len(name) <= _MOST_SUBJECT and name.isprintable()
 
 
 class Provider(Protocol):

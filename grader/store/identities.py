@@ -53,19 +53,26 @@ class Identities:
     ) -> None:
         """Bind a subject to the students of that id, or of that address, in the courses that are taught.
 
-        A role is never believed: staff bind by a token. Where the subject or an address is not of one student
-        alone, nothing is bound. `within`: one course alone.
+        A course where the subject is known is left out. A role is never believed: staff bind by a token. Where the
+        subject or an address is not of one student alone, nothing is bound. `within`: one course alone.
         """
         member = MemberRow
         if not person and not email:
             return
         named = col(member.person) == person if person else func.lower(col(member.email)) == email.lower()
         course = col(member.course).is_not(None) if within is None else col(member.course) == within
+        known = select(col(IdentityRow.course)).where(
+            col(IdentityRow.provider) == provider, col(IdentityRow.subject) == subject
+        )
         statement = (
             select(col(member.course), col(member.person))
             .join(CourseRow, col(CourseRow.id) == col(member.course))
             .where(
-                named, course, col(member.role) == Role.STUDENT.value, col(CourseRow.archived_at).is_(None)
+                named,
+                course,
+                col(member.course).not_in(known),
+                col(member.role) == Role.STUDENT.value,
+                col(CourseRow.archived_at).is_(None),
             )
             .limit(_MOST_COURSES)
         )

@@ -149,7 +149,7 @@ def _opened(services: Services, platform: Platform, launch: Launch) -> str:
     link = services.platforms.open_link(
         PlatformLink(
             platform=platform.id,
-            resource=launch.resource[:255],
+            resource=launch.resource,
             title=launch.title[:255],
             assignment=launch.assignment if _has(services, launch.assignment) else "",
             line_item=launch.line_item,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Identity
+from grader.contracts.platform import platform_of
 from grader.signin import Person, Provider, SignInAttempt, SignInError
 from grader.use_cases.callers import require_instructor, require_staff
 from grader.use_cases.services import Services
@@ -67,13 +68,14 @@ def arrive(services: Services, provider: str, person: Person) -> Arrival:
     """Take in whom `provider` vouches for.
 
     Raises:
-        RefusedError: there are no courses.
+        RefusedError: there are no courses, or the provider was taken away meanwhile.
     """
     _require_courses(services)
-    known, identities = services.identities.of_subject(provider, person.subject), services.identities
-    if not known:
-        identities.bind_claimed(provider, person.subject, person=person.claimed, email=person.email)
-        known = identities.of_subject(provider, person.subject)
+    identities, within = services.identities, _within(services, provider)
+    identities.bind_claimed(
+        provider, person.subject, person=person.claimed, email=person.email, within=within
+    )
+    known = identities.of_subject(provider, person.subject)
     if len(known) == 1 and (session := identities.open_session(known[0])) is not None:
         return Arrival(session=session)
     return Arrival(held=identities.hold(provider, person.subject), courses=_titled(services, known))
@@ -85,12 +87,15 @@ def show_token(services: Services, held: str, token: str) -> str | None:
     None: the token is nobody's.
 
     Raises:
-        RefusedError: that was too long ago, or they are another member of that course.
+        RefusedError: that was too long ago, they are another member of that course, or it is not the course of
+            the platform that they came from.
     """
     provider, subject = _recognised(services, held)
     caller = services.tokens.caller(token)
     if caller is None or caller.course is None or caller.person is None:
         return None
+    if _within(services, provider) not in (None, caller.course):
+        raise RefusedError("signin_other_course")
     if not services.identities.bind(provider, subject, caller.course, caller.person, by_token=True):
         raise RefusedError("signin_somebody_else")
     return _enter(services, held, caller.course)
@@ -143,6 +148,20 @@ def _recognised(services: Services, held: str) -> tuple[str, str]:
     if found is None:
         raise RefusedError("signin_expired")
     return found
+
+
+def _within(services: Services, provider: str) -> str | None:
+    """Return the only course that `provider` opens; None: it opens any.
+
+    Who teaches a course can say anything by a platform of it. So that names no members of another course.
+    """
+    id_ = platform_of(provider)
+    if id_ is None:
+        return None
+    platform = services.platforms.get(id_)
+    if platform is None:
+        raise RefusedError("signin_expired")
+    return platform.course
 
 
 def _titled(services: Services, known: tuple[Identity, ...]) -> tuple[tuple[str, str], ...]:

@@ -16,7 +16,7 @@ from fastapi.responses import RedirectResponse
 
 from grader.contracts.errors import RefusedError
 from grader.messages import on_page
-from grader.signin import Person, SignInAttempt
+from grader.signin import Person, SignInAttempt, is_subject
 from grader.use_cases import signing_in
 from grader.use_cases.signing_in import Arrival
 from grader.web.access import ENTER, PEER, SESSION_COOKIE, ServicesDep
@@ -128,7 +128,7 @@ def _said_by_proxy(request: Request, services: ServicesDep, provider_id: str) ->
     if peer is None or not _is_among(peer[0], entry.proxies) or len(values) != 1:
         raise RefusedError("signin_refused")
     name = values[0].strip()
-    if not (1 <= len(name) <= 255 and name.isprintable()):
+    if not is_subject(name):
         raise RefusedError("signin_failed")
     return Person(subject=name, claimed=name)
 
@@ -138,4 +138,6 @@ def _is_among(address: str, networks: tuple[str, ...]) -> bool:
         found = ipaddress.ip_address(address)
     except ValueError:
         return False
+    if isinstance(found, ipaddress.IPv6Address) and found.ipv4_mapped is not None:
+        found = found.ipv4_mapped  # so says a socket that listens for both
     return any(found in ipaddress.ip_network(one) for one in networks)

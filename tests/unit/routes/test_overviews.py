@@ -281,7 +281,8 @@ def test_openapi_knows_every_kind_of_problem(openapi: dict[str, Any]) -> None:
     text = json.dumps(openapi)
     general = {  # of no operation, or of pages
         "not_found", "method_not_allowed", "refused", "foreign_form", "not_the_same",
-        "signin_refused", "signin_failed", "signin_expired", "signin_somebody_else", "signin_unreachable",
+        "signin_refused", "signin_failed", "signin_expired", "signin_somebody_else", "signin_other_course",
+        "signin_unreachable",
         "platform_not_found", "platform_unknown", "platform_exists", "too_many_platforms", "platforms_not_set_up",
         "invalid_platform",
     }  # fmt: skip

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from datetime import timedelta
 from typing import Any
 from urllib.parse import parse_qsl, urlsplit
 
@@ -10,6 +11,7 @@ import pytest
 from fastapi import FastAPI
 from joserfc import jwt
 
+from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.platform import NewPlatform, Platform
 from grader.lti import Launches
 from grader.lti.launch import CLAIM
@@ -213,6 +215,10 @@ REFUSED: dict[str, Claims] = {
     "no resource link": {"resource_link": ...},
     "no resource link id": {"resource_link": {"title": "x"}},
     "no subject": {"sub": ...},
+    "a subject that cannot be stored": {"sub": "3\0"},
+    "a resource of 256 characters": {"resource_link": {"id": "x" * 256}},
+    "an end that no calendar has": {"exp": 1e300},
+    "an end that is no number": {"exp": float("nan")},
     "another nonce": {"nonce": "x" * 43},
     "no nonce": {"nonce": ...},
     "another issuer": {"iss": "https://evil.example"},
@@ -316,6 +322,38 @@ def test_whoever_fits_nobody_is_asked_for_a_token_once(
     again = open_activity(client, moodle, ready, custom={"idnumber": "nobody"})
     assert 'http-equiv="refresh"' in again.text
     assert client.get("/class").status_code == 200
+
+
+def test_a_platform_opens_no_other_course(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+) -> None:
+    """Who teaches a course can sign what its platform says, so also in the name of whoever is bound there."""
+    ready.courses.create("second", "Zweiter Kurs", "Asia/Shanghai", "setup")
+    ready.courses.import_roster("second", [RosterEntry(id="w", name="", role=Role.INSTRUCTOR)], "setup")
+    _, token = ready.tokens.issue("second", "w", timedelta(days=1), "setup")
+    open_activity(client, moodle, ready, custom={"idnumber": "nobody"})
+    refused = Browser(client).post("/enter/bind", {"token": token, "next": "/class"}, page="/enter")
+    assert refused.status_code == 403
+    assert SESSION_COOKIE not in client.cookies
+    assert ready.identities.of_subject(platform.provider, "3") == ()
+
+
+def test_who_is_away_while_the_platform_is_removed_begins_again(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, tokens: dict[str, str]
+) -> None:
+    open_activity(client, moodle, ready, custom={"idnumber": "nobody"})
+    assert ready.platforms.remove(platform.id, Signature(ready.clock(), "ros", "wang"))
+    refused = Browser(client).post("/enter/bind", {"token": tokens["wang"]}, page="/enter")
+    assert refused.status_code == 403
+    assert ready.identities.of_subject(platform.provider, "3") == ()
+
+
+def test_a_title_of_several_lines_is_one_line(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+) -> None:
+    resource = {"id": "1", "title": "走\u3000正方\n形\0"}
+    assert open_activity(client, moodle, ready, resource_link=resource).status_code == 200
+    assert [one.title for one in ready.platforms.links("ros")] == ["走 正方 形"]
 
 
 def test_a_platform_knows_an_unknown_assignment_leads_to_all(

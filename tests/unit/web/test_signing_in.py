@@ -177,6 +177,18 @@ def test_who_is_in_two_courses_chooses(desk: Browser, idp: FakeProvider, service
     assert "Zweiter Kurs" in desk.get("/submissions").text
 
 
+def test_who_comes_into_another_course_later_chooses(
+    desk: Browser, idp: FakeProvider, services: Services
+) -> None:
+    """A name that is known from the last course is looked for in the new one's class list, too."""
+    _back(desk, _go(desk, idp))
+    desk.client.cookies.clear()
+    services.courses.create("second", "Zweiter Kurs", "Asia/Shanghai", "setup")
+    services.courses.import_roster("second", [RosterEntry(id="li", name="", role=Role.STUDENT)], "setup")
+    assert "Zweiter Kurs" in _back(desk, _go(desk, idp)).text
+    assert {one.course for one in services.identities.of_subject("campus", "sub-of-li")} == {"ros", "second"}
+
+
 SPOILT: dict[str, Callable[[FakeProvider], None]] = {
     "wrong nonce": lambda idp: idp.claims.update(nonce="x" * 43),
     "no nonce": lambda idp: idp.claims.update(nonce=None),
@@ -189,6 +201,7 @@ SPOILT: dict[str, Callable[[FakeProvider], None]] = {
     "no end": lambda idp: idp.claims.update(exp=None),
     "no subject": lambda idp: idp.claims.update(sub=""),
     "long subject": lambda idp: idp.claims.update(sub="s" * 256),
+    "a subject with a NUL": lambda idp: idp.claims.update(sub="s\0"),
     "subject a number": lambda idp: idp.claims.update(sub=7),
     "alg none": lambda idp: setattr(idp, "sign", idp.unsigned),
     "HS256 with the public key": lambda idp: setattr(idp, "sign", idp.by_secret),
