@@ -20,7 +20,7 @@ from grader.contracts.assignment import (
     WantedPackage,
     World,
 )
-from grader.contracts.errors import AssignmentError
+from grader.contracts.errors import AssignmentError, SettingsError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.notation import decimal
 from grader.contracts.outcome import Blame, RunOutcome
@@ -104,6 +104,11 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.plot is not None:
         check_plot_path(arguments.plot)
     source = read_handed_in(arguments.file)
+    if (arguments.executable or arguments.launch) and not is_package(source):
+        raise SettingsError(
+            f"{arguments.file} is a script: --executable and --launch choose what to run of a package",
+            f"{arguments.file} 是脚本：--executable 和 --launch 用来选功能包里要运行的程序",
+        )
     job = GradingJob(
         file_name=handed_in_name(arguments.file), source=source, assignment=_sandpit(arguments, source)
     )
@@ -115,7 +120,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _sandpit(arguments: argparse.Namespace, source: bytes = b"") -> Assignment:
     """Return an assignment that asks for nothing; of a package it runs what the options name."""
-    name = arguments.file.name
+    name, packed = arguments.file.name, is_package(source)
+    wanted = WantedPackage(executable=arguments.executable, launch=arguments.launch)
     return Assignment(
         id="run",
         version=1,
@@ -125,8 +131,8 @@ def _sandpit(arguments: argparse.Namespace, source: bytes = b"") -> Assignment:
         check="motion",
         options={"direction": "forward"},
         items=(),
-        input="package" if is_package(source) else "script",
-        package=WantedPackage(executable=arguments.executable, launch=arguments.launch),
+        input="package" if packed else "script",
+        package=wanted if packed else None,
         horizon_s=arguments.horizon_s,
         world=World(cmd_vel_topic=arguments.topic, walls=not arguments.no_walls),
         interfaces=_interfaces(arguments.interfaces),

@@ -25,6 +25,7 @@ ACTIONS = (
     "rules.change", "extension.change", "submission.hand_in",
     "grade.judge", "grade.change", "regrade.applied", "regrade.discarded", "regrade.undone",
     "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
+    "assignment.upload", "assignment.remove",
 )  # fmt: skip
 KINDS = ("assignment", "course", "item", "member", "platform", "submission", "token")
 _RULES = {**kinds_of(Rules), **kinds_of(Extension)}

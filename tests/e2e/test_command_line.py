@@ -88,7 +88,8 @@ def test_json_is_the_report_and_a_plot_is_written(tmp_path: Path, at_terminal: T
     [
         (["check", "missing_square.py", "--lang", "en"], "missing_square.py: No such file"),
         (["check", "missing_square.py"], "missing_square.py：没有这个文件"),
-        (["check", "."], "这是文件夹"),
+        (["check", "."], "没有功能包"),
+        (["run", "mystery.py", "--executable", "x"], "mystery.py 是脚本"),
         (["check", "/dev/zero", "-a", "square", "--lang", "en"], "more than 262144 bytes"),
         (["check", "mystery.py"], "--assignment"),
         (["check", "mystery.py", "-a", "calculation"], ".txt 或 .md"),

@@ -196,6 +196,7 @@ def _known(
     known = {
         "assignment_id": ["square", "straight"],
         "student": ["li", "han"],
+        "identity": ["none"],
         "person": ["zhou", "zhu"],  # nobody whom other requests need: they are removed, too
         "item": ["sides", "closed"],
         "code": ["empty", "syntax_error"],

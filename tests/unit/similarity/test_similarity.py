@@ -12,6 +12,7 @@ import pytest
 
 from grader.catalog import Catalog
 from grader.contracts.trajectory import Command
+from grader.packages.bundle import code_of
 from grader.similarity.commands import SentCommands, drive_of
 from grader.similarity.fingerprints import Fingerprints, Hashes, fingerprints, grams, likeness
 from grader.similarity.places import MOST_PLACES
@@ -37,7 +38,7 @@ def alike(first: str, second: str) -> float:
 
 @pytest.fixture(scope="module")
 def given() -> Hashes:
-    return np.concatenate([grams(tokens_of(one.decode())) for one in Catalog().given_code()])
+    return np.concatenate([grams(tokens_of(code_of(one))) for one in Catalog().given_code()])
 
 
 # ---------------------------------------------------------------------------------- two scripts
