@@ -59,11 +59,15 @@ _INNER: Final = r"([^()\n]*(?:\([^()]*\)[^()\n]*)*)"
 def _floor_is_zero(seen: Searched) -> Mistake | None:
     """Find a division with ``//`` whose result is 0."""
     for line in seen.script.lines_with(r"//"):
-        for found in re.finditer(r"([\w.]+) ?// ?([\w.]+)", seen.script.lines[line - 1]):
+        for found in re.finditer(_WHOLE, seen.script.lines[line - 1]):
             share = _quotient(found[1], found[2], seen.script)
             if share is not None and 0.0 < share < 1.0:
                 return mistake("floor_is_zero", line=line, written=found[0])
     return None
+
+
+_WHOLE: Final = r"(?<![\w.])(?<![*/%)\]])(?<![*/%)\]] )([\w.]+) ?// ?([\w.]+)(?![\w.(])"
+"""A division with ``//`` of two names or numbers, and not of what is multiplied or divided before."""
 
 
 def _quotient(above: str, below: str, script: ScriptText) -> float | None:
@@ -81,11 +85,13 @@ def _int_is_zero(seen: Searched) -> Mistake | None:
     return None
 
 
-_TIME: Final = r"(?i)(time|dur|sec|shijian|miao|时间|秒)"
+_TIME: Final = r"(?i)(time|dur|sec(?!ond_)|shijian|miao|时间|秒)"
 
 
 def _negative_time(seen: Searched) -> Mistake | None:
-    """Find a time that is divided by a negative speed."""
+    """Find a time that is divided by a negative speed, in a script that takes no amounts."""
+    if seen.script.lines_with(r"\bf?abs\("):
+        return None
     for line in seen.script.lines_with(r"^[ \t]*(self\.)?\w+ ?=(?!=).*/"):
         name, _, written = seen.script.lines[line - 1].strip().partition("=")
         value = value_of(written.strip(), seen.script) if re.search(_TIME, name) else None
@@ -101,10 +107,7 @@ def _ticks_cut(seen: Searched) -> Mistake | None:
         cut = [
             (found[0], value_of(found[1], seen.script)) for found in re.finditer(rf"\bint\({_INNER}\)", text)
         ]
-        cut += [
-            (found[0], _quotient(found[1], found[2], seen.script))
-            for found in re.finditer(r"([\w.]+) ?// ?([\w.]+)", text)
-        ]
+        cut += [(found[0], _quotient(found[1], found[2], seen.script)) for found in re.finditer(_WHOLE, text)]
         for written, value in cut:
             if value is not None and value > 1.0 and (value - math.floor(value)) / value > _CUT:
                 values = {"value": number(value, ""), "whole": math.floor(value)}
@@ -131,25 +134,39 @@ def _counts_ticks(seen: Searched) -> Mistake | None:
             rf"{re.escape(found[1])} ?(\+= ?1|= ?{re.escape(found[1])} ?\+ ?1)\s*$"
         )
         count = value_of(found[3], seen.script) if found and counted else None
-        if found and count and count >= 1:
+        if found and count and count >= 1 and (count * period_s <= _EARLY_S or count <= _FEW):
             took = number(count * period_s, "s")
             values = {"name": found[1], "count": f"{count:g}", "period": number(period_s, "s"), "took": took}
             return mistake("counts_ticks", line=line, **values)
     return None
 
 
+_EARLY_S: Final = 1.0  # a motion of more was counted in ticks, and has another fault
+_FEW: Final = 10
 _RADIANS: Final = 6.3  # more is meant as degrees
+_TOLERANCE: Final = 0.03  # of 15 degrees
 
 
 def _radians_twice(seen: Searched) -> Mistake | None:
     """Find ``math.radians`` of what is in radians already."""
     for line in seen.script.lines_with(r"\bradians\("):
         for found in re.finditer(rf"\b(?:math\.)?radians\({_INNER}\)", seen.script.lines[line - 1]):
-            value = value_of(found[1], seen.script)
-            small = value is not None and 0.0 < abs(value) < _RADIANS
-            if small or re.search(r"\bpi\b", found[1]):
+            if _in_radians(found[1], seen.script.lines[line - 1], seen.script):
                 return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
     return None
+
+
+def _in_radians(written: str, line: str, script: ScriptText) -> bool:
+    """Whether an expression is an angle in radians, or a rate; a few degrees may be meant as a tolerance."""
+    value = value_of(written, script)
+    if value is None:
+        return re.search(r"\bpi\b", written) is not None and not re.search(r"180|degrees", written)
+    parts = abs(value) / (math.pi / 12)
+    of_circle = round(parts) >= 1 and abs(parts - round(parts)) < _TOLERANCE
+    return 0.0 < abs(value) < _RADIANS and (of_circle or re.search(_RATE, line) is not None)
+
+
+_RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
 
 
 def _degrees_for_radians(seen: Searched) -> Mistake | None:
@@ -207,22 +224,32 @@ def _start_once(seen: Searched) -> Mistake | None:
 
 def _wrong_time(seen: Searched) -> Mistake | None:
     """Find a turn that is given the time of the drive."""
-    turns = rf"(?i)^[ \t]*[\w.]*(?:turn|rotate|spin|zhuan)\w*\( ?({_OF_DRIVE}) ?\)"
-    drives = rf"(?i)^[ \t]*[\w.]*(?:move|drive|straight|forward|go|zou)\w*\( ?({_OF_TURN}) ?\)"
-    turned, driven = seen.script.lines_with(turns), seen.script.lines_with(drives)
-    text = "\n".join(seen.script.lines)
-    known = re.findall(rf"(?im)^[ \t]*({_OF_TURN}) ?=", text)
+    turned = _given(seen.script, r"(?i)turn|rotate|spin|zhuan", _OF_DRIVE)
+    driven = _given(seen.script, r"(?i)move|drive|straight|forward|go|zou", _OF_TURN)
+    assigned = (re.match(r"[ \t]*((?:self\.)?\w+) ?=(?!=)", text) for text in seen.script.lines)
+    known = [found[1] for found in assigned if found is not None and re.search(_OF_TURN, found[1])]
     if not turned or not known:
         return None
-    given = re.search(turns, seen.script.lines[turned[0] - 1])
-    values = {"line": turned[0], "given": given[1] if given else "", "wanted": known[0]}
+    values = {"line": turned[0][0], "given": turned[0][1], "wanted": known[0]}
     return (
-        mistake("times_exchanged", **values, other=driven[0]) if driven else mistake("wrong_time", **values)
+        mistake("times_exchanged", **values, other=driven[0][0])
+        if driven
+        else mistake("wrong_time", **values)
     )
 
 
-_OF_DRIVE: Final = r"(?:self\.)?\w*(?:move|drive|straight|side|forward|line)_?\w*time\w*"
-_OF_TURN: Final = r"(?:self\.)?\w*(?:turn|rotate|spin)_?\w*time\w*"
+def _given(script: ScriptText, function: str, argument: str) -> list[tuple[int, str]]:
+    """Return the calls of one argument whose names fit: line and argument."""
+    calls = (re.match(r"[ \t]*(?:\w+\.)*(\w+)\( ?((?:self\.)?\w+) ?\)", text) for text in script.lines)
+    return [
+        (line, found[2])
+        for line, found in enumerate(calls, start=1)
+        if found is not None and re.search(function, found[1]) and re.search(argument, found[2])
+    ]
+
+
+_OF_DRIVE: Final = r"(?i)(?:move|drive|straight|side|forward|line)\w*time"
+_OF_TURN: Final = r"(?i)(?:turn|rotate|spin)\w*time"
 
 
 # ------------------------------------------------------------------------------------------------- loops
@@ -231,16 +258,21 @@ _OF_TURN: Final = r"(?:self\.)?\w*(?:turn|rotate|spin)_?\w*time\w*"
 def _empty_function(seen: Searched) -> Mistake | None:
     """Find functions in which nothing but ``pass`` stands, and that the script calls."""
     empty = []
+    heard = {one for kind in ("subscription", "service") for _, one in seen.script.callbacks(kind)}
     for line in seen.script.lines_with(r"^[ \t]*def \w+ ?\("):
         name = seen.script.lines[line - 1].split("def ")[1].partition("(")[0].strip()
         behind = seen.script.lines[line - 1].rpartition(":")[2].strip()
         body = [text for _, text in seen.script.body(line) if text != '""'] or [behind]
-        if body == ["pass"] and seen.script.calls(name):
+        if body == ["pass"] and seen.script.calls(name) and name not in heard and not re.search(_AFTER, name):
             empty.append((line, name))
     if not empty:
         return None
     lines = ", ".join(str(line) for line, _ in empty[:4])
     return mistake("empty_function", lines=lines, names=", ".join(f"{name}()" for _, name in empty[:4]))
+
+
+_AFTER: Final = r"(?i)log|print|wait|sleep|stop|clean|close|exit|shut|finish|done|handler|signal|__"
+"""What functions are called that are empty without harm to a motion."""
 
 
 def _removes_in_loop(seen: Searched) -> Mistake | None:
@@ -293,7 +325,8 @@ def _no_loop(seen: Searched) -> Mistake | None:
         if not any(re.search(r"\.publish\(", text) for text in seen.script.block(line))
     ]
     waiting = seen.script.lines_with(rf"^[ \t]*while\b.*({_CLOCK}|\bok\(|time)")
-    if counted or len(waiting) != len(seen.script.lines_with(r"^[ \t]*while\b")):
+    left = seen.script.lines_with(r"^[ \t]*(return$|raise\b|(\w+\.)*_?exit\(|quit\()")
+    if counted or left or len(waiting) != len(seen.script.lines_with(r"^[ \t]*while\b")):
         return None
     values = {"count": f"{count.value:g}", "sides": f"{wanted:g}", "times": f"{wanted / count.value:g}"}
     return mistake("no_loop", **values)
@@ -303,13 +336,15 @@ def _grows(seen: Searched) -> Mistake | None:
     """Find a time, an angle or a speed that is multiplied by the counter of the loop."""
     for loop in seen.script.lines_with(r"^[ \t]*for \w+ in range\("):
         name = seen.script.lines[loop - 1].split("for ")[1].split()[0]
+        if seen.script.callbacks("subscription"):
+            return None  # with a pose the counter gives the heading or place of the next side
         grown = rf"\* ?(?:\( ?{name} ?[+-] ?\d ?\)|{name}\b)|(?<![\w.]){name} ?\*"
         for line, text in enumerate(seen.script.block(loop)[1:], start=loop + 1):
             found = re.search(grown, text)
             if (
                 found is not None
                 and "%" not in text
-                and not re.search(r"\b(cos|sin)\(|\.info\(|\bprint\(", text)
+                and not re.search(r"(?i)\b(cos|sin)\(|\.info\(|\bprint\(|target|goal", text)
             ):
                 return mistake("grows_in_loop", line=line, name=name, written=found[0].strip())
     return None
@@ -328,9 +363,11 @@ def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
     """Return line and name of a counter that its ``while`` never changes, in a script that never ended."""
     if run.outcome.status is not RunStatus.INTERRUPTED:
         return None
-    for line in script.lines_with(r"^[ \t]*while \(?\w+ ?(<=?|>=?|!=) ?[\w.]+\)? ?:"):
+    for line in script.lines_with(r"^[ \t]*while \(?[^\W\d]\w* ?(<=?|!=) ?[\w.]+\)? ?:"):
         found = re.match(r"[ \t]*while \(?(\w+) ?[<>!=]+ ?([\w.]+)", script.lines[line - 1])
-        if found is None or script.lines_with(rf"\b(global|nonlocal)\b.*\b{found[1]}\b"):
+        if found is None or re.search(_AMOUNT, found[1]):
+            continue  # a time or a way grows by less than 1
+        if script.lines_with(rf"\b(global|nonlocal)\b.*\b{found[1]}\b"):
             continue
         block = "\n".join(script.block(line)[1:])
         names = "|".join(re.escape(name) for name in found.groups())
@@ -338,6 +375,9 @@ def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
         if not re.search(rf"{changed}|\b(break|return|raise|exit|shutdown|quit)\b", block):
             return line, found[1]
     return None
+
+
+_AMOUNT: Final = r"(?i)time|elapsed|dur|sec|dist|angle|theta|yaw|turned|^[twxy]$"
 
 
 def _counter_unchanged(seen: Searched) -> Mistake | None:
@@ -357,6 +397,8 @@ def _clamped(seen: Searched) -> Mistake | None:
         limit = value_of(found[3], seen.script) if found else None
         body = seen.script.body(line)
         set_again = found and body and re.match(rf"{re.escape(found[1])} ?= ?[\w.]+$", body[0][1])
+        if found and re.search(_NO_LENGTH, found[0]):
+            continue
         beyond = (
             limit is not None
             and given is not None
@@ -366,6 +408,8 @@ def _clamped(seen: Searched) -> Mistake | None:
             return mistake("clamped", line=line, last=body[0][0], given=number(given or 0.0, "m"))
     for line in seen.script.lines_with(r"=.*\b(min|max)\("):
         found = re.search(r"\b(min|max)\( ?([\w.]+) ?, ?([\w.]+) ?\)", seen.script.lines[line - 1])
+        if re.search(_NO_LENGTH, seen.script.lines[line - 1]):
+            continue
         bounds = [value_of(part, seen.script) for part in found.groups()[1:]] if found else []
         known = next((value for value in bounds if value is not None), None)
         if (
@@ -376,6 +420,9 @@ def _clamped(seen: Searched) -> Mistake | None:
         ):
             return mistake("clamped", line=line, last=line, given=number(given, "m"))
     return None
+
+
+_NO_LENGTH: Final = r"(?i)speed|vel|linear|angular|rate|turn|angle|omega|theta|yaw|time|dur|\b[vwzt]\b"
 
 
 def _given_m(seen: Searched) -> float | None:
@@ -401,11 +448,15 @@ def _parameter_default(seen: Searched) -> Mistake | None:
         if (
             given is not None
             and given != wanted
+            and re.search(_SIDE, seen.script.written(line))
             and len(seen.script.lines_with(r"\bdeclare_parameter\(")) == 1
         ):
             values = {"given": number(given, "m"), "wanted": number(float(wanted), "m")}
             return mistake("parameter_default", line=line, written=f"{float(wanted):.1f}", **values)
     return None
+
+
+_SIDE: Final = r"(?i)declare_parameter\( *[\"'][^\"']*(side|len|bian|chang|size|边|长)"
 
 
 # ------------------------------------------------------------------------------ callbacks and publishing

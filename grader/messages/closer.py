@@ -57,13 +57,16 @@ def signature(error: StudentError, written: str, script: ScriptText) -> Closer:
         return None
     name, given = found[2], _parameters(script.lines[made.line - 1])
     values: dict[str, object] = {"name": name, "begins": made.line}
+    if given[:1] in (["cls"], ["this"]) or script.is_decorated(made.line):
+        return None
     if not made.takes_self and "self" not in given:
         fits = found[5] is None or int(found[5]) == len(given) + 1
         inner = ", ".join(["self", *given])
         return ("lacks_self", {**values, "written": f"def {name}({inner}):"}) if fits else None
     for kind, wanted in _CALLBACKS.items():
+        right = ", ".join(given) == wanted[1]
         if any(callback == name for _, callback in script.callbacks(kind)) and f"{name}(" not in written:
-            return wanted[0], {**values, "written": f"def {name}({wanted[1]}):"}
+            return None if right else (wanted[0], {**values, "written": f"def {name}({wanted[1]}):"})
     return None
 
 
@@ -85,7 +88,7 @@ def private_taken(error: StudentError, written: str, script: ScriptText) -> Clos
         r"\b(destroy_\w+|spin\w*|create_\w+|declare_\w+|get_\w+|publish|shutdown|add_node)\(", written
     ):
         return None
-    for number in script.lines_with(rf"\bself\.{_PRIVATE_OF_NODE} ?(:[^=]*)?=(?!=)"):
+    for number in script.lines_with(rf"\bself\.{_PRIVATE_OF_NODE} ?(:[^=]*)?=(?!=)(?! ?self\.get_)"):
         name = script.lines[number - 1].strip().removeprefix("self.").split("=")[0].split(":")[0].strip()
         return "private_taken", {"name": name, "given": number, "instead": name.strip("_") + "_1"}
     return None
@@ -96,14 +99,16 @@ def list_too_short(error: StudentError, written: str, script: ScriptText) -> Clo
     for owner, name, index in re.findall(r"(self\.)?\b(\w+)\[(\w+)\]", written):
         made = script.assigned(name)
         inside = None if made is None else re.fullmatch(r"[\[(](.*)[\])]", made.value)
-        if made is None or inside is None or "[" in inside[1]:
+        if made is None or inside is None or re.search(r"[\[({]", inside[1]):
+            continue
+        if script.lines_with(rf"\b{name}\.(append|extend|insert|pop|remove|clear)\(|\b{name} ?\+="):
             continue
         length = len([part for part in inside[1].split(",") if part.strip()])
-        for number in script.lines_with(rf"\bfor {re.escape(index)} in range\( ?\d+ ?\)"):
-            turns = re.search(r"range\( ?(\d+)", script.lines[number - 1])
-            if turns is not None and int(turns[1]) > length:
-                values = {"length": length, "turns": turns[1], "loop": number, "given": made.line}
-                return "list_too_short", {"name": f"{owner}{name}", "last": f"{name}[{length}]", **values}
+        number = script.for_of(error.line or 0, index)
+        turns = re.search(r"range\( ?(\d+) ?\)", script.lines[number - 1]) if number else None
+        if number and length and turns is not None and int(turns[1]) > length:
+            values = {"length": length, "turns": turns[1], "loop": number, "given": made.line}
+            return "list_too_short", {"name": f"{owner}{name}", "last": f"{name}[{length}]", **values}
     return None
 
 
@@ -114,7 +119,7 @@ def none_in_init(error: StudentError, written: str, script: ScriptText) -> Close
         return None
     name = used[1]
     empty = script.lines_with(rf"\bself\.{name} ?(:[^=]*)?= ?None\b")
-    heard = [one for _, one in script.callbacks("subscription")]
+    heard = [one for _, one in script.callbacks("subscription") if name in script.given_in(one)]
     return ("none_in_init", {"name": name, "callback": heard[0]}) if empty and heard else None
 
 
@@ -150,9 +155,11 @@ def only_shell(error: StudentError, written: str, script: ScriptText) -> Closer:
 
 
 def dash(error: StudentError, written: str, script: ScriptText) -> Closer:
-    """Recognise a dash of a word processor in the place of a minus sign."""
+    """Recognise a dash of a word processor in the place of a minus sign, and not in words without a ``#``."""
     found = re.search(r"U\+(2010|2011|2012|2013|2014|2015|2212|FF0D)", error.message)
-    return ("dash_for_minus", {}) if found else None
+    minus = re.search(r"([=(\[,:]|\breturn|[+*/<>]|[\w.)\]]) ?[\u2010-\u2015\u2212\uff0d] ?[\w.(]", written)
+    code = re.search(r"[=()]|^(return|if|while|elif)\b", written)
+    return ("dash_for_minus", {}) if found and minus and code else None
 
 
 def overwritten(error: StudentError, written: str, script: ScriptText) -> Closer:
@@ -231,8 +238,10 @@ def called_here(error: StudentError, written: str, script: ScriptText) -> Closer
 
 def wanted_field(error: StudentError, written: str, script: ScriptText) -> Closer:
     """Take Python's own suggestion of a field."""
-    found = re.search(r"attribute '(\w+)'\. Did you mean: '(\w+)'\?", error.traceback)
-    return ("misspelt_field", {"name": found[1], "suggestion": found[2]}) if found else None
+    found = re.search(r"'(\w+)' object has no attribute '(\w+)'\. Did you mean: '(\w+)'\?", error.traceback)
+    if found is None:
+        return None
+    return "misspelt_field", {"owner": found[1], "name": found[2], "suggestion": found[3]}
 
 
 def own_module(error: StudentError, written: str, script: ScriptText) -> Closer:

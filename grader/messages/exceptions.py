@@ -272,7 +272,8 @@ _IMPORTS: Final = (
 )
 _MODULES: Final = tuple(
     dict.fromkeys((*_MESSAGES, "geometry_msgs", "nav_msgs", "numpy", "random", "rclpy", "sensor_msgs", "std_msgs",
-                   "std_srvs", "sys", "threading", "turtlesim"))
+                   "std_srvs", "sys", "threading", "turtlesim",
+                   "argparse", "asyncio", "collections", "datetime", "json", "typing"))
 )  # fmt: skip
 _ELSEWHERE: Final = frozenset((
     "PIL", "RPi", "ament_index_python", "bs4", "cv2", "cv_bridge", "flask", "gazebo_msgs", "gym",
@@ -333,7 +334,7 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
         code, values = closer
     if (cause := looked_closer(code, error, script_line(error), script)) is not None:
         code, values = cause
-    values = {name: value or "" for name, value in values.items()}
+    values = {name: "" if value is None else value for name, value in values.items()}
     problem = _first_line(error.message) or _WITHOUT_WORDS
     return code, say(
         f"mistake.{code}", **{"line": error.line or "?", "type": error.type, "problem": problem, **values}
@@ -597,9 +598,8 @@ def _module(error: StudentError, script: ScriptText) -> Closer:
         return "import_statement", {"statement": _IMPORTS[name.rpartition(".")[2]]}
     if root in _ELSEWHERE:
         return "library_not_here", {"name": root}
-    near = [known for known in _MODULES if known.lower() == name.lower()] or difflib.get_close_matches(
-        name, _MODULES, 1, 0.8
-    )
+    near = [known for known in _MODULES if sorted(known) == sorted(name.lower())]
+    near = near or difflib.get_close_matches(name, _MODULES, 1, 0.8)
     known = near and near[0].partition(".")[0] != name  # the package itself is not there
     return ("misspelt", {"suggestion": near[0]}) if known else None
 

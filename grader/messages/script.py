@@ -18,6 +18,7 @@ _INDENT: Final = re.compile(r"[ \t]*")
 _BLANKS: Final = re.compile(r"(?<=[^ \t])[ \t]+")
 _LONGEST_LINE: Final = 500
 _LONGEST_SCRIPT: Final = 1_000
+_MOST_CHARACTERS: Final = 50_000
 _ASSIGNED: Final = re.compile(r"[ \t]*(?:self\.|cls\.)?(\w+) ?(?::[^=]*)?=(?!=)(.*)$")
 _BOUND: Final = re.compile(
     r"\b(?:for|as|global|nonlocal) ([\w, ]+?)(?: in\b|:|$)|\bdef \w+ ?\((.*)|"
@@ -89,10 +90,14 @@ class ScriptText:
         takes_self = re.search(pattern + r"[ \t]*self\b", line) is not None
         return Definition(numbers[0], _indent(line), takes_self)
 
+    def is_decorated(self, number: int) -> bool:
+        """Whether a decorator stands above the given line, such as ``@staticmethod``."""
+        return number > 1 and self.lines[number - 2].lstrip().startswith("@")
+
     @property
     def is_short(self) -> bool:
         """Whether it is as short as what beginners write; only then is it searched line against line."""
-        return len(self.lines) <= _LONGEST_SCRIPT
+        return len(self.lines) <= _LONGEST_SCRIPT and sum(map(len, self.lines)) <= _MOST_CHARACTERS
 
     def assigned(self, name: str) -> Assigned | None:
         """Return the only assignment of that name; None when there is none, or more than one."""
@@ -150,17 +155,16 @@ class ScriptText:
         given = re.compile(rf"\b{re.escape(name)}\([ \t]*\)")
         return bool(wanting) and given.search(_arguments(call[wanting[-1].end() :])) is not None
 
+    def written(self, number: int) -> str:
+        """Return the given line as it was written, with its strings and comments."""
+        return self._source.replace("\r\n", "\n").split("\n")[number - 1][:_LONGEST_LINE]
+
     @property
     def numbers_as_text(self) -> list[int]:
         """The lines that declare a parameter whose default is a number in quotes."""
-        written = self._source.replace("\r\n", "\n").split("\n")
         default = re.compile(r"declare_parameter\( ?(\"[^\"]*\"|'[^']*') ?, ?[\"'] ?-?\d*\.?\d+ ?[\"']")
         declared = self.lines_with(r'\bdeclare_parameter\( ?"" ?, ?""')
-        return [
-            number
-            for number in declared
-            if default.search(_BLANKS.sub(" ", written[number - 1][:_LONGEST_LINE]))
-        ]
+        return [number for number in declared if default.search(_BLANKS.sub(" ", self.written(number)))]
 
     def calls(self, name: str) -> bool:
         """Whether the script calls a function by this name, or hands it over."""
@@ -263,6 +267,21 @@ class ScriptText:
                 return None
             above = self.owner_of(above)
         return None
+
+    def for_of(self, number: int, counter: str) -> int | None:
+        """Return the line of the ``for`` around the given line that counts with `counter`."""
+        above: int | None = number if 0 < number <= len(self.lines) else None
+        while above is not None:
+            if re.match(rf"[ \t]*for {re.escape(counter)} in\b", self.lines[above - 1]):
+                return above
+            above = self.owner_of(above)
+        return None
+
+    def given_in(self, name: str) -> set[str]:
+        """Return the attributes of ``self`` that the function of that name assigns."""
+        made = self.definition(name)
+        body = "\n".join(self.block(made.line)) if made is not None else ""
+        return set(re.findall(r"\bself\.(\w+) ?(?::[^=\n]*)?=(?!=)", body))
 
     def block(self, number: int) -> list[str]:
         """Return the given line and the block that it begins."""

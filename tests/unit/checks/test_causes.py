@@ -1,0 +1,118 @@
+"""Causes that the script shows, and scripts whose line only looks like the cause."""
+
+import time
+from dataclasses import replace
+
+import pytest
+
+from grader.checks.causes import unchanged_counter, with_causes
+from grader.checks.measure import Findings, Mistake
+from grader.contracts.outcome import RunStatus
+from grader.contracts.scoring import Run
+from grader.contracts.text import EMPTY
+from grader.messages.script import ScriptText
+from tests.unit.checks.ideal_turtle import drive, run_of
+from tests.unit.checks.shipped import assignment
+
+AT_REST = drive([(2.0, 0.0, 0.0)])
+
+
+def cause(code: str, source: str, task: str = "square", case: str = "default") -> str:
+    """Return the code that takes the place of `code` for a script."""
+    found = assignment(task)
+    findings = Findings(measures={}, mistakes=(Mistake(code, EMPTY, ()),))
+    return with_causes(found.in_case(case), _run(source, case), findings).mistakes[0].code
+
+
+def _run(source: str, case: str, status: RunStatus = RunStatus.FINISHED) -> Run:
+    plain = run_of(AT_REST, status)
+    return replace(plain, case=case, source=source)
+
+
+TICKS = (
+    "class A(Node):\n    def __init__(self):\n        self.create_timer({period}, self.tick)\n        self.n = 0\n"
+    "    def tick(self):\n        self.n += 1\n        if self.n <= {count}:\n            go()\n"
+)
+PASS = (
+    "class A(Node):\n    def __init__(self):\n        self.create_subscription(Pose, '/p', self.cb, 10)\n"
+    "    def cb(self, msg):\n        pass\n    def {name}(self):\n        pass\n    def run(self):\n"
+    "        self.{name}()\n"
+)
+GROWS = "for i in range(4):\n    {line}\n"
+
+
+@pytest.mark.parametrize(
+    ("code", "source", "wanted"),
+    [
+        ("only_stops", "t = 1 // 2", "floor_is_zero"),
+        ("only_stops", "t = 3 * 1 // 2", "only_stops"),
+        ("turn_too_short", "t = 8 * math.pi // 7", "turn_too_short"),
+        ("no_turns", "v = -1.0\nturn_time = 1.57 / v", "negative_time"),
+        ("no_turns", "v = -1.0\nturn_time = 1.57 / v\ngo(abs(turn_time))", "no_turns"),
+        ("no_turns", "second_angle = -1.57 / 2", "no_turns"),
+        ("no_turns", PASS.format(name="turn"), "empty_function"),
+        ("no_turns", PASS.format(name="log_pose"), "no_turns"),
+        ("turns_too_short", "a = math.radians(1.57)", "radians_twice"),
+        ("turns_too_short", "msg.angular.z = math.radians(1.0)", "radians_twice"),
+        ("turns_too_short", "a = math.radians(math.pi / x)", "radians_twice"),
+        ("turns_too_short", "tolerance = math.radians(5)", "turns_too_short"),
+        ("turns_too_short", "a = math.radians(math.pi / 2 * 180 / math.pi)", "turns_too_short"),
+        ("turns_too_short", "a = math.radians(x * 180 / math.pi)", "turns_too_short"),
+        ("turn_too_short", TICKS.format(period=0.1, count=6), "counts_ticks"),
+        ("turn_too_short", TICKS.format(period=0.1, count=55), "turn_too_short"),
+        ("turns_too_short", "turn_time = 1.57\nturn(move_time)", "wrong_time"),
+        ("turns_too_short", "turn_time = 1.57\nturn(move_time)\ngo(turn_time)", "times_exchanged"),
+        ("turns_too_short", "turn_time = 1.57\nturn(turn_time)\ngo(move_time)", "turns_too_short"),
+        ("unequal_sides", GROWS.format(line="drive(1.0 * i)"), "grows_in_loop"),
+        ("unequal_sides", GROWS.format(line="target = start + i * 1.57"), "unequal_sides"),
+        ("never_stops", "while n < 4:\n    go()\n", "never_stops"),  # it did end
+    ],
+)
+def test_the_cause_is_told_where_the_script_shows_it(code: str, source: str, wanted: str) -> None:
+    assert cause(code, source) == wanted
+
+
+@pytest.mark.parametrize(
+    ("source", "wanted"),
+    [
+        ("if side > 1.0:\n    side = 1.0\n", "clamped"),
+        ("side = min(side, 1.0)\n", "clamped"),
+        ("if speed > 1.0:\n    speed = 1.0\n", "wrong_lengths"),
+        ("msg.linear.x = min(left, 1.0)\n", "wrong_lengths"),
+    ],
+)
+def test_a_limit_of_the_speed_is_none_of_the_side(source: str, wanted: str) -> None:
+    task = assignment("square_input")
+    assert cause("wrong_lengths", source, "square_input", task.cases[0].id) == wanted
+
+
+@pytest.mark.parametrize(("name", "wanted"), [("side", "parameter_default"), ("speed", "wrong_lengths")])
+def test_the_default_of_another_parameter_is_not_that_of_the_side(name: str, wanted: str) -> None:
+    task = assignment("square_parameter")
+    source = f"side = self.declare_parameter('{name}', 0.5).value\n"
+    assert cause("wrong_lengths", source, "square_parameter", task.cases[0].id) == wanted
+
+
+@pytest.mark.parametrize(
+    ("condition", "found"),
+    [
+        ("n < 4", (1, "n")),
+        ("1 > 0", None),  # for ever, and meant so
+        ("4 > n", None),
+        ("n > 0", None),  # it would have to fall
+        ("elapsed < 2.0", None),  # one more is no small step of time
+    ],
+)
+def test_a_counter_is_told_that_one_more_would_bring_to_its_end(
+    condition: str, found: tuple[int, str] | None
+) -> None:
+    source = f"while {condition}:\n    go()\n"
+    run = _run(source, "default", RunStatus.INTERRUPTED)
+    assert unchanged_counter(run, ScriptText(source)) == found
+
+
+def test_a_script_of_long_lines_is_not_searched() -> None:
+    source = "\n".join(["turn" * 60 + "(" + "movetime" * 30] * 500)
+    begun_s = time.process_time()
+    assert cause("turns_too_short", source) == "turns_too_short"
+    assert time.process_time() - begun_s < 2.0
