@@ -88,7 +88,7 @@ class RobotWorld:
         self._noise_m = ROUGH_SCAN_NOISE_M if world.profile == "rough" else SCAN_NOISE_M
         self._camera: RoomCamera | None = None
         self._seen: tuple[int, bytes] = (-1, b"")  # the last picture, and its instant
-        self._last_v_mps = 0.0
+        self._felt: tuple[int, float] = (0, 0.0)  # beat of the last IMU message, and the speed then
         self._beat = 0
         self._heard: tuple[tuple[str, _Feed], ...] = ()
         self._heard_at = -1
@@ -229,7 +229,9 @@ class RobotWorld:
 
     def _imu(self, t_ns: int) -> bytes:
         v, w = self._body.velocity
-        ahead, self._last_v_mps = (v - self._last_v_mps) / BEAT_S, v
+        beat, before = self._felt
+        ahead = (v - before) / BEAT_S if beat == self._beat - IMU_BEATS else 0.0  # nobody listened: not known
+        self._felt = (self._beat, v)
         turns = self._noise.normal(0.0, messages.TURN_NOISE_RADPS, 3)
         pushes = self._noise.normal(0.0, messages.PUSH_NOISE_MPS2, 3)
         turns[2] += w

@@ -221,6 +221,26 @@ def test_the_imu_feels_a_turn_and_gravity(car: BulletCar, body: RobotBody) -> No
     assert 2.0 * math.atan2(q["z"], q["w"]) == pytest.approx(turned, abs=0.01)
 
 
+def test_the_imu_feels_no_push_when_a_script_begins_to_listen_on_the_way(
+    car: BulletCar, body: RobotBody
+) -> None:
+    student = Student()
+    kind = "sensor_msgs/msg/Imu"
+
+    def story() -> Any:
+        yield jail.entity(90, 2, 0, name="/cmd_vel", type="geometry_msgs/msg/Twist")
+        yield jail.publish(90, 0, jail.twist(0.2, 0.0))
+        yield from student.wait(SECOND)
+        yield from listen(student, "/imu", kind)
+        yield from student.wait(2 * SECOND)
+        yield jail.ended(student.now)
+
+    play(car, body, story(), horizon_s=2.0)
+    pushes = [values["linear_acceleration"]["x"] for _, values in heard(student, "/imu", kind)]
+    assert len(pushes) == 60
+    assert max(map(abs, pushes)) < 0.5
+
+
 def test_a_camera_sees_a_line_on_its_side_only_while_somebody_looks(car: BulletCar, body: RobotBody) -> None:
     student = Student()
     kind = "sensor_msgs/msg/Image"
