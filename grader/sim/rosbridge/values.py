@@ -9,6 +9,7 @@ import base64
 import binascii
 import math
 import re
+import sys
 from typing import Any, Final, NoReturn
 
 import msgspec
@@ -30,7 +31,7 @@ _INTEGERS: Final = {
     for sign in ("", "u")
     for bits in (8, 16, 32, 64)
 }
-_MOST_FLOAT32: Final = 3.4028235677973366e38  # from here on struct cannot round it to a float32
+_MOST_FLOAT32: Final = math.nextafter(3.4028235677973366e38, 0.0)  # struct cannot round more to a float32
 
 
 def full_type(name: str, kind: str = "msg") -> str:
@@ -138,8 +139,8 @@ def _float(base: str, value: Any, path: str) -> float:
         return math.nan
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         _refuse(path, base, value)
-    most = _MOST_FLOAT32 if base == "float32" else 1.8e308
-    if not -most < value < most:
+    most = _MOST_FLOAT32 if base == "float32" else sys.float_info.max
+    if not -most <= value <= most:  # JSON's whole numbers have no bound
         _refuse(path, base, value)
     return float(value)
 

@@ -133,6 +133,7 @@ def test_a_header_without_a_stamp_gets_one(table: Table) -> None:
         ({"op": "publish", "topic": CMD, "msg": {"linear": {"q": 1}}}, "no field 'q' (msg.linear)"),
         ({"op": "publish", "topic": CMD, "msg": {"linear": {"x": "1"}}}, "msg.linear.x: float64 expected"),
         ({"op": "publish", "topic": CMD, "msg": {"linear": {"x": True}}}, "float64 expected"),
+        ({"op": "publish", "topic": CMD, "msg": {"linear": {"x": 10**400}}}, "float64 expected"),
         ({"op": "subscribe", "topic": "/nothing"}, "not yet advertised"),
         ({"op": "subscribe", "topic": "/nothing", "type": "no_msgs/No"}, "Unable to find the type"),
         ({"op": "subscribe", "topic": POSE, "fragment_size": 1}, "at least"),
