@@ -45,6 +45,24 @@ def test_a_thread_that_the_host_cannot_spare_is_asked_for_again(
     assert lines(run) == [ends]
 
 
+def test_a_thread_that_a_destructor_starts_in_a_wait_runs_beside_it(run_script: RunScript) -> None:
+    run = run_script(
+        CLOCK
+        + "import gc, rclpy\nfrom rclpy._kernel import kernel\nfrom turtlesim.msg import Pose\n"
+        "class Trash:\n    def __init__(self): self.me = self\n"
+        "    def __del__(self): threading.Thread(target=work).start()\n"
+        "def work():\n    time.sleep(1)\n    print('work', now())\n"
+        "rclpy.init()\nnode = rclpy.create_node('n')\n"
+        "node.create_subscription(Pose, '/turtle1/pose', print, 10)\n"
+        "made = []\ndef ready():\n    if not made and now() > 0.15:\n        made.append(Trash)\n        Trash()\n"
+        "        gc.collect()\n    return False\n"
+        "kernel.wait(ready, 3 * S, 'test')\nprint('end', now())\n".replace("S", str(S)),
+        cpu_s=3,
+        feed=[(n * S // 10, "/turtle1/pose", b"\0\1\0\0" + bytes(20)) for n in range(1, 6)],
+    )
+    assert lines(run) == ["work 1.2", "end 3.0"]
+
+
 def test_equal_deadlines_run_in_order_of_creation(run_bare: RunScript) -> None:
     run = run_bare(
         CLOCK + "def work(n):\n    for _ in range(2):\n        time.sleep(1)\n        print(n, end=' ')\n"

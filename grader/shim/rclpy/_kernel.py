@@ -465,11 +465,13 @@ class Kernel:
                 return False
 
     def _block_alone(self, me: Thread, *, asked: bool) -> bool | None:
-        """Do what `_block` does for the only thread there is; None: a signal has come, which `_block` delivers.
+        """Do what `_block` does for the only thread there is; None: `_block` has to go on.
+
+        It delivers a signal that has come, and lets a thread run that a destructor has started meanwhile.
 
         `asked`: `me.ready()` has just been asked, and did not hold.
         """
-        while not self._signals:
+        while not self._signals and len(self.threads) == 1:
             if asked:
                 asked = False
             elif me.ready():
