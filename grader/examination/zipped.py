@@ -7,7 +7,6 @@ import io
 import re
 import stat
 import zipfile
-import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import PurePosixPath
 from typing import Final
@@ -15,6 +14,7 @@ from typing import Final
 from grader.catalog.files import SPEC_NAME
 from grader.catalog.misfits import refusals
 from grader.contracts.text import Text
+from grader.packages.zips import BROKEN, above
 
 MAX_ZIP_BYTES: Final = 1024 * 1024
 MAX_FILES: Final = 200
@@ -92,8 +92,10 @@ def unpacked(content: bytes) -> dict[str, bytes]:
             if wrong := [(_shown(one), told) for one in files if (told := _misfit(one)) is not None]:
                 raise refusals(wrong)
             wanted = [one for one in files if not _PASSED_OVER.search(one.filename)]
+            if len(wanted) > MAX_FILES:
+                raise refusals([("zip", _MANY)])
             found = {one.filename: _read(opened, one) for one in wanted}
-    except (zipfile.BadZipFile, NotImplementedError, zlib.error, EOFError, RuntimeError, ValueError):
+    except BROKEN:
         raise refusals([("zip", _NO_ZIP)]) from None
     _check_all(found, len(wanted))
     return _without_folder(found)
@@ -151,8 +153,9 @@ def _check_all(found: Mapping[str, bytes], entries: int) -> None:
         seen: set[str] = set()
         twice = [name for name in found if name.lower() in seen or seen.add(name.lower())]  # type: ignore[func-returns-value]
         raise refusals([(_safe(twice[0]) if twice else "zip", _TWICE)])
-    if entries > MAX_FILES:
-        raise refusals([("zip", _MANY)])
+    folders = {one for name in found for one in above(name)}
+    if both := folders & found.keys():
+        raise refusals([(_safe(min(both)), _TWICE)])
     if sum(map(len, found.values())) > MAX_BYTES:
         raise refusals([("zip", _LARGE)])
 

@@ -12,7 +12,7 @@ from typing import Final
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
 from grader.contracts.upload import decoded, lines_of
-from grader.packages.zips import BOUNDS, ZipBounds, ZipEntry, read_zip, write_zip
+from grader.packages.zips import BOUNDS, ZipBounds, ZipEntry, above, read_zip, write_zip
 
 MAX_PACKAGE_BYTES: Final = 1024 * 1024
 """Of a zip as it is handed in."""
@@ -50,10 +50,10 @@ def bundle_of(files: Mapping[str, bytes]) -> bytes:
     folders = package_folders(kept)
     if not folders:
         raise _no_package(kept)
-    base = _common(folders)
+    base, known = _common(folders), set(folders)
     found = {}
     for path in kept:
-        folder = next((each for each in folders if _inside(path, each)), None)
+        folder = _folder_above(path, known)
         if folder is None:
             continue
         if folder == "":
@@ -132,11 +132,11 @@ def own_files(paths: Iterable[str]) -> list[str]:
 def package_folders(paths: Sequence[str]) -> list[str]:
     """Return the outermost folders with a manifest, or if none has one, a ``setup.py``; ``""`` is the top."""
     for name in (MANIFEST, SETUP):
-        folders: list[str] = []
+        folders: set[str] = set()
         for path in sorted(paths, key=lambda each: (each.count("/"), each)):
             folder, _, last = path.rpartition("/")
-            if last == name and not any(_inside(path, each) for each in folders):
-                folders.append(folder)
+            if last == name and _folder_above(path, folders) is None:
+                folders.add(folder)
         if folders:
             return sorted(folders)
     return []
@@ -145,8 +145,8 @@ def package_folders(paths: Sequence[str]) -> list[str]:
 def _own(entries: Sequence[ZipEntry]) -> Collection[str]:
     """Return the paths of all packages in an archive, or all where there is none: somebody will say so."""
     kept = own_files(entry.path for entry in entries)
-    folders = package_folders(kept)
-    return [path for path in kept if any(_inside(path, folder) for folder in folders)]
+    folders = set(package_folders(kept))
+    return [path for path in kept if _folder_above(path, folders) is not None]
 
 
 def _own_or_inner(entries: Sequence[ZipEntry]) -> Collection[str]:
@@ -158,25 +158,25 @@ def _own_or_inner(entries: Sequence[ZipEntry]) -> Collection[str]:
 
 
 def _is_left_behind(path: str, packages: Collection[str], ignored: Collection[str]) -> bool:
-    parts = path.split("/")
-    for end, part in enumerate(parts, 1):
-        folder = "/".join(parts[:end])
-        if part.startswith(".") or part in _LEFT_BEHIND or part.endswith(_LEFT_ENDINGS):
+    """Return whether colcon, a system or an editor made a file. One walk along the path: an upload has many."""
+    *folders, last = path.split("/")
+    folder, in_package = "", "" in packages
+    for part in folders:
+        folder = f"{folder}/{part}" if folder else part
+        of_workspace = part in _COLCON and not in_package
+        if _is_no_source(part) or of_workspace or folder in ignored:
             return True
-        if end < len(parts) and (
-            folder in ignored or (part in _COLCON and _is_colcons(parts[: end - 1], packages))
-        ):
-            return True
-    return bool(set(parts[-1:]) & set(_IGNORED))
+        in_package = in_package or folder in packages
+    return _is_no_source(last) or last in _IGNORED
 
 
-def _is_colcons(above: Sequence[str], packages: Collection[str]) -> bool:
-    """Whether ``build``, ``install`` or ``log`` in the folder `above` is a workspace's, not a package's own."""
-    return not any("/".join(above[:end]) in packages for end in range(len(above) + 1))
+def _is_no_source(part: str) -> bool:
+    return part.startswith(".") or part in _LEFT_BEHIND or part.endswith(_LEFT_ENDINGS)
 
 
-def _inside(path: str, folder: str) -> bool:
-    return not folder or path.startswith(f"{folder}/")
+def _folder_above(path: str, folders: Collection[str]) -> str | None:
+    """Return the outermost of `folders`, a set, that has `path` in or below it."""
+    return next((each for each in ("", *above(path)) if each in folders), None)
 
 
 def _common(folders: Sequence[str]) -> str:

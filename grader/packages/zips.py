@@ -20,9 +20,12 @@ MIB = 1024 * 1024
 _UTF8_NAME = 0x800
 _ENCRYPTED = 0x1
 _METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError, OverflowError,
-           struct.error, IndexError)  # fmt: skip
+BROKEN = (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError, OverflowError,
+          struct.error, IndexError)  # fmt: skip
+"""What `zipfile` raises of content that is no zip, or a damaged one."""
+
 _SHOWN = 80
+_LONGEST_NAME, _DEEPEST_NAME = 1_000, 100  # also of what is left out, which is known only at a path's end
 _CHUNK = 65_536
 _CODINGS = (
     "utf-8",
@@ -83,7 +86,7 @@ def read_zip(content: bytes, keep: Keep = _all_files, bounds: ZipBounds = BOUNDS
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             return _read(archive, content, keep, bounds)
-    except _BROKEN as error:
+    except BROKEN as error:
         raise _refusal(
             zh="这个 zip 文件坏了，打不开：请重新压缩后再交。",
             en="this zip is damaged and cannot be read: zip it again",
@@ -155,6 +158,8 @@ def _path(info: zipfile.ZipInfo) -> str:
         parts = parts[1:]
     if not parts:
         return ""
+    if len(name) > _LONGEST_NAME or len(parts) > _DEEPEST_NAME:
+        raise _too_long(name)
     wild = any(part in ("", ".", "..") or part.strip() != part for part in parts)
     if wild or ":" in parts[0] or not name.isprintable():
         raise _refusal(
@@ -191,10 +196,7 @@ def _check_kept(wanted: Sequence[str], special: Collection[str], bounds: ZipBoun
     seen: dict[str, str] = {}
     for path in wanted:
         if len(path.encode("utf-8", "replace")) > bounds.name_bytes or path.count("/") >= bounds.depth:
-            raise _refusal(
-                zh=f"压缩包里的路径太长：{_shown(path)}。请只压缩功能包的文件夹。",
-                en=f"a path in the zip is too long: {_shown(path)}. Zip nothing but the package's folder",
-            )
+            raise _too_long(path)
         if path in special:
             raise _refusal(
                 zh=f"压缩包里的 {_shown(path)} 是链接，不是文件：请换成文件本身。",
@@ -205,11 +207,12 @@ def _check_kept(wanted: Sequence[str], special: Collection[str], bounds: ZipBoun
             raise _twice(path)
         seen[folded] = path
     for folded, path in seen.items():
-        if any(folded.startswith(f"{other}/") for other in _above(folded) if other in seen):
+        if any(folded.startswith(f"{other}/") for other in above(folded) if other in seen):
             raise _twice(path)
 
 
-def _above(path: str) -> list[str]:
+def above(path: str) -> list[str]:
+    """Return the folders that a path is in, outermost first."""
     parts = path.split("/")
     return ["/".join(parts[:end]) for end in range(1, len(parts))]
 
@@ -251,6 +254,13 @@ def _too_many(count: int, most: int) -> RefusedError:
     return _refusal(
         zh=f"压缩包里有 {count} 个文件，最多 {most} 个：只压缩功能包的文件夹。",
         en=f"the zip holds {count} files, at most {most} are taken: zip nothing but the package's folder",
+    )
+
+
+def _too_long(path: str) -> RefusedError:
+    return _refusal(
+        zh=f"压缩包里的路径太长：{_shown(path)}。请只压缩功能包的文件夹。",
+        en=f"a path in the zip is too long: {_shown(path)}. Zip nothing but the package's folder",
     )
 
 

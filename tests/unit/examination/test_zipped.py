@@ -3,6 +3,7 @@
 import io
 import os
 import stat
+import struct
 import subprocess
 import sys
 import zipfile
@@ -55,6 +56,30 @@ def zipped_as(files: dict[str, bytes], change: Callable[[zipfile.ZipInfo], None]
                 change(entry)
             made.writestr(entry, content)
     return out.getvalue()
+
+
+def test_a_directory_that_lies_is_a_damaged_zip() -> None:
+    """An entry without a name, and one that begins where no file can: `zipfile` has odd errors for both."""
+    nameless = zipped_as({"a/assignment.yaml": SPEC, "x": b""})
+    at = nameless.rindex(b"PK\x01\x02")
+    nameless = nameless[: at + 28] + b"\0\0\x01\0" + nameless[at + 32 :]
+    far = zipped_as({"a/assignment.yaml": SPEC})
+    at, end = far.rindex(b"PK\x01\x02"), far.rindex(b"PK\x05\x06")
+    extra = struct.pack("<HHQ", 1, 8, 2**63)
+    entry = far[at : at + 30] + struct.pack("<H", len(extra)) + far[at + 32 : at + 42] + b"\xff" * 4
+    entry += far[at + 46 : end] + extra
+    sized = far[end : end + 12] + struct.pack("<I", len(entry)) + far[end + 16 :]
+    for content in (nameless, far[:at] + entry + sized):
+        with pytest.raises(AssignmentError) as caught:
+            unpacked(content)
+        assert "zip" in str(caught.value.problems)
+
+
+def test_a_name_is_a_file_or_a_folder() -> None:
+    files = {"a/assignment.yaml": SPEC, "a/interfaces/x": b"", "a/interfaces/x/y": b""}
+    with pytest.raises(AssignmentError) as caught:
+        unpacked(zipped_as(files))
+    assert "a/interfaces/x" in str(caught.value.problems)
 
 
 def link(entry: zipfile.ZipInfo) -> None:

@@ -1,12 +1,21 @@
 """Whatever a package was zipped with, and whatever lay around it: the same files are kept as the same bytes."""
 
+import time
 import zipfile
 from pathlib import Path
 
 import pytest
 
 from grader.contracts.errors import RefusedError
-from grader.packages.bundle import bundled, code_of, files_of, line_in_text, text_of
+from grader.packages.bundle import (
+    bundled,
+    code_of,
+    files_of,
+    line_in_text,
+    own_files,
+    package_folders,
+    text_of,
+)
 from grader.packages.folders import read_folder
 from tests.fakes.packages import NAME, below, package_files, zipped
 
@@ -95,3 +104,20 @@ def test_a_script_is_shown_as_it_is() -> None:
 def test_long_paths_in_what_is_left_out_do_not_matter() -> None:
     far = {f"ws/build/{'deep/' * 30}{'x' * 200}.o": "x"}
     assert bundled(zipped({**below("ws/src", FILES), **far})) == KEPT
+
+
+@pytest.mark.parametrize(
+    "paths",
+    [
+        [f"{'x/' * 800}package.xml", f"{'x/' * 800}{'log/' * 800}y.py"],
+        [f"{number}/package.xml" for number in range(8_000)],
+    ],
+    ids=["deep", "many"],
+)
+def test_sorting_out_what_is_kept_takes_no_time(paths: list[str]) -> None:
+    """Any student may upload such a zip. Comparing everything with everything took the service seconds."""
+    before_s = time.process_time()
+    kept = own_files(paths)
+    assert len(package_folders(kept)) == sum(path.endswith("package.xml") for path in paths)
+    assert len(kept) == len(paths)
+    assert time.process_time() - before_s < 1.0

@@ -138,6 +138,8 @@ REFUSED: dict[str, Callable[[], bytes]] = {
     "bomb of many": lambda: zipped({**FILES, **{f"{NAME}/{i}.yaml": b"\0" * 1_900_000 for i in range(60)}}),
     "overlapping": _overlapping,
     "501 files": lambda: _many(501),
+    "a path of 64 KiB that is left out": lambda: _raw(b"build/" + b"x" * 65_000),
+    "a path of 101 names that is left out": lambda: _raw(b"build/" + b"x/" * 99 + b"y"),
     "20 001 files": lambda: _many(20_001),
     "zip in zip in zip": _quine_like,
     "bomb in a zip": lambda: zipped({"x.zip": zipped({f"{NAME}/package.xml": b"\0" * 50_000_000})}),
