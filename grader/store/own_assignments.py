@@ -43,11 +43,15 @@ class NewOwnAssignment:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class OwnClaim:
-    """The right of one worker to examine an upload until its lease ends; `tries` fences."""
+    """The right of one worker to examine an upload until its lease ends.
+
+    `tries` fences, with `uploaded_at`: after a removal the next upload has the same number.
+    """
 
     course: str
     assignment: str
     number: int
+    uploaded_at: datetime
     tries: int
     content: bytes
     reading: bytes
@@ -208,6 +212,7 @@ class OwnAssignments:
         of = and_(col(_row.course) == claim.course, col(_row.assignment) == claim.assignment)
         latest = (
             col(_row.number) == claim.number,
+            col(_row.uploaded_at) == claim.uploaded_at,
             col(_row.tries) == claim.tries,
             col(_row.state) == OwnState.WAITING.value,
         )

@@ -68,3 +68,21 @@ def test_a_newer_upload_takes_the_place_of_one_that_waits(own: OwnAssignments, c
     assert again is not None
     own.finish(again, b"{}", ready=True)
     assert own.marks() != before  # though it has the number of one that was removed
+
+
+def test_the_claim_of_a_removed_upload_says_nothing_of_the_next_one(
+    own: OwnAssignments, clock: FakeClock
+) -> None:
+    add(own, clock)
+    late = own.claim()
+    assert late is not None
+    own.remove("walk", Signature(clock(), "ros", "wang"))
+    clock.advance(1)
+    add(own, clock)
+    other = own.claim()
+    assert other is not None
+    assert (other.number, other.tries) == (late.number, late.tries)
+    assert not own.renew(late)
+    assert not own.finish(late, b"{}", ready=True)
+    assert states(own) == [(1, OwnState.WAITING)]
+    assert own.finish(other, b"{}", ready=True)
