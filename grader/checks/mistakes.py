@@ -4,6 +4,7 @@
 motion that they measure. Each code has a text ``mistake.<code>`` in the catalogs.
 """
 
+import difflib
 import math
 import re
 from collections.abc import Iterable, Iterator
@@ -158,7 +159,9 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
     if outcome.status is RunStatus.INTERRUPTED:
         own = {one.name for one in outcome.endpoints if one.kind == "publisher"}
         heard = [one for one in outcome.endpoints if one.kind == "subscription"]
-        unknown = next((one.name for one in heard if one.name not in own | usual.keys() | {topic}), None)
+        unheard = (one.name for one in heard if one.name not in own | usual.keys() | {topic})
+        moved = any(is_motion(command) for command in run.trajectory.commands)
+        unknown = next((name for name in unheard if not moved or _is_misspelt(name, usual)), None)
         if unknown is not None:
             return (mistake("robot_silent", topic=unknown, topics=", ".join(usual)),)
     if outcome.command_count == 0:
@@ -171,6 +174,11 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
     if commands and not any(command.v_mps or command.w_radps for command in commands):
         return (_only_zeros(run),)
     return ()
+
+
+def _is_misspelt(topic: str, usual: Iterable[str]) -> bool:
+    """Whether a topic that nobody publishes is nearly one that the robot does; else a drive may not need it."""
+    return bool(difflib.get_close_matches(topic, usual, 1, 0.75))
 
 
 def _teleports(trajectory: Trajectory) -> bool:

@@ -7,12 +7,13 @@ import pytest
 
 from grader.checks import problems, sketch
 from grader.checks.kinds.room import examine
+from grader.checks.mistakes import robot_mistakes
 from grader.contracts.assignment import Assignment, ItemSpec, Stripe, World
-from grader.contracts.outcome import RunStatus
+from grader.contracts.outcome import Endpoint, RunStatus
 from grader.contracts.robot import FRONT_M, HALF_WIDTH_M, SCANNER_X_M
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
-from grader.contracts.trajectory import Contact, Trajectory
+from grader.contracts.trajectory import Command, Contact, Trajectory
 from tests.unit.checks.ideal_turtle import run_of
 from tests.unit.sim.rooms import room, solid
 
@@ -87,6 +88,27 @@ def test_what_was_hit_and_why(contact_s: float, status: RunStatus, ended_s: floa
     found = examine(task("contacts"), run)
     assert code in [each.code for each in found.mistakes]
     assert found.measures["clearance_m"].value == 0.0
+
+
+@pytest.mark.parametrize(
+    ("topic", "moved", "told"),
+    [
+        ("/joystick", False, True),
+        ("/joystick", True, False),
+        ("/camera/image", True, True),
+        ("/scan", False, False),
+    ],
+)
+def test_a_topic_that_a_drive_did_without_is_not_what_it_waits_for(
+    topic: str, moved: bool, told: bool
+) -> None:
+    run = straight(0.5)
+    heard = Endpoint(kind="subscription", node="/a", name=topic, type="std_msgs/msg/String")
+    outcome = replace(run.outcome, status=RunStatus.INTERRUPTED, endpoints=(heard,), command_count=1)
+    commands = (Command(0, 0.2 if moved else 0.0, 0.0),)
+    run = replace(run, outcome=outcome, trajectory=replace(run.trajectory, commands=commands))
+    found = robot_mistakes(run, task("contacts").world)
+    assert ("robot_silent" in [each.code for each in found]) == told
 
 
 def test_a_robot_that_stops_at_the_wrong_place_is_told_which_way() -> None:
