@@ -1,7 +1,7 @@
 """OpenID Connect: authorization code with PKCE (OpenID Connect Core 1.0, 3.1; RFC 7636; RFC 9207).
 
-The keys that sign tokens are fetched when they are needed and again for a key id that is not among them, at most
-once a minute: providers change their keys.
+The keys that sign tokens are fetched when they are needed, again after a day, and for a key id that is not among
+them, at most once a minute: providers change their keys.
 """
 
 import base64
@@ -47,7 +47,9 @@ class _Header(msgspec.Struct, frozen=True):
 
 
 class KeySet:
-    """The public keys behind an address, kept until a token names one that is not there.
+    """The public keys behind an address, kept for a day, or until a token names one that is not there.
+
+    So a key that its owner has withdrawn is believed for a day at most.
 
     Args:
         address: tells it. clock_s: the time. public_only: no address of a private network.
@@ -88,10 +90,10 @@ class KeySet:
     def _with(self, kid: str | None) -> Any:
         with self._lock:
             now_s = self._clock_s()
-            missing = self._keys is None or (
-                kid is not None and kid not in {one.kid for one in self._keys.keys}
-            )
-            if missing and (self._keys is None or now_s - self._fetched_s >= _MINUTE_S):
+            known = () if self._keys is None else self._keys.keys
+            missing = kid is not None and kid not in {one.kid for one in known}
+            age_s = now_s - self._fetched_s
+            if self._keys is None or age_s >= _DAY_S or (missing and age_s >= _MINUTE_S):
                 self._keys, self._fetched_s = self._fetched(), now_s
             return self._keys
 

@@ -233,6 +233,19 @@ def test_a_new_key_is_fetched(desk: Browser, idp: FakeProvider, services: Servic
     assert idp.asked.count("/keys") == 2
 
 
+def test_a_key_that_was_withdrawn_is_believed_for_a_day(
+    desk: Browser, idp: FakeProvider, services: Services
+) -> None:
+    """Also where nobody names another one: whoever stole it names this one."""
+    _back(desk, _go(desk, idp))
+    desk.client.cookies.clear()
+    idp.keys = [OTHER_KEY]
+    services.clock.advance(24 * 3600.0)
+    idp.now = services.clock().timestamp()
+    assert _back(desk, _go(desk, idp)).status_code == 403
+    assert not _is_in(desk)
+
+
 @pytest.mark.parametrize("spoil", [{"state": "x" * 43}, {"state": ""}, {"iss": "https://evil.example"}])
 def test_an_answer_of_another_attempt_is_refused(
     desk: Browser, idp: FakeProvider, spoil: dict[str, str]
