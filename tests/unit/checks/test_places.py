@@ -26,6 +26,7 @@ from grader.contracts.text import Text
 from grader.contracts.trajectory import Contact, Trajectory
 from tests.unit.checks.ideal_turtle import Leg, drive, run_of
 from tests.unit.checks.shipped import assignment
+from tests.unit.sim.rooms import room
 
 POINTS = ((8.0, 3.0), (8.0, 8.0), (3.0, 8.0))
 START = (3.0, 3.0)
@@ -184,7 +185,17 @@ def test_a_script_that_never_asks_where_it_is_is_told_so() -> None:
         asked, cases=(Case(start=StartPose(x_m=1.0)), Case(id="b", start=StartPose(x_m=2.0, y_m=2.0)))
     )
     away = through((1.0, 3.0))
-    assert graded(several, away).mistakes[0] == "place_no_feedback"
+    blind = graded(several, away)
+    assert blind.mistakes[0] == "place_no_feedback"
+    assert "/turtle1/pose" in blind.hint.en
+    walls = room(-2.0, -2.0, 9.0, 9.0)
+    robot = replace(
+        several, world=World(kind="robot", cmd_vel_topic="/cmd_vel", room=walls, topics={"/odom": "/where"})
+    )
+    blind = graded(robot, away)
+    assert blind.mistakes[0] == "place_no_feedback"
+    assert "/where" in blind.hint.en
+    assert "turtle" not in blind.hint.en + blind.hint.zh
     assert graded(several, away, "/turtle1/pose").mistakes[0] == "place_away"
 
 

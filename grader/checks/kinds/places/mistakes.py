@@ -75,7 +75,7 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, seen: Sequence[Visit
     if first.entered_s is not None:
         return _entered_in_vain(assignment, seen, first)
     if _ignores_the_pose(assignment, run):
-        return mistake("place_no_feedback", spoilt, **values)
+        return mistake("place_no_feedback", spoilt, topic=_telling(assignment), **values)
     if drive.moving_at_end and _circles(drive, first):
         return mistake("place_circled", (*spoilt, "settled"), **values)
     if first.nearest_m > AWAY_SHARE * first.first_m and values["reached"] == 0:
@@ -113,9 +113,15 @@ def _entered_in_vain(assignment: Assignment, seen: Sequence[Visit], first: Visit
 def _ignores_the_pose(assignment: Assignment, run: Run) -> bool:
     """Whether the car starts somewhere else in each case, and the script never asks where."""
     starts = {case.start for case in assignment.cases}
-    tells = assignment.world.topics.get("/odom", "/odom") if assignment.world.kind == "robot" else "/pose"
+    tells = _telling(assignment).removeprefix("/turtle1")  # a second turtle's will do, too
     heard = any(each.kind == "subscription" and each.name.endswith(tells) for each in run.outcome.endpoints)
     return len(starts) > 1 and not heard
+
+
+def _telling(assignment: Assignment) -> str:
+    """Return the topic that tells where the car is."""
+    is_robot = assignment.world.kind == "robot"
+    return assignment.world.topics.get("/odom", "/odom") if is_robot else "/turtle1/pose"
 
 
 def _circles(drive: Drive, goal: Visit) -> bool:
