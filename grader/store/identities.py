@@ -59,7 +59,7 @@ class Identities:
         member = MemberRow
         if not person and not email:
             return
-        named = col(member.person) == person if person else func.lower(col(member.email)) == email.lower()
+        named = col(member.person) == person if person else func.lower(col(member.email)) == _small(email)
         course = col(member.course).is_not(None) if within is None else col(member.course) == within
         known = select(col(IdentityRow.course)).where(
             col(IdentityRow.provider) == provider, col(IdentityRow.subject) == subject
@@ -162,6 +162,11 @@ class Identities:
         """Forget who was recognised."""
         with self._database.writing() as session:
             session.execute(delete(RecognisedRow).where(col(RecognisedRow.sha256) == _digest(secret)))
+
+
+def _small(address: str) -> str:
+    """Return an address with small Latin letters. No other letter becomes one, as the Kelvin sign would."""
+    return "".join(one.lower() if one.isascii() else one for one in address)
 
 
 def _digest(secret: str) -> str:

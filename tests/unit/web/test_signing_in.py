@@ -342,6 +342,15 @@ def test_an_address_counts_when_it_is_verified(
     assert _is_in(desk)
 
 
+def test_an_address_that_only_looks_alike_is_another_one(services: Services, tokens: dict[str, str]) -> None:
+    """`\u212a` is the Kelvin sign, whose small letter is k: a mailbox that somebody else may have."""
+    services.courses.import_roster("ros", [RosterEntry(id="li", name="", email="kai@example.edu")], "setup")
+    services.identities.bind_claimed("campus", "another", email="\u212aai@example.edu")
+    assert services.identities.of_member("ros", "li") == ()
+    services.identities.bind_claimed("campus", "own", email="Kai@example.edu")
+    assert [one.subject for one in services.identities.of_member("ros", "li")] == ["own"]
+
+
 @pytest.mark.parametrize(
     ("peer", "headers", "status"),
     [
