@@ -280,7 +280,9 @@ def _removes_in_loop(seen: Searched) -> Mistake | None:
     for loop in seen.script.lines_with(r"^[ \t]*for \w+ in [\w.]+ ?:"):
         name = seen.script.lines[loop - 1].partition(" in ")[2].rpartition(":")[0].strip()
         for line, text in enumerate(seen.script.block(loop), start=loop):
-            if re.search(rf"(?<![\w.]){re.escape(name)}\.(remove|pop)\(|\bdel {re.escape(name)}\[", text):
+            removes = rf"(?<![\w.]){re.escape(name)}\.(remove|pop)\(|\bdel {re.escape(name)}\["
+            nexts = "".join(seen.script.lines[line : line + 1])
+            if re.search(removes, text) and not re.match(r"[ \t]*(break|return)\b", nexts):
                 return mistake("removes_in_loop", line=line, loop=loop, name=name)
     return None
 
@@ -482,7 +484,9 @@ def _timer_stops(seen: Searched) -> Mistake | None:
 
 
 def _spin_once(seen: Searched) -> Mistake | None:
-    """Find a ``spin_once`` that stands in no loop."""
+    """Find a ``spin_once`` that stands in no loop, in a script that has callbacks to be handled."""
+    if not seen.script.lines_with(r"\bcreate_(timer|subscription|service)\("):
+        return None
     once = seen.script.lines_with(r"\bspin_once\(")
     loose = [line for line in once if _loop_around(seen.script, line) is None]
     spins = seen.script.lines_with(r"\bspin\(")
