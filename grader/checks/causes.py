@@ -484,8 +484,9 @@ def _timer_stops(seen: Searched) -> Mistake | None:
 
 
 def _spin_once(seen: Searched) -> Mistake | None:
-    """Find a ``spin_once`` that stands in no loop, in a script that has callbacks to be handled."""
-    if not seen.script.lines_with(r"\bcreate_(timer|subscription|service)\("):
+    """Find a ``spin_once`` that stands in no loop; where commands were lost, callbacks must have sent them."""
+    callbacks = seen.script.lines_with(r"\bcreate_(timer|subscription|service)\(")
+    if seen.mistake.code == "lost_at_home" and not callbacks:
         return None
     once = seen.script.lines_with(r"\bspin_once\(")
     loose = [line for line in once if _loop_around(seen.script, line) is None]
