@@ -4,6 +4,7 @@ It has no sockets and no clock. Whoever drives it hands over frames and events w
 come, and takes what is to be sent. What clients can make it keep is bounded, each kind by a number of its own.
 """
 
+import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from itertools import count
@@ -16,7 +17,6 @@ from grader.sim.interfaces import Types
 from grader.sim.rosbridge import rosapi
 from grader.sim.rosbridge.actions import Goals, Reply
 from grader.sim.rosbridge.frames import (
-    MAX_FRAGMENTS,
     MAX_FRAME_BYTES,
     Advertise,
     AdvertiseService,
@@ -52,6 +52,8 @@ MOST_RELAYS: Final = 32
 MOST_SERVICES: Final = 16
 MOST_WAITING: Final = 64
 MOST_FRAGMENTED: Final = 4
+MOST_PARTS: Final = 100
+"""Fragments of one message: all must arrive, and a client for which too much waits is let go."""
 _LARGE_BYTES: Final = 4_096
 _LARGE_PER_S: Final = 262_144.0
 _LARGE_AT_ONCE: Final = 1_048_576.0
@@ -540,15 +542,14 @@ def _full_name(name: str) -> str:
 
 
 def _sent(client: int, text: bytes, subscription: Subscription, t_ns: int) -> Iterator[Out]:
-    """Yield a message whole, or in fragments if the client wants that."""
+    """Yield a message whole, or in fragments if the client wants that; in larger ones if they were too many."""
     size = subscription.fragment
     if not size or len(text) <= size:
         yield Out(client, text, subscription.slot, subscription.depth)
         return
     told = text.decode()
+    size = max(size, math.ceil(len(told) / MOST_PARTS))
     parts = [told[start : start + size] for start in range(0, len(told), size)]
-    if len(parts) > MAX_FRAGMENTS:
-        return
     for number, part in enumerate(parts):
         fragment = {"op": "fragment", "id": f"{t_ns}", "data": part, "num": number, "total": len(parts)}
         yield Out(client, to_json(fragment))

@@ -8,8 +8,9 @@ from typing import Any
 
 import pytest
 
+from grader.live.car import MOST_UNREAD
 from grader.sim.bullet import BulletCar
-from grader.sim.rosbridge.bridge import BAD_CLIENT, MOST_TOPICS, MOST_WAITING
+from grader.sim.rosbridge.bridge import BAD_CLIENT, MOST_PARTS, MOST_TOPICS, MOST_WAITING
 from grader.sim.rosbridge.session import LiveSession
 
 EPOCH_NS = 1_800_000_000_000_000_000
@@ -320,6 +321,15 @@ def test_fragments_are_joined_and_sent(table: Table) -> None:
     got = table.say({"op": "subscribe", "topic": "/odom", "fragment_size": 200})
     joined = json.loads("".join(one["data"] for one in got))
     assert joined["msg"]["child_frame_id"] == "base_link"
+
+
+def test_a_message_comes_in_no_more_fragments_than_may_wait_for_a_client(table: Table) -> None:
+    chat = {"topic": "/chat", "type": "std_msgs/String"}
+    assert table.say({"op": "subscribe", **chat, "fragment_size": 128}) == []
+    parts = table.say({"op": "publish", **chat, "msg": {"data": "x" * 60_000}})
+    assert len(parts) <= MOST_PARTS < MOST_UNREAD
+    joined = json.loads("".join(one["data"] for one in parts))
+    assert joined["msg"]["data"] == "x" * 60_000
 
 
 def test_the_camera_sees_the_line(table: Table) -> None:
