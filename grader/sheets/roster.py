@@ -178,7 +178,8 @@ def _entry(row: ListedRow, columns: dict[str, int]) -> RosterEntry | None:
     name = cells.get("name") or _joined(cells.get("first", ""), cells.get("last", ""))
     if not person and (not name or name.casefold() == "points possible"):  # Canvas' second row
         return None
-    if any(label(cell) in _SUMS for cell in row.cells):  # else the number of students becomes one
+    # else the number of students becomes one; whoever has a name may be called Sum
+    if (not name or name.isdecimal()) and any(label(cell) in _SUMS for cell in row.cells):
         raise CourseError("this row adds up the others", "这一行是合计，不是学生")
     if not person:
         raise CourseError(f"no id beside the name {name[:40]}", f"“{name[:40]}”没有学号")

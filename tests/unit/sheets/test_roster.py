@@ -161,6 +161,10 @@ def test_the_sum_of_a_list_is_no_student() -> None:
     ]
 
 
+def test_a_student_may_be_called_sum() -> None:
+    assert read_roster(b"id,name,section\nsum,Sum,total\n1,a,1\n").checked()[0].id == "sum"
+
+
 def test_lines_without_anybody_are_skipped() -> None:
     content = b"id,name,role\r\n,,\r\n\r\n1,a,\r\n , ,\r\n,,,,\r\n"
     assert read_roster(content).checked() == (entry("1", "a"),)
