@@ -75,7 +75,9 @@ def read_all(
     "",
     summary="Upload an assignment",
     status_code=status.HTTP_202_ACCEPTED,
-    responses=responses(*_CHANGING, "invalid_assignment", "malformed_body", "too_large"),
+    responses=responses(
+        *_CHANGING, "invalid_assignment", "too_many_assignments", "malformed_body", "too_large"
+    ),
 )
 def upload(
     services: ServicesDep,

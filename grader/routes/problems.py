@@ -130,6 +130,7 @@ _STATUS = {
     "no_scripts": 409,
     "invalid_assignment": 422,
     "assignment_in_use": 409,
+    "too_many_assignments": 409,
     "invalid_rules": 422,
     "invalid_roster": 422,
     "invalid_sheet": 422,

@@ -25,6 +25,9 @@ from grader.store.tables import OwnAssignmentRow, RulesRow, SubmissionRow, as_co
 LEASE_S = 600.0
 """Longer than any script of an assignment runs; a claim is renewed before each."""
 
+MOST_OWN = 100
+"""Assignments of one course's own: each look at them reads all."""
+
 _TROUBLE_CHARACTERS = 2_000
 _row = OwnAssignmentRow
 Mark = tuple[int, datetime]
@@ -109,13 +112,15 @@ class OwnAssignments:
         Without rules the assignment begins as a draft: students see it when somebody publishes it.
 
         Raises:
-            RefusedError: the course is archived.
+            RefusedError: the course is archived, or has `MOST_OWN` already.
         """
         course = signed.course or ""
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             of = col(_row.course) == course, col(_row.assignment) == new.assignment
             last = session.execute(select(func.max(col(_row.number))).where(*of)).scalar() or 0
+            if not last and _ids(session, course) >= MOST_OWN:
+                raise RefusedError("too_many_assignments")
             session.execute(delete(_row).where(*of, col(_row.state) != OwnState.READY.value))
             session.add(
                 OwnAssignmentRow(
@@ -230,6 +235,11 @@ def copy_own_assignments(session: Session, course: str, signed: Signature) -> No
     for row in session.execute(select(_row).where(*ready)).scalars().all():
         values = {one.name: getattr(row, one.name) for one in table_of(_row).columns}
         session.add(OwnAssignmentRow(**{**values, **fresh}))
+
+
+def _ids(session: Session, course: str) -> int:
+    counted = select(func.count(col(_row.assignment).distinct())).where(col(_row.course) == course)
+    return int(session.execute(counted).scalar_one())
 
 
 def _handed_in(session: Session, course: str, assignment: str) -> bool:

@@ -2,6 +2,7 @@
 
 import pytest
 
+from grader.contracts.errors import RefusedError
 from grader.contracts.own_assignment import OwnState
 from grader.store.audit import Signature
 from grader.store.courses import Courses
@@ -86,3 +87,20 @@ def test_the_claim_of_a_removed_upload_says_nothing_of_the_next_one(
     assert not own.finish(late, b"{}", ready=True)
     assert states(own) == [(1, OwnState.WAITING)]
     assert own.finish(other, b"{}", ready=True)
+
+
+def test_a_course_has_so_many_at_most(
+    own: OwnAssignments, clock: FakeClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("grader.store.own_assignments.MOST_OWN", 2)
+    signed = Signature(clock(), "ros", "wang")
+
+    def upload(name: str) -> None:
+        own.add(NewOwnAssignment(assignment=name, version=1, content=b"zip", reading=b"{}"), signed)
+
+    upload("walk")
+    upload("run")
+    upload("run")  # again
+    with pytest.raises(RefusedError, match="too_many_assignments"):
+        upload("swim")
+    assert {one.assignment for one in own.of("ros")} == {"walk", "run"}
