@@ -134,15 +134,8 @@ def command_mistakes(
         return (mistake("teleported", topic=topic),)
     if not any(map(is_motion, run.trajectory.commands)) and (missing := _unpublished(run, world)) is not None:
         return (missing,)
-    if outcome.command_count == 0:
-        return _silence(run, topic)
-    if outcome.nonfinite_commands:
-        return (mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
-    if noted(outcome, "lateral_command") is not None:
-        return (mistake("sideways"),)
-    commands = run.trajectory.commands
-    if commands and not any(command.v_mps or command.w_radps for command in commands):
-        return (_only_zeros(run),)
+    if found := _unfit_commands(run, topic):
+        return found
     if (longest_ns := _longest_motion_ns(run.trajectory)) < _TOO_BRIEF_NS:
         if _motions(run.trajectory) > _MANY_MOTIONS:
             return (mistake("stop_in_loop", times=_motions(run.trajectory)),)
@@ -164,13 +157,18 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
         unknown = next((name for name in unheard if not moved or _is_misspelt(name, usual)), None)
         if unknown is not None:
             return (mistake("robot_silent", topic=unknown, topics=", ".join(usual)),)
+    return _unfit_commands(run, topic)
+
+
+def _unfit_commands(run: Run, topic: str) -> tuple[Mistake, ...]:
+    """Return why no command moves anything: there is none, or none that a car can follow."""
+    outcome, commands = run.outcome, run.trajectory.commands
     if outcome.command_count == 0:
         return _silence(run, topic)
     if outcome.nonfinite_commands:
         return (mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
     if noted(outcome, "lateral_command") is not None:
         return (mistake("sideways"),)
-    commands = run.trajectory.commands
     if commands and not any(command.v_mps or command.w_radps for command in commands):
         return (_only_zeros(run),)
     return ()
