@@ -134,7 +134,7 @@ def command_mistakes(
         return (mistake("teleported", topic=topic),)
     if not any(map(is_motion, run.trajectory.commands)) and (missing := _unpublished(run, world)) is not None:
         return (missing,)
-    if found := _unfit_commands(run, topic):
+    if (found := _unfit_commands(run, topic)) is not None:
         return found
     if (longest_ns := _longest_motion_ns(run.trajectory)) < _TOO_BRIEF_NS:
         if _motions(run.trajectory) > _MANY_MOTIONS:
@@ -157,11 +157,11 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
         unknown = next((name for name in unheard if not moved or _is_misspelt(name, usual)), None)
         if unknown is not None:
             return (mistake("robot_silent", topic=unknown, topics=", ".join(usual)),)
-    return _unfit_commands(run, topic)
+    return _unfit_commands(run, topic) or ()
 
 
-def _unfit_commands(run: Run, topic: str) -> tuple[Mistake, ...]:
-    """Return why no command moves anything: there is none, or none that a car can follow."""
+def _unfit_commands(run: Run, topic: str) -> tuple[Mistake, ...] | None:
+    """Return why no command moves anything, which may be known already (nothing); None: there are some that do."""
     outcome, commands = run.outcome, run.trajectory.commands
     if outcome.command_count == 0:
         return _silence(run, topic)
@@ -171,7 +171,7 @@ def _unfit_commands(run: Run, topic: str) -> tuple[Mistake, ...]:
         return (mistake("sideways"),)
     if commands and not any(command.v_mps or command.w_radps for command in commands):
         return (_only_zeros(run),)
-    return ()
+    return None
 
 
 def _is_misspelt(topic: str, usual: Iterable[str]) -> bool:
