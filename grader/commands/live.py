@@ -4,6 +4,7 @@ import argparse
 import asyncio
 import sys
 from collections.abc import MutableMapping
+from contextlib import suppress
 from typing import Any, Final
 from urllib.parse import urlsplit
 
@@ -59,7 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
             **SETTINGS,
         )
         server = uvicorn.Server(config)
-        server.run(sockets=[listener])
+        with suppress(KeyboardInterrupt):  # how it ends; uvicorn raises it once more, or not, as it comes
+            server.run(sockets=[listener])
     return 0 if server.started else EXIT_NOT_DONE
 
 
