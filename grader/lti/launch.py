@@ -8,14 +8,13 @@ from typing import Any, Final
 from urllib.parse import urlencode
 
 from grader.contracts.platform import Platform
+from grader.lti.scores import SCORE_SCOPE
 from grader.signin import SignInError
 from grader.signin.oidc import KeySet, check_token
 
 CLAIM: Final = "https://purl.imsglobal.org/spec/lti/claim/"
-LINK, DEEP_LINK = "LtiResourceLinkRequest", "LtiDeepLinkingRequest"
+_LINK = "LtiResourceLinkRequest"
 _SCORES = "https://purl.imsglobal.org/spec/lti-ags/claim/endpoint"
-_MAY_SCORE = "https://purl.imsglobal.org/spec/lti-ags/scope/score"
-_DEEP = "https://purl.imsglobal.org/spec/lti-dl/claim/deep_linking_settings"
 _SECRET_BYTES = 32
 _OLDEST_S = 600
 _LONGEST = 2_000
@@ -34,26 +33,22 @@ class Kept:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Launch:
-    """What a platform's message says.
+    """What a platform's message says of somebody who opened an activity.
 
     Attributes:
-        kind: ``LtiResourceLinkRequest`` or ``LtiDeepLinkingRequest``.
         subject: the platform's name for the person.
         claimed: ids that the person may have in a class list, most likely first.
         resource, title: of the activity. assignment: where the activity says that it leads; may be empty.
         line_item: where its scores go; empty: nowhere.
-        deep: the settings of a deep linking request; else empty.
         until_s: when the message ends.
     """
 
-    kind: str
     subject: str
     claimed: tuple[str, ...] = ()
     resource: str = ""
     title: str = ""
     assignment: str = ""
     line_item: str = ""
-    deep: Mapping[str, Any] = field(default_factory=dict)
     until_s: float = 0.0
 
 
@@ -111,16 +106,13 @@ class Launches:
 
 
 def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
-    kind, roles = claims.get(f"{CLAIM}message_type"), claims.get(f"{CLAIM}roles")
-    resource = _object(claims.get(f"{CLAIM}resource_link"))
-    deep = _object(claims.get(_DEEP))
+    roles, resource = claims.get(f"{CLAIM}roles"), _object(claims.get(f"{CLAIM}resource_link"))
     wrong = {
         "version": claims.get(f"{CLAIM}version") != "1.3.0",
         "deployment_id": claims.get(f"{CLAIM}deployment_id") != platform.deployment,
-        "message_type": kind not in (LINK, DEEP_LINK),
+        "message_type": claims.get(f"{CLAIM}message_type") != _LINK,
         "roles": not isinstance(roles, list) or not all(isinstance(one, str) for one in roles),
-        "resource_link": kind == LINK and not 1 <= len(_text(resource.get("id"))) <= _LONGEST_RESOURCE,
-        "deep_linking_settings": kind == DEEP_LINK and not _text(deep.get("deep_link_return_url")),
+        "resource_link": not 1 <= len(_text(resource.get("id"))) <= _LONGEST_RESOURCE,
     }
     failed = [name for name, is_wrong in wrong.items() if is_wrong]
     if failed:
@@ -129,16 +121,14 @@ def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
     named = (person.get("person_sourcedid"), custom.get("idnumber"), custom.get("username"))
     scores = _object(claims.get(_SCORES))
     scopes = scores.get("scope")
-    may_score = isinstance(scopes, list) and _MAY_SCORE in scopes
+    may_score = isinstance(scopes, list) and SCORE_SCOPE in scopes
     return Launch(
-        kind=str(kind),
         subject=claims["sub"],
         claimed=tuple(dict.fromkeys(text for one in named if (text := _text(one)))),
         resource=_text(resource.get("id")),
         title=_line(resource.get("title")),
         assignment=_text(custom.get("assignment")),
         line_item=_text(scores.get("lineitem")) if may_score else "",
-        deep=deep,
         until_s=float(claims["exp"]),
     )
 

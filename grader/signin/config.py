@@ -18,8 +18,7 @@ from pydantic import (
 from grader.contracts.errors import SettingsError
 from grader.contracts.text import trouble
 from grader.contracts.validation_words import said
-from grader.settings import is_loopback
-from grader.signin.channel import host_of
+from grader.signin.channel import host_of, is_private_talk
 
 _MOST_BYTES = 64 * 1024
 _MOST_PROVIDERS = 8
@@ -185,10 +184,9 @@ def secret_of(entry: OidcEntry) -> str:
 
 
 def _checked_address(value: str) -> str:
-    host = host_of(value)
-    if host is None:
+    if host_of(value) is None:
         raise ValueError(f"{value!r} is no address such as https://sso.example.edu")
-    if not value.startswith("https://") and not is_loopback(host):
+    if not is_private_talk(value):
         raise ValueError(f"{value!r} must begin with https://: passwords and scores go there")
     return value
 

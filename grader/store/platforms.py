@@ -134,9 +134,8 @@ class Platforms:
             else:
                 row.title = link.title or row.title
                 row.assignment = link.assignment or row.assignment
-                if (
-                    link.line_item != row.line_item
-                ):  # another column of the gradebook, which has no scores yet
+                if link.line_item != row.line_item:
+                    # another column of the gradebook, which has no scores yet
                     told = (
                         col(PlatformScoreRow.platform) == link.platform,
                         col(PlatformScoreRow.resource) == link.resource,

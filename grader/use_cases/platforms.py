@@ -9,10 +9,8 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller
 from grader.contracts.platform import NewPlatform, Platform, PlatformLink, PlatformScore
 from grader.lti import Kept, Launch, login_address
-from grader.lti.launch import LINK
-from grader.settings import is_loopback
 from grader.signin import Person, SignInError
-from grader.signin.channel import host_of
+from grader.signin.channel import host_of, is_private_talk
 from grader.use_cases.callers import require_instructor
 from grader.use_cases.services import Services
 from grader.use_cases.signing_in import Arrival, arrive
@@ -125,8 +123,7 @@ def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platfo
             raise RefusedError("invalid_platform", field=name)
     for name in _ADDRESSES:
         address = getattr(new, name)
-        host = host_of(address.partition("?")[0])
-        if host is None or not (address.startswith("https://") or is_loopback(host)):
+        if host_of(address.partition("?")[0]) is None or not is_private_talk(address):
             raise RefusedError("invalid_platform", field=name)
     return services.platforms.add(new, services.signature(caller))
 
@@ -144,23 +141,18 @@ def remove_platform(services: Services, caller: Caller, platform_id: str) -> Non
 
 def _opened(services: Services, platform: Platform, launch: Launch) -> str:
     """Remember the activity; return the assignment where it leads, if the course has that one."""
-    if launch.kind != LINK:
-        raise RefusedError("signin_failed")
+    offered = {one.id for one in services.assignments.of(platform.course).all()}
     link = services.platforms.open_link(
         PlatformLink(
             platform=platform.id,
             resource=launch.resource,
             title=launch.title[:255],
-            assignment=launch.assignment if _has(services, launch.assignment) else "",
+            assignment=launch.assignment if launch.assignment in offered else "",
             line_item=launch.line_item,
             used_at=services.clock(),
         )
     )
     return link.assignment
-
-
-def _has(services: Services, assignment: str) -> bool:
-    return any(one.id == assignment for one in services.assignments.all())
 
 
 def _course(caller: Caller) -> str:

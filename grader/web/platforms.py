@@ -5,10 +5,8 @@ must be one that such a form brings along (``SameSite=None``). In a frame no suc
 a page offers the same in a window of its own.
 """
 
-import hmac
-import re
 from typing import Annotated
-from urllib.parse import parse_qsl, urlencode, urlsplit
+from urllib.parse import urlencode, urlsplit
 
 from fastapi import APIRouter, Depends, Form, Request, Response
 from fastapi.responses import JSONResponse, RedirectResponse
@@ -22,14 +20,13 @@ from grader.web.access import InstructorDep, ServicesDep, Visitor, require_staff
 from grader.web.errors import FormProblem, form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
-from grader.web.signing_in import arrived
+from grader.web.signing_in import arrived, kept_by
 
 router = APIRouter(prefix="/lti", include_in_schema=False)
 desk = APIRouter(prefix="/class/platforms", include_in_schema=False, dependencies=[Depends(require_staff)])
 COOKIE = "grader_lti"
 _PATIENCE_S = 600
 _LONGEST = 2_000
-_SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
 _ASKED = ("iss", "login_hint", "lti_message_hint", "client_id", "lti_deployment_id", "target_link_uri")
 _LONGEST_TOKEN = 64 * 1024
 _OURS = {
@@ -85,17 +82,11 @@ def launch(
     error: Annotated[str, Form(max_length=_LONGEST)] = "",
 ) -> Response:
     """Take in whom a platform sends back."""
-    kept = dict(parse_qsl(request.cookies.get(COOKIE, "")[:_LONGEST]))
-    known, nonce = kept.get("state", ""), kept.get("nonce", "")
-    if not (_SECRET.fullmatch(known) and _SECRET.fullmatch(nonce)):
-        raise RefusedError("signin_expired")
-    if not hmac.compare_digest(known.encode(), state.encode()):
-        raise RefusedError("signin_expired")
+    kept = kept_by(request.cookies.get(COOKIE, "")[:_LONGEST], ("state", "nonce"), state)
     if error or not id_token:
         raise RefusedError("signin_refused")
-    came = platforms.finish(
-        services, Kept(platform=kept.get("platform", ""), state=known, nonce=nonce), id_token
-    )
+    went = Kept(platform=kept.get("platform", ""), state=kept["state"], nonce=kept["nonce"])
+    came = platforms.finish(services, went, id_token)
     response = arrived(request, came.arrival, f"/assignments/{came.assignment}" if came.assignment else "/")
     response.delete_cookie(COOKIE, path="/lti", httponly=True, secure=True, samesite="none")
     return response

@@ -29,6 +29,7 @@ AWAY_COOKIE, HELD_COOKIE = "grader_away", "grader_held"
 _PATIENCE_S = 600
 _LONGEST = 2_000
 _SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
+_SECRETS = ("state", "nonce", "verifier")
 _ANSWER = ("code", "state", "iss", "error", "error_description", "ticket")
 ProviderId = Annotated[str, Path(max_length=32)]
 Next = Annotated[str, Query(max_length=_LONGEST)]
@@ -55,14 +56,10 @@ def come_back(request: Request, services: ServicesDep, provider_id: ProviderId) 
     if provider is None:
         raise RefusedError("not_found")
     answer = {name: value for name in _ANSWER if (value := request.query_params.get(name)) is not None}
-    kept = dict(parse_qsl(request.cookies.get(AWAY_COOKIE, "")[: 2 * _LONGEST]))
-    secrets = [kept.get(name, "") for name in ("state", "nonce", "verifier")]
-    if kept.get("by") != provider_id or not all(_SECRET.fullmatch(one) for one in secrets):
+    kept = kept_by(request.cookies.get(AWAY_COOKIE, "")[: 2 * _LONGEST], _SECRETS, answer.get("state", ""))
+    if kept.get("by") != provider_id:
         raise RefusedError("signin_expired")
-    state, nonce, verifier = secrets
-    if not hmac.compare_digest(state.encode(), answer.get("state", "").encode()):
-        raise RefusedError("signin_expired")
-    attempt = SignInAttempt(state=state, nonce=nonce, verifier=verifier)
+    attempt = SignInAttempt(**{name: kept[name] for name in _SECRETS})
     arrival = signing_in.come_back(services, provider, attempt, answer)
     response = arrived(request, arrival, own_address(kept.get("next", "")))
     response.delete_cookie(AWAY_COOKIE, path=ENTER, httponly=True, samesite="lax")
@@ -94,6 +91,19 @@ def choose(
     """Let whom a provider recognised into one of their courses."""
     session = signing_in.choose(services, request.cookies.get(HELD_COOKIE, ""), course)
     return _let_in(request, session, own_address(next))
+
+
+def kept_by(cookie: str, secrets: tuple[str, ...], state: str) -> dict[str, str]:
+    """Return what a browser kept while it was away, if it comes back with the state that it went with.
+
+    Raises:
+        RefusedError: it was another browser, or one of the `secrets` is none of ours.
+    """
+    kept = dict(parse_qsl(cookie))
+    ours = all(_SECRET.fullmatch(kept.get(name, "")) for name in secrets)
+    if not ours or not hmac.compare_digest(kept["state"].encode(), state.encode()):
+        raise RefusedError("signin_expired")
+    return kept
 
 
 def arrived(request: Request, arrival: Arrival, next_: str) -> Response:

@@ -11,6 +11,7 @@ import pytest
 from fastapi import FastAPI
 from joserfc import jwt
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.platform import NewPlatform, Platform
 from grader.lti import Launches
@@ -444,3 +445,36 @@ def test_a_platform_in_a_private_network_is_asked_nothing(
     moodle.asked.clear()
     assert open_activity(client, moodle, ready).status_code == 503
     assert moodle.asked == []
+
+
+class WithOwn:
+    """Assignments where one course has one more than the shipped ones: what it uploaded itself."""
+
+    def __init__(self, shipped: Any, course: str, own: Assignment) -> None:
+        self._shipped, self._course, self._own = shipped, course, own
+
+    def of(self, course: str | None) -> Any:
+        return self if course == self._course else self._shipped
+
+    def all(self) -> tuple[Assignment, ...]:
+        return (*self._shipped.all(), self._own)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._shipped, name)
+
+
+@pytest.mark.parametrize(("course", "leads_to"), [("ros", "walk"), ("other", "")])
+def test_a_link_leads_to_what_its_own_course_uploaded(
+    running: tuple[FastAPI, str],
+    client: httpx.Client,
+    moodle: FakeProvider,
+    ready: Services,
+    platform: Platform,
+    course: str,
+    leads_to: str,
+) -> None:
+    own = replace(ready.assignments.get("square"), id="walk")
+    made = replace(ready, assignments=WithOwn(ready.assignments, course, own))
+    running[0].state.services = made
+    open_activity(client, moodle, made, custom={"assignment": "walk", "idnumber": "li"})
+    assert [link.assignment for link in made.platforms.links("ros")] == [leads_to]
