@@ -31,6 +31,7 @@ from benchmarks.load import milliseconds
 from benchmarks.postgres_server import PostgresServer
 from benchmarks.processes import Service, Spent, spent
 from grader.catalog import Catalog
+from grader.composition import GRADING_NICENESS
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.submission import NewSubmission, SubmissionState
@@ -51,7 +52,8 @@ _LOOK_S = 0.5  # seldom: what watches must not cost what is measured
 _POLL_S = "0.02"  # on SQLite, what another process queued is found by looking
 _QUEUED_AHEAD = 60
 _UPLOADS_PER_SECOND = 20.0
-_ISOLATION = SlotConfig(niceness=10)  # as the service has it, so that what else runs slows both the same
+# as the service has it, so that what else runs slows both the same
+_ISOLATION = SlotConfig(niceness=GRADING_NICENESS)
 
 
 @dataclass(frozen=True, slots=True)

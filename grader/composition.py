@@ -41,8 +41,14 @@ from grader.worker import Uploads, Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
 _SYNTAX_CHECKS = 3  # side by side: one file that keeps the compiler busy does not hold up all uploads
-_EXAMINING = SlotConfig(mode="strict", niceness=14)  # behind gradings, and soon enough
-_ISOLATION = SlotConfig(mode="strict", niceness=10)  # no weaker mode; uploads go before gradings
+GRADING_NICENESS = 3
+"""Of what grades: about half the weight of what answers requests, and of other programs of the host.
+
+Requests take little time and go before; more than three would starve gradings wherever something else keeps the
+processors busy.
+"""
+_EXAMINING = SlotConfig(mode="strict", niceness=5)  # behind gradings, and soon enough
+_ISOLATION = SlotConfig(mode="strict", niceness=GRADING_NICENESS)  # no weaker mode
 
 
 def websockets_installed() -> bool:
