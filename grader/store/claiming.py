@@ -15,7 +15,7 @@ from grader.store.intake import LATELY
 from grader.store.tables import CourseRow, SourceRow, SubmissionRow, UtcDateTime, table_of
 
 _LAST_TURN = datetime(9999, 1, 1, tzinfo=UTC)
-_LONG = timedelta(seconds=5)
+LONG = timedelta(seconds=5)
 """A grading that others should not have to wait for. An ordinary one takes a fraction of a second."""
 
 _submission = table_of(SubmissionRow)
@@ -119,7 +119,7 @@ def due_early(connection: Connection, now: datetime) -> str | None:
     id_, course, student, _ = first
     asked = {"course": course, "student": student, "since": now - LATELY}
     for started_at, finished_at in connection.execute(_LATELY_OF, asked):
-        if finished_at is None or started_at is None or finished_at - started_at > _LONG:
+        if finished_at is None or started_at is None or finished_at - started_at > LONG:
             return None
     return str(id_)
 

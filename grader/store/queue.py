@@ -10,7 +10,7 @@ or a submission delivered twice, changes nothing. A claim whose lease ended goes
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
-from statistics import fmean
+from statistics import fmean, median
 from typing import Any
 
 from sqlalchemy import ColumnElement, Connection, bindparam, case, func, or_, select, update
@@ -279,6 +279,15 @@ class Queue:
 
     def mean_duration_s(self) -> float | None:
         """Return how long the latest gradings took from claim to result; None when there are none yet."""
+        spans = self._latest_durations_s()
+        return fmean(spans) if spans else None
+
+    def median_duration_s(self) -> float | None:
+        """Return how long an ordinary one of the latest gradings took; None when there are none yet."""
+        spans = self._latest_durations_s()
+        return median(spans) if spans else None
+
+    def _latest_durations_s(self) -> list[float]:
         row = SubmissionRow
         latest = (  # no condition on the state: the index on `finished_at` alone answers this
             select(col(row.state), col(row.started_at), col(row.finished_at))
@@ -288,12 +297,11 @@ class Queue:
         )
         with self._database.reading() as session:
             rows = session.execute(latest).all()
-        spans = [
+        return [
             (end - start).total_seconds()
             for state, start, end in rows
             if state == SubmissionState.GRADED.value and start is not None and end is not None
         ]
-        return fmean(spans) if spans else None
 
     def _release(self, claim: Claim, values: Mapping[str, Any], now: datetime) -> bool:
         """End `claim` by writing `values`, and announce its row if it waits again; False when it was not valid."""

@@ -22,6 +22,7 @@ from grader.contracts.grading import (
 )
 from grader.contracts.submission import Claim, SubmissionState
 from grader.contracts.telemetry import GradingObserver, Unobserved
+from grader.store.claiming import LONG
 from grader.store.clock import Clock
 from grader.store.queue import Queue
 from grader.store.work import Doorbell, WorkSource
@@ -33,11 +34,8 @@ _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
 """Before each next try to store a result: often at first, then for ten minutes."""
 _STEP_S = 60.0
-_LONG_S = 30.0
-"""So long, and twice as long as gradings took lately, one may hold the slot that is kept while others wait."""
-_ROOM_PAUSE_S = (
-    1.0  # who holds every process id is ended within milliseconds; what the kernel frees takes longer
-)
+_ROOM_PAUSE_S = 1.0
+"""Who holds every process id is ended within milliseconds; what the kernel frees takes longer."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -170,13 +168,17 @@ class GradingSlot:
     def give_way(self) -> None:
         """In a slot that is kept, end a first try that takes long while others' turn has come.
 
-        The submission is tried once more behind them, by another slot as soon as one is idle, to its end.
+        Long is what takes over five seconds, and twice as long as an ordinary grading took lately: those that
+        take minutes must not decide what is ordinary. The submission is tried once more behind them, by another
+        slot as soon as one is idle, to its end.
         """
         claim, queue = self.claim, self._parts.queue
         if claim is None or not self._in_turn or claim.tries > 1:
             return
-        held_s = (self._parts.clock() - self._since).total_seconds()
-        if held_s > _LONG_S and held_s > 2 * (queue.mean_duration_s() or 0.0) and queue.waits_in_turn():
+        held = self._parts.clock() - self._since
+        if held <= LONG or held.total_seconds() <= 2 * (queue.median_duration_s() or 0.0):
+            return
+        if queue.waits_in_turn():
             self.abandon(claim, gives_way=True)
 
     def close(self) -> None:

@@ -1,7 +1,7 @@
 """What tests of workers and their slots share."""
 
-from grader.contracts.grading import SandboxState
-from grader.contracts.submission import NewSubmission, Submission
+from grader.contracts.grading import GradingJob, GradingResult, SandboxState
+from grader.contracts.submission import Claim, NewSubmission, Submission
 from grader.store.database import Database
 from grader.store.queue import Queue, Retries
 from grader.store.submissions import Submissions
@@ -9,7 +9,7 @@ from grader.store.work import Doorbell
 from grader.store.workers import Workers
 from grader.worker import GradingSlot, SandboxHealth, WorkerParts
 from tests.fakes.clock import FakeClock
-from tests.fakes.grading import FakeAssignments, FakeGrader
+from tests.fakes.grading import FakeAssignments, FakeGrader, grade
 
 READY = SandboxState(ready=True, isolation="strict")
 
@@ -52,6 +52,11 @@ class Bench:
             student=student, assignment=assignment, file_name="square.py", source=source, course=course
         )
         return self.submissions.add(new).id
+
+    def result(self, claim: Claim) -> GradingResult:
+        """Grade what is claimed."""
+        assignment = self.parts.assignments.get(claim.assignment)
+        return grade(GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment))
 
     def row(self, submission_id: str) -> Submission:
         found = self.submissions.get(submission_id)

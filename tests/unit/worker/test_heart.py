@@ -152,6 +152,39 @@ def test_what_takes_long_frees_the_slot_that_is_kept_once_somebody_waits(bench: 
     assert bench.grader.aborts == 1
 
 
+def test_what_takes_no_longer_than_others_lately_goes_on_in_the_slot_that_is_kept(bench: Bench) -> None:
+    """On a slow host, say: an end would only have it run twice."""
+    for beats in (4, 4, 400):  # one that takes minutes is not what is ordinary
+        bench.upload(b"good" * beats, student="earlier")
+        earlier = bench.queue.claim("w/1")
+        assert earlier is not None
+        bench.clock.advance(beats * BEAT_S)
+        assert bench.queue.finish(earlier, bench.result(earlier))
+    bench.upload()
+    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
+    kept._sandbox.try_out()
+    grading, made = Grading(bench, kept), heart(bench, kept)
+    bench.upload(student="other")
+    live(bench, made, beats=8)
+    assert bench.grader.aborts == 0
+    live(bench, made, beats=1)
+    assert bench.grader.aborts == 1
+    grading.join()
+
+
+def test_a_first_try_may_take_five_seconds_in_the_slot_that_is_kept(bench: Bench) -> None:
+    bench.upload()
+    kept = GradingSlot("w/0", bench.parts, SandboxHealth(lambda: READY), in_turn=True)
+    kept._sandbox.try_out()
+    grading, made = Grading(bench, kept), heart(bench, kept)
+    bench.upload(student="other")
+    live(bench, made, beats=1)
+    assert bench.grader.aborts == 0
+    live(bench, made, beats=1)
+    assert bench.grader.aborts == 1
+    grading.join()
+
+
 def test_abandoning_a_claim_spares_the_next(bench: Bench) -> None:
     bench.upload()
     slot = bench.slot()

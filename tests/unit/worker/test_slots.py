@@ -80,11 +80,6 @@ def test_a_try_that_fails_while_the_script_runs_is_repeated_once(
     assert bench.row(id_).state is state
 
 
-def graded(bench: Bench, claim: Claim) -> GradingResult:
-    assignment = bench.parts.assignments.get(claim.assignment)
-    return grade(GradingJob(file_name=claim.file_name, source=claim.source, assignment=assignment))
-
-
 def test_a_slot_is_kept_for_those_whose_turn_it_is(bench: Bench) -> None:
     ids = [bench.upload(b"good" * (1 + number), "straight", student="s1") for number in range(3)]
     kept = partial(bench.queue.claim, "w/0", in_turn=True)
@@ -94,7 +89,7 @@ def test_a_slot_is_kept_for_those_whose_turn_it_is(bench: Bench) -> None:
     second = bench.queue.claim("w/1")  # any other slot takes it at once
     assert second is not None
     for claim in (first, second):
-        assert bench.queue.finish(claim, graded(bench, claim))
+        assert bench.queue.finish(claim, bench.result(claim))
     third = kept()  # those took no time
     assert third is not None
     assert {first.submission_id, second.submission_id, third.submission_id} == set(ids)
@@ -107,7 +102,7 @@ def test_a_slot_is_kept_from_whose_gradings_take_long(bench: Bench) -> None:
     first = kept()
     assert first is not None
     bench.clock.advance(6.0)
-    assert bench.queue.finish(first, graded(bench, first))
+    assert bench.queue.finish(first, bench.result(first))
     assert kept() is None
     bench.upload(b"good", student="s2")
     other = kept()
