@@ -3,18 +3,16 @@
 Nothing is written under a name that came with the zip. Whatever is odd about one is refused by the file's name.
 """
 
-import io
 import re
-import stat
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import PurePosixPath
 from typing import Final
 
 from grader.catalog.files import SPEC_NAME
 from grader.catalog.misfits import refusals
 from grader.contracts.text import Text
-from grader.packages.zips import BROKEN, above
+from grader.packages.archives import ArchiveError, Fault, ZipBounds, ZipEntry, read_archive, write_archive
 
 MAX_ZIP_BYTES: Final = 1024 * 1024
 MAX_FILES: Final = 200
@@ -30,8 +28,17 @@ _OWN = re.compile(
     r"assignment\.yaml|reference\.json|README(\.zh)?\.md|(starter|solution)\.(py|txt|md)"
     r"|wrong/[A-Za-z0-9_]+\.(py|txt|md)|interfaces/[A-Za-z0-9_./]+"
 )
-_METHODS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
-_EPOCH = (1980, 1, 1, 0, 0, 0)
+_BOUNDS = ZipBounds(
+    files=MAX_FILES,
+    names=2 * MAX_FILES,  # folders have entries of their own
+    unpacked_bytes=MAX_BYTES,
+    file_bytes=MAX_FILE_BYTES,
+    ratio=MAX_BYTES,  # each file's counts
+    file_ratio=MAX_RATIO,
+    name_bytes=_LONGEST,
+    depth=_DEPTH + 1,
+    backslashes=False,
+)
 
 _NO_ZIP = Text(
     zh="这不是 zip 文件，或者已经损坏：请重新打包", en="this is no zip, or it is damaged; pack it again"
@@ -57,6 +64,10 @@ _NAME = Text(
     zh="文件名不能用：不要绝对路径、..、反斜杠和控制字符",
     en="the name cannot be used: no absolute path, no .., no backslash, no control characters",
 )
+_LONG = Text(
+    zh=f"路径太长或太深：最多 {_LONGEST} 字节、{_DEPTH} 层文件夹",
+    en=f"the path is too long or too deep; at most {_LONGEST} bytes and {_DEPTH} folders",
+)
 _LINK = Text(
     zh="这是链接或设备，不是文件：放文件本身", en="this is a link or device; put the file itself there"
 )
@@ -71,6 +82,18 @@ _NO_SPEC = Text(
     zh="没有 assignment.yaml：打包作业的整个文件夹",
     en="there is no assignment.yaml; pack the assignment's folder",
 )
+_TOLD: Final = {
+    Fault.MANY: _MANY,
+    Fault.NAME: _NAME,
+    Fault.LONG: _LONG,
+    Fault.TWICE: _TWICE,
+    Fault.LINK: _LINK,
+    Fault.LOCKED: _LOCKED,
+    Fault.METHOD: _PACKED,
+    Fault.LARGE_FILE: _LARGE_FILE,
+    Fault.LARGE: _LARGE,
+    Fault.DENSE: _DENSE,
+}
 
 
 def unpacked(content: bytes) -> dict[str, bytes]:
@@ -84,80 +107,21 @@ def unpacked(content: bytes) -> dict[str, bytes]:
     if len(content) > MAX_ZIP_BYTES:
         raise refusals([("zip", _TOO_LARGE)])
     try:
-        with zipfile.ZipFile(io.BytesIO(content)) as opened:
-            entries = opened.infolist()
-            if len(entries) > 2 * MAX_FILES:  # folders have entries of their own
-                raise refusals([("zip", _MANY)])
-            files = [one for one in entries if not one.is_dir()]
-            if wrong := [(_shown(one), told) for one in files if (told := _misfit(one)) is not None]:
-                raise refusals(wrong)
-            wanted = [one for one in files if not _PASSED_OVER.search(one.filename)]
-            if len(wanted) > MAX_FILES:
-                raise refusals([("zip", _MANY)])
-            found = {one.filename: _read(opened, one) for one in wanted}
-    except BROKEN:
-        raise refusals([("zip", _NO_ZIP)]) from None
-    _check_all(found, len(wanted))
+        found = read_archive(content, _wanted, _BOUNDS)
+    except ArchiveError as error:
+        whole = not error.path or error.fault is Fault.LARGE
+        raise refusals([("zip" if whole else _safe(error.path), _TOLD.get(error.fault, _NO_ZIP))]) from None
     return _without_folder(found)
 
 
 def packed(folder: str, files: Mapping[str, bytes]) -> bytes:
     """Return a zip of a folder; the same files give the same bytes."""
-    out = io.BytesIO()
-    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as made:
-        for name, content in sorted(files.items()):
-            entry = zipfile.ZipInfo(f"{folder}/{name}", _EPOCH)
-            entry.compress_type = zipfile.ZIP_DEFLATED
-            entry.external_attr = (stat.S_IFREG | 0o644) << 16
-            made.writestr(entry, content)
-    return out.getvalue()
+    below = {f"{folder}/{name}": content for name, content in files.items()}
+    return write_archive(below, zipfile.ZIP_DEFLATED)
 
 
-def _misfit(entry: zipfile.ZipInfo) -> Text | None:
-    """Return what is wrong with an entry before anything of it is read."""
-    kind = stat.S_IFMT(entry.external_attr >> 16)
-    unusual = kind not in (0, stat.S_IFREG)
-    checks: Iterable[tuple[bool, Text]] = (
-        (not _is_plain(entry.filename) or entry.orig_filename.rstrip("\0") != entry.filename, _NAME),
-        (unusual, _LINK),
-        (bool(entry.flag_bits & 0x1), _LOCKED),
-        (entry.compress_type not in _METHODS, _PACKED),
-        (entry.file_size > MAX_FILE_BYTES, _LARGE_FILE),
-        (entry.file_size > MAX_RATIO * max(entry.compress_size, 1), _DENSE),
-    )
-    return next((told for holds, told in checks if holds), None)
-
-
-def _is_plain(name: str) -> bool:
-    parts = name.split("/")
-    return (
-        0 < len(name) <= _LONGEST
-        and len(parts) <= _DEPTH + 1
-        and all(part not in ("", ".", "..") for part in parts)
-        and name.isprintable()
-        and "\\" not in name
-        and ":" not in name
-    )
-
-
-def _read(opened: zipfile.ZipFile, entry: zipfile.ZipInfo) -> bytes:
-    with opened.open(entry) as file:
-        content = file.read(MAX_FILE_BYTES + 1)  # whatever size the entry says
-    if len(content) > MAX_FILE_BYTES:
-        raise refusals([(_shown(entry), _LARGE_FILE)])
-    return content
-
-
-def _check_all(found: Mapping[str, bytes], entries: int) -> None:
-    if len(found) != entries or len({name.lower() for name in found}) != entries:
-        seen: set[str] = set()
-        twice = [name for name in found if name.lower() in seen or seen.add(name.lower())]  # type: ignore[func-returns-value]
-        raise refusals([(_safe(twice[0]) if twice else "zip", _TWICE)])
-    folders = {one for name in found for one in above(name)}
-    if both := folders & found.keys():
-        raise refusals([(_safe(min(both)), _TWICE)])
-    if sum(map(len, found.values())) > MAX_BYTES:
-        raise refusals([("zip", _LARGE)])
+def _wanted(entries: Sequence[ZipEntry]) -> Collection[str]:
+    return [entry.path for entry in entries if not _PASSED_OVER.search(entry.path)]
 
 
 def _without_folder(found: dict[str, bytes]) -> dict[str, bytes]:
@@ -174,10 +138,6 @@ def _without_folder(found: dict[str, bytes]) -> dict[str, bytes]:
     if strange:
         raise refusals(strange[:MAX_FILES])
     return {name.removeprefix(root): content for name, content in found.items()}
-
-
-def _shown(entry: zipfile.ZipInfo) -> str:
-    return _safe(entry.filename)
 
 
 def _safe(name: str) -> str:

@@ -12,7 +12,8 @@ from typing import Final
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
 from grader.contracts.upload import decoded, lines_of
-from grader.packages.zips import BOUNDS, ZipBounds, ZipEntry, above, read_zip, write_zip
+from grader.packages.archives import BOUNDS, ZipBounds, ZipEntry, above, write_archive
+from grader.packages.zips import read_zip
 
 MAX_PACKAGE_BYTES: Final = 1024 * 1024
 """Of a zip as it is handed in."""
@@ -60,7 +61,7 @@ def bundle_of(files: Mapping[str, bytes]) -> bytes:
             found[f"{_name_of(files.get(MANIFEST, b''))}/{path}"] = files[path]
         else:
             found[path[len(base) :]] = files[path]
-    return write_zip(found)
+    return write_archive(found)
 
 
 def files_of(source: bytes) -> dict[str, bytes]:

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
+from grader.packages.archives import BOUNDS
 from grader.packages.bundle import bundle_of, own_files
-from grader.packages.zips import BOUNDS
 
 _MOST_NAMES = 20_000
 
