@@ -366,17 +366,25 @@ def unchanged_counter(run: Run, script: ScriptText) -> tuple[int, str] | None:
     if run.outcome.status is not RunStatus.INTERRUPTED:
         return None
     for line in script.lines_with(r"^[ \t]*while \(?[^\W\d]\w* ?(<=?|!=) ?[\w.]+\)? ?:"):
-        found = re.match(r"[ \t]*while \(?(\w+) ?[<>!=]+ ?([\w.]+)", script.lines[line - 1])
+        found = re.match(r"[ \t]*while \(?(\w+) ?(?:<=?|(!=)) ?([\w.]+)", script.lines[line - 1])
         if found is None or re.search(_AMOUNT, found[1]):
             continue  # a time or a way grows by less than 1
-        if script.lines_with(rf"\b(global|nonlocal)\b.*\b{found[1]}\b"):
+        name, unlike, bound = found.groups()
+        if unlike and not _starts_below(name, bound, script):
+            continue  # it may have to count down
+        if script.lines_with(rf"\b(global|nonlocal)\b.*\b{name}\b"):
             continue
         block = "\n".join(script.block(line)[1:])
-        names = "|".join(re.escape(name) for name in found.groups())
+        names = f"{name}|{re.escape(bound)}"
         changed = rf"(?<![\w.])({names})\b ?(,[^=\n]*|[-+*/%]|//)?=(?!=)|\b(for|as) [\w, ]*\b({names})\b|:="
         if not re.search(rf"{changed}|\b(break|return|raise|exit|shutdown|quit)\b", block):
-            return line, found[1]
+            return line, name
     return None
+
+
+def _starts_below(name: str, bound: str, script: ScriptText) -> bool:
+    start, end = value_of(name, script), value_of(bound, script)
+    return start is not None and end is not None and start < end
 
 
 _AMOUNT: Final = r"(?i)time|elapsed|dur|sec|dist|angle|theta|yaw|turned|^[twxy]$"
