@@ -70,6 +70,10 @@ SCORE = Text(
     en="must be [low, high] with 0 <= low <= high; correct it",
 )
 
+NO_REFERENCE = Text(
+    zh="只有 input: script 才能写 reference: solution：改写 pieces",
+    en="only `input: script` can have `reference: solution`; give pieces instead",
+)
 ONE_PIECE = Text(
     zh="一段路写成 {line: 2.0}、{arc: 360, radius: 1.0}、{turn: 90}、{goto: [1.0, 2.0]} 之一，不能是 0",
     en="write a piece as one of {line: 2.0}, {arc: 360, radius: 1.0}, {turn: 90}, {goto: [1.0, 2.0]}; not zero",

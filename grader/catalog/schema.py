@@ -25,6 +25,7 @@ from grader.catalog.misfits import (
     INTERFACE_PATTERN,
     NO_BAND,
     NO_FREE_PLACE,
+    NO_REFERENCE,
     NO_ROBOT,
     NO_ROOM,
     NOT_ACROSS,
@@ -561,6 +562,12 @@ class AssignmentModel(SpecModel):
             except MisfitError as error:
                 place = ("world",) if case.start is None else ("cases", i)
                 raise MisfitError(error.told, *place, "start") from error
+        return self
+
+    @model_validator(mode="after")
+    def _reference_is_a_script(self) -> Self:
+        if self.path is not None and self.path.reference is not None and self.input != "script":
+            raise MisfitError(NO_REFERENCE, "path", "reference")
         return self
 
     @model_validator(mode="after")

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 
 from grader.catalog.files import SPEC_NAME
-from grader.contracts.assignment import Assignment, WrongAttempt
+from grader.contracts.assignment import SUFFIXES, Assignment, WrongAttempt
 from grader.contracts.errors import AssignmentError, InfrastructureError
 from grader.contracts.own_assignment import Misfit
 from grader.contracts.record import Record, from_json
@@ -67,10 +67,8 @@ def declared_id(files: Mapping[str, bytes]) -> str:
 
 def own_scripts(reading: Reading, assignment: Assignment, files: Mapping[str, bytes]) -> OwnScripts:
     """Return what was read and `assignment`, which was made of it, with the files to examine it by."""
-    names = {name.partition(".")[0]: name for name in files if "/" not in name}
-    solution, starter = (
-        OwnScript(name=names[one], source=files[names[one]]) for one in ("solution", "starter")
-    )
+    names = [own_name(assignment, one) for one in ("solution", "starter")]
+    solution, starter = (OwnScript(name=name, source=files[name]) for name in names)
     return OwnScripts(
         assignment=assignment,
         solution=solution,
@@ -79,6 +77,11 @@ def own_scripts(reading: Reading, assignment: Assignment, files: Mapping[str, by
             (one, OwnScript(name=one.file, source=files[f"wrong/{one.file}"])) for one in reading.wrong
         ),
     )
+
+
+def own_name(assignment: Assignment, name: str) -> str:
+    """Return the name of an assignment's solution or starter in its folder."""
+    return name + SUFFIXES[assignment.input][0]
 
 
 def misfits_of(error: AssignmentError, root: str = "") -> tuple[Misfit, ...]:

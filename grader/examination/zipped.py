@@ -1,6 +1,7 @@
 """An assignment's folder as a zip: unpacked in memory within bounds, packed the same way each time.
 
 Nothing is written under a name that came with the zip. Whatever is odd about one is refused by the file's name.
+Packages among its files, as folders or as zips, become zips of the one form in which packages are kept.
 """
 
 import re
@@ -11,8 +12,10 @@ from typing import Final
 
 from grader.catalog.files import SPEC_NAME
 from grader.catalog.misfits import refusals
+from grader.contracts.errors import RefusedError
 from grader.contracts.text import Text
 from grader.packages.archives import ArchiveError, Fault, ZipBounds, ZipEntry, read_archive, write_archive
+from grader.packages.bundle import bundle_of, bundled
 
 MAX_ZIP_BYTES: Final = 1024 * 1024
 MAX_FILES: Final = 200
@@ -22,12 +25,13 @@ MAX_RATIO: Final = 100
 """Most bytes that one packed byte may stand for; sources have three to ten."""
 
 _LONGEST = 200
-_DEPTH = 5
+_DEPTH = 10
 _PASSED_OVER = re.compile(r"(^|/)(__MACOSX|__pycache__|\.[^/]+)(/|$)|\.pyc$|(^|/)(Thumbs\.db|desktop\.ini)$")
 _OWN = re.compile(
-    r"assignment\.yaml|reference\.json|README(\.zh)?\.md|(starter|solution)\.(py|txt|md)"
-    r"|wrong/[A-Za-z0-9_]+\.(py|txt|md)|interfaces/[A-Za-z0-9_./]+"
+    r"assignment\.yaml|reference\.json|README(\.zh)?\.md|(starter|solution)\.(py|txt|md|zip)"
+    r"|wrong/[A-Za-z0-9_]+\.(py|txt|md|zip)|interfaces/[A-Za-z0-9_./]+"
 )
+_IN_PACKAGE = re.compile(r"(starter|solution|wrong/[A-Za-z0-9_]+)/.+")
 _BOUNDS = ZipBounds(
     files=MAX_FILES,
     names=2 * MAX_FILES,  # folders have entries of their own
@@ -39,6 +43,7 @@ _BOUNDS = ZipBounds(
     depth=_DEPTH + 1,
     backslashes=False,
 )
+_BOUNDS_OF_PACKAGE = ZipBounds(files=MAX_FILES, unpacked_bytes=MAX_BYTES, file_bytes=MAX_FILE_BYTES)
 
 _NO_ZIP = Text(
     zh="这不是 zip 文件，或者已经损坏：请重新打包", en="this is no zip, or it is damaged; pack it again"
@@ -78,6 +83,10 @@ _STRANGE = Text(
     zh="作业文件夹里没有这种文件：只放 assignment.yaml、starter、solution、wrong/ 和 interfaces/",
     en="no assignment has such a file; pack assignment.yaml, starter, solution, wrong/ and interfaces/ only",
 )
+_BOTH = Text(
+    zh="这个功能包既有文件夹又有 zip：留一个",
+    en="this package is there as a folder, too; keep one of them",
+)
 _NO_SPEC = Text(
     zh="没有 assignment.yaml：打包作业的整个文件夹",
     en="there is no assignment.yaml; pack the assignment's folder",
@@ -99,7 +108,8 @@ _TOLD: Final = {
 def unpacked(content: bytes) -> dict[str, bytes]:
     """Return the files of a zipped folder by their paths in it.
 
-    A single folder around them is taken off, and what systems and editors add is passed over.
+    A single folder around them is taken off, and what systems and editors add is passed over. A folder that is a
+    package, such as ``solution/``, comes as ``solution.zip``.
 
     Raises:
         AssignmentError: it is no zip, or something in it is out of bounds; names the file.
@@ -111,7 +121,7 @@ def unpacked(content: bytes) -> dict[str, bytes]:
     except ArchiveError as error:
         whole = not error.path or error.fault is Fault.LARGE
         raise refusals([("zip" if whole else _safe(error.path), _TOLD.get(error.fault, _NO_ZIP))]) from None
-    return _without_folder(found)
+    return _with_packages(_without_folder(found))
 
 
 def packed(folder: str, files: Mapping[str, bytes]) -> bytes:
@@ -133,11 +143,46 @@ def _without_folder(found: dict[str, bytes]) -> dict[str, bytes]:
     strange = [
         (_safe(name), _STRANGE)
         for name in sorted(found)
-        if not name.startswith(root) or not _OWN.fullmatch(name.removeprefix(root))
+        if not name.startswith(root) or not _is_own(name.removeprefix(root))
     ]
     if strange:
         raise refusals(strange[:MAX_FILES])
     return {name.removeprefix(root): content for name, content in found.items()}
+
+
+def _is_own(name: str) -> bool:
+    return bool(_OWN.fullmatch(name) or _IN_PACKAGE.fullmatch(name))
+
+
+def _with_packages(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Return the files with each package as a zip of its kept form."""
+    packages: dict[str, bytes | dict[str, bytes]] = {}
+    found: dict[str, bytes] = {}
+    for name, content in sorted(files.items()):
+        if inside := _IN_PACKAGE.fullmatch(name):
+            below = packages.setdefault(f"{inside[1]}.zip", {})
+            if isinstance(below, bytes):
+                raise refusals([(f"{inside[1]}.zip", _BOTH)])
+            below[name] = content
+        elif name.endswith(".zip"):
+            packages[name] = content
+        else:
+            found[name] = content
+    left = MAX_BYTES - sum(map(len, found.values()))
+    for name, package in packages.items():
+        found[name] = _kept(name, package)
+        left -= len(found[name])
+        if left < 0:
+            raise refusals([("zip", _LARGE)])
+    return dict(sorted(found.items()))
+
+
+def _kept(name: str, content: bytes | Mapping[str, bytes]) -> bytes:
+    place = name if isinstance(content, bytes) else f"{name.removesuffix('.zip')}/"
+    try:
+        return bundled(content, _BOUNDS_OF_PACKAGE) if isinstance(content, bytes) else bundle_of(content)
+    except RefusedError as error:
+        raise refusals([(place, Text(zh=error.told("zh"), en=error.told("en")))]) from None
 
 
 def _safe(name: str) -> str:

@@ -19,7 +19,7 @@ from grader.store.own_assignments import Mark, OwnAssignments
 
 _log = logging.getLogger(__name__)
 _FRESH_S = 0.5
-_GIVEN = ("starter.py", "solution.py")
+_GIVEN = ("starter.py", "solution.py", "starter.zip", "solution.zip")
 _OUTDATED = Text(
     zh="服务升级后这个作业的文件要重新上传",
     en="the service was upgraded since this was uploaded; upload the folder again",

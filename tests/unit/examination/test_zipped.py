@@ -18,6 +18,9 @@ from grader.contracts.errors import AssignmentError
 from grader.examination import zipped
 from grader.examination.reading import read_folder
 from grader.examination.zipped import packed, unpacked
+from grader.packages.bundle import bundled
+from tests.fakes.packages import package_files
+from tests.fakes.packages import zipped as package_zip
 
 FOLDER = default_root() / "rosclaw"
 FILES = {
@@ -140,6 +143,42 @@ def test_what_is_no_ordinary_folder_is_refused(content: bytes, told: str) -> Non
         unpacked(content)
     assert told in str(refused.value)
     assert refused.value.problems[0][1].zh
+
+
+PACKAGE = {path: text.encode() for path, text in package_files().items()}
+
+
+def test_packages_come_as_the_zips_that_are_kept() -> None:
+    """As folders, as zips of folders, and zipped with what colcon built: the same bytes."""
+    below = {f"a/solution/{path}": text for path, text in PACKAGE.items()}
+    starter = package_zip({**PACKAGE, "build/x.py": b"1", "install/x.py": b"2"})
+    files = unpacked(
+        zipped_as({"a/assignment.yaml": SPEC, **below, "a/starter.zip": starter, "a/wrong/b.zip": starter})
+    )
+    assert sorted(files) == ["assignment.yaml", "solution.zip", "starter.zip", "wrong/b.zip"]
+    assert files["solution.zip"] == files["starter.zip"] == files["wrong/b.zip"] == bundled(starter)
+    assert unpacked(packed("a", files)) == files
+
+
+@pytest.mark.parametrize(
+    ("added", "told"),
+    [
+        ({"solution.zip": b"hello"}, "solution.zip: this is no zip"),
+        ({"solution/notes.txt": b"hello"}, "solution/: there is neither a package.xml"),
+        ({"wrong/b.zip": package_zip({"a.py": b""})}, "wrong/b.zip: the zip holds a.py, but no package"),
+        ({"solution.zip": package_zip(PACKAGE), "solution/setup.py": b""}, "there as a folder, too"),
+        (
+            {f"wrong/w{i}.zip": package_zip({**PACKAGE, "my_turtle/x": bytes(250_000)}) for i in range(9)},
+            "more than 2048 KiB",
+        ),
+        ({"solution.zip": package_zip({**PACKAGE, "my_turtle/x": bytes(900_000)})}, "unpacks to too much"),
+    ],
+    ids=["no zip", "no package", "a script", "both", "large together", "large"],
+)
+def test_what_is_no_package_is_named(added: dict[str, bytes], told: str) -> None:
+    with pytest.raises(AssignmentError) as refused:
+        unpacked(zipped_as({"assignment.yaml": SPEC, **added}))
+    assert told in str(refused.value)
 
 
 def test_reading_says_file_line_and_field() -> None:

@@ -13,6 +13,8 @@ from grader.checks import evaluate_text
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.examination.zipped import packed
+from grader.grading.slot import Slot
+from grader.packages.bundle import bundled
 from grader.store.database import Database
 from grader.store.own_assignments import OwnAssignments
 from grader.use_cases.course_assignments import CourseAssignments
@@ -21,6 +23,7 @@ from grader.worker.examiner import Examiner, Uploads
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import grade_essay
 from tests.fakes.grading import FakeAssignments, grade_next
+from tests.fakes.packages import NAME, zipped
 
 OWN = "/api/v1/course/assignments"
 FOLDER = default_root() / "calculation"
@@ -139,6 +142,51 @@ def test_from_a_zip_to_a_student(desk: Desk, upload: Callable[..., httpx.Respons
     assert grade_next(desk.services.queue, desk.services.assignments, grade)
     report = desk.client.get(response.headers["Location"], headers=desk.school.as_("li")).json()
     assert report["score"] == 100.0
+
+
+class _Lent:
+    """The session's grading process, which outlives the examiner that uses it."""
+
+    def __init__(self, slot: Slot) -> None:
+        self.grade = slot.grade
+
+    def abort(self) -> None:
+        pass
+
+    close = start = abort
+
+
+def test_a_package_is_asked_for_examined_and_graded(
+    desk: Desk, slot: Slot, grader: TextGrader, upload: Callable[..., httpx.Response]
+) -> None:
+    """Solution, starter and wrong ones as folders, one of them zipped as a student would."""
+    made = default_root() / "make_package"
+    files = {str(one.relative_to(made)): one.read_bytes() for one in made.rglob("*") if one.is_file()}
+    spec = files.pop("assignment.yaml").replace(b"id: make_package", b"id: walk")
+    spec = b"".join(line for line in spec.splitlines(True) if b"wrong" in line or b"file:" not in line)
+    spec += b"  - {file: no_init.zip, score: [32, 32], fails: modules, mistake: package_no_init}\n"
+    kept = {name: text for name, text in files.items() if name.split("/")[0] in ("solution", "starter")}
+    bad = {name[14:]: text for name, text in files.items() if name.startswith("wrong/no_init/")}
+    kept["wrong/no_init.zip"] = zipped({f"build/{NAME}/x.py": "1", **bad})
+    assert desk.upload(packed("walk", {**kept, "assignment.yaml": spec})).status_code == 202
+    lent = _Lent(slot)
+    grader.grade = lent.grade  # type: ignore[method-assign]
+    assert desk.examiner.step()
+    (ready,) = desk.listed()
+    scores = {one["script"]: (one["score"], one["problem"]) for one in ready["scripts"]}
+    assert scores["wrong/no_init.zip"] == (32.0, "")
+    assert scores["solution.zip"] == (100.0, "")
+    assert ready["state"] == "ready"
+    desk.publish()
+    handed_in = zipped(
+        {name.removeprefix("solution/"): text for name, text in kept.items() if name.startswith("solution/")}
+    )
+    response = upload(handed_in, "walk", "", "my_package.zip", headers=desk.school.as_("li"))
+    assert response.status_code == 202, response.text
+    assert grade_next(desk.services.queue, desk.services.assignments, lent.grade)
+    report = desk.client.get(response.headers["Location"], headers=desk.school.as_("li")).json()
+    assert report["score"] == 100.0
+    assert bundled(handed_in) in desk.services.assignments.of("ros").given_code()
 
 
 def test_what_is_wrong_is_told_by_file_line_and_field(desk: Desk) -> None:
