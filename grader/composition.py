@@ -34,8 +34,8 @@ from grader.store.workers import Workers, presence
 from grader.telemetry.metrics import Metrics, exported
 from grader.use_cases.callers import Callers, new_token
 from grader.use_cases.course_assignments import CourseAssignments
+from grader.use_cases.outbound import Sender
 from grader.use_cases.pictures import PlotCache, draw_stored
-from grader.use_cases.score_sending import ScoreSender
 from grader.use_cases.services import Services
 from grader.worker import Uploads, Worker, WorkerConfig, WorkerParts
 
@@ -91,8 +91,7 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
         stack.callback(services.comparer.close)
         stack.callback(services.space.close)
         stack.callback(services.watching.close)
-        if services.providers.public_url:
-            stack.enter_context(ScoreSender(services))
+        stack.enter_context(Sender(services))
         if settings.slots:
             stack.enter_context(_grading(database, settings, services))
         yield services

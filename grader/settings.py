@@ -5,8 +5,10 @@
 
 import ipaddress
 import os
+import re
 from pathlib import Path
 from typing import Any, Literal, Self
+from urllib.parse import urlsplit
 
 from pydantic import AliasChoices, Field, SecretStr, ValidationError, field_validator, model_validator
 from pydantic_settings import BaseSettings, SettingsConfigDict
@@ -25,6 +27,7 @@ _SHORTEST_TOKEN = 16
 _RENEWALS_PER_LEASE = 3
 _SILENT_BEATS = 4
 _MAX_UPLOAD_BYTES = 4 * 1024 * 1024
+_MAIL_ADDRESS = re.compile(r"[A-Za-z0-9!#$%&'*+/=?^_`{|}~.-]+@[A-Za-z0-9.-]+")
 _POSTGRESQL = "postgresql+psycopg"
 
 
@@ -65,6 +68,16 @@ class Settings(BaseSettings):
         default=None,
         description="File that says who recognises people besides their tokens: a university's OpenID Connect or "
         "CAS, or a proxy; `docs/signin.md` describes it.",
+    )
+    mail_server: str = Field(
+        default="",
+        description="Server that e-mail of courses goes through: `smtps://mail.example.edu` (port 465), or "
+        "`smtp://mail.example.edu` (port 587; STARTTLS, except on this machine). Without it none is sent.",
+    )
+    mail_user: str = Field(default="", description="Name by which that server lets the service in.")
+    mail_password: SecretStr | None = Field(default=None, description="Password for that name.")
+    mail_from: str = Field(
+        default="", description="Address that e-mail comes from, such as `grader@example.edu`."
     )
     default_language: Language = Field(
         default="zh", description="Language of answers when a request asks for neither zh nor en."
@@ -220,6 +233,45 @@ class Settings(BaseSettings):
             )
         return value
 
+    @field_validator("mail_server")
+    @classmethod
+    def _a_mail_server(cls, value: str) -> str:
+        if value and not _is_mail_server(value):
+            raise ValueError(
+                "is no mail server such as smtps://mail.example.edu or smtp://mail.example.edu:587",
+                "不是邮件服务器地址，例如 smtps://mail.example.edu 或 smtp://mail.example.edu:587",
+            )
+        return value
+
+    @field_validator("mail_from")
+    @classmethod
+    def _a_mail_address(cls, value: str) -> str:
+        if value and not _MAIL_ADDRESS.fullmatch(value):
+            raise ValueError(
+                "is no e-mail address such as grader@example.edu", "不是邮箱地址，例如 grader@example.edu"
+            )
+        return value
+
+    @model_validator(mode="after")
+    def _mail_as_a_whole(self) -> Self:
+        if self.mail_server and not self.mail_from:
+            raise ValueError(
+                "mail_from: say which address e-mail comes from, as there is a mail_server",
+                "mail_from：设了 mail_server，就要写明邮件从哪个地址发出",
+            )
+        password = self.mail_password and self.mail_password.get_secret_value()
+        if not f"{self.mail_user}{password or ''}".isascii():
+            raise ValueError(
+                "mail_user and mail_password: only ASCII, other letters cannot be sent to mail servers",
+                "mail_user 和 mail_password：只能用 ASCII 字符，别的字符无法发给邮件服务器",
+            )
+        if bool(self.mail_user) != bool(password):
+            raise ValueError(
+                "mail_user and mail_password: set both of them, or neither",
+                "mail_user 和 mail_password：要么都设，要么都不设",
+            )
+        return self
+
     @field_validator("instructor_token", "metrics_token")
     @classmethod
     def _hard_to_guess(cls, value: SecretStr | None) -> SecretStr | None:
@@ -262,6 +314,16 @@ def load(**overrides: Any) -> Settings:
         problems = error.errors()
         en, zh = ("\n".join(_sentence(one, language) for one in problems) for language in ("en", "zh"))
         raise SettingsError(en, zh) from None
+
+
+def _is_mail_server(address: str) -> bool:
+    try:
+        parts = urlsplit(address)
+        named = bool(parts.hostname) and parts.port != 0
+    except ValueError:
+        return False
+    plain = f"{parts.scheme}://{parts.netloc}" == address and not parts.username
+    return plain and named and parts.scheme in ("smtp", "smtps")
 
 
 def is_loopback(host: str) -> bool:

@@ -22,12 +22,13 @@ ACTIONS = (
     "course.create", "course.change", "course.copy", "course.archive", "course.reopen", "course.retain",
     "member.add", "member.change", "member.remove", "member.forget", "token.issue", "token.revoke",
     "signin.bind", "signin.unbind", "platform.add", "platform.remove",
+    "webhook.set", "webhook.remove", "mail.set",
     "rules.change", "extension.change", "submission.hand_in",
     "grade.judge", "grade.change", "regrade.applied", "regrade.discarded", "regrade.undone",
     "appeal.make", "appeal.withdraw", "appeal.answered", "appeal.corrected", "appeal.refused",
     "assignment.upload", "assignment.remove",
 )  # fmt: skip
-KINDS = ("assignment", "course", "item", "member", "platform", "submission", "token")
+KINDS = ("assignment", "course", "item", "member", "platform", "submission", "token", "webhook")
 _RULES = {**kinds_of(Rules), **kinds_of(Extension)}
 _KINDS: Mapping[str, FieldKind] = {
     **_RULES,
@@ -55,6 +56,11 @@ FIELDS: Mapping[str, str] = {
     "subject": "audit.field.subject",
     "issuer": "platforms.field.issuer",
     "client_id": "platforms.field.client_id",
+    "vendor": "notices.vendor",
+    "host": "notices.host",
+    "signed": "notices.signed",
+    "graded": "notices.kind.graded",
+    "faults": "notices.kind.faults",
     "expires_at": "audit.field.expires_at",
     "copy": "audit.field.copy",
     "submissions": "audit.field.submissions",

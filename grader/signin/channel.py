@@ -65,19 +65,36 @@ def post_form(
     )
 
 
-def post_json(
-    address: str, content: bytes, media_type: str, token: str, *, public_only: bool = False
+def post_json(  # noqa: PLR0913
+    address: str,
+    content: bytes,
+    media_type: str,
+    token: str = "",
+    *,
+    public_only: bool = False,
+    shown: str = "",
 ) -> tuple[int, bytes]:
-    """Send a document, with a bearer token; return status and answer.
+    """Send a document, with a bearer token if there is one; return status and answer.
+
+    Args:
+        address: where to.
+        content: the document.
+        media_type: of the document.
+        token: may be empty.
+        public_only: whether it must not lead into a private network.
+        shown: what errors call the address, where that is a secret.
 
     Raises:
         UnreachableError: as `get`; but whatever is no fault of the other side's, below 500, is an answer.
     """
-    headers = {"Content-Type": media_type, "Authorization": f"Bearer {token}"}
+    headers = {"Content-Type": media_type, **({"Authorization": f"Bearer {token}"} if token else {})}
     answers = range(200, 500)
-    return _exchange(
-        "POST", address, accepted=answers, public_only=public_only, headers=headers, content=content
-    )
+    try:
+        return _exchange(
+            "POST", address, accepted=answers, public_only=public_only, headers=headers, content=content
+        )
+    except UnreachableError as error:
+        raise UnreachableError(str(error).replace(address, shown or address)) from None
 
 
 def _exchange(

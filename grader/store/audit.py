@@ -16,6 +16,7 @@ from grader.store.tables import AuditRow, CourseRow, as_contract
 IN_ARCHIVE = frozenset({
     "course.archive", "course.copy", "course.retain", "course.reopen", "member.forget", "signin.bind",
     "signin.unbind", "platform.remove", "token.issue", "token.revoke",
+    "webhook.remove",
 })  # fmt: skip
 """What is done to an archived course, too: everything else changes what the archive keeps."""
 

@@ -614,7 +614,75 @@ class UsedMessageRow(SQLModel, table=True):
     expires_at: datetime = Field(sa_column=instant_column())
 
 
-OF_MEMBERS: Final = (PlatformScoreRow, IdentityRow, TokenRow, ExtensionRow, SectionRow, MemberRow)
+class WebhookRow(SQLModel, table=True):
+    """The bot of a group chat of a course. `address` and `secret` are shown to nobody."""
+
+    __tablename__: ClassVar[str] = "webhook"
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    outlet: str = Field(primary_key=True, max_length=16)
+    vendor: str = Field(max_length=16)
+    address: str = Field(max_length=1000)
+    secret: str = Field(max_length=200)
+    changed_at: datetime = Field(sa_column=instant_column())
+
+
+class MailWishesRow(SQLModel, table=True):
+    """What a course has e-mailed."""
+
+    __tablename__: ClassVar[str] = "mail_wishes"
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    due: bool
+    graded: bool
+    faults: bool
+    changed_at: datetime = Field(sa_column=instant_column())
+
+
+class NoticeRow(SQLModel, table=True):
+    """A notice that is to be sent, or was. `person`: who gets it; empty: a group."""
+
+    __tablename__: ClassVar[str] = "notice"
+    __table_args__ = (Index("notice_course", "course", "made_at"),)
+
+    id: str = Field(primary_key=True, max_length=32)
+    course: str = Field(foreign_key="course.id", max_length=64)
+    outlet: str = Field(max_length=16)
+    kind: str = Field(max_length=16)
+    person: str = Field(default="", max_length=64)
+    heading: str = Field(sa_column=text_column())
+    body: str = Field(sa_column=text_column())
+    made_at: datetime = Field(sa_column=instant_column())
+    until: datetime = Field(sa_column=instant_column())
+    not_before: datetime = Field(sa_column=instant_column())
+    sent_at: datetime | None = Field(default=None, sa_column=instant_column(nullable=True))
+    tries: int = 0
+    code: str = Field(default="", max_length=16)
+    trouble: str = Field(default="", sa_column=text_column())
+
+
+class ToldRow(SQLModel, table=True):
+    """Of which state of something the latest notice about it told. `person`: as of the notice."""
+
+    __tablename__: ClassVar[str] = "told"
+
+    course: str = Field(primary_key=True, foreign_key="course.id", max_length=64)
+    outlet: str = Field(primary_key=True, max_length=16)
+    person: str = Field(primary_key=True, max_length=64)
+    about: str = Field(primary_key=True, max_length=128)
+    state: str = Field(max_length=SHA256_LENGTH)
+
+
+OF_MEMBERS: Final = (
+    NoticeRow,
+    ToldRow,
+    PlatformScoreRow,
+    IdentityRow,
+    TokenRow,
+    ExtensionRow,
+    SectionRow,
+    MemberRow,
+)
 """Whose rows go when somebody is no member any more, in an order that foreign keys allow."""
 
 

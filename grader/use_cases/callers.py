@@ -31,6 +31,7 @@ PLOT_WEIGHT = 4
 
 _UPLOADS_AT_ONCE = 2  # a file, and the same once more by a client that got no answer
 _SIGN_INS_AT_ONCE = 8  # of each provider; the service has forty threads for requests
+_TESTS_PER_MINUTE = 5  # bots take 20
 _SOON_S = 1  # until one of the answers under way has probably been sent
 
 
@@ -243,6 +244,7 @@ class Allowances:
         requests_at_once: of each person, streams of events apart. uploads_at_once: under each student's name.
         costly: of each student's requests whose answers take much time to make.
         sign_ins: of those that wait for one provider, which may be slow.
+        tests: of each course's messages that only try where notices go.
     """
 
     requests: RateLimit
@@ -251,6 +253,7 @@ class Allowances:
     uploads_at_once: AtOnce
     costly: Costly
     sign_ins: AtOnce
+    tests: RateLimit
 
     @classmethod
     def of(cls, settings: Settings, clock: Clock) -> Self:
@@ -262,6 +265,7 @@ class Allowances:
             uploads_at_once=AtOnce(_UPLOADS_AT_ONCE),
             costly=Costly(settings.costly_at_once, settings.costly_per_minute, clock),
             sign_ins=AtOnce(_SIGN_INS_AT_ONCE),
+            tests=RateLimit(_TESTS_PER_MINUTE, clock),
         )
 
 

@@ -2,7 +2,6 @@
 
 import hashlib
 import logging
-import threading
 from collections.abc import Callable, Iterator, Mapping
 from datetime import timedelta
 
@@ -16,33 +15,7 @@ from grader.signin.channel import UnreachableError
 from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
-_EVERY_S = 10.0
 _A_SECOND = timedelta(seconds=1)
-
-
-class ScoreSender:
-    """Sends scores while its context is open. A failure of it fails no grading and no request."""
-
-    def __init__(self, services: Services) -> None:
-        self._services = services
-        self._stopped = threading.Event()
-        self._thread = threading.Thread(target=self._run, name="score sender", daemon=True)
-
-    def __enter__(self) -> None:
-        """Begin."""
-        self._thread.start()
-
-    def __exit__(self, *_: object) -> None:
-        """End after what is being sent."""
-        self._stopped.set()
-        self._thread.join()
-
-    def _run(self) -> None:
-        while not self._stopped.wait(_EVERY_S):
-            try:
-                send_scores(self._services, self._stopped.is_set)
-            except Exception:  # a thread that ended would send nobody's scores any more
-                _log.warning("scores could not be looked at; tried again soon", exc_info=True)
 
 
 def send_scores(services: Services, stopped: Callable[[], bool] = lambda: False) -> int:

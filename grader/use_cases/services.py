@@ -11,6 +11,8 @@ from grader.contracts.submission import QueueState, WorkerState
 from grader.live.cars import LiveCars
 from grader.lti import Launches
 from grader.lti.scores import ScoreChannel, Signer, new_key
+from grader.notices.bots import BotChannel
+from grader.notices.mail import MailChannel
 from grader.settings import Settings
 from grader.signin import Providers
 from grader.store.appeals import Appeals
@@ -25,6 +27,7 @@ from grader.store.database import Database
 from grader.store.gradings import PastGradings
 from grader.store.identities import Identities
 from grader.store.judgements import Judgements
+from grader.store.notices import Notices
 from grader.store.own_assignments import OwnAssignments
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
@@ -78,6 +81,7 @@ class Services:
         callers: recognises who asks, by token.
         providers: who else recognises people. launches: reads what learning platforms say of people.
         score_channel: tells them what people reached.
+        bots: speak in group chats. mail: sends e-mail; None: the operator has set up none.
         allowances: how much each of them may ask for.
     """
 
@@ -92,6 +96,8 @@ class Services:
     providers: Providers
     launches: Launches
     score_channel: ScoreChannel
+    bots: BotChannel
+    mail: MailChannel | None
 
     # the database, by subject
     submissions: Submissions
@@ -112,6 +118,7 @@ class Services:
     identities: Identities
     platforms: Platforms
     platform_scores: PlatformScores
+    notices: Notices
     audit: AuditLog
 
     # kept in this process: drawn plots, compared scripts, counted room, streams of events with their estimates,
@@ -162,7 +169,7 @@ class Services:
             callers=callers,
             providers=providers,
             launches=Launches(lambda: clock().timestamp(), private=providers.private_platforms),
-            score_channel=_score_channel(Platforms(database, clock), clock, providers),
+            **_telling(settings, clock, providers, Platforms(database, clock)),
             allowances=Allowances.of(settings, clock),
             submissions=Submissions(database, clock),
             queue=queue,
@@ -188,12 +195,21 @@ def _of_courses(database: Database, clock: Clock) -> dict[str, Any]:
         "identities": Identities(database, clock),
         "platforms": Platforms(database, clock),
         "platform_scores": PlatformScores(database, clock),
+        "notices": Notices(database, clock),
     }
 
 
-def _score_channel(platforms: Platforms, clock: Clock, providers: Providers) -> ScoreChannel:
+def _telling(settings: Settings, clock: Clock, providers: Providers, platforms: Platforms) -> dict[str, Any]:
+    def clock_s() -> float:
+        return clock().timestamp()
+
     signer = cache(lambda: Signer(platforms.keys(new_key)))
-    return ScoreChannel(signer, lambda: clock().timestamp(), private=providers.private_platforms)
+    private = providers.private_platforms
+    return {
+        "score_channel": ScoreChannel(signer, clock_s, private=private),
+        "bots": BotChannel(clock_s, private=private),
+        "mail": MailChannel.of(settings),
+    }
 
 
 def _watching(database: Database, settings: Settings, estimates: Estimates) -> Watching:

@@ -9,6 +9,8 @@ import httpx
 import pytest
 
 from grader.contracts.identity import ANYBODY, Role, RosterEntry
+from grader.contracts.notice import Vendor
+from grader.notices.bots import shape
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
 from tests.fakes.places import all_taken
@@ -107,6 +109,11 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "post /api/v1/course/assignments": (401, 401, 403, 403, 403, 422, 403, 422),  # it is no zip
     "get /api/v1/course/assignments/{assignment_id}/folder.zip": (401, 401, 403, 403, 403, 404, 403, 404),
     "delete /api/v1/course/assignments/{assignment_id}": (401, 401, 403, 403, 403, 404, 403, 404),
+    "get /api/v1/course/notices": INSTRUCTORS,
+    "put /api/v1/course/notices/webhooks/{outlet}": (401, 401, 403, 403, 403, 204, 403, 204),
+    "delete /api/v1/course/notices/webhooks/{outlet}": (401, 401, 403, 403, 403, 404, 403, 404),
+    "put /api/v1/course/notices/mail": (401, 401, 403, 403, 403, 204, 403, 204),
+    "post /api/v1/course/notices/{outlet}/test": (401, 401, 403, 403, 403, 404, 403, 404),
     "get /api/v1/course/export.zip": INSTRUCTORS,
     "post /api/v1/course/retention": INSTRUCTORS,
     "post /api/v1/members/{person}/forget": (401, 401, 403, 403, 403, 200, 403, 404),
@@ -186,6 +193,11 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "post /api/v1/course/assignments": (401, 401, 409),
     "get /api/v1/course/assignments/{assignment_id}/folder.zip": (401, 401, 404),
     "delete /api/v1/course/assignments/{assignment_id}": (401, 401, 409),
+    "get /api/v1/course/notices": (401, 401, 409),
+    "put /api/v1/course/notices/webhooks/{outlet}": (401, 401, 409),
+    "delete /api/v1/course/notices/webhooks/{outlet}": (401, 401, 409),
+    "put /api/v1/course/notices/mail": (401, 401, 409),
+    "post /api/v1/course/notices/{outlet}/test": (401, 401, 409),
     "get /api/v1/course/export.zip": (401, 401, 409),
     "post /api/v1/course/retention": (401, 401, 409),
     "post /api/v1/members/{person}/forget": (401, 401, 409),
@@ -207,11 +219,15 @@ def send(
     method, path = operation.split()
     path = path.replace("{submission_id}", submission).replace("{assignment_id}", "square")
     path = path.replace("{code}", "empty").replace("{student}", "li")
-    path = path.replace("{regrade_id}", "none").replace("{item}", "none")
+    path = path.replace("{outlet}", "class").replace("{regrade_id}", "none").replace("{item}", "none")
     path = path.replace("{person}", "new" if method == "put" else "han")
     body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
     if path.endswith("/course"):
         body = {"json": {"distro": "humble"}}
+    if path.endswith("/webhooks/class") and method == "put":
+        body = {"json": {"vendor": "wecom", "address": shape(Vendor.WECOM).replace("…", "x")}}
+    if path.endswith("/notices/mail"):
+        body = {"json": {"due": False, "graded": False, "faults": False}}
     if path.endswith("/comments") and method == "post":
         body = {"json": {"text": "x"}}
     if path.endswith("/judgements") and method == "put":

@@ -12,6 +12,7 @@ from sqlmodel import SQLModel
 from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import RosterEntry
+from grader.contracts.notice import Draft, MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
 from grader.contracts.platform import NewPlatform, PlatformLink
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Extension, Rules
@@ -26,6 +27,7 @@ from grader.store.dashboard import Dashboard
 from grader.store.database import Database
 from grader.store.identities import Identities
 from grader.store.judgements import Given, Judgements
+from grader.store.notices import Notices
 from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
 from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import Platforms
@@ -60,6 +62,19 @@ def fill(database: Database) -> str:
     opened = platforms.open_link(PlatformLink(platform=used.id, used_at=clock(), **line))
     assert PlatformScores(database, clock).claim(opened, "ros", "li", "a" * 64)
     assert platforms.use("message", clock())
+    notices = Notices(database, clock)
+    notices.set_webhook(NewWebhook(outlet=Outlet.CLASS, vendor=Vendor.WECOM, address="https://a"), signed)
+    notices.set_wishes(MailWishes(graded=True), signed)
+    draft = Draft(
+        outlet=Outlet.MAIL,
+        kind=NoticeKind.GRADED,
+        person="li",
+        heading="好",
+        body="好",
+        until=clock() + timedelta(days=1),
+        told={"graded/square": "x"},
+    )
+    assert notices.add("ros", [draft]) == 1
     platforms.keys(lambda: ("k", "{}"))
     rules = StoredRules(database)
     rules.set("square", Rules(attempts=9), signed)

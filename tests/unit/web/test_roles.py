@@ -49,6 +49,11 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /class/platforms": INSTRUCTORS,
     "POST /class/platforms": (303, 403, 403, 403, 409, 409),  # not set up
     "POST /class/platforms/remove": (303, 403, 403, 403, 404, 404),
+    "GET /class/notices": INSTRUCTORS,
+    "POST /class/notices/webhook": (303, 403, 403, 403, 422, 422),  # no address
+    "POST /class/notices/remove": (303, 403, 403, 403, 404, 404),
+    "POST /class/notices/test": (303, 403, 403, 403, 404, 404),  # nothing is set up
+    "POST /class/notices/mail": (303, 403, 403, 403, 303, 303),  # nothing is wanted
     "POST /enter/bind": (403,) * 6,  # nobody was recognised a moment ago
     "POST /enter/course": (403,) * 6,
     "GET /assignments/{assignment_id}": EVERYBODY,

@@ -1,0 +1,318 @@
+"""What a course is to be told of now: looked at again and again; what notices told of is compared with what is.
+
+A group learns no name and nobody's points: of work that was graded only how much it is.
+"""
+
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime, time, timedelta
+from typing import Final
+from zoneinfo import ZoneInfo
+
+from grader.contracts.assignment import Assignment
+from grader.contracts.dashboard import StudentProgress
+from grader.contracts.identity import Member, Role
+from grader.contracts.notation import written
+from grader.contracts.notice import Draft, MailWishes, NoticeKind, Outlet
+from grader.contracts.submission import SubmissionState
+from grader.contracts.text import Language
+from grader.messages import on_page
+from grader.store.rules import CourseRules
+from grader.use_cases.services import Services
+
+_DUE_FROM: Final = time(9)
+"""When, the day before an assignment is due, people are told of it; on the course's clock."""
+
+_GRADED_AT: Final = time(18)
+"""When a group is told how much was graded since the day before."""
+
+_GRADED_UNTIL = timedelta(hours=6)
+_GATHERED = timedelta(minutes=30)
+"""Nobody gets notices about gradings or faults more often: what happens meanwhile is told together."""
+
+_LOOKED_BACK = timedelta(days=7)
+_STALLED = timedelta(minutes=15)
+_NEEDED = timedelta(days=2)
+_MOST_LINES = 20
+_A_SECOND = timedelta(seconds=1)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _Look:
+    """A course at one instant."""
+
+    services: Services
+    course: str
+    title: str
+    now: datetime
+    rules: CourseRules
+    students: Sequence[Member]
+    instructors: Sequence[Member]
+    assignments: Mapping[str, Assignment]
+    progress: Mapping[tuple[str, str], StudentProgress]
+
+    @property
+    def zone(self) -> ZoneInfo:
+        return self.rules.zone
+
+    @property
+    def language(self) -> Language:
+        return self.services.settings.default_language
+
+    def titled(self, assignment: str) -> str:
+        """Return what people call an assignment."""
+        one = self.assignments.get(assignment)
+        return assignment if one is None else one.title.get(self.language)
+
+    def local(self, instant: datetime) -> str:
+        """Return an instant on the course's clock."""
+        return f"{instant.astimezone(self.zone):%Y-%m-%d %H:%M}"
+
+    def text(self, lines: Sequence[str], path: str) -> str:
+        """Return lines, not too many, and where there is more, if the service knows its address."""
+        shown = [*lines[:_MOST_LINES]]
+        if len(lines) > _MOST_LINES:
+            shown.append(on_page(self.language, "notices.more", count=len(lines) - _MOST_LINES))
+        public_url = self.services.providers.public_url
+        return "\n".join([*shown, *([f"{public_url}{path}"] if public_url else [])])
+
+    def is_soon(self, due: datetime | None) -> bool:
+        """Return whether it is from the day before `due` on, and before `due`."""
+        if due is None or self.now >= due:
+            return False
+        day = (due - _A_SECOND).astimezone(self.zone).date()  # midnight ends the day before
+        return self.now >= datetime.combine(day - timedelta(days=1), _DUE_FROM, self.zone)
+
+
+def write_notices(services: Services, course: str) -> int:
+    """Add what the course is to be told of now; return how many notices that are."""
+    wishes, groups = services.notices.wishes(course), services.notices.webhooks(course)
+    look = _look(services, course)
+    lately = services.notices.made_since(course, look.now - _GATHERED)
+    drafts = [
+        one
+        for one in (*_for_groups(look, set(groups)), *_for_people(look, wishes))
+        if not _is_to_be_gathered(one) or (one.outlet, one.kind, one.person) not in lately
+    ]
+    return services.notices.add(course, drafts) if drafts else 0
+
+
+def count_as_told(services: Services, course: str, group: Outlet | None, wishes: MailWishes) -> None:
+    """Let what has happened until now be no news for a group or for people who are told from now on."""
+    look = _look(services, course)
+    drafts = (*_for_groups(look, set() if group is None else {group}), *_for_people(look, wishes))
+    services.notices.add(course, [replace(one, body="") for one in drafts if _is_to_be_gathered(one)])
+
+
+def _is_to_be_gathered(draft: Draft) -> bool:
+    """Return whether it tells of what happens at any time; else the clock says when it is told."""
+    graded = draft.kind is NoticeKind.GRADED and draft.outlet is Outlet.MAIL
+    return graded or draft.kind is NoticeKind.FAULTS
+
+
+def _look(services: Services, course: str) -> _Look:
+    members = services.courses.members(course)
+    return _Look(
+        services=services,
+        course=course,
+        title=services.courses.get(course).title,
+        now=services.clock(),
+        rules=services.rules.of(course),
+        students=[one for one in members if one.role is Role.STUDENT],
+        instructors=[one for one in members if one.role is Role.INSTRUCTOR],
+        assignments={one.id: one for one in services.assignments.of(course).all()},
+        progress={(one.student, one.assignment): one for one in services.dashboard.state(course).progress},
+    )
+
+
+def _for_groups(look: _Look, groups: set[Outlet]) -> Iterator[Draft]:
+    if Outlet.CLASS in groups:
+        told = look.services.notices.told(look.course, Outlet.CLASS)
+        yield from _due_for_all(look, told)
+        yield from _graded_for_all(look, told)
+    if Outlet.STAFF in groups:
+        yield from _faults(look, Outlet.STAFF, "", look.services.notices.told(look.course, Outlet.STAFF))
+
+
+def _for_people(look: _Look, wishes: MailWishes) -> Iterator[Draft]:
+    if not wishes:
+        return
+    told = look.services.notices.told(look.course, Outlet.MAIL)
+    for member in look.students:
+        if member.email and wishes.due:
+            yield from _due_for_one(look, member.id, told)
+        if member.email and wishes.graded:
+            yield from _graded_for_one(look, member.id, told)
+    for member in look.instructors:
+        if member.email and wishes.faults:
+            yield from _faults(look, Outlet.MAIL, member.id, told)
+
+
+def _due_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+    """Tell of dates that rules set for some student; an extension is between that student and staff."""
+    lines, until, states = [], look.now, {}
+    for id_ in look.assignments:
+        rules = look.rules.of(id_)
+        if not rules.shown_at(look.now):
+            continue
+        dates = {look.rules.of(id_, one.id).due for one in look.students}
+        soon = sorted(one for one in dates if one is not None and look.is_soon(one))
+        state = _digest(*(one.astimezone(look.zone).isoformat() for one in soon))
+        if not soon or told.get(("", f"due/{id_}")) == state:
+            continue
+        states[f"due/{id_}"] = state
+        for due in soon:
+            sections = [one.section for one in rules.by_section if one.due == due]
+            key = "notices.due.line_sections" if sections and len(dates) > 1 else "notices.due.line"
+            values = {"title": look.titled(id_), "due": look.local(due), "sections": ", ".join(sections)}
+            lines.append(on_page(look.language, key, **values))
+            until = max(until, due)
+    if lines:
+        yield Draft(
+            outlet=Outlet.CLASS,
+            kind=NoticeKind.DUE,
+            heading=on_page(look.language, "notices.due.heading", course=look.title),
+            body=look.text(lines, "/"),
+            until=until,
+            told=states,
+        )
+
+
+def _due_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+    """Tell a student who has handed in nothing for it yet."""
+    lines, until, states = [], look.now, {}
+    for id_ in look.assignments:
+        rules = look.rules.of(id_, student)
+        due = rules.due_for(look.rules.extension(id_, student))
+        if (student, id_) in look.progress or not rules.shown_at(look.now) or not look.is_soon(due):
+            continue
+        assert due is not None
+        state = due.astimezone(look.zone).isoformat()
+        if told.get((student, f"due/{id_}")) != state:
+            states[f"due/{id_}"] = state
+            lines.append(
+                on_page(
+                    look.language,
+                    "notices.due.line",
+                    title=look.titled(id_),
+                    due=look.local(due),
+                    sections="",
+                )
+            )
+            until = max(until, due)
+    if lines:
+        yield Draft(
+            outlet=Outlet.MAIL,
+            kind=NoticeKind.DUE,
+            person=student,
+            heading=on_page(look.language, "notices.due.heading", course=look.title),
+            body=look.text(lines, "/"),
+            until=until,
+            told=states,
+        )
+
+
+def _graded_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+    """Tell once a day how much was graded: an average of few, or who passed, would say what somebody reached."""
+    today = look.now.astimezone(look.zone).date()
+    end = datetime.combine(today, _GRADED_AT, look.zone)
+    if look.now < end or look.now > end + _GRADED_UNTIL or told.get(("", "graded"), "") >= str(today):
+        return
+    since = datetime.combine(today - timedelta(days=1), _GRADED_AT, look.zone)
+    counts = look.services.notices.graded_between(look.course, since, end)
+    lines = [
+        on_page(
+            look.language,
+            "notices.graded.count",
+            title=look.titled(id_),
+            submissions=submissions,
+            students=students,
+        )
+        for id_, (submissions, students) in sorted(counts.items())
+    ]
+    yield Draft(
+        outlet=Outlet.CLASS,
+        kind=NoticeKind.GRADED,
+        heading=on_page(look.language, "notices.graded.heading_all", course=look.title),
+        body=look.text(lines, "/submissions") if lines else "",
+        until=end + _NEEDED,
+        told={"graded": str(today)},
+    )
+
+
+def _graded_for_one(look: _Look, student: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+    """Tell a student what counts of theirs, whatever changed it, once nothing of an assignment waits."""
+    lines, states = [], {}
+    for id_ in look.assignments:
+        one = look.progress.get((student, id_))
+        if (
+            one is None
+            or one.state is not SubmissionState.GRADED
+            or not look.rules.of(id_).shown_at(look.now)
+        ):
+            continue
+        is_open = bool(look.rules.of(id_).hidden_at(look.now)) or one.waits_for_person
+        points = None if is_open else one.counted_score
+        state = _digest(one.latest_submission, repr(points), str(one.waits_for_person))
+        if told.get((student, f"graded/{id_}")) == state:
+            continue
+        states[f"graded/{id_}"] = state
+        if points is None or one.max_score is None:
+            key = "notices.graded.open" if is_open else "notices.graded.none"
+            lines.append(on_page(look.language, key, title=look.titled(id_)))
+        else:
+            values = {"points": written(points), "most": written(one.max_score)}
+            lines.append(on_page(look.language, "notices.graded.points", title=look.titled(id_), **values))
+    if lines:
+        yield Draft(
+            outlet=Outlet.MAIL,
+            kind=NoticeKind.GRADED,
+            person=student,
+            heading=on_page(look.language, "notices.graded.heading", course=look.title),
+            body=look.text(lines, "/submissions"),
+            until=look.now + _NEEDED,
+            told=states,
+        )
+
+
+def _faults(look: _Look, outlet: Outlet, person: str, told: Mapping[tuple[str, str], str]) -> Iterator[Draft]:
+    """Tell staff of what the service failed to grade, and that it grades nothing."""
+    counts: dict[str, int] = {}
+    states = {}
+    failed = look.services.notices.given_up_since(look.course, look.now - _LOOKED_BACK)
+    for id_, (assignment, attempt) in sorted(failed.items()):
+        if told.get((person, f"fault/{id_}")) != str(attempt):
+            states[f"fault/{id_}"] = str(attempt)
+            counts[assignment] = counts.get(assignment, 0) + 1
+    lines = [
+        on_page(look.language, "notices.faults.given_up", title=look.titled(id_), count=count)
+        for id_, count in counts.items()
+    ]
+    stalled = _is_stalled(look)
+    if stalled != (told.get((person, "stalled")) == "yes"):
+        states["stalled"] = "yes" if stalled else "no"
+        lines += [on_page(look.language, "notices.faults.stalled")] if stalled else []
+    if states:
+        yield Draft(
+            outlet=outlet,
+            kind=NoticeKind.FAULTS,
+            person=person,
+            heading=on_page(look.language, "notices.faults.heading", course=look.title),
+            body=look.text(lines, "/class") if lines else "",
+            until=look.now + _NEEDED,
+            told=states,
+        )
+
+
+def _is_stalled(look: _Look) -> bool:
+    """Return whether work of the course waits for long, and nobody is there to grade it."""
+    if not any(one.state is SubmissionState.QUEUED for one in look.progress.values()):
+        return False
+    health = look.services.health()
+    oldest = health.queue.oldest_queued_at
+    return not health.ready and oldest is not None and look.now - oldest > _STALLED
+
+
+def _digest(*parts: str) -> str:
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
