@@ -46,6 +46,7 @@ CLOCK_BEATS: Final = 6
 CAMERA_BEATS: Final = 6
 IMU_BEATS: Final = 1
 _SETTLING_NS: Final = 100_000_000
+_IMU_STREAM: Final = 1
 
 
 class _Feed(NamedTuple):
@@ -84,7 +85,9 @@ class RobotWorld:
         self._room: Room = world.room
         self._horizon_ns = horizon_ns
         self._scanner = RoomScanner(world.room)
-        self._noise = np.random.RandomState(world.seed)
+        # A stream for each sensor: what one of them shows does not depend on who listens to another.
+        self._scan_noise = np.random.RandomState(world.seed)
+        self._imu_noise = np.random.RandomState([world.seed, _IMU_STREAM])
         self._noise_m = ROUGH_SCAN_NOISE_M if world.profile == "rough" else SCAN_NOISE_M
         self._camera: RoomCamera | None = None
         self._seen: tuple[int, bytes] = (-1, b"")  # the last picture, and its instant
@@ -232,8 +235,8 @@ class RobotWorld:
         beat, before = self._felt
         ahead = (v - before) / BEAT_S if beat == self._beat - IMU_BEATS else 0.0  # nobody listened: not known
         self._felt = (self._beat, v)
-        turns = self._noise.normal(0.0, messages.TURN_NOISE_RADPS, 3)
-        pushes = self._noise.normal(0.0, messages.PUSH_NOISE_MPS2, 3)
+        turns = self._imu_noise.normal(0.0, messages.TURN_NOISE_RADPS, 3)
+        pushes = self._imu_noise.normal(0.0, messages.PUSH_NOISE_MPS2, 3)
         turns[2] += w
         pushes[0] += ahead
         pushes[1] += v * w
@@ -261,7 +264,7 @@ class RobotWorld:
             ranges = self._scanner.ranges_m(x, y, heading, MOST_RANGE_M)
         else:
             ranges = np.array(self._body.scan_m(ANGLES_RAD, MOST_RANGE_M), dtype=np.float32)
-        noisy = ranges + self._noise.normal(0.0, self._noise_m, len(ranges))
+        noisy = ranges + self._scan_noise.normal(0.0, self._noise_m, len(ranges))
         np.maximum(noisy, LEAST_RANGE_M, out=noisy)
         np.minimum(noisy, MOST_RANGE_M, out=noisy)
         noisy[ranges >= MOST_RANGE_M] = math.inf

@@ -241,6 +241,28 @@ def test_the_imu_feels_no_push_when_a_script_begins_to_listen_on_the_way(
     assert max(map(abs, pushes)) < 0.5
 
 
+def test_what_a_sensor_shows_does_not_depend_on_who_listens_to_another(
+    car: BulletCar, body: RobotBody
+) -> None:
+    kinds = {"/scan": SCAN, "/imu": "sensor_msgs/msg/Imu"}
+
+    def told(*topics: str) -> dict[str, Any]:
+        student = Student()
+
+        def story() -> Any:
+            for topic in topics:
+                yield from listen(student, topic, kinds[topic])
+            yield from student.wait(2 * SECOND)
+            yield jail.ended(student.now)
+
+        play(car, body, story(), horizon_s=2.0)
+        return {topic: heard(student, topic, kinds[topic]) for topic in topics}
+
+    both = told("/scan", "/imu")
+    assert len(both["/scan"]) == 10
+    assert both == told("/scan") | told("/imu")
+
+
 def test_a_camera_sees_a_line_on_its_side_only_while_somebody_looks(car: BulletCar, body: RobotBody) -> None:
     student = Student()
     kind = "sensor_msgs/msg/Image"
