@@ -9,7 +9,9 @@ from grader.use_cases.score_sending import send_scores
 from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
-_EVERY_S = 10.0
+_SCORES_EVERY_S = 10.0
+_NOTICES_EVERY_S = 60.0  # each looks at whole classes, and nobody waits for one
+_END_S = 5.0
 _Send = Callable[[Services, Callable[[], bool]], int]
 
 
@@ -22,12 +24,12 @@ class Sender:
     def __init__(self, services: Services) -> None:
         self._services = services
         self._stopped = threading.Event()
-        what = {"notices": send_notices}
+        what: list[tuple[str, _Send, float]] = [("notices", send_notices, _NOTICES_EVERY_S)]
         if services.providers.public_url:  # without it no platform leads here
-            what["scores"] = send_scores
+            what.append(("scores", send_scores, _SCORES_EVERY_S))
         self._threads = [
-            threading.Thread(target=self._run, args=(name, send), name=f"{name} sender", daemon=True)
-            for name, send in what.items()
+            threading.Thread(target=self._run, args=each, name=f"{each[0]} sender", daemon=True)
+            for each in what
         ]
 
     def __enter__(self) -> None:
@@ -36,13 +38,13 @@ class Sender:
             one.start()
 
     def __exit__(self, *_: object) -> None:
-        """End after what is being sent."""
+        """End after what is being sent; what takes too long is sent again by the next process."""
         self._stopped.set()
         for one in self._threads:
-            one.join()
+            one.join(_END_S)
 
-    def _run(self, name: str, send: _Send) -> None:
-        while not self._stopped.wait(_EVERY_S):
+    def _run(self, name: str, send: _Send, every_s: float) -> None:
+        while not self._stopped.wait(every_s):
             try:
                 send(self._services, self._stopped.is_set)
             except Exception:  # a thread that ended would send nobody's any more

@@ -584,7 +584,8 @@ def test_no_grading_and_no_score_waits_for_a_webhook(
         assert free.wait(60.0)
         return 0
 
-    monkeypatch.setattr("grader.use_cases.outbound._EVERY_S", 0.01)
+    for every in ("_SCORES_EVERY_S", "_NOTICES_EVERY_S"):
+        monkeypatch.setattr(f"grader.use_cases.outbound.{every}", 0.01)
     monkeypatch.setattr("grader.use_cases.outbound.send_notices", hang)
     monkeypatch.setattr("grader.use_cases.outbound.send_scores", lambda *_: scored.set())
     with Sender(school):
