@@ -4,6 +4,8 @@ import threading
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from datetime import timedelta
 from typing import TypeVar
 
 import pytest
@@ -13,6 +15,7 @@ from grader.contracts.appeal import AppealState
 from grader.contracts.errors import AppealError, CourseError, JudgementError, RefusedError, RegradeError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
+from grader.contracts.notice import Draft, NoticeKind, Outlet
 from grader.contracts.regrade import RegradeState, Wanted
 from grader.contracts.rules import Rules
 from grader.contracts.submission import Claim, NewSubmission, SubmissionState
@@ -22,6 +25,7 @@ from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.judgements import Given, Judgements
+from grader.store.notices import Notices
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -300,3 +304,22 @@ def test_no_regrade_is_opened_while_a_course_is_archived(
     at_once(act)
     archived = Courses(database, clock).get(course).archived_at is not None
     assert archived is (regrades.all(course) == ())
+
+
+def test_a_notice_is_added_and_taken_on_once(database: Database, clock: FakeClock) -> None:
+    Courses(database, clock).create("ros", "ROS", "UTC", "me")
+    kept = Notices(database, clock)
+    draft = Draft(
+        outlet=Outlet.CLASS,
+        kind=NoticeKind.DUE,
+        heading="x",
+        body="x",
+        until=clock() + timedelta(days=1),
+        told={"due/square": "tomorrow", "due/spin": "tomorrow"},
+    )
+    assert sorted(at_once(lambda _: kept.add("ros", [draft]))) == [0] * (THREADS - 1) + [1]
+    (waiting,) = kept.waiting()
+    claims = at_once(lambda _: kept.claim(waiting.id))
+    assert [one.id for one in claims if one is not None] == [waiting.id]
+    later = replace(draft, told={"due/square": "the day after"})
+    assert kept.add("ros", [later, draft]) == 1
