@@ -318,14 +318,18 @@ def test_every_line_names_an_operation() -> None:
 
 
 def test_what_was_handed_in_openly_belongs_to_no_course(
-    client: httpx.Client, services: Services, graded: Callable[..., str], request: pytest.FixtureRequest
+    client: httpx.Client, services: Services, graded: Callable[..., str]
 ) -> None:
     url = graded(student="li")
     assert client.get(url).status_code == 200
-    school = request.getfixturevalue("school")
+    services.courses.create("ros", "ros", "Asia/Shanghai", "test")
+    people = {"li": Role.STUDENT, "wang": Role.INSTRUCTOR}
+    roster = [RosterEntry(id=one, name=one, role=role) for one, role in people.items()]
+    services.courses.import_roster("ros", roster, "test")
     assert client.get(url).status_code == 401
-    for person in ("li", "wang"):
-        assert client.get(url, headers=school.as_(person)).status_code == 404
+    for person in people:
+        token = services.tokens.issue("ros", person, timedelta(days=1), "test")[1]
+        assert client.get(url, headers={"Authorization": f"Bearer {token}"}).status_code == 404
 
 
 def test_a_student_hands_in_for_nobody_else(upload: Callable[..., httpx.Response], school: Any) -> None:

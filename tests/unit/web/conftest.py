@@ -2,6 +2,7 @@ import re
 import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import httpx
@@ -84,6 +85,14 @@ def shipped() -> AssignmentSource:
 
 
 @pytest.fixture
+def sqlite_url(request: pytest.FixtureRequest, tmp_path: Path, migrated_file: Path) -> str:
+    """A migrated database, with the courses in it where a test asks for `tokens`: a copy takes less than rows."""
+    with_courses = "tokens" in request.fixturenames
+    file = request.getfixturevalue("courses").file if with_courses else migrated_file
+    return f"sqlite:///{shutil.copy(file, tmp_path / 'grader.db')}"
+
+
+@pytest.fixture
 def services(sqlite_url: str, shipped: AssignmentSource) -> Iterator[Services]:
     settings = Settings(database_url=sqlite_url, max_upload_bytes=4096)
     with server.services(settings, FakeClock()) as made:
@@ -110,51 +119,49 @@ def instructor(client: httpx.Client) -> Browser:
     return browser
 
 
+def put_in(
+    services: Services,
+    source: bytes = b"good",
+    *,
+    student: str = "s1",
+    assignment: str = "square",
+    name: str = "square.py",
+    course: str | None = None,
+    grading: Callable[[GradingJob], GradingResult] | None = grade,
+) -> str:
+    """Store a submission past all checks of uploads, grade it unless told otherwise, return its address."""
+    new = NewSubmission(course=course, student=student, assignment=assignment, file_name=name, source=source)
+    added = services.submissions.add(new)
+    if grading is not None:
+        assert grade_next(services.queue, services.assignments, grading)
+    services.clock.advance(60.0)
+    return f"/submissions/{added.id}"
+
+
+def grade_all(services: Services, change: Callable[[GradingJob], GradingJob] = lambda job: job) -> None:
+    """Grade what waits, with what `change` makes of each job."""
+    while grade_next(services.queue, services.assignments, lambda job: grade(change(job))):
+        pass
+
+
 @pytest.fixture
 def put(services: Services) -> Callable[..., str]:
-    """Store a submission past all checks of uploads, grade it unless told otherwise, return its address."""
-
-    def add(
-        source: bytes = b"good",
-        *,
-        student: str = "s1",
-        assignment: str = "square",
-        name: str = "square.py",
-        course: str | None = None,
-        grading: Callable[[GradingJob], GradingResult] | None = grade,
-    ) -> str:
-        new = NewSubmission(
-            course=course, student=student, assignment=assignment, file_name=name, source=source
-        )
-        added = services.submissions.add(new)
-        if grading is not None:
-            assert grade_next(services.queue, services.assignments, grading)
-        services.clock.advance(60.0)
-        return f"/submissions/{added.id}"
-
-    return add
+    return partial(put_in, services)
 
 
 @pytest.fixture
 def grade_waiting(services: Services) -> Callable[..., None]:
-    """Grade what waits, with what `change` makes of each job."""
-
-    def grade_all(change: Callable[[GradingJob], GradingJob] = lambda job: job) -> None:
-        while grade_next(services.queue, services.assignments, lambda job: grade(change(job))):
-            pass
-
-    return grade_all
+    return partial(grade_all, services)
 
 
 @pytest.fixture(scope="session")
 def courses(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> PreparedCourses:
-    path = shutil.copy(migrated_file, tmp_path_factory.mktemp("courses") / "grader.db")
+    path = Path(shutil.copy(migrated_file, tmp_path_factory.mktemp("courses") / "grader.db"))
     people = {"li": "student", "han": "student", "ta": "assistant", "wang": "instructor"}
-    return PreparedCourses(f"sqlite:///{path}", {"ros": people})
+    return PreparedCourses(path, {"ros": people})
 
 
 @pytest.fixture
-def tokens(services: Services, sqlite_url: str, courses: PreparedCourses) -> dict[str, str]:
-    """Open a course; return its people's tokens."""
-    courses.put_into(sqlite_url)
+def tokens(sqlite_url: str, courses: PreparedCourses) -> dict[str, str]:
+    """The tokens of the people of a course, which is there from the start."""
     return dict(courses.tokens)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
+from functools import cache
 
 import httpx
 import pytest
@@ -18,7 +19,16 @@ from grader.use_cases.score_sending import send_scores
 from grader.use_cases.services import Services
 from tests.fakes.provider import FakeProvider, provider
 
-KEY = new_key()
+
+@cache
+def key() -> tuple[str, str]:
+    return new_key()
+
+
+@cache
+def signer() -> Signer:
+    """One for all tests: reading a key takes forty milliseconds."""
+    return Signer((key()[1],))
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +40,7 @@ def listening() -> Iterator[FakeProvider]:
 @pytest.fixture
 def moodle(listening: FakeProvider) -> FakeProvider:
     listening.scores, listening.score_status, listening.down = [], 200, False
-    listening.tool_keys = Signer((KEY[1],)).public()
+    listening.tool_keys = signer().public()
     listening.asked.clear()
     return listening
 
@@ -44,11 +54,11 @@ def linked(services: Services, moodle: FakeProvider, tokens: dict[str, str]) -> 
 
     moodle.clock_s = clock_s
 
-    services.platforms.keys(lambda: KEY)
+    services.platforms.keys(key)
     made = replace(
         services,
         providers=Providers(public_url="https://grader.example.edu"),
-        score_channel=ScoreChannel(lambda: Signer((KEY[1],)), clock_s, private=True),
+        score_channel=ScoreChannel(signer, clock_s, private=True),
     )
     platform = add_platform(made, moodle)
     link(made, platform, f"{moodle.address}/items/7?type_id=1")
@@ -308,5 +318,5 @@ def test_the_keys_are_public_and_have_no_secret(
 ) -> None:
     running[0].state.services = linked
     shown = client.get("/lti/keys").json()
-    assert [one["kid"] for one in shown["keys"]] == [KEY[0]]
+    assert [one["kid"] for one in shown["keys"]] == [key()[0]]
     assert all("d" not in one for one in shown["keys"])

@@ -1,20 +1,27 @@
 """Every page as every role: a new page without a line here fails."""
 
-from collections.abc import Callable
-from datetime import timedelta
+import shutil
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+from pathlib import Path
 
 import httpx
 import pytest
 from fastapi.routing import APIRoute
 
+from grader.contracts.grading import AssignmentSource
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.regrade import Wanted
+from grader.settings import Settings
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
 from grader.web.access import SESSION_COOKIE
 from grader.web.forms import COOKIE, FIELD
 from grader.web.routing import ROUTERS
-from tests.unit.web.conftest import PAGE
+from tests.fakes import server
+from tests.fakes.clock import FakeClock
+from tests.fakes.courses import PreparedCourses
+from tests.unit.web.conftest import PAGE, grade_all, put_in
 
 FORM_TOKEN = "t" * 32
 OPERATIONS = sorted(
@@ -132,18 +139,36 @@ EXPECTED: dict[str, tuple[int, ...]] = {
 }
 
 
-@pytest.fixture
-def school(
-    services: Services, tokens: dict[str, str], put: Callable[..., str], grade_waiting: Callable[..., None]
-) -> dict[str, str]:
-    """Ids that stand in the addresses, and everybody's token."""
+@dataclass(frozen=True)
+class Prepared:
+    """A course with something of everything: its database, the time there, and `school`."""
+
+    file: Path
+    now: datetime
+    school: dict[str, str]
+
+
+@pytest.fixture(scope="module")
+def prepared(
+    courses: PreparedCourses, shipped: AssignmentSource, tmp_path_factory: pytest.TempPathFactory
+) -> Prepared:
+    """Made once, for every test to copy: making it takes longer than most tests with it."""
+    file = Path(shutil.copy(courses.file, tmp_path_factory.mktemp("roles") / "grader.db"))
+    with server.services(Settings(database_url=f"sqlite:///{file}"), FakeClock()) as made:
+        services = replace(made, assignments=shipped)
+        school = _fill(services, courses.tokens)
+        now = services.clock()
+    return Prepared(file, now, school)
+
+
+def _fill(services: Services, tokens: dict[str, str]) -> dict[str, str]:
     services.courses.create("other", "Other", "UTC", "test")
     services.courses.import_roster("other", [RosterEntry(id="zhao", name="", role=Role.INSTRUCTOR)], "test")
-    submission = put(student="li", course="ros").rpartition("/")[2]
-    put(student="li", course="ros", assignment="spin")
+    submission = put_in(services, student="li", course="ros").rpartition("/")[2]
+    put_in(services, student="li", course="ros", assignment="spin")
     signed = Signature(services.clock(), "ros", "wang")
     regrade = services.regrades.open(Wanted(assignment="square"), signed).id
-    grade_waiting()
+    grade_all(services)
     bound = RosterEntry(id="tb", name="tb", role=Role.ASSISTANT, sections=("B",))
     services.courses.import_roster("ros", [bound], "test")
     shown = {
@@ -163,6 +188,18 @@ def school(
         "provider_id": "campus",
         **{role: services.callers.open_session(token) for role, token in shown.items()},
     }
+
+
+@pytest.fixture
+def sqlite_url(tmp_path: Path, prepared: Prepared) -> str:
+    return f"sqlite:///{shutil.copy(prepared.file, tmp_path / 'grader.db')}"
+
+
+@pytest.fixture
+def school(services: Services, prepared: Prepared) -> dict[str, str]:
+    """Ids that stand in the addresses, and everybody's session."""
+    services.clock.now = prepared.now
+    return dict(prepared.school)
 
 
 def test_every_page_has_a_line() -> None:
