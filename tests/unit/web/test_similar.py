@@ -15,7 +15,7 @@ LINK = re.compile(r'href="(/class/similar/square/pair\?[^"]+)"')
 @pytest.fixture
 def copied(put: Callable[..., str]) -> tuple[str, str]:
     """Addresses of two similar scripts, beside one of somebody else's."""
-    put(OTHER.encode(), student="s0")
+    put(OTHER.encode(), student="unlike-them")
     return put(OWN.encode(), student="s1"), put(renamed(OWN).encode(), student="<s2>")
 
 
@@ -30,7 +30,7 @@ def test_the_list_leads_to_both_scripts(
     (link,) = LINK.findall(listed)
     for address in copied:
         assert f'href="{address}"' in listed
-    assert "s0" not in listed
+    assert "unlike-them" not in listed
     page = instructor.get(link.replace("&amp;", "&")).text
     assert page.count('class="alike"') > 10
     assert 'id="A-1" href="#B-1"' in page
