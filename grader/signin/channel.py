@@ -4,9 +4,11 @@ Addresses that an operator set up are believed. Those that an instructor pasted 
 behind the service (`public_only`): the name is looked up once, and the connection goes to what was looked at.
 """
 
+import functools
 import ipaddress
 import re
 import socket
+import ssl
 import time
 from collections.abc import Container, Mapping
 from types import MappingProxyType
@@ -119,7 +121,9 @@ def _exchange(
             extensions["sni_hostname"] = host  # for which the certificate must be
             url = url.copy_with(host=_public(host, url.port or (443 if url.scheme == "https" else 80)))
         with (
-            httpx.Client(timeout=PATIENCE_S, follow_redirects=False, trust_env=False) as client,
+            httpx.Client(
+                timeout=PATIENCE_S, follow_redirects=False, trust_env=False, verify=_trust()
+            ) as client,
             client.stream(method, url, headers=sent, extensions=extensions, **request) as answer,
         ):
             if answer.status_code not in accepted:
@@ -134,6 +138,19 @@ def _exchange(
             return answer.status_code, content
     except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:  # ValueError: no host, no header's text
         raise UnreachableError(f"{address}: {type(error).__name__}: {error}") from error
+
+
+@functools.cache
+def _trust() -> ssl.SSLContext:
+    """Return whom certificates may be from: whom browsers believe, and whom this machine does besides.
+
+    A school's servers are often signed by the school, whose certificate an operator adds to the machine's.
+    """
+    import httpx
+
+    trusted = httpx.create_ssl_context(trust_env=False)
+    trusted.load_default_certs()
+    return trusted
 
 
 def _public(host: str, port: int) -> str:

@@ -1,12 +1,14 @@
 """What is asked of other servers, and what their answers may not do."""
 
 import socket
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 
 from grader.signin import channel
 from grader.signin.channel import UnreachableError, get, host_of, post_json
+from tests.fakes.authority import authority, https
 from tests.fakes.provider import provider
 
 Resolver = Callable[..., list[tuple[int, int, int, str, tuple[str, int]]]]
@@ -17,6 +19,13 @@ def resolving_to(*addresses: str) -> Resolver:
         return [(socket.AF_INET, socket.SOCK_STREAM, 6, "", (one, port)) for one in addresses]
 
     return resolve
+
+
+@pytest.fixture
+def forget_trust() -> Iterator[None]:
+    channel._trust.cache_clear()
+    yield
+    channel._trust.cache_clear()
 
 
 @pytest.mark.parametrize(
@@ -91,3 +100,17 @@ def test_an_answer_that_never_ends_is_given_up(monkeypatch: pytest.MonkeyPatch) 
         monkeypatch.setattr(channel, "_LONGEST_S", -1.0)
         with pytest.raises(UnreachableError, match="longer"):
             get(f"{known.address}/keys")
+
+
+def test_a_server_that_the_school_signs_is_believed_where_the_machine_does(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, forget_trust: None
+) -> None:
+    signer = authority(tmp_path)
+    with https(signer, "localhost") as address:
+        with pytest.raises(UnreachableError, match="CERTIFICATE_VERIFY_FAILED"):
+            get(address)
+        channel._trust.cache_clear()
+        monkeypatch.setenv("SSL_CERT_FILE", str(signer))
+        assert get(address) == b"secret"
+        with pytest.raises(UnreachableError, match="CERTIFICATE_VERIFY_FAILED"):
+            get(address.replace("localhost", "127.0.0.1"))
