@@ -89,6 +89,11 @@ class Platforms:
         with self._database.reading() as session:
             return tuple(as_contract(row, Platform) for row in session.execute(ordered).scalars())
 
+    def exist(self) -> bool:
+        """Return whether any course has a platform."""
+        with self._database.reading() as session:
+            return session.execute(select(col(PlatformRow.id)).limit(1)).first() is not None
+
     def get(self, platform_id: str) -> Platform | None:
         """Return a platform."""
         with self._database.reading() as session:

@@ -34,7 +34,14 @@ class Wrong(BaseModel):
 
 @router.get(access.ENTER)
 def read(request: Request, next: Annotated[str, Query(max_length=_LONGEST)] = "") -> Response:
-    """Ask who it is."""
+    """Ask who it is.
+
+    A link on another site brings no session along: whoever follows one is led on once, as by a link of ours,
+    before they are asked.
+    """
+    wanted = own_address(next)
+    if wanted and request.headers.get("sec-fetch-site") == "cross-site":
+        return page(request, "enter_back.html", next=wanted)
     return _ask(request, EnterForm(next=next))
 
 
@@ -75,7 +82,7 @@ def own_address(path: str) -> str:
 
 def _ask(request: Request, entry: EnterForm, status: int = 200, wrong: Wrong | None = None) -> Response:
     wanted = own_address(entry.next)
-    providers = () if access.visitor_of(request).open else tuple(access.services_of(request).providers)
+    services, is_open = access.services_of(request), access.visitor_of(request).open
     return page(
         request,
         "enter.html",
@@ -83,5 +90,6 @@ def _ask(request: Request, entry: EnterForm, status: int = 200, wrong: Wrong | N
         next=wanted,
         given=entry.student,
         refusal=wrong,
-        providers=providers,
+        providers=() if is_open else tuple(services.providers),
+        by_platform=not is_open and services.platforms.exist(),
     )

@@ -62,6 +62,30 @@ def test_entering_leads_back(browser: Browser) -> None:
     assert answer.headers["Location"] == "/class?show=stuck"
 
 
+def test_a_link_on_another_site_leads_on_once_before_anybody_is_asked(browser: Browser) -> None:
+    """Such a link brings no session along; what the page leads to does."""
+    browser.enter(token=server.TOKEN)
+    session = {name: browser.client.cookies.pop(name) for name in list(browser.client.cookies)}
+    elsewhere = {**PAGE, "Sec-Fetch-Site": "cross-site"}
+    asked = browser.client.get("/class?show=stuck", headers=elsewhere, follow_redirects=False)
+    passing = browser.client.get(asked.headers["Location"], headers=elsewhere)
+    assert 'http-equiv="refresh" content="0;url=/class?show=stuck"' in passing.text
+    assert 'name="token"' not in passing.text
+    browser.client.cookies.update(session)
+    assert browser.get("/class?show=stuck").status_code == 200
+    browser.client.cookies.clear()
+    own = {**PAGE, "Sec-Fetch-Site": "same-origin"}
+    assert 'name="token"' in browser.client.get(asked.headers["Location"], headers=own).text
+
+
+@pytest.mark.parametrize("address", ["https://evil.example/", "//evil.example", ""])
+def test_a_link_on_another_site_leads_to_our_pages_only(browser: Browser, address: str) -> None:
+    elsewhere = {**PAGE, "Sec-Fetch-Site": "cross-site"}
+    shown = browser.client.get("/enter", params={"next": address}, headers=elsewhere).text
+    assert "refresh" not in shown
+    assert 'name="token"' in shown
+
+
 @pytest.mark.parametrize(
     "address",
     [

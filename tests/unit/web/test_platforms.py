@@ -389,10 +389,18 @@ def test_in_a_frame_a_window_is_offered(client: httpx.Client, platform: Platform
         "/lti/login", params=asked, headers={"Sec-Fetch-Dest": "iframe", "Accept": "text/html"}
     )
     assert shown.status_code == 200
-    assert 'target="_blank"' in shown.text
+    assert '<base target="_blank">' in shown.text  # nothing else of ours opens in a frame
     assert "<script>" not in shown.text
     assert f"frame-ancestors {ISSUER}" in shown.headers["Content-Security-Policy"]
     assert COOKIE not in shown.cookies
+
+
+def test_whoever_has_no_token_is_told_to_come_by_the_platform(
+    client: httpx.Client, ready: Services, platform: Platform
+) -> None:
+    assert "重新点开活动" in client.get("/enter").text
+    assert ready.platforms.remove(platform.id, Signature(ready.clock(), "ros", "wang"))
+    assert "重新点开活动" not in client.get("/enter").text
 
 
 def test_the_instructors_page(
