@@ -184,7 +184,6 @@ def test_a_launch_file_with_one_node_of_its_own_is_carried_out(slot: Slot) -> No
 @pytest.mark.parametrize(
     ("launch", "said"),
     [
-        (LAUNCH.replace("default_value='false'", "default_value='true'"), "several nodes of your own"),
         (LAUNCH.replace("[mover]", "[]"), "starts no node of your own package"),
         (LAUNCH.replace("generate_launch", "generate_lunch"), "does not contain the required function"),
         (LAUNCH.replace("executable='drive', name", "executable='dirve', name"), "No executable found"),

@@ -121,6 +121,7 @@ class Thread:
         idle: waiting for ever is normal here (a spinning node), not a stall.
         ident: what the script sees as `threading.get_ident()`; os_ident: the true one.
         sentinel: released when the thread has ended.
+        program: which of several programs of a launch it belongs to; None: there is but one.
     """
 
     __slots__ = (
@@ -131,6 +132,7 @@ class Thread:
         "idle",
         "name",
         "os_ident",
+        "program",
         "ready",
         "sentinel",
         "streak",
@@ -150,6 +152,7 @@ class Thread:
         self.why = ""
         self.idle = False
         self.streak = 0
+        self.program: object = None
 
 
 def _always() -> bool:
@@ -165,6 +168,14 @@ def _nothing() -> None:
     pass
 
 
+def _no_switch(old: object, new: object) -> None:
+    pass
+
+
+def _once(act: Callable[[], None]) -> None:
+    act()
+
+
 class Kernel:
     """Clock and scheduler of the student's process; use the module's one object `kernel`.
 
@@ -178,6 +189,10 @@ class Kernel:
         threads: those alive, in order of creation; the first is the main thread.
         deliver: called in the main thread with the number of a signal that arrived there.
         on_terminate: called instead of ending the run when SIGTERM arrives and the script has no handler.
+        switch: called with two programs when the turn passes from a thread of one to a thread of the other; calls
+            nothing but code in C, so that no recursion limit ends it half-way.
+        everywhere: calls a function once in each program.
+        called: main threads of other programs than the running one at which a signal has arrived.
         steps: what the script has done so far: its waits, the callbacks it was given, its questions up to the last
             wait, its turns of loops, and turns of its threads.
         end: called (in any thread) with the exit reason when the run cannot go on; does not return.
@@ -196,6 +211,9 @@ class Kernel:
         self.at_horizon: Callable[[], None] = _nothing
         self.on_terminate: Callable[[], None] | None = None
         self.end: Callable[[str], NoReturn] = _raise_stalled
+        self.switch: Callable[[object, object], None] = _no_switch
+        self.everywhere: Callable[[Callable[[], None]], None] = _once
+        self.called: list[Thread] = []
         self.steps = 0
         self._most_steps = FOREVER_NS
         self._world: World | None = None
@@ -367,7 +385,9 @@ class Kernel:
         if len(self.threads) >= MAX_THREADS:
             raise RuntimeError("can't start new thread")
         self._started += 1
-        return Thread(name, FIRST_IDENT + self._started * IDENT_STEP, daemon)
+        thread = Thread(name, FIRST_IDENT + self._started * IDENT_STEP, daemon)
+        thread.program = self.running.program
+        return thread
 
     def start_thread(self, thread: Thread) -> None:
         """Make `thread` runnable; its OS thread waits for its baton."""
@@ -489,6 +509,8 @@ class Kernel:
             threads = self.threads
             if self._signals:
                 return self.main  # only the main thread handles signals, whatever it waits for
+            if self.called:
+                return self.called.pop(0)
             # Round robin from the one after the last: the first in the list alone would starve the others.
             turn = position + 1
             for thread in threads if len(threads) == 1 else (*threads[turn:], *threads[:turn]):
@@ -498,6 +520,8 @@ class Kernel:
 
     def _hand_over(self, chosen: Thread) -> None:
         # Nothing in here can fail half-way, not even with RecursionError; `chosen` makes the new plan.
+        if chosen.program is not self.running.program:
+            self.switch(self.running.program, chosen.program)
         self._quiet_until_ns = self._preempt_ns = 0
         self.steps += HAND_OVER_STEPS
         self.running.streak = self._streak
@@ -551,6 +575,9 @@ class Kernel:
             self._most_steps = min(self._most_steps, self.steps + self._most_steps // GRACE_STEPS)
             self.at_horizon()  # before anything of the script runs: it may use up its CPU time without returning
         self.interrupted = True
+        self.everywhere(self._take_interrupt)
+
+    def _take_interrupt(self) -> None:
         self._tell_of_interrupt()  # the contexts are shut down before KeyboardInterrupt is seen, as upstream
         self._signals.append(SIGINT)
 

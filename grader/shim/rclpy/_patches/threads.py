@@ -80,7 +80,7 @@ def start_new_thread(
     """Start a thread under the kernel; it first runs when the starting thread blocks."""
     owner = getattr(function, "__self__", None)
     thread = kernel.new_thread(str(getattr(owner, "name", "thread")), bool(getattr(owner, "daemon", True)))
-    _start(thread, function, args, kwargs or {})
+    start(thread, function, args, kwargs or {})
     return thread.ident
 
 
@@ -92,13 +92,14 @@ def start_joinable_thread(
     thread = kernel.new_thread(str(getattr(owner, "name", "thread")), daemon)
     handle = handle or ThreadHandle()
     handle.start(thread)
-    _start(thread, function, (), {})
+    start(thread, function, (), {})
     return handle
 
 
-def _start(
+def start(
     thread: Thread, function: Callable[..., object], args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> None:
+    """Let `thread` call the function when its turn comes."""
     work = (thread, [(function, args, kwargs)])
     for _ in range(_TRIES):
         try:

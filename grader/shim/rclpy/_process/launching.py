@@ -1,6 +1,6 @@
-"""``ros2 launch PACKAGE FILE``: the description is evaluated, and its one node of the workspace is called.
+"""``ros2 launch PACKAGE FILE``: the description is evaluated, and its nodes of the workspace are called.
 
-Only one: two programs in one process would share modules, contexts and the command line, as they do not at home.
+One is called as `ros2 run` would; several run side by side (`rclpy._process.side_by_side`).
 """
 
 from __future__ import annotations
@@ -20,15 +20,25 @@ _SEVERAL_NOTE = "launch_several"
 _MOST_NOTED = 5
 
 
-def launch() -> None:
-    """Evaluate the launch file and call the node.
+def launch(guard: Any) -> None:
+    """Evaluate the launch file and call its nodes.
+
+    Args:
+        guard: calls one of several nodes and takes what it raises for its end.
 
     Raises:
-        SystemExit, and whatever the launch file or the node raises.
+        SystemExit, and whatever the launch file or its one node raises.
     """
-    node = _the_one(_started())
-    if node is None:
+    own = _own(_started())
+    if not own:
         sys.exit(1)
+    if len(own) > 1:
+        from rclpy._process.side_by_side import run
+
+        link.note(_SEVERAL_NOTE, ", ".join(f"{each.package}/{each.executable}" for each in own)[:1000])
+        run(own, guard)
+        return
+    node = own[0]
     if node.delay_s > 0.0:
         import time
 
@@ -75,8 +85,8 @@ def _answer(context: Any) -> None:
                 context.visit(actions(None, context) if callable(actions) else actions)
 
 
-def _the_one(started: list[tuple[Any, str, Any]]) -> Any:
-    """Return the node of the workspace; None, with the reason printed, unless there is just one."""
+def _own(started: list[tuple[Any, str, Any]]) -> list[Any]:
+    """Return the nodes of the workspace; if there is none, say so."""
     own, noted = [], 0
     for _, kind, what in started:
         if kind == "node" and what.package in workspace.names:
@@ -89,10 +99,6 @@ def _the_one(started: list[tuple[Any, str, Any]]) -> Any:
             noted += 1
             text = what if kind == "command" else f"{what.package} {what.executable}"
             link.note(_IGNORED_NOTE, text[:200])
-    if len(own) > 1:
-        names = ", ".join(f"{each.package}/{each.executable}" for each in own)
-        link.note(_SEVERAL_NOTE, names[:1000])
-        sys.stderr.write(f"several nodes of your own cannot be run here: {names}\n")
-    elif not own:
+    if not own:
         sys.stderr.write("the launch file starts no node of your own package\n")
-    return own[0] if len(own) == 1 else None
+    return own

@@ -70,6 +70,10 @@ class Workspace:
         """Say what `call` calls: a package and the name of its executable, or nothing."""
         self._run = executable
 
+    def module_names(self) -> list[str]:
+        """Return the names of all modules that are installed."""
+        return list(self._known)
+
     def launch_path(self) -> str:
         """Return where the launch file is installed; nothing where it is not."""
         found = sorted(path for path in self._installed if path.rpartition("/")[2] == self.launch)

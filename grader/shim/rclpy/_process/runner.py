@@ -42,6 +42,7 @@ class Ending:
         self.message = ""
         self.line = 0
         self.text = ""
+        self.crashed_early = False  # one of several programs, while others went on to the horizon
 
     def set_error(self, error: BaseException, reason: int = _wire.RAISED) -> None:
         """Take over an exception that ended the script."""
@@ -59,7 +60,7 @@ class Ending:
                 _wire.Exit(
                     min(kernel.now_ns, kernel.horizon_ns),
                     self.reason,
-                    kernel.interrupted,
+                    kernel.interrupted and not self.crashed_early,
                     self.code,
                     self.type,
                     self.message,
@@ -207,7 +208,16 @@ def _execute(module: ModuleType, code: CodeType) -> None:
 def _launch() -> None:
     from rclpy._process.launching import launch  # the few runs that need it import it
 
-    launch()
+    launch(_run_program)
+
+
+def _run_program(step: Any) -> None:
+    """Run one of a launch's programs. The run ends as the first one that fails, else as the first unusual one."""
+    own = Ending()
+    _guard(step, own)
+    if ending.reason == _wire.FINISHED and (own.reason != _wire.FINISHED or not ending.code):
+        own.crashed_early = own.reason != _wire.FINISHED and not kernel.interrupted
+        vars(ending).update(vars(own))
 
 
 def _finalize(names: dict[str, Any]) -> None:
@@ -221,34 +231,34 @@ def _finalize(names: dict[str, Any]) -> None:
     gc.collect()
 
 
-def _guard(step: Any) -> None:
+def _guard(step: Any, end: Ending = ending) -> None:
     """Run one step; let whatever it raises end the script as Python would."""
     try:
         step()
     except SystemExit as error:
-        _leave(error.code)
+        _leave(error.code, end)
     except KeyboardInterrupt as error:
         if kernel.interrupted:
-            ending.code = 130  # the horizon's Ctrl+C: printed as at home, but no error of the script
+            end.code = 130  # the horizon's Ctrl+C: printed as at home, but no error of the script
             _print(error)
         else:
-            _fail(error)
+            _fail(error, end)
     except BaseException as error:
-        _fail(error)
+        _fail(error, end)
 
 
-def _leave(code: object) -> None:
+def _leave(code: object, end: Ending) -> None:
     if code is None:
-        ending.code = 0
+        end.code = 0
     elif isinstance(code, int):
-        ending.code = code
+        end.code = code
     else:
-        ending.code = 1
+        end.code = 1
         print(code, file=sys.stderr)  # noqa: T201
 
 
-def _fail(error: BaseException) -> None:
-    ending.set_error(error)
+def _fail(error: BaseException, end: Ending) -> None:
+    end.set_error(error)
     _print(error)
 
 
@@ -326,6 +336,11 @@ def _end_at_output_limit() -> NoReturn:
 
 
 def exit_now(code: int) -> NoReturn:
-    """`os._exit`: end at once; buffered output is lost, as on a PC."""
+    """`os._exit`: end at once, or this one of a launch's programs; buffered output is lost, as on a PC."""
+    if kernel.running.program is not None:
+        from rclpy._process.side_by_side import end_at_once
+
+        ending.code = ending.code or int(code)
+        end_at_once()
     ending.code = int(code)
     ending.send_and_exit()

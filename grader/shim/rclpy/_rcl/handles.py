@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from rclpy._kernel import kernel
 from rclpy._rcl.errors import DESTROYED, GUARD_CONTEXT, SHUTDOWN_TWICE, InvalidHandle, RCLError
 
 TYPE_CHECKING = False
@@ -77,7 +78,7 @@ class ContextHandle(Handle):
 
     Attributes:
         valid: initialised and not shut down.
-        ros_args: what followed ``--ros-args``.
+        ros_args: what followed ``--ros-args``. program: the one of a launch that it belongs to.
     """
 
     def __init__(self, args: Sequence[str], domain_id: int) -> None:
@@ -87,6 +88,7 @@ class ContextHandle(Handle):
         self.ros_args: RosArgs = parse_ros_args(args, reject_unknown=True)
         self.domain_id = domain_id
         self.valid = True
+        self.program = kernel.running.program
         _live_contexts.append(self)
 
     def ok(self) -> bool:

@@ -1,0 +1,247 @@
+"""Several programs of one launch in one process, each as if it had a process of its own.
+
+A program is a thread, with those that it starts. What a process has for itself is put aside when the turn passes
+to another program, and put back when it returns: the command line, the student's modules, rclpy's default context,
+executor, log levels and signal handlers, the main thread. Only one thread runs at a time, so no program ever
+sees another one's. They meet in the graph alone. At Ctrl+C each gets its own, as from a terminal.
+
+Not of their own are the state of Python's other modules (`random`, `logging`, functions of `atexit`), environment,
+working directory and files, the alarm, and the steps that a run may make.
+"""
+
+from __future__ import annotations
+
+import gc
+import sys
+import threading
+from types import ModuleType
+
+import rclpy
+from rclpy import context, signals, utilities
+from rclpy._kernel import Thread, kernel
+from rclpy._patches.locks import deadline_after
+from rclpy._patches.signal import signals as handlers
+from rclpy._patches.threads import start
+from rclpy._process.packages import executable_path, workspace
+from rclpy._rcl import handles, logs
+from rclpy._rcl.endpoints import EndpointHandle
+from rclpy._rcl.enums import SignalHandlerOptions
+from rclpy._rcl.node_handle import NodeHandle
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any, NoReturn
+
+    Guard = Callable[[Callable[[], None]], None]
+
+_OWN: tuple[tuple[Any, str], ...] = (
+    (sys, "argv"),
+    (sys, "orig_argv"),
+    (kernel, "main"),
+    (kernel, "main_ended"),
+    (kernel, "on_terminate"),
+    (kernel, "_signals"),
+    (kernel, "_on_interrupt"),
+    (handlers, "handlers"),
+    (handles, "_live_contexts"),
+    (utilities, "g_default_context"),
+    (rclpy, "_executor"),
+    (signals, "_installed"),
+    (signals, "_registered"),
+    (context, "g_logging_ref_count"),
+    (logs, "_settings"),
+    (logs, "_levels"),
+    (logs, "_rosout"),
+    (logs, "_rosout_open"),
+    (logs, "_nodes"),
+    (logs, "_late"),
+    (threading, "_main_thread"),
+)
+"""What each program has for itself: objects and names of their attributes."""
+
+
+class Program:
+    """One executable of a launch, with what it has for itself while another one runs.
+
+    Attributes:
+        package, executable, arguments: what is started. delay_s: how long after the launch file.
+        ended: whether its process would be gone.
+    """
+
+    def __init__(self, node: Any) -> None:
+        self.package, self.executable = node.package, node.executable
+        self.arguments: list[str] = node.arguments
+        self.delay_s: float = node.delay_s
+        self.ended = False
+        self.values: list[Any] = []
+        self.modules: dict[str, ModuleType] = {}
+
+    def main_thread(self) -> Thread:
+        """Return the program's main thread, not started, and note what the program has for itself at first."""
+        thread = kernel.new_thread(f"main thread of {self.executable}", False)
+        thread.program = self
+        called = executable_path(self.package, self.executable)
+        argv = [called, *self.arguments]
+        main = ModuleType("__main__")
+        vars(main).update({"__file__": called, "__builtins__": __builtins__, "__cached__": None})
+        self.modules = {"__main__": main}
+        self.values = [
+            argv, [sys.executable, *argv], thread, False, None, [], [], dict(handlers.handlers), [], None, None,
+            SignalHandlerOptions.NO, False, 0, None, {}, {}, False, {}, {}, _MainThread(thread),
+        ]  # fmt: skip
+        return thread
+
+
+class _MainThread(threading.Thread):
+    """What `threading` takes for the main thread of one program."""
+
+    _started: threading.Event
+
+    def __init__(self, thread: Thread) -> None:
+        super().__init__(name="MainThread", daemon=False)
+        self._started.set()
+        self._ident = thread.ident
+        self._kernel_thread = thread
+        active: dict[int, threading.Thread] = getattr(threading, "_active")  # noqa: B009 - unknown to mypy
+        active[thread.ident] = self
+
+    def is_alive(self) -> bool:
+        kernel.charge()
+        return self._kernel_thread in kernel.threads
+
+    def join(self, timeout: float | None = None) -> None:
+        kernel.wait(lambda: self._kernel_thread not in kernel.threads, deadline_after(timeout))
+
+
+class _Images:
+    """Which program's own things are in place, and the programs of the launch; None stands for launch itself."""
+
+    def __init__(self) -> None:
+        self.programs: list[Program] = []
+        self.launch: Any = None
+        self.own_modules: list[str] = []
+
+    def begin(self, programs: list[Program], names: list[str]) -> None:
+        """Take the programs; from now on the kernel changes images with the turns."""
+        self.programs = programs
+        self.own_modules = ["__main__", *names]
+        self.launch = Program.__new__(Program)
+        self.launch.values, self.launch.modules = [], {}
+        kernel.switch = self.switch
+        kernel.everywhere = self.everywhere
+
+    def switch(self, old: Any, new: Any) -> None:
+        """Put one program's own things aside and another one's in place."""
+        modules, kept = sys.modules, {}
+        for name in self.own_modules:
+            if name in modules:
+                kept[name] = modules.pop(name)
+        values = []
+        for place, name in _OWN:
+            values.append(getattr(place, name))
+        old = self.launch if old is None else old
+        new = self.launch if new is None else new
+        old.modules, old.values = kept, values
+        modules.update(new.modules)
+        for (place, name), value in zip(_OWN, new.values, strict=True):
+            setattr(place, name, value)
+
+    def everywhere(self, act: Callable[[], None]) -> None:
+        """Do something in each program that has not ended, and in launch itself."""
+        present = kernel.running.program
+        act()
+        for each in (None, *self.programs):
+            if each is not present and (each is None or not each.ended):
+                self.switch(present, each)
+                act()
+                kernel.called.append(kernel.main)
+                self.switch(each, present)
+
+
+images = _Images()
+
+
+def run(nodes: list[Any], guard: Guard) -> None:
+    """Start the nodes' programs in this order, and return when all have ended.
+
+    Args:
+        nodes: of the student's packages, as the launch file described them.
+        guard: calls a function and takes what it raises for the program's end.
+    """
+    programs = [Program(node) for node in nodes]
+    images.begin(programs, workspace.module_names())
+    threads = [program.main_thread() for program in programs]  # all, before the first one may run
+    for program, thread in zip(programs, threads, strict=True):
+        start(thread, _live, (program, guard), {})
+    while not all(program.ended for program in programs):
+        try:
+            kernel.wait(
+                lambda: all(program.ended for program in programs),
+                None,
+                "launch waits for its nodes",
+                idle=True,
+            )
+        except KeyboardInterrupt:
+            continue  # each of them has got its own
+
+
+def _live(program: Program, guard: Guard) -> None:
+    """Be a program from its start to its end."""
+    guard(lambda: _call(program))
+    guard(_join_threads)
+    _close(program)
+
+
+def _call(program: Program) -> None:
+    if program.delay_s > 0.0:
+        kernel.sleep_ns(round(program.delay_s * 1e9))
+    workspace.choose(program.package, program.executable)
+    workspace.call()
+
+
+def _join_threads() -> None:
+    """Wait for the program's threads that are no daemons; after Ctrl+C nobody waits any more."""
+    me = kernel.running
+    if not kernel.interrupted:
+        kernel.main_ended = True
+        others = "the end of a node's program waits for its other threads"
+        kernel.wait(
+            lambda: all(
+                each.daemon for each in kernel.threads if each.program is me.program and each is not me
+            ),
+            None,
+            others,
+        )
+
+
+def _close(program: Program) -> None:
+    """Let everything go that the end of a process takes along: its entities, and its other threads."""
+    program.ended = True
+    me = kernel.running
+    found = [each for each in gc.get_objects() if isinstance(each, (EndpointHandle, NodeHandle))]
+    endpoints = [each for each in found if isinstance(each, EndpointHandle) and _is_of(program, each.node)]
+    nodes = [each for each in found if isinstance(each, NodeHandle) and _is_of(program, each)]
+    endpoints.sort(key=lambda each: each.gid)
+    nodes.sort(key=lambda each: each.link_id)
+    for each in (*endpoints, *nodes):
+        if not each.doomed:
+            each.doomed = True
+            each._dispose()  # even if a thread is inside: it never goes on
+    kernel.threads[:] = [each for each in kernel.threads if each is me or each.program is not program]
+    kernel.called[:] = [each for each in kernel.called if each.program is not program]
+    kernel.replan()
+
+
+def _is_of(program: Program, node: NodeHandle) -> bool:
+    return node.context.program is program
+
+
+def end_at_once() -> NoReturn:
+    """End the running thread's program without another line of it: `os._exit`."""
+    me = kernel.running
+    assert isinstance(me.program, Program)
+    _close(me.program)
+    kernel.end_thread(me)
+    while True:  # the process's end takes the thread along
+        me.baton.acquire()

@@ -1,0 +1,230 @@
+"""Several nodes of a student's own in one launch: each as if it had a process of its own, in one run."""
+
+import os
+
+import pytest
+
+from grader.contracts.assignment import WantedPackage
+from grader.contracts.grading import GradingJob
+from grader.contracts.outcome import RunOutcome, RunStatus
+from grader.contracts.report import GradeReport
+from grader.grading.slot import Slot
+from grader.packages.bundle import bundled
+from tests.e2e.test_packages import assignment
+from tests.fakes.packages import NAME, SETUP, package_files, zipped
+
+LAUNCH = """from launch import LaunchDescription
+from launch.actions import TimerAction
+from launch_ros.actions import Node
+
+def generate_launch_description():
+    return LaunchDescription([{nodes}])
+"""
+PAIR = """
+    Node(package='my_turtle', executable='ask', name='boss', namespace='team', parameters=[{'speed': 0.5}],
+         remappings=[('wish', 'order')], arguments=['--loud']),
+    Node(package='my_turtle', executable='drive', name='wheels', namespace='team',
+         parameters=[{'speed': 2.0}], remappings=[('cmd', '/turtle1/cmd_vel')]),
+"""
+SHARED = "import rclpy\nseen = []\n"
+ASK = """import sys
+import rclpy
+from std_msgs.msg import Float64
+from rclpy.node import Node
+from my_turtle import shared
+
+class Ask(Node):
+    def __init__(self):
+        super().__init__('ask')
+        self.pub = self.create_publisher(Float64, 'wish', 10)
+        self.speed = self.declare_parameter('speed', 0.0).value
+        self.create_timer(0.1, self.tick)
+    def tick(self):
+        shared.seen.append(1)
+        self.pub.publish(Float64(data=self.speed))
+
+def main():
+    rclpy.init()
+    node = Ask()
+    print('ask', __name__, sys.argv[0].rpartition('/')[2], sys.argv[1], node.get_fully_qualified_name())
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        print('ask', len(shared.seen) > 50, rclpy.ok(), sorted(set(shared.seen)))
+"""
+DRIVE = """import sys
+import rclpy
+from geometry_msgs.msg import Twist
+from std_msgs.msg import Float64
+from rclpy.node import Node
+from my_turtle import shared
+
+class Drive(Node):
+    def __init__(self):
+        super().__init__('drive')
+        self.pub = self.create_publisher(Twist, 'cmd', 10)
+        self.most = self.declare_parameter('speed', 0.0).value
+        self.create_subscription(Float64, 'order', self.on_order, 10)
+    def on_order(self, wish):
+        shared.seen.append(2)
+        msg = Twist()
+        msg.linear.x = min(wish.data, self.most)
+        self.pub.publish(msg)
+
+def main():
+    rclpy.init()
+    node = Drive()
+    print('drive', sys.argv[0].rpartition('/')[2], node.get_fully_qualified_name(), node.most)
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        print('drive', rclpy.ok(), sorted(set(shared.seen)))
+        sys.exit(3)
+"""
+
+
+def launched(slot: Slot, nodes: str = PAIR, **changed: str) -> GradeReport:
+    setup = SETUP.format(name=NAME).replace(
+        "'drive = my_turtle.drive:main',",
+        "'drive = my_turtle.drive:main', 'ask = my_turtle.ask:main',",
+    )
+    own = {"shared": SHARED, "ask": ASK, "drive": DRIVE, **changed}
+    modules = {f"{NAME}/{name}.py": text for name, text in own.items()}
+    files = package_files(
+        **{"setup.py": setup, "launch/both.launch.py": LAUNCH.replace("{nodes}", nodes), **modules}
+    )
+    job = GradingJob(
+        file_name="p.zip",
+        source=bundled(zipped(files)),
+        assignment=assignment(WantedPackage(launch="both.launch.py")),
+    )
+    return slot.grade(job).report
+
+
+def of(report: GradeReport) -> RunOutcome:
+    return report.runs[0].outcome
+
+
+def test_two_nodes_meet_in_the_graph_alone(slot: Slot) -> None:
+    report = launched(slot)
+    outcome = of(report)
+    lines = outcome.stdout.text.splitlines()
+    assert lines[:2] == ["ask my_turtle.ask ask --loud /team/boss", "drive drive /team/wheels 2.0"]
+    assert sorted(lines[2:]) == ["ask True False [1]", "drive False [2]"]  # each its own Ctrl+C
+    assert (report.score, outcome.status, outcome.exit_code) == (100, RunStatus.INTERRUPTED, 3)
+    assert (outcome.notes[0].code, outcome.notes[0].text) == (
+        "launch_several",
+        "my_turtle/ask, my_turtle/drive",
+    )
+
+
+def test_it_is_the_same_run_again_and_again(slot: Slot) -> None:
+    assert len({launched(slot).sha256() for _ in range(int(os.environ.get("RUNS", "3")))}) == 1
+
+
+DIES = """import atexit, threading, time
+import rclpy
+from std_srvs.srv import Trigger
+from std_msgs.msg import Float64
+
+def forever(pub):
+    while True:
+        pub.publish(Float64(data=9.0))
+        time.sleep(0.1)
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node('asker')
+    node.create_service(Trigger, '/help', lambda request, response: response)
+    pub = node.create_publisher(Float64, '/team/order', 10)
+    threading.Thread(target=forever, args=(pub,), daemon=True).start()
+    end = time.monotonic() + 1.05
+    while time.monotonic() < end:
+        rclpy.spin_once(node, timeout_sec=0.1)
+    {end}
+"""
+WATCHES = """import threading
+import rclpy
+from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node('watch')
+    heard = []
+    node.create_subscription(Float64, '/team/order', heard.append, 10)
+    client = node.create_client(Trigger, '/help')
+    there = client.wait_for_service(5.0)
+    while node.count_publishers('/team/order'):
+        rclpy.spin_once(node, timeout_sec=0.5)
+    print(there, client.service_is_ready(), len(heard), node.get_node_names(), rclpy.ok())
+    print(threading.current_thread().name, threading.current_thread() is threading.main_thread())
+    rclpy.spin(node)
+"""
+
+
+@pytest.mark.parametrize(
+    ("end", "told"),
+    [
+        ("raise ValueError('tired')", ("crashed", 1, "ValueError: tired")),
+        ("import sys; sys.exit(4)", ("interrupted", 4, "")),
+        ("import os; os._exit(5)", ("interrupted", 5, "")),
+        ("threading.Thread(target=lambda: __import__('os')._exit(6)).start(); rclpy.spin(node)",
+         ("interrupted", 6, "")),
+        ("pass", ("interrupted", 130, "")),
+    ],
+    ids=["raises", "exits", "ends at once", "is ended by a thread of its own", "returns"],
+)  # fmt: skip
+def test_a_node_that_ends_takes_its_own_things_along_and_no_other(
+    slot: Slot, end: str, told: tuple[str, int, str]
+) -> None:
+    report = launched(slot, ask=DIES.replace("{end}", end), drive=WATCHES)
+    outcome = of(report)
+    lines = outcome.stdout.text.splitlines()
+    assert lines[0].startswith("True False 1"), outcome.stderr.text
+    assert int(lines[0].split()[2]) in (
+        11,
+        12,
+    )  # one each 0.1 s until 1.1 s, no more of a thread that lives on
+    assert lines[0].endswith("['gazebo'] True") or "['turtlesim', 'wheels'] True" in lines[0]
+    assert lines[1] == "MainThread True"
+    assert (outcome.status, outcome.exit_code) == told[:2]
+    assert told[2] in outcome.stderr.text
+    assert "KeyboardInterrupt" in outcome.stderr.text  # the other one's, at the horizon
+    if outcome.error is not None:
+        assert (outcome.error.file, outcome.error.message) == (f"{NAME}/{NAME}/ask.py", "tired")
+
+
+HANDLES = """import signal, sys, time
+import rclpy
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node('a')
+    signal.signal(signal.SIGINT, lambda number, frame: print('{name}', 'signal', rclpy.ok()))
+    deep = lambda n: n and deep(n - 1) or node.get_clock().now()
+    for depth in range(900, 1100):
+        try:
+            deep(depth)
+        except RecursionError:
+            time.sleep(0.001)
+    print('{name}', sys.argv[0].rpartition('/')[2])
+    time.sleep(60.0)
+    print('{name}', 'slept')
+"""
+
+
+def test_each_has_a_handler_of_its_own_and_sleeps_on_after_it(slot: Slot) -> None:
+    report = launched(slot, ask=HANDLES.replace("{name}", "ask"), drive=HANDLES.replace("{name}", "drive"))
+    lines = of(report).stdout.text.splitlines()
+    assert sorted(lines[:2]) == ["ask ask", "drive drive"], of(report).stderr.text
+    assert lines.count("ask signal True") == lines.count("drive signal True") >= 1
+    assert "ask slept" not in lines  # the horizon's end comes first
+
+
+def test_one_that_waits_for_a_delay_begins_later(slot: Slot) -> None:
+    first, second = PAIR.strip().split("\n    Node(")
+    later = f"{first} TimerAction(period=2.0, actions=[Node({second.rstrip(',')}])"
+    outcome = of(launched(slot, later))
+    assert outcome.first_command_ns is not None, outcome.stderr.text
+    assert 2_000_000_000 < outcome.first_command_ns < 2_200_000_000
