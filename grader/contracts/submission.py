@@ -35,6 +35,7 @@ class NewSubmission:
         distro: release of ROS 2 that the assignment names; None: the course's.
         ruled: whether the rules of the assignment decide; they do not for a course's staff.
         by: who hands it in for the student; None: the student.
+        own: the assignment is one of the course's own, which somebody may remove meanwhile.
     """
 
     student: str
@@ -48,6 +49,7 @@ class NewSubmission:
     distro: Distro | None = None
     ruled: bool = False
     by: str | None = None
+    own: bool = False
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

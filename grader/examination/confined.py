@@ -20,7 +20,7 @@ from grader.contracts.errors import AssignmentError
 from grader.contracts.record import to_plain
 from grader.examination import misfits
 from grader.examination.reading import TOO_MUCH, Reading, misfits_of
-from grader.jail import landlock, libc
+from grader.jail import landlock, libc, readers
 
 MAX_MEMORY_BYTES = 1536 * 1024 * 1024
 MAX_CPU_S = 20
@@ -58,14 +58,8 @@ def _check(catalog: Catalog, assignment: Assignment) -> None:
 
 
 def _confine(folder: Path) -> None:
-    limits = {
-        resource.RLIMIT_AS: MAX_MEMORY_BYTES,
-        resource.RLIMIT_CPU: MAX_CPU_S,
-        resource.RLIMIT_FSIZE: 0,
-        resource.RLIMIT_CORE: 0,
-        resource.RLIMIT_NOFILE: 64,
-    }
-    for name, bound in limits.items():
+    readers.limit(MAX_MEMORY_BYTES, MAX_CPU_S)
+    for name, bound in ((resource.RLIMIT_FSIZE, 0), (resource.RLIMIT_NOFILE, 64)):
         resource.setrlimit(name, (bound, bound))
     if landlock.abi_version():
         package = Path(contracts.__path__[0]).parents[1]

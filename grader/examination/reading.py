@@ -6,7 +6,6 @@ upload is parsed in the service's own process (`grader.examination.confined` is 
 
 import os
 import re
-import subprocess
 import sys
 import tempfile
 import threading
@@ -22,8 +21,8 @@ from grader.contracts.own_assignment import Misfit
 from grader.contracts.record import Record, from_json
 from grader.contracts.text import Text
 from grader.examination import OwnScript, OwnScripts
+from grader.jail import readers
 
-_WALL_LIMIT_S: Final = 60
 _MAX_ANSWER_BYTES: Final = 32 * 1024 * 1024
 _MOST_TOLD: Final = 50
 _AT_ONCE: Final = threading.BoundedSemaphore(2)
@@ -48,7 +47,7 @@ def read_folder(files: Mapping[str, bytes]) -> Reading:
     """Return the assignment that the files of a folder describe, or what is wrong with them.
 
     Raises:
-        InfrastructureError: the process that reads could not be started, or failed.
+        InfrastructureError: the process that reads could not be started, failed, or got no time or memory.
     """
     with tempfile.TemporaryDirectory(prefix="grader-upload-") as place, _AT_ONCE:
         folder = Path(place, declared_id(files))
@@ -103,25 +102,17 @@ def _misfit(place: str, told: Text, root: str) -> Misfit:
 def _answer(folder: Path) -> Reading:
     environment = {"PATH": os.environ.get("PATH", ""), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     single_threaded = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+    command = [sys.executable, "-P", "-m", "grader.examination.confined", str(folder)]
     try:
-        done = subprocess.run(
-            [sys.executable, "-P", "-m", "grader.examination.confined", str(folder)],
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            timeout=_WALL_LIMIT_S,
-            check=False,
-            env=environment | single_threaded,
+        code, answer = readers.answer_of(
+            command, most_bytes=_MAX_ANSWER_BYTES, environment=environment | single_threaded
         )
-    except subprocess.TimeoutExpired:
+    except readers.TooMuchError:
         return _refused(_TOO_MUCH)
-    except OSError as error:
-        raise InfrastructureError(f"the reader of uploads could not be started: {error}") from error
-    if done.returncode < 0 or done.returncode == TOO_MUCH or len(done.stdout) > _MAX_ANSWER_BYTES:
+    if code == TOO_MUCH:
         return _refused(_TOO_MUCH)
-    if done.returncode:
-        raise InfrastructureError(f"the reader of uploads failed: {done.stderr[-500:]!r}")
     try:
-        return from_json(Reading, done.stdout)
+        return from_json(Reading, answer)
     except ValueError as error:
         raise InfrastructureError(f"the reader of uploads answered nonsense: {error}") from error
 

@@ -3,7 +3,6 @@
 import csv
 import io
 import re
-import subprocess
 import sys
 import zipfile
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -13,6 +12,7 @@ import msgspec
 
 from grader.contracts.errors import CourseError
 from grader.contracts.record import Record
+from grader.jail import readers
 
 MAX_FILE_BYTES = 4 * 1024 * 1024
 HEADER_ROWS = 12
@@ -24,7 +24,6 @@ DAMAGED, LOCKED, LARGE = 3, 4, 5
 _MAX_UNPACKED_BYTES = 64 * 1024 * 1024
 _MAX_MEMBERS = 200
 _MAX_ANSWER_BYTES = 64 * 1024 * 1024
-_WALL_LIMIT_S = 60
 _ZIP, _OLE = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 _SEPARATORS = (",", "\t", ";", "，")
 _EXACT_BELOW = 10**15  # a spreadsheet keeps 15 digits of a number
@@ -70,6 +69,7 @@ def read_table(content: bytes, is_header: Callable[[Sequence[str]], bool]) -> Li
 
     Raises:
         CourseError: no table can be read, or it has no header, which the message then says.
+        InfrastructureError: the host had no time or memory for reading it.
     """
     if len(content) > MAX_FILE_BYTES:
         raise CourseError(
@@ -111,23 +111,14 @@ def _workbook(content: bytes) -> list[_Sheet]:
     """Return all sheets of a workbook, read by a process of its own."""
     if content.startswith(_ZIP):
         _check_zip(content)
+    command = [sys.executable, "-m", "grader.sheets.workbook"]
     try:
-        done = subprocess.run(
-            [sys.executable, "-m", "grader.sheets.workbook"],
-            input=content,
-            capture_output=True,
-            timeout=_WALL_LIMIT_S,
-            check=False,
-        )
-    except subprocess.TimeoutExpired:
+        code, answer = readers.answer_of(command, content, most_bytes=_MAX_ANSWER_BYTES)
+    except readers.TooMuchError:
         raise _refused(LARGE) from None
-    if done.returncode < 0 or len(done.stdout) > _MAX_ANSWER_BYTES:  # ended by a limit of memory or time
-        raise _refused(LARGE)
-    if done.returncode in (DAMAGED, LOCKED, LARGE):
-        raise _refused(done.returncode)
-    if done.returncode:
-        raise RuntimeError(f"the reader of workbooks failed: {done.stderr[-500:]!r}")
-    return msgspec.json.decode(done.stdout, type=list[_Sheet])
+    if code:
+        raise _refused(code)
+    return msgspec.json.decode(answer, type=list[_Sheet])
 
 
 def _check_zip(content: bytes) -> None:

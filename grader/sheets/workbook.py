@@ -8,13 +8,13 @@ size is wrong, as some registries write them.
 import io
 import json
 import math
-import resource
 import sys
 from datetime import date, time
 from itertools import islice
 
 from python_calamine import CalamineWorkbook, PasswordError, SheetTypeEnum, SheetVisibleEnum
 
+from grader.jail import readers
 from grader.sheets.reading import DAMAGED, LARGE, LOCKED
 
 MAX_MEMORY_BYTES = 512 * 1024 * 1024
@@ -29,9 +29,7 @@ MAX_CHARACTERS = 4_000_000
 
 def main() -> int:
     """Read; return 0 or the exit code that says why not."""
-    resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY_BYTES, MAX_MEMORY_BYTES))
-    resource.setrlimit(resource.RLIMIT_CPU, (MAX_CPU_S, MAX_CPU_S))
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    readers.limit(MAX_MEMORY_BYTES, MAX_CPU_S)
     try:
         sheets = _sheets(CalamineWorkbook.from_filelike(io.BytesIO(sys.stdin.buffer.read())))
     except (_TooLargeError, MemoryError):

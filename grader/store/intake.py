@@ -34,6 +34,7 @@ from grader.contracts.report import GradeStatus
 from grader.contracts.rules import Attempt, Extension, Refusal, Rules
 from grader.contracts.submission import NewSubmission, SubmissionState
 from grader.store.database import add_once, one_at_a_time
+from grader.store.own_assignments import still_used
 from grader.store.rules import ABOUT, ABOUT_FROM, OF_COURSE, rules_about
 from grader.store.tables import (
     GradedAssignmentRow,
@@ -159,8 +160,8 @@ def take_in(
         The row of the submission, and whether it is an earlier one.
 
     Raises:
-        RefusedError: the rules of the assignment refuse the upload; the course is archived, or the student is not
-            in it; or ``key_reused``: its key came with another upload before.
+        RefusedError: the rules of the assignment refuse the upload; the course is archived, the student is not in
+            it, or its own assignment was removed; or ``key_reused``: its key came with another upload before.
         InfrastructureError: the database does not answer.
     """
     one_at_a_time(session, "uploads", upload.course, upload.student)  # limits and keys are counted by student
@@ -193,6 +194,8 @@ def _require_accepted(session: Session, upload: NewSubmission, known: _Known, no
         raise RefusedError("unknown_student", field="student")
     if known.archived:
         raise RefusedError("course_archived")
+    if upload.own and not still_used(session, upload.course, upload.assignment):
+        raise RefusedError("unknown_assignment", field="assignment")
     if upload.ruled and (refused := _refusal(session, upload, known, now)) is not None:
         raise refused.error()
 

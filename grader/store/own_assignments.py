@@ -152,14 +152,23 @@ class OwnAssignments:
         with self._database.writing() as session:
             one_at_a_time(session, "course", course)
             of = col(_row.course) == course, col(_row.assignment) == assignment
-            version = session.execute(select(func.max(col(_row.version))).where(*of)).scalar()
-            if version is None:
+            # locked before the question whether something was handed in: `still_used` waits for what is decided
+            locked = select(col(_row.version)).where(*of).order_by(col(_row.number).desc()).with_for_update()
+            versions = session.execute(locked).scalars().all()
+            if not versions:
                 raise RefusedError("assignment_not_found")
             if _handed_in(session, course, assignment):
                 raise RefusedError("assignment_in_use")
             session.execute(delete(_row).where(*of))
             subject = f"assignment {assignment}"
-            record(session, signed, "assignment.remove", subject, before={"version": version}, reason=reason)
+            record(
+                session,
+                signed,
+                "assignment.remove",
+                subject,
+                before={"version": max(versions)},
+                reason=reason,
+            )
 
     def claim(self) -> OwnClaim | None:
         """Take the upload that waits longest for its scripts to be run; None when none is due."""
@@ -226,6 +235,14 @@ class OwnAssignments:
             if ready and written:
                 session.execute(delete(_row).where(of, col(_row.number) < claim.number))
             return written == 1
+
+
+def still_used(session: Session, course: str | None, assignment: str) -> bool:
+    """Return whether a course uses an own assignment, which nobody then removes before `session` has ended."""
+    of = col(_row.course) == course, col(_row.assignment) == assignment
+    # the newest first, as whoever takes an upload into use writes them: nobody waits in a circle
+    locked = select(col(_row.state)).where(*of).order_by(col(_row.number).desc()).with_for_update(read=True)
+    return OwnState.READY.value in session.execute(locked).scalars().all()
 
 
 def copy_own_assignments(session: Session, course: str, signed: Signature) -> None:

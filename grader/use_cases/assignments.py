@@ -48,6 +48,17 @@ def published(services: Services, caller: Caller, assignment_id: str) -> Assignm
         return None
 
 
+def is_own(services: Services, course: str | None, assignment_id: str) -> bool:
+    """Return whether a published assignment is one of its course's own."""
+    if course is None:
+        return False
+    try:
+        services.assignments.get(assignment_id)
+    except UnknownAssignmentError:
+        return True
+    return False
+
+
 def require_published(
     services: Services,
     caller: Caller,

@@ -19,7 +19,7 @@ from grader.messages.script import ScriptText
 from grader.packages.bundle import bundled, files_of
 from grader.render.escape import visible_line
 from grader.telemetry.context import note
-from grader.use_cases.assignments import require_published
+from grader.use_cases.assignments import is_own, require_published
 from grader.use_cases.services import Services
 
 _log = logging.getLogger(__name__)
@@ -99,7 +99,12 @@ def _checked(services: Services, caller: Caller, new: NewSubmission, owner: str)
     if services.submissions.open_count(new.student, new.course) >= services.settings.max_open_submissions:
         raise RefusedError("too_many_open", retry_after_s=_RETRY_AFTER_S, field="student")
     return replace(
-        new, source=source, file_name=name, assignment_version=published.version, distro=published.distro
+        new,
+        source=source,
+        file_name=name,
+        assignment_version=published.version,
+        distro=published.distro,
+        own=is_own(services, caller.course, published.id),
     )
 
 

@@ -15,6 +15,7 @@ from grader.contracts.grading import GradingJob, GradingResult
 from grader.examination.zipped import packed
 from grader.grading.slot import Slot
 from grader.packages.bundle import bundled
+from grader.store.audit import Signature
 from grader.store.database import Database
 from grader.store.own_assignments import OwnAssignments
 from grader.use_cases.course_assignments import CourseAssignments
@@ -267,6 +268,20 @@ def test_what_is_stored_can_be_downloaded_and_removed(
     actions = [one.action for one in desk.services.audit.entries("ros", 5)]
     assert actions[0] == "assignment.remove"
     assert "assignment.upload" in actions
+
+
+def test_what_another_machine_removed_takes_nothing_in(
+    desk: Desk, upload: Callable[..., httpx.Response], clock: FakeClock
+) -> None:
+    desk.upload(folder())
+    desk.examiner.step()
+    desk.listed()
+    assert "walk" in desk.checklist("wang")
+    desk.services.own_assignments.remove("walk", Signature(clock(), "ros", "wang"))
+    assert "walk" in desk.checklist("wang")  # for half a second
+    answer = upload(b"12 s\n", "walk", "", "calculation.txt", headers=desk.school.as_("wang"))
+    assert (answer.status_code, answer.json()["code"]) == (422, "unknown_assignment")
+    assert desk.client.get("/api/v1/submissions", headers=desk.school.as_("wang")).json()["submissions"] == []
 
 
 def test_a_fault_of_the_service_refuses_nothing_at_first(

@@ -18,14 +18,16 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.notice import Draft, NoticeKind, Outlet
 from grader.contracts.regrade import RegradeState, Wanted
 from grader.contracts.rules import Rules
-from grader.contracts.submission import Claim, NewSubmission, SubmissionState
+from grader.contracts.submission import Claim, NewSubmission, Submission, SubmissionState
 from grader.store.appeals import Appeals, Asked
 from grader.store.audit import AuditLog, Signature
 from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.database import Database
+from grader.store.intake import take_in
 from grader.store.judgements import Given, Judgements
 from grader.store.notices import Notices
+from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -68,6 +70,10 @@ def result_of(claim: Claim):
 
 @pytest.fixture
 def course(database: Database, clock: FakeClock) -> str:
+    return open_course(database, clock)
+
+
+def open_course(database: Database, clock: FakeClock) -> str:
     courses = Courses(database, clock)
     courses.create("ros", "ROS", "UTC", "me")
     courses.import_roster("ros", [RosterEntry(id="li", name="李", role=Role.STUDENT)], "me")
@@ -323,3 +329,60 @@ def test_a_notice_is_added_and_taken_on_once(database: Database, clock: FakeCloc
     assert [one.id for one in claims if one is not None] == [waiting.id]
     later = replace(draft, told={"due/square": "the day after"})
     assert kept.add("ros", [later, draft]) == 1
+
+
+def used_by(database: Database, clock: FakeClock, course: str) -> OwnAssignments:
+    """Give a course an assignment of its own that it uses."""
+    own = OwnAssignments(database, clock)
+    uploaded = NewOwnAssignment(assignment="walk", version=1, content=b"zip", reading=b"{}")
+    own.add(uploaded, Signature(clock(), course, "wang"))
+    claim = own.claim()
+    assert claim is not None
+    assert own.finish(claim, b"{}", ready=True)
+    return own
+
+
+def test_nothing_is_handed_in_for_an_assignment_that_is_removed_meanwhile(
+    database: Database, clock: FakeClock, submissions: Submissions, course: str
+) -> None:
+    own = used_by(database, clock, course)
+    class_ = [RosterEntry(id=f"s{number}", name="", role=Role.STUDENT) for number in range(THREADS)]
+    Courses(database, clock).import_roster(course, class_, "me")
+
+    def act(number: int) -> object:
+        if number == THREADS // 2:
+            return own.remove("walk", Signature(clock(), course, "wang"))
+        return submissions.add(new(f"s{number}", course=course, assignment="walk", own=True))
+
+    made = at_once(act)
+    removal = made.pop(THREADS // 2)
+    refused = {str(one) for one in made if isinstance(one, RefusedError)}
+    assert refused <= {"unknown_assignment"}
+    assert {type(one) for one in made} <= {RefusedError, Submission}
+    if removal is None:
+        assert (count(database, "own_assignment"), count(database, "submission")) == (0, 0)
+        with pytest.raises(RefusedError, match="unknown_assignment"):
+            submissions.add(new(course=course, assignment="walk", own=True))
+    else:
+        assert str(removal) == "assignment_in_use"
+        assert (count(database, "own_assignment"), count(database, "submission")) == (1, THREADS - 1)
+
+
+def test_a_removal_waits_for_an_upload_that_is_under_way(
+    postgres_database: Database, clock: FakeClock
+) -> None:
+    """What is not committed cannot be seen, so the removal would find nothing handed in."""
+    course = open_course(postgres_database, clock)
+    own = used_by(postgres_database, clock, course)
+    upload = new(course=course, assignment="walk", own=True)
+    waits = text("SELECT count(*) FROM pg_locks WHERE NOT granted")
+    with ThreadPoolExecutor(1) as pool:
+        with postgres_database.writing() as session:
+            take_in(session, upload, clock(), postgres_database.announcer)
+            removal = pool.submit(own.remove, "walk", Signature(clock(), course, "wang"))
+            with postgres_database.reading() as watching:
+                while not watching.connection().execute(waits).scalar_one() and not removal.done():
+                    pass
+        with pytest.raises(RefusedError, match="assignment_in_use"):
+            removal.result()
+    assert count(postgres_database, "submission") == 1
