@@ -23,7 +23,9 @@ from grader.catalog import Catalog
 from grader.catalog.cache import AssignmentMemory
 from grader.catalog.refreshed import RefreshedAssignments
 from grader.contracts.identity import Caller, Role
+from grader.grading.practice import PracticeRuns
 from grader.grading.preflight import NoPreflight
+from grader.grading.slot import Slot, SlotConfig
 from grader.live.cars import LiveCars
 from grader.settings import Settings
 from grader.store.clock import utc_now
@@ -109,6 +111,7 @@ def main() -> None:
         plots=PlotCache(draw_stored, 1),
         callers=Callers(Courses(database, utc_now), Tokens(database, utc_now), "unused"),
         live=LiveCars(0),
+        practice=PracticeRuns(0, lambda: Slot(SlotConfig()), lambda: False),
     )
     measure(services)
     services.comparer.close()

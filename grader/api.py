@@ -31,6 +31,7 @@ from grader.routes import (
     notices,
     own_assignments,
     people,
+    practice,
     problems,
     recordings,
     regrades,
@@ -73,6 +74,7 @@ _ROUTERS = (
     notices.router,
     problems.router,
     live.router,
+    practice.router,
     health.router,
     metrics.router,
 )
@@ -145,6 +147,7 @@ def _let_go(services: Services) -> None:
     """End what lives as long as its clients, for a service that stops."""
     services.watching.end()
     services.live.stop()
+    services.practice.stop()
 
 
 def _from_environment() -> AbstractContextManager[Services]:

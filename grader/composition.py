@@ -15,6 +15,7 @@ from grader.checks import problems
 from grader.contracts.assignment import Assignment
 from grader.contracts.errors import AssignmentError, SandboxError, SettingsError
 from grader.contracts.grading import AssignmentSource, Preflight, SandboxState
+from grader.grading.practice import PracticeRuns
 from grader.grading.preflight import NoPreflight, SandboxPreflight
 from grader.grading.slot import Slot, SlotConfig
 from grader.live.cars import LiveCars
@@ -47,7 +48,7 @@ GRADING_NICENESS = 3
 Requests take little time and go before; more than three would starve gradings wherever something else keeps the
 processors busy.
 """
-_EXAMINING = SlotConfig(mode="strict", niceness=5)  # behind gradings, and soon enough
+_BEHIND = SlotConfig(mode="strict", niceness=5)  # than gradings, and soon enough: examining, practice
 _ISOLATION = SlotConfig(mode="strict", niceness=GRADING_NICENESS)  # no weaker mode
 
 
@@ -85,16 +86,21 @@ def running(settings: Settings, preflight: Preflight | None = None) -> Iterator[
             plots=PlotCache(draw_stored, settings.plot_cache_entries),
             callers=Callers(courses, Tokens(database, clock), _token(settings, courses)),
             live=LiveCars(settings.live_cars if websockets_installed() else 0),
+            practice=_practice(database, settings, clock),
             providers=_providers(settings, clock),
         )
-        stack.callback(services.plots.close)
-        stack.callback(services.comparer.close)
-        stack.callback(services.space.close)
-        stack.callback(services.watching.close)
+        works = (services.plots, services.comparer, services.space, services.watching, services.practice)
+        for one in works:
+            stack.callback(one.close)
         stack.enter_context(Sender(services))
         if settings.slots:
             stack.enter_context(_grading(database, settings, services))
         yield services
+
+
+def _practice(database: Database, settings: Settings, clock: Clock) -> PracticeRuns:
+    queue = Queue(database, clock, _retries(settings))
+    return PracticeRuns(settings.practice_runs, lambda: Slot(_BEHIND), queue.waits)
 
 
 def _grading(database: Database, settings: Settings, services: Services) -> AbstractContextManager[Worker]:
@@ -143,6 +149,9 @@ class _Fitting:
     def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
         for id_, one in self._catalog.each():
             yield id_, one if isinstance(one, AssignmentError) else self._fitting(id_, one)
+
+    def starter(self, assignment_id: str) -> bytes:
+        return self._catalog.starter(assignment_id)
 
     def given_code(self) -> tuple[bytes, ...]:
         return self._catalog.given_code()
@@ -195,7 +204,7 @@ def _parts(
         probe=_probe,
         doorbell=Doorbell(),
         clock=clock,
-        uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_EXAMINING)),
+        uploads=Uploads(own=OwnAssignments(database, clock), make_grader=lambda: Slot(_BEHIND)),
         work=None if database.is_sqlite else _permits(database, settings, clock),
     )
 

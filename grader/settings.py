@@ -173,6 +173,17 @@ class Settings(BaseSettings):
         le=200,
         description="Most live cars at once, one child process each of about 60 MB; 0: none are offered.",
     )
+    practice_runs: int = Field(
+        default=1,
+        ge=0,
+        le=16,
+        description="Most practice runs at once, one grading process each while it is used; 0: none are offered.",
+    )
+    practice_per_minute: int = Field(
+        default=12,
+        ge=1,
+        description="Practice runs of one person in a minute; one of many seconds counts as many.",
+    )
     metrics_token: SecretStr | None = Field(
         default=None,
         description="Token that opens `/metrics`, at least 16 characters; without it, only those who may see the "

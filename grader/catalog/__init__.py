@@ -164,6 +164,11 @@ class Catalog:
         folder = self.root.parent / "lesson"
         return folder if folder.is_dir() else None
 
+    def starter(self, assignment_id: str) -> bytes:
+        """Return the script that students of an assignment begin with; empty where it has none."""
+        path = self.folder(assignment_id) / "starter.py"
+        return path.read_bytes() if path.is_file() else b""
+
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
         folders, lesson = [*self._folders(), *self._further()], self.lesson()

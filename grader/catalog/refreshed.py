@@ -5,6 +5,7 @@ import math
 import threading
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from typing import Protocol
 
 from grader.contracts.assignment import Assignment, graded_otherwise
@@ -20,6 +21,9 @@ class Folder(Protocol):
 
     def each(self) -> Iterator[tuple[str, Assignment | AssignmentError]]:
         """Yield id and content of every assignment; of a wrong one, what is wrong."""
+
+    def starter(self, assignment_id: str) -> bytes:
+        """Return the script that students of an assignment begin with, or raise UnknownAssignmentError."""
 
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read."""
@@ -76,6 +80,13 @@ class RefreshedAssignments:
             if assignment.id == assignment_id:
                 return assignment
         raise UnknownAssignmentError(f"there is no assignment {assignment_id!r}")
+
+    def starter(self, assignment_id: str) -> bytes:
+        """Return the script that students of an assignment begin with; empty where it has none."""
+        for folder in self._folders:
+            with suppress(UnknownAssignmentError):
+                return folder.starter(assignment_id)
+        return b""
 
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""

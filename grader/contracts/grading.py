@@ -114,6 +114,9 @@ class AssignmentSource(Protocol):
     def troubles(self) -> Mapping[str, Text]:
         """Return by id what is wrong with assignments that cannot be read now."""
 
+    def starter(self, assignment_id: str) -> bytes:
+        """Return the script that students of an assignment begin with; empty where it has none."""
+
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student can read: starters, solutions and the lesson's listings."""
 

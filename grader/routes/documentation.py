@@ -11,6 +11,7 @@ from grader.routes.problems import Problem
 TITLE = "grader"
 TAGS = [
     {"name": "submissions", "description": "Upload a script and ask how it went."},
+    {"name": "practice", "description": "Run a script: nothing counts, nothing is kept."},
     {"name": "recordings", "description": "What the car did."},
     {"name": "assignments", "description": "What is asked and how it earns points."},
     {"name": "rules", "description": "Dates, limits and what lateness costs."},

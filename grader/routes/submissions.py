@@ -93,13 +93,11 @@ class Links(BaseModel):
     plot: str = Field(description="The same as a picture.", examples=[f"{SUBMISSIONS}{_EXAMPLE_ID}/plot.png"])
 
 
-class RubricItemView(BaseModel):
-    """One line of the checklist, judged."""
+class SeenItemView(BaseModel):
+    """One line of the checklist: what was seen."""
 
     id: str = Field(examples=["sides"])
     title: str = Field(examples=["Number of sides"])
-    points: float = Field(description="Most it can earn.", examples=[5.0])
-    earned: float = Field(examples=[5.0])
     status: ItemStatus = Field(examples=["passed"])
     measured: float | None = Field(description="Null when nothing could be measured.", examples=[4.0])
     target: float | None = Field(examples=[4.0])
@@ -110,6 +108,13 @@ class RubricItemView(BaseModel):
         examples=["The path has 4 sides."],
     )
     hint: str = Field(description="One next step; empty when there is nothing to do.", examples=[""])
+
+
+class RubricItemView(SeenItemView):
+    """One line of the checklist, judged."""
+
+    points: float = Field(description="Most it can earn.", examples=[5.0])
+    earned: float = Field(examples=[5.0])
 
 
 class StreamView(BaseModel):
@@ -431,8 +436,8 @@ def _view(read: ShownSubmission, language: Language) -> SubmissionView:
         summary=_said(report.get("summary"), language),
         hint=_said(report.get("hint"), language),
         mistakes=report.get("mistakes", []),
-        rubric=[_item(item, language) for item in report.get("items", [])],
-        runs=[_run(run) for run in report.get("runs", [])],
+        rubric=[item_view(item, language) for item in report.get("items", [])],
+        runs=[run_view(run) for run in report.get("runs", [])],
         graded_at=None if stored is None else stored.finished_at,
         grader_version=report.get("grader_version"),
         assignment_version=report.get("assignment_version"),
@@ -452,12 +457,14 @@ def _said(text: Mapping[str, str] | None, language: Language) -> str:
     return "" if text is None else text[language]
 
 
-def _item(item: Mapping[str, Any], language: Language) -> RubricItemView:
+def item_view(item: Mapping[str, Any], language: Language) -> RubricItemView:
+    """Return an item of a report's plain data in `language`."""
     texts = {name: _said(item[name], language) for name in ("title", "message", "hint")}
     return RubricItemView.model_validate({**item, **texts})
 
 
-def _run(run: Mapping[str, Any]) -> RunView:
+def run_view(run: Mapping[str, Any]) -> RunView:
+    """Return a run of a report's plain data."""
     outcome = run["outcome"]
     status = RunStatus(outcome["status"])
     logs = outcome["logs"][:SHOWN_LOGS]

@@ -277,6 +277,12 @@ class Queue:
             due = session.connection().execute(DUE, instants(self._clock(), in_turn=True))
             return due.first() is not None
 
+    def waits(self) -> bool:
+        """Return whether a submission is due, in its turn or before."""
+        with self._database.reading() as session:
+            due = session.connection().execute(DUE, instants(self._clock(), in_turn=False))
+            return due.first() is not None
+
     def mean_duration_s(self) -> float | None:
         """Return how long the latest gradings took from claim to result; None when there are none yet."""
         spans = self._latest_durations_s()

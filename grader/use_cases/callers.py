@@ -245,6 +245,7 @@ class Allowances:
         costly: of each student's requests whose answers take much time to make.
         sign_ins: of those that wait for one provider, which may be slow.
         tests: of each course's messages that only try where notices go.
+        practice, practice_at_once: of each person's practice runs.
     """
 
     requests: RateLimit
@@ -254,6 +255,8 @@ class Allowances:
     costly: Costly
     sign_ins: AtOnce
     tests: RateLimit
+    practice: RateLimit
+    practice_at_once: AtOnce
 
     @classmethod
     def of(cls, settings: Settings, clock: Clock) -> Self:
@@ -266,6 +269,8 @@ class Allowances:
             costly=Costly(settings.costly_at_once, settings.costly_per_minute, clock),
             sign_ins=AtOnce(_SIGN_INS_AT_ONCE),
             tests=RateLimit(_TESTS_PER_MINUTE, clock),
+            practice=RateLimit(settings.practice_per_minute, clock),
+            practice_at_once=AtOnce(1),
         )
 
 

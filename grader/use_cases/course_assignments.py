@@ -76,6 +76,10 @@ class CourseAssignments:
         """Return by id what is wrong with those of every course."""
         return self._shared.troubles()
 
+    def starter(self, assignment_id: str) -> bytes:
+        """Return what students of one of every course's begin with."""
+        return self._shared.starter(assignment_id)
+
     def given_code(self) -> tuple[bytes, ...]:
         """Return the scripts that every student of every course can read."""
         return self._shared.given_code()
@@ -146,6 +150,12 @@ class _OfCourse:
             elif isinstance(one, Text):
                 told[id_] = one
         return told
+
+    def starter(self, assignment_id: str) -> bytes:
+        if assignment_id in {one.id for one in self.shared.all()}:
+            return self.shared.starter(assignment_id)
+        folder = self.stored.in_use(self.course).get(assignment_id)
+        return b"" if folder is None else unpacked(folder).get("starter.py", b"")
 
     def given_code(self) -> tuple[bytes, ...]:
         folders = [unpacked(one) for one in self.stored.in_use(self.course).values()]

@@ -136,13 +136,18 @@ def _submitter(services: Services, caller: Caller, student: str) -> str:
     return student
 
 
+def shown_name(file_name: str) -> str:
+    """Return the last part of a name that a browser sent, one printable line."""
+    return visible_line(re.split(r"[/\\]", file_name)[-1].strip(), _LONGEST_NAME)
+
+
 def _checked_name(file_name: str, kind: Input) -> str:
     """Return the last part of the name the student's browser sent, one printable line.
 
     Raises:
         RefusedError: it is not the name of what the assignment asks for, a Python script or a text.
     """
-    name = visible_line(re.split(r"[/\\]", file_name)[-1].strip(), _LONGEST_NAME)
+    name = shown_name(file_name)
     check_name(name, SUFFIXES[kind])
     return name
 

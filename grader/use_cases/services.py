@@ -8,6 +8,7 @@ from typing import Any, Self
 from grader.contracts.grading import AssignmentSource, Preflight
 from grader.contracts.identity import Caller
 from grader.contracts.submission import QueueState, WorkerState
+from grader.grading.practice import PracticeRuns
 from grader.live.cars import LiveCars
 from grader.lti import Launches
 from grader.lti.scores import ScoreChannel, Signer, new_key
@@ -122,13 +123,14 @@ class Services:
     audit: AuditLog
 
     # kept in this process: drawn plots, compared scripts, counted room, streams of events with their estimates,
-    # measurements, live cars, which belong to its event loop
+    # measurements, live cars, which belong to its event loop, practice runs
     plots: PlotCache
     comparer: Comparer
     space: SpaceCounter
     watching: Watching
     metrics: Metrics
     live: LiveCars
+    practice: PracticeRuns
 
     @property
     def doorbell(self) -> Doorbell:
@@ -156,6 +158,7 @@ class Services:
         plots: PlotCache,
         callers: Callers,
         live: LiveCars,
+        practice: PracticeRuns,
         providers: Providers = Providers(),  # noqa: B008 - frozen
     ) -> Self:
         """Return the services that work on `database`, whose tables are up to date."""
@@ -171,23 +174,24 @@ class Services:
             launches=Launches(lambda: clock().timestamp(), private=providers.private_platforms),
             **_telling(settings, clock, providers, Platforms(database, clock)),
             allowances=Allowances.of(settings, clock),
-            submissions=Submissions(database, clock),
             queue=queue,
             workers=workers,
             **{name: store(database) for name, store in _STORES.items()},
-            costs=Costs(database, clock),
-            **_of_courses(database, clock),
+            **_with_clock(database, clock),
             plots=plots,
             comparer=Comparer(Scripts(database)),
             space=SpaceCounter(CourseLife(database, clock).space, clock),
             watching=watching,
             live=live,
+            practice=practice,
             metrics=_metrics(Measures(database, workers, clock, settings.silent_s), watching),
         )
 
 
-def _of_courses(database: Database, clock: Clock) -> dict[str, Any]:
+def _with_clock(database: Database, clock: Clock) -> dict[str, Any]:
     return {
+        "submissions": Submissions(database, clock),
+        "costs": Costs(database, clock),
         "own_assignments": OwnAssignments(database, clock),
         "courses": Courses(database, clock),
         "course_life": CourseLife(database, clock),

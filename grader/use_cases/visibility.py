@@ -16,7 +16,7 @@ from grader.contracts.assignment import Assignment
 from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.judgement import judged, to_judge
-from grader.contracts.report import GradeStatus
+from grader.contracts.report import GradeReport, GradeStatus, report_from
 from grader.contracts.rubric import ItemStatus, summed
 from grader.contracts.rules import is_hidden
 from grader.contracts.submission import StoredReport, Submission
@@ -128,6 +128,14 @@ def _shown(
     whole = judged(copy)
     waiting = None if submission.to_judge is None else to_judge(whole.items)
     return replace(told, score=whole.score, verdict=whole.status, to_judge=waiting), copy
+
+
+def shown_report(services: Services, caller: Caller, report: GradeReport) -> GradeReport:
+    """Return a report that is stored nowhere as the caller would see it of a submission."""
+    hidden = _hidden(services, caller, report.assignment)[report.assignment]
+    if not hidden:
+        return report
+    return report_from(json.dumps(_without(json.loads(report.canonical_bytes()), hidden)))
 
 
 def shown_list(

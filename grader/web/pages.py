@@ -48,8 +48,24 @@ def page(request: Request, template: str, *, status: int = 200, **values: Any) -
     """Return a page in the visitor's language; `values` are what its template shows."""
     language = language_of(request)
     token = forms.token_of(request)
+    context = {**_context(request, language, token), **values}
+    headers = {**_HEADERS, "Content-Language": _HTML_LANGUAGE[language]}
+    response = _TEMPLATES.TemplateResponse(request, template, context, status_code=status, headers=headers)
+    if request.cookies.get(LANGUAGE_COOKIE) != language and "lang" in request.query_params:
+        response.set_cookie(LANGUAGE_COOKIE, language, max_age=_A_YEAR_S, httponly=True, samesite="lax")
+    forms.remember(request, response, token)
+    return response
+
+
+def fragment(request: Request, template: str, **values: Any) -> str:
+    """Return a part of a page, which a script of ours puts into it."""
+    context = {**_context(request, language_of(request), ""), **values}
+    return _TEMPLATES.env.get_template(template).render(context)
+
+
+def _context(request: Request, language: Language, token: str) -> dict[str, Any]:
     visitor = visitor_of(request)
-    context = {
+    return {
         "lang": language,
         "html_lang": _HTML_LANGUAGE[language],
         "say": partial(on_page, language),
@@ -58,14 +74,7 @@ def page(request: Request, template: str, *, status: int = 200, **values: Any) -
         "form_token": token,
         "other_language": _other_language(request, language),
         "here": request.url.path,
-        **values,
     }
-    headers = {**_HEADERS, "Content-Language": _HTML_LANGUAGE[language]}
-    response = _TEMPLATES.TemplateResponse(request, template, context, status_code=status, headers=headers)
-    if request.cookies.get(LANGUAGE_COOKIE) != language and "lang" in request.query_params:
-        response.set_cookie(LANGUAGE_COOKIE, language, max_age=_A_YEAR_S, httponly=True, samesite="lax")
-    forms.remember(request, response, token)
-    return response
 
 
 def compile_all() -> None:

@@ -5,7 +5,8 @@ Everything here is still raw text; the templates escape it.
 
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, SketchSide
@@ -35,6 +36,7 @@ from grader.render.labels import (
 _LOGGED = re.compile(r"\[([A-Z]+)\] \[\d+\.\d{9}\] \[(.*?)\]: (.*)")
 """A log message as rclpy writes it to the console: level, instant, name, text."""
 
+_REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "command", "times")
 _LONGEST_LOG_LINES = 20
 """A message of more lines is not looked for in the output: it is shown twice."""
 
@@ -317,3 +319,19 @@ def stream_text(stream: Stream) -> StreamText:
     """Return captured output as far as a page shows it."""
     left_out = max(0, len(stream.text) - SHOWN_CHARACTERS)
     return StreamText(text=stream.text[:SHOWN_CHARACTERS], dropped=stream.dropped_bytes + left_out)
+
+
+def replay_words(language: Language) -> dict[str, str]:
+    """Return what the script of the replay says."""
+    return {name: on_page(language, f"replay.{name}") for name in _REPLAY_WORDS}
+
+
+def figure_document(figure: FigureSketch, language: Language) -> dict[str, Any]:
+    """Return a figure as plain data with its remarks in `language`."""
+    labels = [{"at_m": one.at_m, "text": one.text.get(language), "ok": one.ok} for one in figure.labels]
+    plain = asdict(figure)
+    regions = [
+        {**shown, "text": one.text.get(language)}
+        for shown, one in zip(plain["regions"], figure.regions, strict=True)
+    ]
+    return {**plain, "labels": labels, "regions": regions}

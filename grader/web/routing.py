@@ -17,6 +17,7 @@ from grader.web import (
     own_pages,
     people_pages,
     platforms,
+    practice,
     regrading,
     rule_pages,
     rules_at_once,
@@ -31,6 +32,8 @@ from grader.web.pages import FOLDER
 ROUTERS = (
     student.router,
     student.uploads,
+    practice.router,
+    practice.runs,
     submission.router,
     entrance.router,
     signing_in.router,

@@ -18,6 +18,7 @@ from grader.use_cases.appealing import pending
 from grader.use_cases.assignments import Terms, all_terms, checklist, terms_of, visible_assignment
 from grader.use_cases.commenting import unread
 from grader.use_cases.handing_in import Upload, hand_in, most_upload_bytes, upload_limit
+from grader.use_cases.practising import may_practise
 from grader.use_cases.regrading import unseen_changes
 from grader.use_cases.services import Services
 from grader.use_cases.submissions import PastAttempt, best_of, history
@@ -133,6 +134,7 @@ def _assignment_page(
         closed=None if closed is None else form_problem(closed, language),
         refusal=refused,
         given=given,
+        practice=services.practice.offered and may_practise(services, visitor.caller, assignment),
     )
 
 

@@ -1,7 +1,7 @@
 """The page of one submission: progress, then the result with its replay, and the data both are drawn from."""
 
 from collections.abc import AsyncIterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from importlib.util import find_spec
 from typing import Annotated, Any
@@ -22,7 +22,6 @@ from grader.contracts.outcome import StudentError
 from grader.contracts.progress import Standing
 from grader.contracts.report import CaseRun, GradeReport, report_from
 from grader.contracts.submission import StoredReport, Submission
-from grader.contracts.text import Language
 from grader.messages import on_page
 from grader.packages.bundle import line_in_text, text_of
 from grader.routes.events import LastEventId, events, owner_of, watched
@@ -38,12 +37,18 @@ from grader.web.access import COSTLY, DRAWN, ServicesDep, SubmissionId, Visitor,
 from grader.web.comparison import DiffLine, changes
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
-from grader.web.result import StreamText, figure_parts, result_page, stream_text
+from grader.web.result import (
+    StreamText,
+    figure_document,
+    figure_parts,
+    replay_words,
+    result_page,
+    stream_text,
+)
 from grader.web.source import SourceView, failing_lines, source_view
 from grader.web.waiting import left_s, progress
 
 router = APIRouter(prefix="/submissions/{submission_id}", include_in_schema=False)
-_REPLAY_WORDS = ("play", "pause", "time", "still", "plan", "v", "w", "turned", "heading", "command", "times")
 _WRITES_BAGS = find_spec("mcap") is not None
 _FIGURE_WORDS = ("side", "corner", "gap", "goal", "avoid", "reached", "not_reached", "clear", "not_clear")
 Case = Annotated[str | None, Query(max_length=64)]
@@ -215,7 +220,7 @@ def read_sketch(
         if stored is None or run is None
         else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
     )
-    document = {} if figure is None else _figure_document(figure, language_of(request))
+    document = {} if figure is None else figure_document(figure, language_of(request))
     return JSONResponse(document, headers={"Cache-Control": "private, no-cache"})
 
 
@@ -367,21 +372,10 @@ def _result(
         "parts": () if figure is None else figure_parts(figure, names),
         "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
         "bags": _WRITES_BAGS,
-        "replay_words": {word: on_page(language, f"replay.{word}") for word in _REPLAY_WORDS},
+        "replay_words": replay_words(language),
     }
 
 
 def _run_of(report: GradeReport, case: str | None) -> CaseRun | None:
     """Return the run of `case`, the first when None; None when there is no such run."""
     return next((run for run in report.runs if case is None or run.case == case), None)
-
-
-def _figure_document(figure: FigureSketch, language: Language) -> dict[str, Any]:
-    """Return a figure as plain data with its remarks in `language`."""
-    labels = [{"at_m": one.at_m, "text": one.text.get(language), "ok": one.ok} for one in figure.labels]
-    plain = asdict(figure)
-    regions = [
-        {**shown, "text": one.text.get(language)}
-        for shown, one in zip(plain["regions"], figure.regions, strict=True)
-    ]
-    return {**plain, "labels": labels, "regions": regions}

@@ -74,6 +74,9 @@ class FakeAssignments:
     def troubles(self) -> dict[str, Text]:
         return {}
 
+    def starter(self, assignment_id: str) -> bytes:
+        return f"# {assignment_id}\n".encode()
+
     def given_code(self) -> tuple[bytes, ...]:
         return ()
 

@@ -14,6 +14,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from grader.api import create_app
+from grader.grading.practice import PracticeRuns
 from grader.live.car import LiveCar
 from grader.live.cars import CLIENTS, LiveCars
 from grader.settings import Settings
@@ -25,7 +26,7 @@ from grader.store.tokens import Tokens
 from grader.use_cases.callers import Callers
 from grader.use_cases.pictures import PlotCache, Plotter
 from grader.use_cases.services import Services
-from tests.fakes.grading import FakeAssignments, FakePreflight
+from tests.fakes.grading import FakeAssignments, FakeGrader, FakePreflight
 
 TOKEN = "correct-horse-battery-staple"
 GOLDEN_OPENAPI = Path(__file__).parents[1] / "golden" / "openapi.json"
@@ -60,8 +61,15 @@ def services(
             plots=PlotCache(plotter or FakePlotter(), 8),
             callers=Callers(Courses(database, clock), Tokens(database, clock), TOKEN),
             live=LiveCars(settings.live_cars, make_car=lambda: FakeLiveCar(CLIENTS)),
+            practice=PracticeRuns(settings.practice_runs, FakeGrader, lambda: False),
         )
-        with closing(made.watching), closing(made.plots), closing(made.comparer), closing(made.space):
+        with (
+            closing(made.practice),
+            closing(made.watching),
+            closing(made.plots),
+            closing(made.comparer),
+            closing(made.space),
+        ):
             yield made
 
 

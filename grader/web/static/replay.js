@@ -5,21 +5,10 @@ import { Moments } from "./moments.js";
 import { Motion } from "./motion.js";
 import { Plan } from "./plan.js";
 
-const section = document.getElementById("replay");
-const words = JSON.parse(section.dataset.words);
-const find = (name) => section.querySelector(`[data-${name}]`);
 const COMMAND_HELD_S = 1; // turtlesim drops a command after that
 const LONGEST_S = 15; // to be watched, where one of the offered speeds allows it
 const SEEN = 0.4; // of the plan view, or as much of it as fits on the screen
 const calm = window.matchMedia("(prefers-reduced-motion: reduce)");
-
-async function load(address) {
-  const answer = await fetch(address, { headers: { Accept: "application/json" }, redirect: "error" });
-  if (!answer.ok) {
-    throw new Error(`${address}: ${answer.status}`);
-  }
-  return answer.json();
-}
 
 /** Commands as steps that fall to zero when they are dropped. */
 function steps(commands, name, end) {
@@ -32,7 +21,11 @@ function steps(commands, name, end) {
 }
 
 class Replay {
-  constructor(motion, sketch) {
+  constructor(section, motion, sketch) {
+    const words = JSON.parse(section.dataset.words);
+    const find = (name) => section.querySelector(`[data-${name}]`);
+    this.find = find;
+    this.words = words;
     this.motion = motion;
     this.end = motion.lastChange;
     this.time = this.end;
@@ -65,7 +58,7 @@ class Replay {
       { threshold: SEEN },
     );
     this.leaveAlone = () => seen.disconnect();
-    seen.observe(find("plan"));
+    seen.observe(this.find("plan"));
   }
 
   /** Do not play by itself any more. */
@@ -78,10 +71,10 @@ class Replay {
 
   makeGraphs(sketch) {
     const { motion, end } = this;
-    const holder = find("graphs");
+    const holder = this.find("graphs");
     const shown = [
-      { name: "v", title: words.v, values: motion.v, steps: steps(motion.commands, "v", end) },
-      { name: "w", title: words.w, values: motion.w, steps: steps(motion.commands, "w", end) },
+      { name: "v", title: this.words.v, values: motion.v, steps: steps(motion.commands, "v", end) },
+      { name: "w", title: this.words.w, values: motion.w, steps: steps(motion.commands, "w", end) },
     ];
     if (sketch.view === "heading") {
       const start = motion.heading[0];
@@ -89,7 +82,7 @@ class Replay {
       const wanted = sketch.wanted_turn_deg ?? null;
       const turned = motion.heading.map(degrees);
       const sign = Math.sign(turned.at(-1)) || 1;
-      shown.unshift({ name: "heading", title: words.turned, values: turned, wanted: wanted === null ? null : sign * wanted, degrees });
+      shown.unshift({ name: "heading", title: this.words.turned, values: turned, wanted: wanted === null ? null : sign * wanted, degrees });
     }
     return shown.map((series) => {
       const place = document.createElement("div");
@@ -109,18 +102,18 @@ class Replay {
     this.button.addEventListener("click", () => (this.playing ? this.pause() : this.play()));
     let width = 0;
     new ResizeObserver(() => {
-      const now = find("plan").clientWidth;
+      const now = this.find("plan").clientWidth;
       if (now !== width && now > 0) { // nothing can be drawn while it is hidden
         width = now;
         this.fit();
       }
-    }).observe(find("plan"));
+    }).observe(this.find("plan"));
   }
 
   fit() {
-    this.plan.draw(find("plan").clientWidth);
+    this.plan.draw(this.find("plan").clientWidth);
     for (const { graph } of this.graphs) {
-      graph.draw(find("graphs").clientWidth);
+      graph.draw(this.find("graphs").clientWidth);
     }
     this.show(this.time);
   }
@@ -128,7 +121,7 @@ class Replay {
   play() {
     this.leaveAlone();
     this.playing = true;
-    this.say(words.pause);
+    this.say(this.words.pause);
     let time = this.time >= this.end - 1e-6 ? 0 : this.time;
     let before = performance.now();
     const step = (now) => {
@@ -150,7 +143,7 @@ class Replay {
   pause() {
     this.leaveAlone();
     this.playing = false;
-    this.say(words.play);
+    this.say(this.words.play);
   }
 
   say(word) {
@@ -173,14 +166,14 @@ class Replay {
   readout(time, state) {
     const degrees = (((state.heading * 180) / Math.PI) % 360).toFixed(1);
     const lines = [
-      [words.time, `${time.toFixed(2)} s`],
+      [this.words.time, `${time.toFixed(2)} s`],
       ["x", `${state.x.toFixed(2)} m`],
       ["y", `${state.y.toFixed(2)} m`],
-      [words.heading, `${degrees}°`],
+      [this.words.heading, `${degrees}°`],
       ["v", `${state.v.toFixed(2)} m/s`],
       ["ω", `${state.w.toFixed(2)} rad/s`],
     ];
-    const list = find("readout");
+    const list = this.find("readout");
     if (list.childElementCount === 0) {
       for (const [name] of lines) {
         const pair = document.createElement("div");
@@ -194,24 +187,18 @@ class Replay {
   }
 }
 
-function standStill() {
-  const remark = document.createElement("p");
-  remark.textContent = words.still;
-  section.querySelectorAll("[data-drawing]").forEach((part) => part.replaceChildren());
-  find("drawing").append(remark);
-}
-
-try {
-  const [columns, sketch] = await Promise.all([load(section.dataset.trajectory), load(section.dataset.sketch)]);
+/** Show in `section` what the service says of a run: its columns and what the checks saw. */
+export function show(section, columns, sketch) {
   const motion = new Motion(columns);
-  section.querySelectorAll("[data-drawing]").forEach((part) => (part.hidden = false));
+  const drawings = section.querySelectorAll("[data-drawing]");
+  drawings.forEach((part) => (part.hidden = false));
   if (motion.moves) {
-    new Replay(motion, sketch);
+    new Replay(section, motion, sketch);
   } else {
-    standStill();
+    const remark = document.createElement("p");
+    remark.textContent = JSON.parse(section.dataset.words).still;
+    drawings.forEach((part) => part.replaceChildren());
+    drawings[0].append(remark);
   }
   section.dataset.ready = "true";
-} catch (error) {
-  find("failed").hidden = false;
-  throw error;
 }

@@ -124,6 +124,7 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "post /api/v1/live": (401, 401, 201, 201, 201, 201, 201, 201),
     "get /api/v1/live": (401, 401, 404, 404, 404, 404, 404, 404),  # nobody has one yet
     "delete /api/v1/live": (401, 401, 204, 204, 204, 204, 204, 204),
+    "post /api/v1/practice": MEMBERS,
     "get /healthz": (503,) * 8,  # no worker lives in these tests
     "get /metrics": STAFF,
 }
@@ -208,6 +209,7 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "post /api/v1/live": (409, 401, 409),
     "get /api/v1/live": (409, 401, 409),
     "delete /api/v1/live": (409, 401, 409),
+    "post /api/v1/practice": (409, 401, 409),
     "get /healthz": (503, 503, 503),
     "get /metrics": OPERATOR_ONLY,
 }
@@ -243,6 +245,8 @@ def send(
             "files": {"file": ("a.py", b"x = 1\n")},
             "data": {"assignment": "square", "student": student},
         }
+    if operation == "post /api/v1/practice":
+        body = {"files": {"file": ("a.py", b"x = 1\n")}, "data": {"assignment": "square"}}
     if operation == "post /api/v1/members/import":
         body = {"files": {"file": ("class.csv", b"id,name\nzhou,x\n")}}
     if operation == "post /api/v1/course/assignments":

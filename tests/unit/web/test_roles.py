@@ -65,6 +65,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /enter/course": (403,) * 6,
     "GET /assignments/{assignment_id}": EVERYBODY,
     "POST /assignments/{assignment_id}": (303,) * 6,
+    "GET /assignments/{assignment_id}/practice": MEMBERS,
+    "POST /assignments/{assignment_id}/practice": MEMBERS,
     "GET /submissions": MEMBERS,
     "GET /submissions/{submission_id}": OWN,
     "GET /submissions/{submission_id}/events": OWN,
@@ -302,6 +304,8 @@ def answers(
         kwargs = {} if method == "GET" else {"data": data}
         if operation == "POST /assignments/{assignment_id}":
             kwargs["files"] = {"file": ("square.py", role.encode())}
+        if operation == "POST /assignments/{assignment_id}/practice":
+            kwargs["files"] = {"file": ("square.py", b"x = 1\n")}
         if operation == "POST /class/people/preview":
             kwargs["files"] = {"file": ("class.csv", b"id,name\nnew,x\n")}
         if operation == "POST /class/own":

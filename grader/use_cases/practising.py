@@ -1,0 +1,143 @@
+"""Practice: running a script of an assignment for its author's eyes. It costs no attempt, and nothing is kept.
+
+What is told is what a graded submission would tell the caller, and less: there are no points, only the first of
+the assignment's cases is run, and where the world has noise it is another noise than the one that counts.
+"""
+
+import asyncio
+from dataclasses import dataclass, replace
+
+from grader.checks import sketch
+from grader.contracts.assignment import SUFFIXES, Assignment
+from grader.contracts.errors import RefusedError, SandboxUnavailableError
+from grader.contracts.figure import FigureSketch
+from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.identity import Caller, Role
+from grader.contracts.report import CaseOutput, GradeReport
+from grader.contracts.scoring import Run
+from grader.contracts.trajectory import decode_trajectory
+from grader.contracts.upload import check_name, check_source
+from grader.telemetry.context import note
+from grader.use_cases.assignments import visible_assignment
+from grader.use_cases.callers import name_of
+from grader.use_cases.handing_in import shown_name
+from grader.use_cases.services import Services
+from grader.use_cases.visibility import shown_report
+
+_CPU_S = 10.0
+_WALL_S = 15.0
+_OUTPUT_BYTES = 256 * 1024
+_OTHER_NOISE = 1_000_003
+_USUAL_S = 1.0  # a run that takes longer counts as several
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Practice:
+    """What a practice run showed.
+
+    Attributes:
+        assignment: as it was run, without the items that the caller does not see.
+        report: without these items; its points mean nothing.
+        trajectory: JSON of where the car was; None when nothing was recorded.
+        figure: what the checks saw in that; None when they cannot say.
+        cut_output: what a script had printed that was ended for printing too much.
+    """
+
+    assignment: Assignment
+    report: GradeReport
+    trajectory: bytes | None
+    figure: FigureSketch | None
+    cut_output: tuple[CaseOutput, ...]
+
+
+def practisable(services: Services, caller: Caller, assignment_id: str) -> Assignment:
+    """Return an assignment that the caller may practise, without the items that they do not see.
+
+    Raises:
+        RefusedError: the caller is no member of a course, the assignment is not there for them or not open yet, or
+            is none that a single script answers.
+    """
+    if caller.person is None or caller.course is None:
+        raise RefusedError("no_course")
+    assignment = visible_assignment(services, caller, assignment_id)
+    if not _is_open(services, caller, assignment_id):
+        raise RefusedError("assignment_not_found")
+    if assignment.input != "script":
+        raise RefusedError("practice_scripts_only")
+    return assignment
+
+
+def may_practise(services: Services, caller: Caller, assignment: Assignment) -> bool:
+    """Return whether the caller, who sees `assignment`, may practise it now."""
+    is_member = caller.person is not None and caller.course is not None
+    return is_member and assignment.input == "script" and _is_open(services, caller, assignment.id)
+
+
+def _is_open(services: Services, caller: Caller, assignment_id: str) -> bool:
+    if caller.role is not Role.STUDENT:
+        return True
+    opens = services.rules.of(caller.course).of(assignment_id, caller.person).opens
+    return opens is None or services.clock() >= opens
+
+
+async def practise(
+    services: Services, caller: Caller, assignment_id: str, file_name: str, source: bytes
+) -> Practice:
+    """Run a script once for practice, behind all submissions.
+
+    Raises:
+        RefusedError: as `practisable`; it is no script; the caller has one under way or asks too often;
+            submissions or others' runs wait; practice is not offered.
+    """
+    owner = name_of(caller) or ""
+    with services.allowances.practice_at_once.one_more(owner):
+        job = await asyncio.to_thread(_job, services, caller, assignment_id, file_name, source)
+        services.allowances.practice.take(owner)
+        try:
+            result = await asyncio.wrap_future(services.practice.run(job))
+        except SandboxUnavailableError as error:
+            raise RefusedError("practice_off") from error
+        services.allowances.practice.charge(owner, result.measurements.wall_s // _USUAL_S)
+        note(assignment=assignment_id, code="practised")
+        return await asyncio.to_thread(_told, services, caller, job.assignment, result)
+
+
+def for_practice(assignment: Assignment) -> Assignment:
+    """Return an assignment as it is practised: its first case alone, other noise, and tighter limits."""
+    first, world, limits = assignment.cases[0], assignment.world, assignment.limits
+    seed = world.seed if first.seed is None else first.seed
+    return replace(
+        assignment,
+        cases=(replace(first, seed=seed + _OTHER_NOISE),),
+        limits=replace(
+            limits,
+            cpu_s=min(limits.cpu_s, _CPU_S),
+            wall_s=min(limits.wall_s, _WALL_S),
+            output_bytes=min(limits.output_bytes, _OUTPUT_BYTES),
+        ),
+    )
+
+
+def _job(services: Services, caller: Caller, assignment_id: str, file_name: str, source: bytes) -> GradingJob:
+    practisable(services, caller, assignment_id)
+    name = shown_name(file_name)
+    check_name(name, SUFFIXES["script"])
+    check_source(source, services.settings.max_upload_bytes)
+    # whole: an item that is shown may need one that is not, and what is not shown is left out of the report
+    known = services.assignments.of(caller.course).get(assignment_id)
+    course = services.rules.of(caller.course)
+    return GradingJob(file_name=name, source=source, assignment=for_practice(known.of_course(course.distro)))
+
+
+def _told(services: Services, caller: Caller, ran: Assignment, result: GradingResult) -> Practice:
+    report = shown_report(services, caller, result.report)
+    visible = {item.id for item in practisable(services, caller, ran.id).items}
+    shown = replace(ran, items=tuple(item for item in ran.items if item.id in visible))
+    case = ran.cases[0].id
+    content = result.trajectories.get(case)
+    figure = None
+    if content is not None and report.runs:
+        motion = decode_trajectory(content)
+        figure = sketch(shown, Run(trajectory=motion, outcome=report.runs[0].outcome, case=case))
+    cut = result.measurements.cut_output
+    return Practice(assignment=shown, report=report, trajectory=content, figure=figure, cut_output=cut)

@@ -1,0 +1,143 @@
+// Writing a script, running it for practice, handing it in. The file that is handed in is what the editor shows.
+//
+// The editor's styles are rules of a shadow root: the page's policy takes no style that a script writes into it.
+import {
+  bracketMatching, defaultKeymap, drawSelection, EditorState, EditorView, HighlightStyle, highlightActiveLine, history,
+  historyKeymap, indentOnInput, indentUnit, indentWithTab, keymap, lineNumbers, pythonLanguage, syntaxHighlighting, tags,
+} from "./codemirror.js";
+import { show } from "./replay.js";
+
+const form = document.getElementById("practice");
+const plain = document.getElementById("starter");
+const holder = document.getElementById("editor");
+const runButton = document.getElementById("run");
+const state = document.getElementById("practice-state");
+const refused = document.getElementById("refused");
+const result = document.getElementById("result");
+const words = JSON.parse(form.dataset.words);
+const starter = plain.value;
+
+const colours = HighlightStyle.define([
+  { tag: [tags.keyword, tags.controlKeyword, tags.operatorKeyword], color: "var(--accent)", fontWeight: "600" },
+  { tag: [tags.string, tags.special(tags.string)], color: "var(--part)" },
+  { tag: [tags.number, tags.bool, tags.null], color: "var(--bad)" },
+  { tag: tags.comment, color: "var(--quiet)", fontStyle: "italic" },
+]);
+const look = EditorView.theme({
+  "&": { color: "var(--ink)", backgroundColor: "var(--paper)", fontSize: "0.9rem", border: "1px solid var(--quiet)", borderRadius: "6px" },
+  "&.cm-focused": { outline: "3px solid var(--accent)", outlineOffset: "2px" },
+  ".cm-scroller": { fontFamily: "var(--mono)", lineHeight: "1.5", maxHeight: "70vh", minHeight: "18rem" },
+  ".cm-gutters": { backgroundColor: "var(--raised)", color: "var(--quiet)", border: "0" },
+  ".cm-activeLine, .cm-activeLineGutter": { backgroundColor: "var(--raised)" },
+  ".cm-content": { caretColor: "var(--ink)" },
+  ".cm-cursor": { borderLeftColor: "var(--ink)" },
+  "&.cm-focused > .cm-scroller > .cm-selectionLayer .cm-selectionBackground, .cm-selectionBackground": { backgroundColor: "var(--good-tint)" },
+  "&.cm-focused .cm-matchingBracket": { backgroundColor: "var(--part-tint)", outline: "1px solid var(--part)" },
+});
+
+/** What was written in this tab before; it goes with the tab, as several people use one computer. */
+function kept() {
+  try {
+    return window.sessionStorage.getItem(form.dataset.keep);
+  } catch {
+    return null; // the browser keeps nothing
+  }
+}
+
+function keep(text) {
+  try {
+    window.sessionStorage.setItem(form.dataset.keep, text);
+  } catch {
+    // then a reload begins anew
+  }
+}
+
+function open(doc) {
+  const root = holder.attachShadow({ mode: "open" });
+  return new EditorView({
+    root,
+    parent: root,
+    state: EditorState.create({
+      doc,
+      extensions: [
+        lineNumbers(), history(), drawSelection(), highlightActiveLine(), bracketMatching(), indentOnInput(),
+        indentUnit.of("    "), pythonLanguage, syntaxHighlighting(colours), look, EditorView.lineWrapping,
+        keymap.of([
+          { key: "Mod-Enter", run: () => (runOnce(), true) },
+          indentWithTab, ...defaultKeymap, ...historyKeymap,
+        ]),
+        EditorView.contentAttributes.of({ "aria-label": words.editor, "aria-multiline": "true" }),
+        EditorView.updateListener.of((update) => update.docChanged && keep(update.state.doc.toString())),
+      ],
+    }),
+  });
+}
+
+const editor = open(kept() ?? starter);
+plain.remove();
+document.getElementById("keys").hidden = false;
+
+function file() {
+  return new File([editor.state.doc.toString()], holder.dataset.name, { type: "text/x-python" });
+}
+
+function tell(sentences) {
+  refused.hidden = sentences.length === 0;
+  refused.replaceChildren(...sentences.map((one) => Object.assign(document.createElement("p"), { textContent: one })));
+}
+
+function goTo(number) {
+  const line = editor.state.doc.line(Math.min(Math.max(number, 1), editor.state.doc.lines));
+  editor.dispatch({ selection: { anchor: line.from, head: line.to }, scrollIntoView: true });
+  editor.focus();
+}
+
+function put({ html, trajectory, sketch }) {
+  // made by our own templates, which escape whatever a script wrote
+  result.innerHTML = html;
+  result.querySelectorAll("[data-line]").forEach((one) => one.addEventListener("click", () => goTo(Number(one.dataset.line))));
+  const replay = result.querySelector("#replay");
+  if (replay !== null && trajectory !== null) {
+    show(replay, trajectory, sketch);
+  }
+}
+
+async function runOnce() {
+  if (!runButton || runButton.disabled) {
+    return;
+  }
+  runButton.disabled = true;
+  state.textContent = words.running;
+  tell([]);
+  try {
+    const body = new FormData();
+    body.append("form_token", form.elements.form_token.value);
+    body.append("file", file());
+    const answer = await fetch(form.dataset.run, { method: "POST", body, headers: { Accept: "application/json" }, redirect: "error" });
+    const document_ = await answer.json();
+    if (answer.ok) {
+      put(document_);
+      state.textContent = words.done;
+      result.scrollIntoView({ block: "nearest" });
+    } else {
+      state.textContent = "";
+      tell(document_.refused ?? [words.lost]);
+    }
+  } catch {
+    state.textContent = "";
+    tell([words.lost]);
+  }
+  runButton.disabled = false;
+}
+
+runButton?.addEventListener("click", runOnce);
+document.getElementById("reset").addEventListener("click", () => {
+  if (window.confirm(words.reset_sure)) {
+    editor.dispatch({ changes: { from: 0, to: editor.state.doc.length, insert: starter } });
+  }
+});
+form.addEventListener("submit", () => {
+  const one = new DataTransfer();
+  one.items.add(file());
+  form.elements.file.files = one.files;
+});
