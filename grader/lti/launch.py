@@ -37,7 +37,7 @@ class Launch:
 
     Attributes:
         subject: the platform's name for the person.
-        claimed: ids that the person may have in a class list, most likely first.
+        claimed: ids that the person may have in a class list.
         resource, title: of the activity. assignment: where the activity says that it leads; may be empty.
         line_item: where its scores go; empty: nowhere.
         until_s: when the message ends.

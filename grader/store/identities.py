@@ -49,17 +49,23 @@ class Identities:
             return tuple(as_contract(row, Identity) for row in session.execute(statement).scalars())
 
     def bind_claimed(
-        self, provider: str, subject: str, *, person: str = "", email: str = "", within: str | None = None
+        self,
+        provider: str,
+        subject: str,
+        *,
+        persons: tuple[str, ...] = (),
+        email: str = "",
+        within: str | None = None,
     ) -> None:
-        """Bind a subject to the students of that id, or of that address, in the courses that are taught.
+        """Bind a subject to the student of one of these ids, or of that address, in each course that is taught.
 
         A course where the subject is known is left out. A role is never believed: staff bind by a token. Where the
-        subject or an address is not of one student alone, nothing is bound. `within`: one course alone.
+        subject, the ids or an address are not of one student alone, nothing is bound. `within`: one course alone.
         """
         member = MemberRow
-        if not person and not email:
+        if not persons and not email:
             return
-        named = col(member.person) == person if person else func.lower(col(member.email)) == _small(email)
+        named = col(member.person).in_(persons) if persons else func.lower(col(member.email)) == _small(email)
         course = col(member.course).is_not(None) if within is None else col(member.course) == within
         known = select(col(IdentityRow.course)).where(
             col(IdentityRow.provider) == provider, col(IdentityRow.subject) == subject

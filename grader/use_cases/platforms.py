@@ -64,10 +64,9 @@ def finish(services: Services, kept: Kept, token: str) -> Arrived:
     if not services.platforms.use(kept.nonce, datetime.fromtimestamp(launch.until_s, UTC)):
         raise RefusedError("signin_expired")
     assignment = _opened(services, platform, launch)
-    for claimed in launch.claimed:
-        services.identities.bind_claimed(
-            platform.provider, launch.subject, person=claimed, within=platform.course
-        )
+    services.identities.bind_claimed(
+        platform.provider, launch.subject, persons=launch.claimed, within=platform.course
+    )
     person = Person(subject=launch.subject)
     return Arrived(arrival=arrive(services, platform.provider, person), assignment=assignment)
 

@@ -72,9 +72,8 @@ def arrive(services: Services, provider: str, person: Person) -> Arrival:
     """
     _require_courses(services)
     identities, within = services.identities, _within(services, provider)
-    identities.bind_claimed(
-        provider, person.subject, person=person.claimed, email=person.email, within=within
-    )
+    claimed = (person.claimed,) if person.claimed else ()
+    identities.bind_claimed(provider, person.subject, persons=claimed, email=person.email, within=within)
     known = identities.of_subject(provider, person.subject)
     if len(known) == 1 and (session := identities.open_session(known[0])) is not None:
         return Arrival(session=session)

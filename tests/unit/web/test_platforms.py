@@ -193,6 +193,19 @@ def test_who_is_a_student_of_the_list_is_let_in(
     assert client.get("/class", follow_redirects=False).status_code == 403  # a role is never believed
 
 
+@pytest.mark.parametrize("claimed", [("li", "han"), ("han", "li")])
+def test_whoever_claims_to_be_two_students_shows_a_token(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, claimed: tuple[str, str]
+) -> None:
+    """A platform may let people write one of the fields themselves, as Moodle does with the ID number."""
+    number, name = claimed
+    said = {"lis": {"person_sourcedid": number}, "custom": {"username": name}}
+    assert 'action="/enter/bind"' in open_activity(client, moodle, ready, **said).text
+    assert ready.identities.of_member("ros", "li") == ready.identities.of_member("ros", "han") == ()
+    alone = {"lis": {"person_sourcedid": number}, "custom": {"username": "unknown"}}
+    assert 'action="/enter/bind"' not in open_activity(client, moodle, ready, **alone).text
+
+
 REFUSED: dict[str, Claims] = {
     "wrong version": {"version": "1.1"},
     "no version": {"version": ...},
