@@ -2,6 +2,7 @@
 
 import argparse
 import io
+import re
 import sys
 import zipfile
 from collections.abc import Iterator
@@ -29,7 +30,9 @@ from grader.render.documents import to_gradescope
 
 _ROOT: Final = Path("/autograder")
 _STAMP: Final = (2020, 1, 1, 0, 0, 0)  # of all files of the zip: the same parts make the same bytes
-_LEFT_OUT: Final = ("__pycache__", "assignments", "lesson", "docs", "requirements.lock")
+_LOCK: Final = "requirements.lock"
+_OF_PYTHON: Final = re.compile(rb"^(\S+) ; python_full_version (<|>=) '3\.12'", re.MULTILINE)
+_LEFT_OUT: Final = ("__pycache__", "assignments", "lesson", "docs", _LOCK)
 
 _SETUP: Final = """\
 #!/usr/bin/env bash
@@ -107,7 +110,8 @@ def _pack(arguments: argparse.Namespace, folder: Path, assignment: Assignment) -
             script = text.replace("@LANGUAGE@", arguments.lang).replace("@ASSIGNMENT@", assignment.id)
             _add(archive, name, script.encode(), executable=True)
         for name, path in _files(folder, assignment):
-            _add(archive, name, path.read_bytes())
+            content = path.read_bytes()
+            _add(archive, name, _for_python_311(content) if name == _LOCK else content)
     try:
         out.write_bytes(packed.getvalue())
     except OSError as error:
@@ -126,7 +130,7 @@ def _files(folder: Path, assignment: Assignment) -> Iterator[tuple[str, Path]]:
         parts = path.relative_to(package).parts
         if path.is_file() and not any(part in _LEFT_OUT for part in (parts[0], *parts[:-1])):
             yield f"grader/{'/'.join(parts)}", path
-    yield "requirements.lock", _lock(package)
+    yield _LOCK, _lock(package)
     for path in sorted(folder.rglob("*")):
         parts = path.relative_to(folder).parts
         if (
@@ -138,13 +142,23 @@ def _files(folder: Path, assignment: Assignment) -> Iterator[tuple[str, Path]]:
 
 
 def _lock(package: Path) -> Path:
-    for path in (package / "requirements.lock", package.parent / "requirements.lock"):
+    for path in (package / _LOCK, package.parent / _LOCK):
         if path.is_file():
             return path
     raise SettingsError(
         "requirements.lock is missing from this installation; reinstall the grader",
         "安装里缺少 requirements.lock：请重新安装 grader",
     )
+
+
+def _for_python_311(lock: bytes) -> bytes:
+    """Return the packages for the Python that `_SETUP` installs, without conditions.
+
+    Ubuntu 22.04 has 3.11.0rc1, of which its pip 22.0 says that it is neither below 3.12 nor above.
+    """
+    entries = re.split(rb"^(?=\S)", lock, flags=re.MULTILINE)
+    found = [(one, _OF_PYTHON.match(one)) for one in entries]
+    return b"".join(_OF_PYTHON.sub(rb"\1", one) for one, of in found if of is None or of[2] == b"<")
 
 
 def _add(archive: zipfile.ZipFile, name: str, content: bytes, *, executable: bool = False) -> None:
