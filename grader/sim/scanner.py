@@ -15,11 +15,15 @@ from grader.contracts.robot import RAYS, SCANNER_Z_M
 from grader.geometry.room import corners
 
 Ranges = NDArray[np.float32]
+Side = tuple[float, float, float, float, float]
+Pose = tuple[float, float, float, float]
 
 LAST_ANGLE_RAD: Final = 6.28
 STEP_RAD: Final = LAST_ANGLE_RAD / (RAYS - 1)
 ANGLES_RAD: Final = tuple(i * STEP_RAD for i in range(RAYS))
 _AHEAD: Final = np.array([math.cos(angle) for angle in ANGLES_RAD], dtype=np.float32)
+_ONE: Final = np.float32(1.0)
+_BEYOND: Final = np.full(RAYS, math.inf, dtype=np.float32)
 _LEFT: Final = np.array([math.sin(angle) for angle in ANGLES_RAD], dtype=np.float32)
 
 
@@ -34,62 +38,90 @@ class RoomScanner:
         high = [solid for solid in room.solids if solid.height_m > SCANNER_Z_M]
         self.exact = all(solid.kind != "ramp" for solid in high)
         sides = [side for solid in high if solid.kind != "cylinder" for side in _sides(corners(solid))]
-        self._nx, self._ny, self._offset, self._begin, self._end = np.array(sides).reshape(-1, 5).T.copy()
-        round_ones = [(each.x_m, each.y_m, each.length_m / 2.0) for each in high if each.kind == "cylinder"]
-        self._round = np.array(round_ones).reshape(-1, 3)
+        self._sides = sides
+        self._round = [
+            (each.x_m, each.y_m, (each.length_m / 2.0) ** 2) for each in high if each.kind == "cylinder"
+        ]
 
     def ranges_m(self, x_m: float, y_m: float, heading_rad: float, most_m: float) -> Ranges:
         """Return how far each ray goes from a scanner in this pose; infinite where that is more than `most_m`."""
         c, s = math.cos(heading_rad), math.sin(heading_rad)
         best = np.full(RAYS, 1.0 / most_m, dtype=np.float32)  # the inverse range
-        away = self._nx * x_m + self._ny * y_m - self._offset
-        near = np.flatnonzero((away > 0.0) & (away <= most_m))
-        if near.size:
-            np.maximum(best, self._of_sides(near, away[near], (x_m, y_m, c, s)), out=best)
-        if self._round.size:
-            np.maximum(best, self._of_cylinders(x_m, y_m, c, s), out=best)
-        best[best <= np.float32(1.0 / most_m)] = 0.0
-        with np.errstate(divide="ignore"):
-            return np.asarray(np.float32(1.0) / best)
-
-    def _of_sides(
-        self, near: NDArray[np.intp], away: NDArray[np.float64], pose: tuple[float, float, float, float]
-    ) -> Ranges:
-        """Return the largest inverse range to a side, 0 for rays that meet none.
-
-        The inverse range to a side's line is linear in the ray's direction, and so is on which side of either end
-        the ray passes.
-        """
-        x, y, c, s = pose
-        nx, ny = self._nx[near], self._ny[near]
-        here = nx * y - ny * x
-        ahead, left = nx * c + ny * s, ny * c - nx * s
-        to_x, to_y = -ahead / away, -left / away
-        begin, end = self._begin[near] - here, self._end[near] - here
-        by_x = np.concatenate((to_x, -left - begin * to_x, left + end * to_x)).astype(np.float32)
-        by_y = np.concatenate((to_y, ahead - begin * to_y, end * to_y - ahead)).astype(np.float32)
-        forms = np.multiply.outer(by_x, _AHEAD)
-        forms += np.multiply.outer(by_y, _LEFT)
-        count = len(near)
-        inside = np.minimum(forms[count : 2 * count], forms[2 * count :]) >= 0.0
-        forms[:count] *= inside
-        return np.asarray(np.max(forms[:count], axis=0))
-
-    def _of_cylinders(self, x_m: float, y_m: float, c: float, s: float) -> Ranges:
-        dx, dy = self._round[:, 0] - x_m, self._round[:, 1] - y_m
-        ahead, left = (dx * c + dy * s).astype(np.float32), (dy * c - dx * s).astype(np.float32)
-        along = np.multiply.outer(ahead, _AHEAD)
-        along += np.multiply.outer(left, _LEFT)
-        beside = (self._round[:, 2] ** 2 - (dx * dx + dy * dy)).astype(np.float32)
-        rest = along * along
-        rest += beside[:, None]
-        hit = (rest > 0.0) & (along > 0.0)
-        along -= np.sqrt(np.where(hit, rest, np.float32(0.0)))
-        found = np.divide(np.float32(1.0), along, out=np.zeros_like(along), where=hit)
-        return np.asarray(found.max(axis=0))
+        pose = (x_m, y_m, c, s)
+        if len(sides := _seen_sides(self._sides, pose, most_m)):
+            np.maximum(best, _of_sides(sides), out=best)
+        if len(cylinders := _seen_cylinders(self._round, pose)):
+            np.maximum(best, _of_cylinders(cylinders), out=best)
+        return np.divide(_ONE, best, out=_BEYOND.copy(), where=best > np.float32(1.0 / most_m))
 
 
-def _sides(around: NDArray[np.float64]) -> list[tuple[float, float, float, float, float]]:
+def _seen_sides(sides: list[Side], pose: Pose, most_m: float) -> NDArray[np.float32]:
+    """Return six numbers of each side that faces the scanner: by x and by y, of the three forms of `_of_sides`.
+
+    In Python's own numbers: for some ten sides twice as fast as by numpy, and the same bits.
+    """
+    x, y, c, s = pose
+    found = []
+    for nx, ny, offset, begin, end in sides:
+        away = nx * x + ny * y - offset
+        if 0.0 < away <= most_m:
+            here = nx * y - ny * x
+            ahead, left = nx * c + ny * s, ny * c - nx * s
+            to_x, to_y = -ahead / away, -left / away
+            begin, end = begin - here, end - here  # noqa: PLW2901 - seen from the scanner
+            by_begin = (-left - begin * to_x, ahead - begin * to_y)
+            by_end = (left + end * to_x, end * to_y - ahead)
+            found.append((to_x, by_begin[0], by_end[0], to_y, by_begin[1], by_end[1]))
+    return np.array(found, dtype=np.float32)
+
+
+def _of_sides(sides: NDArray[np.float32]) -> Ranges:
+    """Return the largest inverse range to a side, 0 for rays that meet none.
+
+    The inverse range to a side's line is linear in the ray's direction, and so is on which side of either end
+    the ray passes.
+    """
+    count = len(sides)
+    columns = sides.T.reshape(2, 3 * count)
+    forms = np.multiply.outer(columns[0], _AHEAD)
+    forms += np.multiply.outer(columns[1], _LEFT)
+    inside = np.minimum(forms[count : 2 * count], forms[2 * count :]) >= 0.0
+    forms[:count] *= inside
+    return np.asarray(np.maximum.reduce(forms[:count], axis=0))
+
+
+def _seen_cylinders(cylinders: list[tuple[float, float, float]], pose: Pose) -> NDArray[np.float32]:
+    """Return of each cylinder where its axis is, in lengths of a tangent to it, and the inverse of that length."""
+    x, y, c, s = pose
+    found = []
+    for x_m, y_m, radius_squared in cylinders:
+        dx, dy = x_m - x, y_m - y
+        square = dx * dx + dy * dy - radius_squared
+        if square > 0.0:
+            per_tangent = 1.0 / math.sqrt(square)
+            found.append(((dx * c + dy * s) * per_tangent, (dy * c - dx * s) * per_tangent, per_tangent))
+    return np.array(found, dtype=np.float32)
+
+
+def _of_cylinders(cylinders: NDArray[np.float32]) -> Ranges:
+    """Return the largest inverse range to a cylinder, 0 for rays that meet none.
+
+    A ray that passes the axis' foot at a distance of u tangents' lengths has the inverse range u + sqrt(u^2 - 1),
+    over that length; u is linear in the ray's direction, and more than 1 where the ray hits.
+    """
+    along = np.multiply.outer(cylinders[:, 0], _AHEAD)
+    along += np.multiply.outer(cylinders[:, 1], _LEFT)
+    hit = along > _ONE
+    found = along * along
+    found -= _ONE
+    np.sqrt(found, out=found, where=hit)
+    found += along
+    found *= hit
+    found *= cylinders[:, 2:]
+    return np.asarray(np.maximum.reduce(found, axis=0))
+
+
+def _sides(around: NDArray[np.float64]) -> list[Side]:
     """Return the sides of an outline: outward normal, its distance from the origin, begin and end along it."""
     found = []
     for (x0, y0), (x1, y1) in zip(around.tolist(), np.roll(around, -1, axis=0).tolist(), strict=True):

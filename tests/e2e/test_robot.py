@@ -1,7 +1,27 @@
 """Scripts of the robot's exercises, in the real sandbox: sensors arrive, QoS counts, the same bytes come again."""
 
+import os
+
+import pytest
+
+from grader.catalog import Catalog, set_root
+from grader.commands.validation import examine
 from grader.contracts.grading import Grader
+from grader.contracts.text import EMPTY
 from tests.e2e.grading_slot import catalog, grade
+
+EXERCISES = [one.id for one in Catalog(set_root("robot")).all()]
+SEEDS = int(os.environ.get("SEEDS", "0"))
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_own_scripts_get_what_they_must(grader: Grader, name: str) -> None:
+    """The solution gets full marks. ``SEEDS=20`` tries all scripts with so many rooms, noises and wheels."""
+    assert grade(grader, name, own(name)).score == 100
+    for shift in range(SEEDS):
+        findings = examine(catalog().with_seeds(100 * shift), name, grader).findings
+        assert len(findings) >= 6
+        assert not [finding for finding in findings if finding.problem != EMPTY], shift
 
 
 def own(name: str, file: str = "solution.py") -> bytes:
