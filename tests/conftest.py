@@ -12,6 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
+
+os.environ["HYPOTHESIS_NO_PLUGINS"] = (
+    "1"  # the only one is trio's, which takes longer to import than hypothesis
+)
 from hypothesis import HealthCheck, settings
 
 from tests.fakes import postgres

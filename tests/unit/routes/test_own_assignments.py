@@ -1,6 +1,6 @@
 """Assignments that instructors upload to their course, over HTTP and with a worker's examiner."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import replace
 from typing import Any
@@ -12,6 +12,7 @@ from grader.catalog import default_root
 from grader.checks import evaluate_text
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.grading import GradingJob, GradingResult
+from grader.examination.reading import Reading, read_folder
 from grader.examination.zipped import packed
 from grader.grading.slot import Slot
 from grader.packages.bundle import bundled
@@ -93,6 +94,22 @@ class Desk:
 @pytest.fixture
 def grader() -> TextGrader:
     return TextGrader()
+
+
+_READ: dict[tuple[tuple[str, bytes], ...], Reading] = {}
+
+
+@pytest.fixture(autouse=True)
+def each_folder_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Many tests upload the same folder, and each look at it starts a process."""
+
+    def read(files: Mapping[str, bytes]) -> Reading:
+        content = tuple(sorted(files.items()))
+        if content not in _READ:
+            _READ[content] = read_folder(files)
+        return _READ[content]
+
+    monkeypatch.setattr("grader.use_cases.own_assignments.read_folder", read)
 
 
 @pytest.fixture
