@@ -140,17 +140,20 @@ def _exchange(
         raise UnreachableError(f"{address}: {type(error).__name__}: {error}") from error
 
 
-@functools.cache
-def _trust() -> ssl.SSLContext:
-    """Return whom certificates may be from: whom browsers believe, and whom this machine does besides.
+def trusting() -> ssl.SSLContext:
+    """Return a context that believes whom browsers believe, and whom this machine does besides.
 
-    A school's servers are often signed by the school, whose certificate an operator adds to the machine's.
+    A school's servers are often signed by the school, whose certificate an operator adds to the machine's. A slim
+    container has none but those that come with `httpx`.
     """
     import httpx
 
-    trusted = httpx.create_ssl_context(trust_env=False)
-    trusted.load_default_certs()
-    return trusted
+    context = httpx.create_ssl_context(trust_env=False)
+    context.load_default_certs()
+    return context
+
+
+_trust = functools.cache(trusting)  # takes longer to make than many an exchange
 
 
 def _public(host: str, port: int) -> str:

@@ -1,13 +1,14 @@
 """What is asked of other servers, and what their answers may not do."""
 
 import socket
+import ssl
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
 
 from grader.signin import channel
-from grader.signin.channel import UnreachableError, get, host_of, post_json
+from grader.signin.channel import UnreachableError, get, host_of, post_json, trusting
 from tests.fakes.authority import authority, https
 from tests.fakes.provider import provider
 
@@ -114,3 +115,12 @@ def test_a_server_that_the_school_signs_is_believed_where_the_machine_does(
         assert get(address) == b"secret"
         with pytest.raises(UnreachableError, match="CERTIFICATE_VERIFY_FAILED"):
             get(address.replace("localhost", "127.0.0.1"))
+
+
+def test_a_machine_that_believes_nobody_believes_whom_browsers_do(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("SSL_CERT_FILE", str(tmp_path / "none.pem"))
+    monkeypatch.setenv("SSL_CERT_DIR", str(tmp_path))
+    assert not ssl.create_default_context().get_ca_certs()
+    assert len(trusting().get_ca_certs()) > 50
