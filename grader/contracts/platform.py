@@ -81,3 +81,27 @@ class PlatformScore:
     not_before: datetime
     tries: int
     trouble: str
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Picking:
+    """What a platform asks to be chosen: which assignments it makes activities of.
+
+    Attributes:
+        back: where the answer goes. data: what is given back with it; empty: nothing.
+        several: more than one activity may be made. scored: each may bring a column of the gradebook.
+    """
+
+    back: str
+    data: str
+    several: bool
+    scored: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class OpenPicking(Picking):
+    """A choice that somebody who came from a platform, there called `subject`, may make `until` then."""
+
+    platform: str
+    subject: str
+    until: datetime

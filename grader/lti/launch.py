@@ -4,16 +4,16 @@ import secrets
 import threading
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any
 from urllib.parse import urlencode
 
-from grader.contracts.platform import Platform
+from grader.contracts.platform import Picking, Platform
+from grader.lti.picking import CLAIM, SETTINGS, read_picking
 from grader.lti.scores import SCORE_SCOPE
 from grader.signin import SignInError
 from grader.signin.oidc import KeySet, check_token
 
-CLAIM: Final = "https://purl.imsglobal.org/spec/lti/claim/"
-_LINK = "LtiResourceLinkRequest"
+_LINK, _PICK = "LtiResourceLinkRequest", "LtiDeepLinkingRequest"
 _SCORES = "https://purl.imsglobal.org/spec/lti-ags/claim/endpoint"
 _SECRET_BYTES = 32
 _OLDEST_S = 600
@@ -41,6 +41,7 @@ class Launch:
         resource, title: of the activity. assignment: where the activity says that it leads; may be empty.
         line_item: where its scores go; empty: nowhere.
         until_s: when the message ends.
+        picking: what the platform asks to be chosen, where no activity was opened but new ones are made.
     """
 
     subject: str
@@ -50,6 +51,7 @@ class Launch:
     assignment: str = ""
     line_item: str = ""
     until_s: float = 0.0
+    picking: Picking | None = None
 
 
 def login_address(platform: Platform, kept: Kept, back: str, hint: str, message_hint: str | None) -> str:
@@ -107,12 +109,15 @@ class Launches:
 
 def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
     roles, resource = claims.get(f"{CLAIM}roles"), _object(claims.get(f"{CLAIM}resource_link"))
+    kind = claims.get(f"{CLAIM}message_type")
+    picking = read_picking(claims.get(SETTINGS)) if kind == _PICK else None
     wrong = {
         "version": claims.get(f"{CLAIM}version") != "1.3.0",
         "deployment_id": claims.get(f"{CLAIM}deployment_id") != platform.deployment,
-        "message_type": claims.get(f"{CLAIM}message_type") != _LINK,
+        "message_type": kind not in (_LINK, _PICK),
         "roles": not isinstance(roles, list) or not all(isinstance(one, str) for one in roles),
-        "resource_link": not 1 <= len(_text(resource.get("id"))) <= _LONGEST_RESOURCE,
+        "resource_link": kind != _PICK and not 1 <= len(_text(resource.get("id"))) <= _LONGEST_RESOURCE,
+        "deep_linking_settings": kind == _PICK and picking is None,
     }
     failed = [name for name, is_wrong in wrong.items() if is_wrong]
     if failed:
@@ -130,6 +135,7 @@ def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
         assignment=_text(custom.get("assignment")),
         line_item=_text(scores.get("lineitem")) if may_score else "",
         until_s=float(claims["exp"]),
+        picking=picking,
     )
 
 

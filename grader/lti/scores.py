@@ -134,6 +134,10 @@ class ScoreChannel:
         """Return the keys by which platforms check what they are sent."""
         return self._signer().public()
 
+    def signed(self, claims: dict[str, Any]) -> str:
+        """Return a message that a browser brings to a platform."""
+        return self._signer().signed(claims)
+
     def _token(self, platform: Platform) -> str:
         with self._lock:
             known, until_s = self._tokens.get(platform.id, ("", 0.0))

@@ -10,7 +10,7 @@ from sqlalchemy.exc import IntegrityError
 from sqlmodel import col
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.platform import NewPlatform, Platform, PlatformLink
+from grader.contracts.platform import NewPlatform, OpenPicking, Picking, Platform, PlatformLink
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.database import Database, one_at_a_time
@@ -18,6 +18,7 @@ from grader.store.tables import (
     IdentityRow,
     PlatformKeyRow,
     PlatformLinkRow,
+    PlatformPickingRow,
     PlatformRow,
     PlatformScoreRow,
     TokenRow,
@@ -26,7 +27,9 @@ from grader.store.tables import (
 )
 
 _ID_BYTES = 6
+_SECRET_BYTES = 32
 _SKEW = timedelta(minutes=2)
+_PICKING = timedelta(hours=1)
 MOST_PLATFORMS = 10
 """Of one course."""
 
@@ -77,6 +80,7 @@ class Platforms:
             session.execute(delete(IdentityRow).where(col(IdentityRow.provider) == provider))
             session.execute(delete(PlatformScoreRow).where(col(PlatformScoreRow.platform) == row.id))
             session.execute(delete(PlatformLinkRow).where(col(PlatformLinkRow.platform) == row.id))
+            session.execute(delete(PlatformPickingRow).where(col(PlatformPickingRow.platform) == row.id))
             session.delete(row)
             before = {"title": row.title, "issuer": row.issuer, "client_id": row.client_id}
             record(session, signed, "platform.remove", f"platform {row.id}", before=before)
@@ -112,9 +116,7 @@ class Platforms:
     def use(self, message: str, expires_at: datetime) -> bool:
         """Note that a message lets somebody in; False: it has done so before."""
         now = self._clock()
-        row = UsedMessageRow(
-            sha256=hashlib.sha256(message.encode()).hexdigest(), expires_at=expires_at + _SKEW
-        )
+        row = UsedMessageRow(sha256=_digest(message), expires_at=expires_at + _SKEW)
         try:
             with self._database.writing() as session:
                 session.execute(delete(UsedMessageRow).where(col(UsedMessageRow.expires_at) <= now))
@@ -150,6 +152,27 @@ class Platforms:
             session.flush()
             return as_contract(row, PlatformLink)
 
+    def open_picking(self, platform: str, subject: str, picking: Picking) -> str:
+        """Let whom a platform calls `subject` choose for an hour; return the secret by which they do."""
+        secret, now = secrets.token_urlsafe(_SECRET_BYTES), self._clock()
+        row = PlatformPickingRow(
+            sha256=_digest(secret),
+            platform=platform,
+            subject=subject,
+            until=now + _PICKING,
+            **{name: getattr(picking, name) for name in Picking.__dataclass_fields__},
+        )
+        with self._database.writing() as session:
+            session.execute(delete(PlatformPickingRow).where(col(PlatformPickingRow.until) <= now))
+            session.add(row)
+        return secret
+
+    def picking(self, secret: str) -> OpenPicking | None:
+        """Return the choice that is made by a secret; None: there is none, or not any more."""
+        with self._database.reading() as session:
+            row = session.get(PlatformPickingRow, _digest(secret))
+            return None if row is None or row.until <= self._clock() else as_contract(row, OpenPicking)
+
     def links(self, course: str) -> tuple[PlatformLink, ...]:
         """Return the activities of a course's platforms that were opened so far, the last one first."""
         statement = (
@@ -176,3 +199,7 @@ class Platforms:
                 return tuple(row.secret for row in known)
             session.add(PlatformKeyRow(id=id_, secret=secret, created_at=self._clock()))
             return (secret,)
+
+
+def _digest(secret: str) -> str:
+    return hashlib.sha256(secret.encode()).hexdigest()

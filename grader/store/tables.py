@@ -568,6 +568,21 @@ class PlatformRow(SQLModel, table=True):
     created_at: datetime = Field(sa_column=instant_column())
 
 
+class PlatformPickingRow(SQLModel, table=True):
+    """What a platform asks to be chosen. `sha256`: of the secret by which the page of the choice is opened."""
+
+    __tablename__: ClassVar[str] = "platform_picking"
+
+    sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
+    platform: str = Field(foreign_key="platform.id", max_length=16)
+    subject: str = Field(max_length=255)
+    back: str = Field(sa_column=text_column())
+    data: str = Field(sa_column=text_column())
+    several: bool
+    scored: bool
+    until: datetime = Field(sa_column=instant_column())
+
+
 class PlatformLinkRow(SQLModel, table=True):
     """An activity of a platform that was opened."""
 

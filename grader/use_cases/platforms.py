@@ -1,7 +1,7 @@
 """Learning platforms: who comes from one, where that leads, and what an instructor sets up."""
 
 import logging
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from typing import Any
 
@@ -23,10 +23,16 @@ _LONGEST_ADDRESS = 1_000
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Arrived:
-    """Somebody who came from a platform. `assignment`: where the activity leads; empty: to all of them."""
+    """Somebody who came from a platform.
 
-    arrival: Arrival
-    assignment: str
+    Attributes:
+        assignment: where the activity leads; empty: to all of them.
+        picking: the secret by which they choose what the platform makes activities of; empty: they opened one.
+    """
+
+    arrival: Arrival = field(default_factory=Arrival)
+    assignment: str = ""
+    picking: str = ""
 
 
 def begin(services: Services, said: dict[str, str]) -> tuple[Kept, str]:
@@ -35,7 +41,7 @@ def begin(services: Services, said: dict[str, str]) -> tuple[Kept, str]:
     Raises:
         RefusedError: no platform calls itself so.
     """
-    public_url = _public_url(services)
+    back = f"{public_url(services)}/lti/launch"
     issuer, client = said.get("iss", ""), said.get("client_id", "")
     platform = services.platforms.named(issuer, client, said.get("lti_deployment_id", ""))
     if platform is None:
@@ -43,7 +49,7 @@ def begin(services: Services, said: dict[str, str]) -> tuple[Kept, str]:
         raise RefusedError("platform_unknown")
     kept = Kept(platform=platform.id)
     hints = said.get("login_hint", ""), said.get("lti_message_hint")
-    return kept, login_address(platform, kept, f"{public_url}/lti/launch", *hints)
+    return kept, login_address(platform, kept, back, *hints)
 
 
 def finish(services: Services, kept: Kept, token: str) -> Arrived:
@@ -63,10 +69,13 @@ def finish(services: Services, kept: Kept, token: str) -> Arrived:
         raise RefusedError(error.code) from None
     if not services.platforms.use(kept.nonce, datetime.fromtimestamp(launch.until_s, UTC)):
         raise RefusedError("signin_expired")
-    assignment = _opened(services, platform, launch)
     services.identities.bind_claimed(
         platform.provider, launch.subject, persons=launch.claimed, within=platform.course
     )
+    if launch.picking is not None:
+        picking = services.platforms.open_picking(platform.id, launch.subject, launch.picking)
+        return Arrived(picking=picking)
+    assignment = _opened(services, platform, launch)
     person = Person(subject=launch.subject)
     return Arrived(arrival=arrive(services, platform.provider, person), assignment=assignment)
 
@@ -104,7 +113,7 @@ def public_keys(services: Services) -> dict[str, Any]:
     Raises:
         RefusedError: the service is not set up for platforms.
     """
-    _public_url(services)
+    public_url(services)
     return services.score_channel.public_keys()
 
 
@@ -115,7 +124,7 @@ def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platfo
         RefusedError: the caller is no instructor, a field is wrong, or the platform is there already.
     """
     _course(caller)
-    _public_url(services)
+    public_url(services)
     for name in NewPlatform.__dataclass_fields__:
         value = getattr(new, name)
         if not value or len(value) > _LONGEST.get(name, _LONGEST_ADDRESS) or not value.isprintable():
@@ -161,7 +170,12 @@ def _course(caller: Caller) -> str:
     return caller.course
 
 
-def _public_url(services: Services) -> str:
+def public_url(services: Services) -> str:
+    """Return where the service is.
+
+    Raises:
+        RefusedError: it does not know that, so that no platform can lead to it.
+    """
     if not services.providers.public_url:
         raise RefusedError("platforms_not_set_up")
     return services.providers.public_url

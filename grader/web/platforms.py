@@ -6,7 +6,7 @@ a page offers the same in a window of its own.
 """
 
 from typing import Annotated
-from urllib.parse import urlencode, urlsplit
+from urllib.parse import urlencode
 
 from fastapi import APIRouter, Depends, Form, Request, Response
 from fastapi.responses import JSONResponse, RedirectResponse
@@ -20,6 +20,7 @@ from grader.web.access import InstructorDep, ServicesDep, Visitor, require_staff
 from grader.web.errors import FormProblem, form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
+from grader.web.picking import PICK, framed_by
 from grader.web.signing_in import arrived, kept_by
 
 router = APIRouter(prefix="/lti", include_in_schema=False)
@@ -34,6 +35,7 @@ _OURS = {
     "initiate_url": "/lti/login",
     "keys_url": "/lti/keys",
     "redirect_url": "/lti/launch",
+    "pick_url": PICK,
 }
 """What a platform asks for, by the name of the text that says so."""
 
@@ -87,6 +89,8 @@ def launch(
         raise RefusedError("signin_refused")
     went = Kept(platform=kept.get("platform", ""), state=kept["state"], nonce=kept["nonce"])
     came = platforms.finish(services, went, id_token)
+    if came.picking:
+        return RedirectResponse(f"{PICK}/{came.picking}", status_code=303)
     response = arrived(request, came.arrival, f"/assignments/{came.assignment}" if came.assignment else "/")
     response.delete_cookie(COOKIE, path="/lti", httponly=True, secure=True, samesite="none")
     return response
@@ -122,23 +126,19 @@ def remove(
 def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Response:
     asked = {name: said[name] for name in _ASKED if name in said and len(said[name]) <= _LONGEST}
     kept, address = platforms.begin(services, asked)
-    if request.headers.get("sec-fetch-dest") in ("iframe", "frame"):
+    framed = request.headers.get("sec-fetch-dest") in ("iframe", "frame")
+    picks = asked.get("target_link_uri") == f"{services.providers.public_url}{PICK}"
+    if framed and not picks:  # what is chosen must be brought back from where it was asked for
         shown = page(request, "lti_window.html", address=f"/lti/login?{urlencode(asked)}")
-        policy = shown.headers["Content-Security-Policy"]
-        framed = f"frame-ancestors {_origin(asked['iss'])} {_origin(address)}"
-        shown.headers["Content-Security-Policy"] = policy.replace("frame-ancestors 'none'", framed)
-        return shown
+        return framed_by(shown, asked["iss"], address)
     response = RedirectResponse(address, status_code=303)
     value = urlencode({"platform": kept.platform, "state": kept.state, "nonce": kept.nonce})
     response.set_cookie(
         COOKIE, value, max_age=_PATIENCE_S, path="/lti", httponly=True, secure=True, samesite="none"
     )
+    if framed:  # a cookie of the frame's page and ours, which browsers keep that keep none of other sites
+        response.headers["Set-Cookie"] += "; Partitioned"
     return response
-
-
-def _origin(address: str) -> str:
-    parts = urlsplit(address)
-    return f"{parts.scheme}://{parts.netloc}"
 
 
 def _desk(

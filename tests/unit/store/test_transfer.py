@@ -13,7 +13,7 @@ from grader.contracts.errors import InfrastructureError, SettingsError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import RosterEntry
 from grader.contracts.notice import Draft, MailWishes, NewWebhook, NoticeKind, Outlet, Vendor
-from grader.contracts.platform import NewPlatform, PlatformLink
+from grader.contracts.platform import NewPlatform, Picking, PlatformLink
 from grader.contracts.regrade import Wanted
 from grader.contracts.rules import Extension, Rules
 from grader.contracts.submission import NewSubmission, WorkerState
@@ -62,6 +62,8 @@ def fill(database: Database) -> str:
     opened = platforms.open_link(PlatformLink(platform=used.id, used_at=clock(), **line))
     assert PlatformScores(database, clock).claim(opened, "ros", "li", "a" * 64)
     assert platforms.use("message", clock())
+    picking = Picking(back="https://a.example", data="数据", several=True, scored=False)
+    platforms.open_picking(used.id, "l1", picking)
     notices = Notices(database, clock)
     notices.set_webhook(NewWebhook(outlet=Outlet.CLASS, vendor=Vendor.WECOM, address="https://a"), signed)
     notices.set_wishes(MailWishes(graded=True), signed)

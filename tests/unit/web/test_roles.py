@@ -53,6 +53,9 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /lti/login": (409,) * 6,  # the service's own address is not set up
     "POST /lti/login": (409,) * 6,
     "POST /lti/launch": (403,) * 6,  # nobody was sent away
+    "GET /lti/pick/{secret}": (410,) * 6,  # who has no secret, or one that is over
+    "POST /lti/pick/{secret}": (410,) * 6,
+    "POST /lti/pick/{secret}/token": (410,) * 6,
     "GET /class/platforms": INSTRUCTORS,
     "POST /class/platforms": (303, 403, 403, 403, 409, 409),  # not set up
     "POST /class/platforms/remove": (303, 403, 403, 403, 404, 404),
@@ -201,7 +204,7 @@ def sqlite_url(tmp_path: Path, prepared: Prepared) -> str:
 def school(services: Services, prepared: Prepared) -> dict[str, str]:
     """Ids that stand in the addresses, and everybody's session."""
     services.clock.now = prepared.now
-    return dict(prepared.school)
+    return {**prepared.school, "secret": "x" * 43}
 
 
 def test_every_page_has_a_line() -> None:

@@ -1,0 +1,87 @@
+"""The page on which an instructor chooses what a learning platform makes activities of (LTI Deep Linking).
+
+Platforms show it in a frame of their own page. No session of ours goes there, and no cookie is sure to: the secret
+in its address says who it is for (`grader.use_cases.picking`), and nothing else of the site can be framed.
+"""
+
+from typing import Annotated
+from urllib.parse import urlsplit
+
+from fastapi import APIRouter, Form, Path, Request, Response
+from fastapi.responses import RedirectResponse
+
+from grader.contracts.errors import RefusedError
+from grader.messages import on_page
+from grader.use_cases import picking
+from grader.web.access import ServicesDep
+from grader.web.errors import form_problem
+from grader.web.pages import language_of, page
+
+PICK = "/lti/pick"
+router = APIRouter(prefix=PICK, include_in_schema=False)
+Secret = Annotated[str, Path(min_length=43, max_length=43)]
+_POLICY = "Content-Security-Policy"
+_MOST_CHOSEN = 500
+
+
+@router.get("/{secret}")
+def read(request: Request, services: ServicesDep, secret: Secret) -> Response:
+    """Show what there is to choose, or ask for a token."""
+    return _shown(request, services, secret)
+
+
+@router.post("/{secret}/token")
+def show_token(
+    request: Request,
+    services: ServicesDep,
+    secret: Secret,
+    token: Annotated[str, Form(max_length=1_000)] = "",
+) -> Response:
+    """Note who it is that chooses, this once."""
+    if not picking.show_token(services, secret, token.strip()):
+        wrong = on_page(language_of(request), "enter.wrong_token")
+        return _shown(request, services, secret, wrong, status=403)
+    return RedirectResponse(f"{PICK}/{secret}", status_code=303)
+
+
+@router.post("/{secret}")
+def choose(
+    request: Request,
+    services: ServicesDep,
+    secret: Secret,
+    assignment: Annotated[list[str], Form(max_length=_MOST_CHOSEN)] = [],  # noqa: B006 - a form's default
+) -> Response:
+    """Lead the browser back to the platform, with what was chosen."""
+    language = language_of(request)
+    try:
+        answer = picking.choose(services, secret, assignment, language)
+    except RefusedError as error:
+        if error.code != "nothing_picked":
+            raise
+        problem = form_problem(error, language)
+        return _shown(request, services, secret, f"{problem.title} {problem.fix}", status=problem.status)
+    shown = page(request, "lti_picked.html", back=answer.back, message=answer.message)
+    policy = shown.headers[_POLICY].replace("form-action 'self'", f"form-action {_origin(answer.back)}")
+    shown.headers[_POLICY] = policy
+    return framed_by(shown, answer.back)
+
+
+def framed_by(response: Response, *addresses: str) -> Response:
+    """Let pages of the sites of `addresses` show a response in a frame."""
+    framed = " ".join(dict.fromkeys(map(_origin, addresses)))
+    policy = response.headers[_POLICY]
+    response.headers[_POLICY] = policy.replace("frame-ancestors 'none'", f"frame-ancestors {framed}")
+    return response
+
+
+def _shown(
+    request: Request, services: ServicesDep, secret: str, problem: str = "", *, status: int = 200
+) -> Response:
+    desk = picking.desk_of(services, secret)
+    shown = page(request, "lti_pick.html", status=status, desk=desk, secret=secret, problem=problem)
+    return framed_by(shown, desk.platform.issuer, desk.platform.login_url, desk.asked.back)
+
+
+def _origin(address: str) -> str:
+    parts = urlsplit(address)
+    return f"{parts.scheme}://{parts.netloc}"
