@@ -239,7 +239,8 @@ def test_every_refusal_of_a_use_case_has_a_type() -> None:
         call.args[0].value
         for path in (ROOT / "grader").rglob("*.py")
         if path.parent.name != "commands"  # they print what happened and need no type
-        for call in ast.walk(ast.parse(path.read_text()))
+        if "RefusedError(" in (source := path.read_text())  # reading the others as Python takes a second
+        for call in ast.walk(ast.parse(source))
         if isinstance(call, ast.Call)
         and isinstance(call.func, ast.Name)
         and call.func.id == "RefusedError"

@@ -1,7 +1,9 @@
 """Moving everything to another database and back, and backups of either kind."""
 
+import shutil
 import sqlite3
 from collections.abc import Iterator
+from contextlib import closing
 from datetime import timedelta
 from pathlib import Path
 
@@ -123,18 +125,25 @@ def fill(database: Database) -> str:
     return token
 
 
-@pytest.fixture
-def full(sqlite_database: Database) -> Database:
-    fill(sqlite_database)
-    return sqlite_database
+@pytest.fixture(scope="module")
+def filled_file(migrated_file: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A file to copy: filling one anew for each test would take most of the time."""
+    path = Path(shutil.copy(migrated_file, tmp_path_factory.mktemp("filled") / "grader.db"))
+    with closing(Database(f"sqlite:///{path}")) as database:
+        fill(database)
+    return path
 
 
 @pytest.fixture
-def other(tmp_path: Path) -> Iterator[Database]:
-    opened = Database(f"sqlite:///{tmp_path / 'other.db'}")
-    migrate(opened)
-    yield opened
-    opened.close()
+def full(filled_file: Path, tmp_path: Path) -> Iterator[Database]:
+    with closing(Database(f"sqlite:///{shutil.copy(filled_file, tmp_path / 'grader.db')}")) as opened:
+        yield opened
+
+
+@pytest.fixture
+def other(migrated_file: Path, tmp_path: Path) -> Iterator[Database]:
+    with closing(Database(f"sqlite:///{shutil.copy(migrated_file, tmp_path / 'other.db')}")) as opened:
+        yield opened
 
 
 def held(database: Database) -> object:
