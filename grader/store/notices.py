@@ -192,7 +192,7 @@ class Notices:
         statement = (
             select(NoticeRow)
             .join(CourseRow, col(CourseRow.id) == col(row.course))
-            .where(*mine, taught, col(row.until) > now)
+            .where(*mine, taught)
             .order_by(col(row.made_at), col(row.id))
             .limit(_MOST_AT_ONCE)
         )

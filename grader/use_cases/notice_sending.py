@@ -22,22 +22,16 @@ def send_notices(services: Services, stopped: Callable[[], bool] = lambda: False
             _log.warning("notices of course %s could not be written", course, exc_info=True)
     services.notices.give_up()
     taken = 0
-    silent: set[tuple[str, Outlet]] = set()
     for waiting in services.notices.waiting():
-        course = "" if waiting.outlet is Outlet.MAIL else waiting.course
         if stopped():
             break
-        if (course, waiting.outlet) in silent:
-            continue
         notice = services.notices.claim(waiting.id)
         if notice is None:
             continue
         try:
             taken += _send(services, notice)
-        except NotSentError as error:
+        except NotSentError as error:  # whose others are put off with it
             _failed(services, notice, error)
-            if not error.is_persons:
-                silent.add((course, waiting.outlet))  # the others there would wait as long for nothing
     return taken
 
 
