@@ -6,6 +6,7 @@ from matplotlib.patches import Polygon, Rectangle
 
 from grader.contracts.assignment import WINDOW_M
 from grader.contracts.figure import FigureSketch, SketchSide
+from grader.contracts.robot import BACK_M, FRONT_M, HALF_WIDTH_M
 from grader.contracts.trajectory import Floats, Trajectory
 from grader.render import palette
 from grader.render.annotations import annotate, position
@@ -15,6 +16,9 @@ from grader.render.scene import Scene
 _LEAST_EXTENT_M = 1.2
 _MARGIN = 0.16
 _NO_SKETCH = FigureSketch()
+_OUTLINE_M = np.array(
+    [(FRONT_M, HALF_WIDTH_M), (BACK_M, HALF_WIDTH_M), (BACK_M, -HALF_WIDTH_M), (FRONT_M, -HALF_WIDTH_M)]
+)
 
 
 def draw_plan(axes: Axes, scene: Scene) -> None:
@@ -29,6 +33,7 @@ def draw_plan(axes: Axes, scene: Scene) -> None:
     _frame(axes, path, sketch)
     _walls(axes, scene)
     _room(axes, sketch)
+    _robot(axes, track, sketch)
     _ideal(axes, sketch, scene)
     _regions(axes, sketch)
     _draw_path(axes, track, path, sketch, scene)
@@ -107,6 +112,20 @@ def _room(axes: Axes, sketch: FigureSketch) -> None:
         axes.add_patch(
             Polygon(list(solid.outline_m), closed=True, fc=face, ec=edge, lw=0.9, hatch=hatch, zorder=1.1)
         )
+
+
+def _robot(axes: Axes, track: Trajectory, sketch: FigureSketch) -> None:
+    """Draw the robot in its room, as large as it is: where it first touched something, and where it ended."""
+    if not sketch.solids:
+        return
+    touched = [contact.start_ns for contact in track.contacts][:1]
+    samples = [int(np.searchsorted(track.t_ns, t_ns)) for t_ns in touched]
+    last = len(track) - 1
+    for sample, colour in [*((min(each, last), palette.FAILED) for each in samples), (last, palette.INK)]:
+        heading = float(track.heading_rad[sample])
+        turn = np.array([[np.cos(heading), np.sin(heading)], [-np.sin(heading), np.cos(heading)]])
+        outline = _OUTLINE_M @ turn + (track.x_m[sample], track.y_m[sample])
+        axes.add_patch(Polygon(outline, closed=True, fc="#dfe6ea", ec=colour, lw=1.2, zorder=2.8))
 
 
 def _ideal(axes: Axes, sketch: FigureSketch, scene: Scene) -> None:

@@ -365,8 +365,11 @@ def _result(
         else recordings.measured_figure(services, access.visitor_of(request).caller, stored, run)
     )
     names = {name: on_page(language, f"figure.{name}") for name in _FIGURE_WORDS}
+    result = result_page(report, assignment, language)
+    in_room = assignment is not None and assignment.world.kind == "robot"
     return {
-        "result": result_page(report, assignment, language),
+        "result": result,
+        "pictures": [part for part in result.runs if in_room and part.case in stored.cases],
         "run": run,
         "cut": _cut_output(services, stored),
         "parts": () if figure is None else figure_parts(figure, names),

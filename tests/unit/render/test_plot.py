@@ -14,11 +14,13 @@ from hypothesis import strategies as st
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 from matplotlib.text import Text
 
 from grader.contracts.assignment import Case
-from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel, SketchSide
+from grader.contracts.figure import FigureSketch, SketchCorner, SketchLabel, SketchSide, SketchSolid
 from grader.contracts.outcome import LogRecord, RunStatus
+from grader.contracts.robot import BACK_M, FRONT_M, HALF_WIDTH_M
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Contact, Trajectory
@@ -267,6 +269,19 @@ def test_any_motion_can_be_drawn(
     motion.x_m[[hole for hole in holes if hole < len(motion)]] = np.nan
     jumps = (len(motion) // 2,) if len(motion) > 2 else ()
     assert plot(assignment(), report(), replace(motion, jumps=jumps), sketch)
+
+
+def test_a_robot_is_as_large_as_it_is_where_it_touched_and_where_it_ended() -> None:
+    motion = IdealTurtle().go(0.2, 0.0, 5.0).go(0.0, 1.0, np.pi / 2).stop().trajectory()
+    wall = SketchSolid(kind="wall", outline_m=((7.0, 5.0), (7.1, 5.0), (7.1, 6.0), (7.0, 6.0)))
+    touched = replace(motion, contacts=(Contact(start_ns=2_000_000_000, end_ns=3_000_000_000, wall="wall"),))
+    axes = drawn(draw_plan, scene(touched, FigureSketch(solids=(wall,))))
+    outlines = [patch.get_xy()[:-1] for patch in axes.patches if isinstance(patch, Polygon)]
+    _, there, last = outlines
+    assert there.min(axis=0) == pytest.approx((START_M + 0.4 + BACK_M, START_M - HALF_WIDTH_M), abs=0.01)
+    assert there.max(axis=0) == pytest.approx((START_M + 0.4 + FRONT_M, START_M + HALF_WIDTH_M), abs=0.01)
+    assert last.max(axis=0) == pytest.approx((START_M + 1.0 + HALF_WIDTH_M, START_M + FRONT_M), abs=0.01)
+    assert not drawn(draw_plan, scene(touched, FigureSketch())).patches  # a turtle has no outline
 
 
 def test_of_several_runs_each_has_its_picture_and_points() -> None:

@@ -4,16 +4,20 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import timedelta
+from typing import Any
 
 import pytest
 
+from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.outcome import LogRecord, Stream
 from grader.contracts.rubric import ItemStatus
 from grader.contracts.rules import LateRule, Rules
 from grader.contracts.submission import SubmissionState
 from grader.store.audit import Signature
+from grader.use_cases.assignments import published
 from grader.use_cases.services import Services
+from grader.web import submission
 from grader.web.source import source_view
 from grader.web.waiting import progress
 from tests.fakes.grading import grade
@@ -52,6 +56,24 @@ def test_the_program_is_shown_with_its_failing_line(browser: Browser, put: Calla
     assert kept.content == b"raise <b>\x0c\xe2\x80\xa8\r\n\tif good:\n"
     assert kept.headers["Content-Disposition"] == "attachment; filename*=UTF-8''%3Ci%3E.py"
     assert kept.headers["X-Content-Type-Options"] == "nosniff"
+
+
+def test_each_case_of_a_robot_has_its_picture(
+    browser: Browser, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    browser.enter(student="s1")
+    address = put(b"good good\n")
+    picture = f'<img class="plot" src="{address}/plot.png?case=default"'
+    assert browser.get(address).text.count(picture) == 1  # for browsers without scripts
+
+    def with_robot(*arguments: Any) -> Assignment:
+        found = published(*arguments)
+        return replace(found, world=replace(found.world, kind="robot"))
+
+    monkeypatch.setattr(submission, "published", with_robot)
+    text = browser.get(address).text
+    assert text.count(picture) == 2
+    assert 'loading="lazy"' in text
 
 
 def test_a_long_file_is_shown_in_part() -> None:
