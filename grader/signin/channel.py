@@ -4,18 +4,21 @@ Addresses that an operator set up are believed. Those that an instructor pasted 
 behind the service (`public_only`): the name is looked up once, and the connection goes to what was looked at.
 """
 
+import asyncio
 import functools
 import ipaddress
 import re
 import socket
 import ssl
-import time
 from collections.abc import Container, Mapping
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 from urllib.parse import urlsplit
 
 from grader.settings import is_loopback
+
+if TYPE_CHECKING:
+    import httpx
 
 PATIENCE_S = 5.0
 MOST_BYTES = 256 * 1024
@@ -113,31 +116,46 @@ def _exchange(
     host = host_of(address.partition("?")[0])
     if host is None:
         raise UnreachableError(f"{address!r} is no address")
-    sent, extensions, until_s = {"Accept-Encoding": "identity", **headers}, {}, time.monotonic() + _LONGEST_S
+    sent, extensions = {"Accept-Encoding": "identity", **headers}, {}
     try:
         url = httpx.URL(address)
         if public_only:
             sent["Host"] = url.netloc.decode()
             extensions["sni_hostname"] = host  # for which the certificate must be
             url = url.copy_with(host=_public(host, url.port or (443 if url.scheme == "https" else 80)))
-        with (
-            httpx.Client(
-                timeout=PATIENCE_S, follow_redirects=False, trust_env=False, verify=_trust()
-            ) as client,
-            client.stream(method, url, headers=sent, extensions=extensions, **request) as answer,
-        ):
-            if answer.status_code not in accepted:
-                raise UnreachableError(f"{address} answers {answer.status_code}")
-            content = b""
-            for part in answer.iter_raw():
-                content += part
-                if len(content) > MOST_BYTES:
-                    raise UnreachableError(f"{address} answers with more than {MOST_BYTES} bytes")
-                if time.monotonic() > until_s:
-                    raise UnreachableError(f"{address} answers for longer than {_LONGEST_S:.0f} s")
-            return answer.status_code, content
+        status, content = asyncio.run(_answer(method, url, headers=sent, extensions=extensions, **request))
+    except TimeoutError:
+        raise UnreachableError(f"{address} answers for longer than {_LONGEST_S:.0f} s") from None
     except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:  # ValueError: no host, no header's text
         raise UnreachableError(f"{address}: {type(error).__name__}: {error}") from error
+    if status not in accepted:
+        raise UnreachableError(f"{address} answers {status}")
+    if len(content) > MOST_BYTES:
+        raise UnreachableError(f"{address} answers with more than {MOST_BYTES} bytes")
+    return status, content
+
+
+async def _answer(method: str, url: "httpx.URL", **request: Any) -> tuple[int, bytes]:
+    """Return status and content, which is cut off after `MOST_BYTES` and one more part.
+
+    Each wait of httpx is short, but a server that sends a byte at a time could make very many of them, also
+    before its headers end. Only an asynchronous exchange can be given up as a whole.
+    """
+    import httpx
+
+    async with (
+        asyncio.timeout(_LONGEST_S),
+        httpx.AsyncClient(
+            timeout=PATIENCE_S, follow_redirects=False, trust_env=False, verify=_trust()
+        ) as client,
+        client.stream(method, url, **request) as answer,
+    ):
+        content = b""
+        async for part in answer.aiter_raw():
+            content += part
+            if len(content) > MOST_BYTES:
+                break
+        return answer.status_code, content
 
 
 def trusting() -> ssl.SSLContext:

@@ -73,12 +73,15 @@ class PlatformScores:
     def claim(self, link: PlatformLink, course: str, person: str, sha256: str) -> PlatformScore | None:
         """Take it on to send the score of that digest; return what was known of it.
 
-        None: another process sends or has sent it, or it is too early after a failure. Until `sent` it is unknown
-        what the platform has: whoever sends may die, or not hear that it was taken.
+        None: another process sends or has sent it, it is too early after a failure, or the activity is gone with
+        its platform. Until `sent` it is unknown what the platform has: whoever sends may die, or not hear that it
+        was taken.
         """
         now, row = self._clock(), PlatformScoreRow
         with self._database.writing() as session:
-            one_at_a_time(session, "platform_score", link.platform, link.resource, person)
+            one_at_a_time(session, "platform_link", link.platform)  # as `Platforms.remove`
+            if session.get(PlatformLinkRow, (link.platform, link.resource)) is None:
+                return None
             found = session.get(PlatformScoreRow, (link.platform, link.resource, person))
             if found is None:
                 found = row(

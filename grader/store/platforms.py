@@ -71,6 +71,7 @@ class Platforms:
     def remove(self, platform_id: str, signed: Signature) -> bool:
         """Take a platform away, with its activities and the bindings of its people, if it is there."""
         with self._database.writing() as session:
+            one_at_a_time(session, "platform_link", platform_id)
             row = session.get(PlatformRow, platform_id)
             if row is None or row.course != signed.course:
                 return False
@@ -129,9 +130,14 @@ class Platforms:
         """Note that an activity was opened; return it as it is known now.
 
         A title or an assignment that it does not say stays as it was. Where its scores go is as it says.
+
+        Raises:
+            RefusedError: the platform was removed meanwhile.
         """
         with self._database.writing() as session:
             one_at_a_time(session, "platform_link", link.platform)
+            if session.get(PlatformRow, link.platform) is None:
+                raise RefusedError("platform_unknown")
             row = session.get(PlatformLinkRow, (link.platform, link.resource))
             if row is None:
                 row = PlatformLinkRow(

@@ -3,14 +3,16 @@
 import socket
 import ssl
 from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from threading import Event
 
 import pytest
 
 from grader.signin import channel
 from grader.signin.channel import UnreachableError, get, host_of, post_json, trusting
 from tests.fakes.authority import authority, https
-from tests.fakes.provider import provider
 
 Resolver = Callable[..., list[tuple[int, int, int, str, tuple[str, int]]]]
 
@@ -95,12 +97,48 @@ def test_the_address_that_the_system_prefers_is_taken(monkeypatch: pytest.Monkey
     assert channel._public("moodle.example", 443) == "93.184.215.14"
 
 
-def test_an_answer_that_never_ends_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
-    with provider() as known:
-        assert get(f"{known.address}/keys")
-        monkeypatch.setattr(channel, "_LONGEST_S", -1.0)
-        with pytest.raises(UnreachableError, match="longer"):
-            get(f"{known.address}/keys")
+@contextmanager
+def dripping(begin: bytes, drop: bytes) -> Iterator[str]:
+    """A server that sends `begin` and then, for as long as somebody listens, a `drop` every few milliseconds."""
+    over = Event()
+
+    def serve() -> None:
+        connection, _ = server.accept()
+        with connection, suppress(OSError):
+            connection.sendall(begin)
+            while not over.wait(0.005):
+                connection.sendall(drop)
+
+    with socket.create_server(("127.0.0.1", 0)) as server, ThreadPoolExecutor(1) as pool:
+        serving = pool.submit(serve)
+        try:
+            yield f"http://127.0.0.1:{server.getsockname()[1]}/keys"
+        finally:
+            over.set()
+            serving.result()
+
+
+@pytest.mark.parametrize(
+    "begin",
+    [
+        pytest.param(b"HTTP/1.1 200 OK\r\nX-Slow: ", id="headers"),
+        pytest.param(b"HTTP/1.1 200 OK\r\nContent-Length: 200000\r\n\r\n", id="content"),
+        pytest.param(b"", id="status"),
+    ],
+)
+def test_an_answer_that_drips_is_given_up(begin: bytes, monkeypatch: pytest.MonkeyPatch) -> None:
+    """However little it sends at a time: before the limit of the headers (100 KiB at a byte each 5 ms)."""
+    monkeypatch.setattr(channel, "_LONGEST_S", 0.1)
+    with dripping(begin, b"a") as address, pytest.raises(UnreachableError, match="longer"):
+        get(address)
+
+
+def test_an_answer_that_is_too_long_is_given_up() -> None:
+    with (
+        dripping(b"HTTP/1.1 200 OK\r\n\r\n", b"a" * 100_000) as address,
+        pytest.raises(UnreachableError, match="more than 262144 bytes"),
+    ):
+        get(address)
 
 
 def test_a_server_that_the_school_signs_is_believed_where_the_machine_does(

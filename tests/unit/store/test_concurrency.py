@@ -16,6 +16,7 @@ from grader.contracts.errors import AppealError, CourseError, JudgementError, Re
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.notice import Draft, NoticeKind, Outlet
+from grader.contracts.platform import NewPlatform, PlatformLink
 from grader.contracts.regrade import RegradeState, Wanted
 from grader.contracts.rules import Rules
 from grader.contracts.submission import Claim, NewSubmission, Submission, SubmissionState
@@ -28,6 +29,8 @@ from grader.store.intake import take_in
 from grader.store.judgements import Given, Judgements
 from grader.store.notices import Notices
 from grader.store.own_assignments import NewOwnAssignment, OwnAssignments
+from grader.store.platform_scores import PlatformScores
+from grader.store.platforms import Platforms
 from grader.store.queue import Queue, Retries
 from grader.store.regrades import Regrades
 from grader.store.rules import StoredRules
@@ -386,3 +389,45 @@ def test_a_removal_waits_for_an_upload_that_is_under_way(
         with pytest.raises(RefusedError, match="assignment_in_use"):
             removal.result()
     assert count(postgres_database, "submission") == 1
+
+
+def test_a_platform_is_removed_while_its_scores_are_sent(
+    database: Database, clock: FakeClock, course: str
+) -> None:
+    """Whoever sends while an instructor removes it has nothing to send, and hinders nobody."""
+    platforms, scores = Platforms(database, clock), PlatformScores(database, clock)
+    signed, addresses = Signature(clock(), course, "wang"), ("login_url", "token_url", "keys_url")
+    for round_ in range(5):
+        new = NewPlatform(
+            title="Moodle",
+            issuer="https://moodle.example",
+            client_id=str(round_),
+            deployment="1",
+            **dict.fromkeys(addresses, "https://moodle.example"),
+        )
+        platform = platforms.add(new, signed)
+        links = [
+            PlatformLink(
+                platform=platform.id,
+                resource=str(number),
+                title="",
+                assignment="square",
+                line_item="https://moodle.example/7",
+                used_at=clock(),
+            )
+            for number in range(THREADS)
+        ]
+        for link in links:
+            platforms.open_link(link)
+
+        def act(number: int, links: list[PlatformLink] = links) -> object:
+            if number == THREADS - 1:
+                return platforms.remove(links[0].platform, signed)
+            return [scores.claim(link, course, "li", "digest") for link in links[number:]]
+
+        made = at_once(act)
+        assert [one for one in made if isinstance(one, Exception)] == []
+        assert made[-1] is True
+        assert (count(database, "platform"), count(database, "platform_score")) == (0, 0)
+        with pytest.raises(RefusedError, match="platform_unknown"):
+            platforms.open_link(links[0])
