@@ -96,10 +96,19 @@ def _known_caller(services: Services, headers: Headers) -> Caller | None:
     return None if session is None else services.callers.of_session(session.value)
 
 
-def _view(request: Request, services: Services, car: OpenCar) -> LiveCarView:
+def address_of(request: Request, car: OpenCar) -> str:
+    """Return where clients connect to a car, on the host that `request` names."""
     scheme = "wss" if request.url.scheme == "https" else "ws"
-    url = f"{scheme}://{request.url.netloc}{_PATH.format(key=car.key)}/"
-    return LiveCarView(url=url, expires_at=car.expires_at, idle_s=services.live.idle_s, clients=car.clients)
+    return f"{scheme}://{request.url.netloc}{_PATH.format(key=car.key)}/"
+
+
+def _view(request: Request, services: Services, car: OpenCar) -> LiveCarView:
+    return LiveCarView(
+        url=address_of(request, car),
+        expires_at=car.expires_at,
+        idle_s=services.live.idle_s,
+        clients=car.clients,
+    )
 
 
 def _now_s() -> float:

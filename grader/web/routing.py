@@ -18,6 +18,7 @@ from grader.web import (
     people_pages,
     picking,
     platforms,
+    playground,
     practice,
     regrading,
     rule_pages,
@@ -33,6 +34,7 @@ from grader.web.pages import FOLDER
 ROUTERS = (
     student.router,
     student.uploads,
+    playground.router,
     practice.router,
     practice.runs,
     submission.router,

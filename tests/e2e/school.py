@@ -82,7 +82,9 @@ class School:
 
 
 @contextmanager
-def school(url: str, folder: Path, work: tuple[tuple[str, str, str], ...] = WORK) -> Iterator[School]:
+def school(
+    url: str, folder: Path, work: tuple[tuple[str, str, str], ...] = WORK, *, websockets: bool = False
+) -> Iterator[School]:
     """Open a course in the database at `url`, let everybody hand in their `work` and grade it.
 
     Its assignments are copied to `folder`.
@@ -96,7 +98,7 @@ def school(url: str, folder: Path, work: tuple[tuple[str, str, str], ...] = WORK
         patch.setattr("grader.catalog.refreshed._FRESH_S", 0.0)  # an edited assignment is seen at once
         with (
             running(settings) as services,
-            server.serving(create_app(lambda: nullcontext(services))) as client,
+            server.serving(create_app(lambda: nullcontext(services)), websockets=websockets) as client,
         ):
             opened = School(services, str(client.base_url).rstrip("/"), _enrol(services), files)
             _hand_in(opened, work)

@@ -1,4 +1,4 @@
-"""Writing a script in the browser: type, run, see the replay, mend, hand in. Grading and Chromium are real."""
+"""The playground in the browser: a script is written, run, mended, handed in; a car is driven. All is real."""
 
 import os
 from collections.abc import Iterator
@@ -20,7 +20,8 @@ def course(
     programs: tuple[str, str], postgres_server: PostgresServer, tmp_path_factory: pytest.TempPathFactory
 ) -> Iterator[School]:
     name = f"practice_{os.getpid()}"
-    with school(postgres_server.create(name), tmp_path_factory.mktemp("school"), ()) as opened:
+    folder = tmp_path_factory.mktemp("school")
+    with school(postgres_server.create(name), folder, (), websockets=True) as opened:
         yield opened
     postgres_server.drop(name)
 
@@ -88,3 +89,35 @@ def test_the_page_fits_a_phone(student: Browser) -> None:
     student.open(PAGE)
     student.until(lambda: _content(student))
     assert student.js("return document.documentElement.scrollWidth") <= PHONE[0]
+
+
+def test_a_car_is_driven_by_keys_and_buttons(student: Browser) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    student.resize(PHONE)
+    student.open("/playground?lang=en")
+    student.one("#start button").click()
+    student.until(lambda: student.says("#car-state") == "Connected.")
+    assert student.one("#url").get_property("value").startswith("ws://127.0.0.1:")
+    student.until(lambda: student.says("#place").startswith("x 5.54 m"))
+    assert student.js("return document.activeElement.id") == "view"
+    student.js(_HOLD, "ArrowUp")
+    student.until(lambda: not student.says("#place").startswith("x 5.54 m"))
+    student.js(_RELEASE, "ArrowUp")
+    student.one(".pad .left").send_keys(Keys.ENTER)
+    student.until(lambda: not student.says("#place").endswith(" 0°"))
+    student.until(lambda: len(student.all("#topic option")) > 3)
+    student.one("#topic option[value='/turtle1/pose']").click()
+    student.until(lambda: '"theta"' in student.says("#echo"))
+    student.one("#hold").click()
+    student.until(lambda: student.one("#hold").get_attribute("aria-pressed") == "true")
+    assert student.nameless("a, button, input, select, section, [tabindex='0']") == []
+    assert student.js("return document.documentElement.scrollWidth") <= PHONE[0]
+
+
+_HOLD = (
+    "document.activeElement.dispatchEvent(new KeyboardEvent('keydown', {key: arguments[0], bubbles: true}))"
+)
+_RELEASE = (
+    "document.activeElement.dispatchEvent(new KeyboardEvent('keyup', {key: arguments[0], bubbles: true}))"
+)

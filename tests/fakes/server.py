@@ -14,9 +14,11 @@ import uvicorn
 from fastapi import FastAPI
 
 from grader.api import create_app
+from grader.commands.serve import BoundedConnection
 from grader.grading.practice import PracticeRuns
 from grader.live.car import LiveCar
 from grader.live.cars import CLIENTS, LiveCars
+from grader.live.protocol import SETTINGS, BoundedWebSocket
 from grader.settings import Settings
 from grader.store.clock import Clock
 from grader.store.courses import Courses
@@ -91,12 +93,15 @@ def operations() -> list[tuple[str, str]]:
 
 
 @contextmanager
-def serving(app: FastAPI) -> Iterator[httpx.Client]:
+def serving(app: FastAPI, *, websockets: bool = False) -> Iterator[httpx.Client]:
     """Yield a client of a running server; the server has stopped when the context ends."""
     listener = socket.create_server(("127.0.0.1", 0))
     listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     # so long that a connection never ends at the moment of the next request
-    config = uvicorn.Config(app, log_config=None, ws="none", timeout_keep_alive=3_600)
+    kinds: dict[str, Any] = {"ws": "none"}
+    if websockets:
+        kinds = {"http": BoundedConnection, "ws": BoundedWebSocket, **SETTINGS}
+    config = uvicorn.Config(app, log_config=None, timeout_keep_alive=3_600, **kinds)
     server = uvicorn.Server(config)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()

@@ -68,6 +68,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /enter/course": (403,) * 6,
     "GET /assignments/{assignment_id}": EVERYBODY,
     "POST /assignments/{assignment_id}": (303,) * 6,
+    "GET /playground": MEMBERS,
+    "POST /playground/car": MEMBERS,
     "GET /assignments/{assignment_id}/practice": MEMBERS,
     "POST /assignments/{assignment_id}/practice": MEMBERS,
     "GET /submissions": MEMBERS,
