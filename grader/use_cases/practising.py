@@ -40,6 +40,7 @@ class Practice:
         report: without these items; its points mean nothing.
         trajectory: JSON of where the car was; None when nothing was recorded.
         figure: what the checks saw in that; None when they cannot say.
+        cases: how many the assignment has; one of them was run.
         cut_output: what a script had printed that was ended for printing too much.
     """
 
@@ -47,6 +48,7 @@ class Practice:
     report: GradeReport
     trajectory: bytes | None
     figure: FigureSketch | None
+    cases: int
     cut_output: tuple[CaseOutput, ...]
 
 
@@ -131,7 +133,8 @@ def _job(services: Services, caller: Caller, assignment_id: str, file_name: str,
 
 def _told(services: Services, caller: Caller, ran: Assignment, result: GradingResult) -> Practice:
     report = shown_report(services, caller, result.report)
-    visible = {item.id for item in practisable(services, caller, ran.id).items}
+    known = practisable(services, caller, ran.id)
+    visible = {item.id for item in known.items}
     shown = replace(ran, items=tuple(item for item in ran.items if item.id in visible))
     case = ran.cases[0].id
     content = result.trajectories.get(case)
@@ -140,4 +143,11 @@ def _told(services: Services, caller: Caller, ran: Assignment, result: GradingRe
         motion = decode_trajectory(content)
         figure = sketch(shown, Run(trajectory=motion, outcome=report.runs[0].outcome, case=case))
     cut = result.measurements.cut_output
-    return Practice(assignment=shown, report=report, trajectory=content, figure=figure, cut_output=cut)
+    return Practice(
+        assignment=shown,
+        report=report,
+        trajectory=content,
+        figure=figure,
+        cases=len(known.cases),
+        cut_output=cut,
+    )

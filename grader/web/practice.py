@@ -90,7 +90,8 @@ def _answer(request: Request, seen: Practice, language: Language) -> Response:
         replay=moved,
         replay_words=replay_words(language),
         cut={one.case: (stream_text(one.stdout), stream_text(one.stderr)) for one in seen.cut_output},
-        several=len(seen.assignment.cases) > 1,
+        cases=seen.cases,
+        rough=seen.assignment.world.profile == "rough",
     )
     document: dict[str, Any] = {"html": html, "trajectory": None, "sketch": {}}
     if moved and seen.trajectory is not None:

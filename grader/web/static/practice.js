@@ -118,7 +118,9 @@ async function runOnce() {
     if (answer.ok) {
       put(document_);
       state.textContent = words.done;
-      result.scrollIntoView({ block: "nearest" });
+      if (result.getBoundingClientRect().top > window.innerHeight / 2) {
+        result.scrollIntoView(); // on a phone it stands below the editor
+      }
     } else {
       state.textContent = "";
       tell(document_.refused ?? [words.lost]);
