@@ -20,6 +20,7 @@ from grader.web.pages import language_of, page
 
 router = APIRouter(prefix="/playground", include_in_schema=False)
 _WORDS = ("starting", "connected", "ended", "lost", "again", "copied", "held", "place")
+_SPEEDS_MPS = (0.5, 1, 2)
 
 
 @router.get("", dependencies=[COSTLY])
@@ -39,6 +40,7 @@ def read(request: Request, services: ServicesDep, visitor: VisitorDep) -> Respon
         off=None if services.live.most else form_problem(RefusedError("live_off"), language),
         idle_minutes=round(services.live.idle_s / 60),
         life_minutes=round(services.live.life_s / 60),
+        speeds=_SPEEDS_MPS,
         words={name: on_page(language, f"playground.{name}") for name in _WORDS},
     )
 

@@ -101,6 +101,8 @@ def test_a_car_is_driven_by_keys_and_buttons(student: Browser) -> None:
     assert student.one("#url").get_property("value").startswith("ws://127.0.0.1:")
     student.until(lambda: student.says("#place").startswith("x 5.54 m"))
     assert student.js("return document.activeElement.id") == "view"
+    places = {(one.rect["x"], one.rect["y"]) for one in student.all(".pad button")}
+    assert len(places) == len(student.all(".pad button"))
     student.js(_HOLD, "ArrowUp")
     student.until(lambda: not student.says("#place").startswith("x 5.54 m"))
     student.js(_RELEASE, "ArrowUp")
