@@ -65,12 +65,14 @@ def show_token(services: Services, secret: str, token: str) -> bool:
     """Note who the holder of a secret is, by the token that they show; False: it is nobody's of the course.
 
     Raises:
-        RefusedError: the secret is none, or too old; or they are known as another member.
+        RefusedError: the secret is none, or too old; or they are no instructor, or known as another member.
     """
     platform, asked = _opened(services, secret)
     caller = services.tokens.caller(token)
     if caller is None or caller.person is None or caller.course != platform.course:
         return False
+    if not caller.is_instructor:  # before it is noted: an account stays whose it is
+        raise RefusedError("picking_by_instructors")
     if not services.identities.bind(
         platform.provider, asked.subject, platform.course, caller.person, by_token=True
     ):

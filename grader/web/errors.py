@@ -15,6 +15,8 @@ from grader.web.pages import language_of, page
 
 _Handler = Callable[[Request, Exception], Awaitable[Response]]
 _MACHINES = ("/api/", "/healthz")
+FRAMES = ("iframe", "frame")
+"""What a browser says it fetches for (``Sec-Fetch-Dest``) where a page is to stand inside another one."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -68,7 +70,12 @@ def _for_people(handler: _Handler) -> _Handler:
         spoken = Request({**request.scope, "headers": [*headers, (b"accept-language", language)]})
         said = await handler(spoken, error)
         problem: dict[str, Any] = json.loads(bytes(said.body))
-        shown = page(request, "problem.html", status=said.status_code, problem=problem)
+        framed = request.headers.get("sec-fetch-dest") in FRAMES and request.url.path.startswith("/lti/")
+        shown = page(request, "problem.html", status=said.status_code, problem=problem, framed=framed)
+        if framed:  # nothing can be done on it, and the platform may be one that we do not know
+            policy = shown.headers["Content-Security-Policy"]
+            everybody = policy.replace("frame-ancestors 'none'", "frame-ancestors https: http:")
+            shown.headers["Content-Security-Policy"] = everybody
         for name in ("retry-after", "allow", "connection"):
             if name in said.headers:
                 shown.headers[name] = said.headers[name]

@@ -17,7 +17,7 @@ from grader.contracts.platform import NewPlatform
 from grader.lti import Kept
 from grader.use_cases import platforms
 from grader.web.access import InstructorDep, ServicesDep, Visitor, require_staff
-from grader.web.errors import FormProblem, form_problem
+from grader.web.errors import FRAMES, FormProblem, form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.picking import PICK, framed_by
@@ -126,7 +126,7 @@ def remove(
 def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Response:
     asked = {name: said[name] for name in _ASKED if name in said and len(said[name]) <= _LONGEST}
     kept, address = platforms.begin(services, asked)
-    framed = request.headers.get("sec-fetch-dest") in ("iframe", "frame")
+    framed = request.headers.get("sec-fetch-dest") in FRAMES
     picks = asked.get("target_link_uri") == f"{services.providers.public_url}{PICK}"
     if framed and not picks:  # what is chosen must be brought back from where it was asked for
         shown = page(request, "lti_window.html", address=f"/lti/login?{urlencode(asked)}")

@@ -202,13 +202,30 @@ def test_only_an_instructor_of_the_class_list_chooses(
     ready.courses.import_roster("ros", [RosterEntry(id="zhou", name="", role=role)], "test")
     roles = ["http://purl.imsglobal.org/vocab/lis/v2/membership#Instructor"]
     page = asked(client, moodle, ready, roles=roles)
+    framed = {"Sec-Fetch-Dest": "iframe", "Accept": "text/html"}
     data = {"token": token_of(ready, "zhou")}
-    assert client.post(f"{page.url.path}/token", data=data).status_code == 303
-    refused = client.get(page.url.path, headers={"Accept": "text/html"})
-    assert refused.status_code == 403
-    assert "只有任课教师能选作业" in refused.text
+    refused = client.post(f"{page.url.path}/token", data=data, headers=framed)
+    assert (
+        ready.identities.of_member("ros", "zhou") == ()
+    )  # the account at the platform is not theirs for ever
+    assert ready.identities.bind(platform.provider, "9", "ros", "zhou", by_token=True)
+    for answer in (refused, client.get(page.url.path, headers=framed)):
+        assert answer.status_code == 403
+        assert "只有任课教师能选作业" in answer.text
+        assert "frame-ancestors https: http:" in answer.headers["Content-Security-Policy"]
     chosen = client.post(page.url.path, data={"assignment": "square"})
     assert chosen.status_code == 403
+
+
+def test_a_refusal_is_read_in_the_frame_of_a_platform_that_is_not_known(client: httpx.Client) -> None:
+    framed = {"Sec-Fetch-Dest": "iframe", "Accept": "text/html"}
+    fields = {"iss": "https://unknown.example.edu", "login_hint": "3"}
+    shown = client.post("/lti/login", data=fields, headers=framed)
+    assert shown.status_code >= 400
+    assert "frame-ancestors https: http:" in shown.headers["Content-Security-Policy"]
+    assert '<base target="_blank">' in shown.text
+    elsewhere = client.get("/nothing", headers=framed)
+    assert "frame-ancestors 'none'" in elsewhere.headers["Content-Security-Policy"]
 
 
 def test_a_token_of_nobody_or_of_another_course_is_refused(
