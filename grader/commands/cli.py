@@ -30,6 +30,7 @@ COMMANDS: dict[str, str] = {
     "course": "create a course and import its people / 创建课程、导入名单",
     "token": "issue and revoke the tokens people identify with / 发放和撤销令牌",
     "rules": "dates, limits and late rules of assignments / 截止时间、次数与迟交规则",
+    "lti": "learning platforms (LTI 1.3) of a course / 课程的学习平台",
     "regrade": "list re-grades, and undo one that was applied / 重新评分：查看、撤销",
     "db": "back the service's database up, restore, move it / 数据库的备份、恢复与迁移",
     "gradescope": "pack an assignment as an autograder for Gradescope / 打包成 Gradescope 自动评分器",

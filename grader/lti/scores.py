@@ -61,10 +61,10 @@ class _Granted(msgspec.Struct, frozen=True):
 
 
 class Signer:
-    """Signs what the service says to platforms, by the newest of its keys.
+    """Signs what the service says to platforms, by the first of its keys.
 
     Args:
-        secrets_: the keys as JSON Web Keys, newest first.
+        secrets_: the keys as JSON Web Keys.
     """
 
     def __init__(self, secrets_: tuple[str, ...]) -> None:
@@ -97,7 +97,7 @@ class ScoreChannel:
     """Sends scores; keeps each platform's access token as long as it is good. Safe to share between threads.
 
     Args:
-        signer: gives what signs, when it is first needed.
+        signer: gives what signs now.
         clock_s: the time.
         private: whether platforms may have addresses of a private network.
     """

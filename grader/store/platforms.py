@@ -7,7 +7,7 @@ from datetime import datetime, timedelta
 
 from sqlalchemy import delete, select, update
 from sqlalchemy.exc import IntegrityError
-from sqlmodel import col
+from sqlmodel import Session, col
 
 from grader.contracts.errors import RefusedError
 from grader.contracts.platform import NewPlatform, OpenPicking, Picking, Platform, PlatformLink
@@ -30,6 +30,8 @@ _ID_BYTES = 6
 _SECRET_BYTES = 32
 _SKEW = timedelta(minutes=2)
 _PICKING = timedelta(hours=1)
+KEY_READ_WITHIN = timedelta(hours=2)
+"""A platform reads the service's keys again after an hour (`Cache-Control` of ``/lti/keys``), or sooner."""
 MOST_PLATFORMS = 10
 """Of one course."""
 
@@ -191,20 +193,43 @@ class Platforms:
             return tuple(as_contract(row, PlatformLink) for row in session.execute(statement).scalars())
 
     def keys(self, made: Callable[[], tuple[str, str]]) -> tuple[str, ...]:
-        """Return the service's keys, newest first; the first one is `made` when it is needed, as id and secret."""
-        newest = select(PlatformKeyRow).order_by(col(PlatformKeyRow.created_at).desc()).limit(2)
+        """Return the service's keys, the one that signs first; it is `made` when it is needed, as id and secret.
+
+        A newer one is only shown at first, until platforms have read it.
+        """
         with self._database.reading() as session:
-            found = session.execute(newest).scalars().all()
-            if found:
-                return tuple(row.secret for row in found)
+            found = self._newest_keys(session)
+        return tuple(row.secret for row in found) or self._add_key(made, at_once=False, anew=False)
+
+    def rotate_key(self, made: Callable[[], tuple[str, str]], *, at_once: bool) -> None:
+        """Add a key that signs once platforms had time to read it, in place of one that nothing was signed by yet.
+
+        at_once: it signs from now on, and no key before is good any more.
+        """
+        self._add_key(made, at_once=at_once, anew=True)
+
+    def _add_key(self, made: Callable[[], tuple[str, str]], *, at_once: bool, anew: bool) -> tuple[str, ...]:
         id_, secret = made()
+        now, row = self._clock(), PlatformKeyRow
         with self._database.writing() as session:
             one_at_a_time(session, "platform_key")
-            known = session.execute(newest).scalars().all()
-            if known:
-                return tuple(row.secret for row in known)
-            session.add(PlatformKeyRow(id=id_, secret=secret, created_at=self._clock()))
+            known = self._newest_keys(session)
+            if known and not anew:
+                return tuple(one.secret for one in known)
+            if at_once:
+                session.execute(delete(row))
+            elif known:
+                session.execute(delete(row).where(col(row.id) != known[0].id))
+            session.add(row(id=id_, secret=secret, created_at=now))
             return (secret,)
+
+    def _newest_keys(self, session: Session) -> list[PlatformKeyRow]:
+        """Return the key that signs, and then the one before it or the one that is to be read first."""
+        ordered = select(PlatformKeyRow).order_by(col(PlatformKeyRow.created_at).desc()).limit(2)
+        found = list(session.execute(ordered).scalars())
+        if len(found) > 1 and found[0].created_at > self._clock() - KEY_READ_WITHIN:
+            found.reverse()
+        return found
 
 
 def _digest(secret: str) -> str:

@@ -125,15 +125,23 @@ def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platfo
     """
     _course(caller)
     public_url(services)
+    wrong = misfit(new)
+    if wrong is not None:
+        raise RefusedError("invalid_platform", field=wrong)
+    return services.platforms.add(new, services.signature(caller))
+
+
+def misfit(new: NewPlatform) -> str | None:
+    """Return which field of a platform cannot be right; None: none."""
     for name in NewPlatform.__dataclass_fields__:
         value = getattr(new, name)
         if not value or len(value) > _LONGEST.get(name, _LONGEST_ADDRESS) or not value.isprintable():
-            raise RefusedError("invalid_platform", field=name)
+            return name
     for name in _ADDRESSES:
         address = getattr(new, name)
         if host_of(address.partition("?")[0]) is None or not is_private_talk(address):
-            raise RefusedError("invalid_platform", field=name)
-    return services.platforms.add(new, services.signature(caller))
+            return name
+    return None
 
 
 def remove_platform(services: Services, caller: Caller, platform_id: str) -> None:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 from typing import Any, Self
 
 from grader.contracts.grading import AssignmentSource, Preflight
@@ -172,7 +172,7 @@ class Services:
             callers=callers,
             providers=providers,
             launches=Launches(lambda: clock().timestamp(), private=providers.private_platforms),
-            **_telling(settings, clock, providers, Platforms(database, clock)),
+            **telling(settings, clock, providers, Platforms(database, clock)),
             allowances=Allowances.of(settings, clock),
             queue=queue,
             workers=workers,
@@ -203,11 +203,17 @@ def _with_clock(database: Database, clock: Clock) -> dict[str, Any]:
     }
 
 
-def _telling(settings: Settings, clock: Clock, providers: Providers, platforms: Platforms) -> dict[str, Any]:
+def telling(settings: Settings, clock: Clock, providers: Providers, platforms: Platforms) -> dict[str, Any]:
+    """Return what speaks to other servers, by the names of `Services`."""
+
     def clock_s() -> float:
         return clock().timestamp()
 
-    signer = cache(lambda: Signer(platforms.keys(new_key)))
+    signer_of = lru_cache(1)(Signer)  # reading a key takes forty milliseconds
+
+    def signer() -> Signer:
+        return signer_of(platforms.keys(new_key))  # another process may have made a new one
+
     private = providers.private_platforms
     return {
         "score_channel": ScoreChannel(signer, clock_s, private=private),

@@ -10,6 +10,7 @@ import pytest
 
 from grader.contracts.identity import ANYBODY, Role, RosterEntry
 from grader.contracts.notice import Vendor
+from grader.contracts.platform import NewPlatform
 from grader.notices.bots import shape
 from grader.use_cases.services import Services
 from tests.fakes.clock import FakeClock
@@ -114,6 +115,9 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "delete /api/v1/course/notices/webhooks/{outlet}": (401, 401, 403, 403, 403, 404, 403, 404),
     "put /api/v1/course/notices/mail": (401, 401, 403, 403, 403, 204, 403, 204),
     "post /api/v1/course/notices/{outlet}/test": (401, 401, 403, 403, 403, 404, 403, 404),
+    "get /api/v1/course/platforms": INSTRUCTORS,
+    "post /api/v1/course/platforms": (401, 401, 403, 403, 403, 409, 403, 409),  # not set up
+    "delete /api/v1/course/platforms/{platform}": (401, 401, 403, 403, 403, 404, 403, 404),
     "get /api/v1/course/export.zip": INSTRUCTORS,
     "post /api/v1/course/retention": INSTRUCTORS,
     "post /api/v1/members/{person}/forget": (401, 401, 403, 403, 403, 200, 403, 404),
@@ -199,6 +203,9 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "delete /api/v1/course/notices/webhooks/{outlet}": (401, 401, 409),
     "put /api/v1/course/notices/mail": (401, 401, 409),
     "post /api/v1/course/notices/{outlet}/test": (401, 401, 409),
+    "get /api/v1/course/platforms": (401, 401, 409),
+    "post /api/v1/course/platforms": (401, 401, 409),
+    "delete /api/v1/course/platforms/{platform}": (401, 401, 409),
     "get /api/v1/course/export.zip": (401, 401, 409),
     "post /api/v1/course/retention": (401, 401, 409),
     "post /api/v1/members/{person}/forget": (401, 401, 409),
@@ -222,12 +229,14 @@ def send(
     path = path.replace("{submission_id}", submission).replace("{assignment_id}", "square")
     path = path.replace("{code}", "empty").replace("{student}", "li")
     path = path.replace("{outlet}", "class").replace("{regrade_id}", "none").replace("{item}", "none")
-    path = path.replace("{person}", "new" if method == "put" else "han")
+    path = path.replace("{platform}", "none").replace("{person}", "new" if method == "put" else "han")
     body: dict[str, Any] = {"json": {"points": 1} if "judgements" in path else {}} if method == "put" else {}
     if path.endswith("/course"):
         body = {"json": {"distro": "humble"}}
     if path.endswith("/webhooks/class") and method == "put":
         body = {"json": {"vendor": "wecom", "address": shape(Vendor.WECOM).replace("…", "x")}}
+    if path.endswith("/course/platforms") and method == "post":
+        body = {"json": dict.fromkeys(NewPlatform.__dataclass_fields__, "https://moodle.example")}
     if path.endswith("/notices/mail"):
         body = {"json": {"due": False, "graded": False, "faults": False}}
     if path.endswith("/comments") and method == "post":

@@ -11,12 +11,13 @@ from fastapi import FastAPI
 
 from grader.contracts.platform import NewPlatform, Platform, PlatformLink
 from grader.contracts.rules import LateRule, Rules
-from grader.lti.scores import ScoreChannel, Signer, new_key
+from grader.lti.scores import Score, ScoreChannel, Signer, new_key
 from grader.signin import Providers
 from grader.signin.channel import UnreachableError
 from grader.store.audit import Signature
+from grader.store.platforms import KEY_READ_WITHIN
 from grader.use_cases.score_sending import send_scores
-from grader.use_cases.services import Services
+from grader.use_cases.services import Services, telling
 from tests.fakes.provider import FakeProvider, provider
 
 
@@ -320,3 +321,31 @@ def test_the_keys_are_public_and_have_no_secret(
     shown = client.get("/lti/keys").json()
     assert [one["kid"] for one in shown["keys"]] == [key()[0]]
     assert all("d" not in one for one in shown["keys"])
+
+
+def test_a_new_key_signs_when_platforms_have_read_it(
+    services: Services, moodle: FakeProvider, tokens: dict[str, str], put: Callable[..., str]
+) -> None:
+    """The running service takes what another process made; no platform meets a key that it cannot know."""
+    settings, clock = services.settings, services.clock
+    channel = telling(settings, clock, Providers(private_platforms=True), services.platforms)["score_channel"]
+
+    def shown() -> list[str]:
+        return [one["kid"] for one in channel.public_keys()["keys"]]
+
+    (old,) = shown()
+    platform, score = add_platform(services, moodle), Score(subject="3", given=5.0, most=100.0, comment="")
+    moodle.clock_s, moodle.tool_keys = (lambda: clock().timestamp()), channel.public_keys()
+    clock.advance(1.0)
+    services.platforms.rotate_key(new_key, at_once=False)
+    assert shown()[0] == old
+    channel.send(platform, f"{moodle.address}/items/7?type_id=1", score, clock())  # by keys read before
+    moodle.tool_keys = channel.public_keys()
+    clock.advance(KEY_READ_WITHIN.total_seconds() + 1.0)
+    new, other = shown()
+    assert (new != old, other) == (True, old)
+    channel.send(platform, f"{moodle.address}/items/7?type_id=1", score, clock())
+    assert moodle.asked.count("/access") == 2
+    for _ in "12":
+        services.platforms.rotate_key(new_key, at_once=False)  # nobody has read the one before
+    assert (shown()[0], len(shown())) == (new, 2)
