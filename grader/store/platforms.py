@@ -16,6 +16,7 @@ from grader.store.clock import Clock
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import (
     IdentityRow,
+    PlatformInvitationRow,
     PlatformKeyRow,
     PlatformLinkRow,
     PlatformPickingRow,
@@ -30,6 +31,7 @@ _ID_BYTES = 6
 _SECRET_BYTES = 32
 _SKEW = timedelta(minutes=2)
 _PICKING = timedelta(hours=1)
+_INVITATION = timedelta(hours=24)
 KEY_READ_WITHIN = timedelta(hours=2)
 """A platform reads the service's keys again after an hour (`Cache-Control` of ``/lti/keys``), or sooner."""
 MOST_PLATFORMS = 10
@@ -159,6 +161,38 @@ class Platforms:
                 row.line_item, row.used_at = link.line_item, link.used_at
             session.flush()
             return as_contract(row, PlatformLink)
+
+    def invite(self, signed: Signature) -> str:
+        """Let a platform be added to the course of `signed` within a day; return the secret by which it is."""
+        secret = secrets.token_urlsafe(_SECRET_BYTES)
+        row = PlatformInvitationRow(
+            sha256=_digest(secret),
+            course=signed.course or "",
+            actor=signed.actor,
+            until=signed.at + _INVITATION,
+        )
+        with self._database.writing() as session:
+            old = col(PlatformInvitationRow.until) <= signed.at
+            session.execute(delete(PlatformInvitationRow).where(old))
+            session.add(row)
+            record(session, signed, "platform.invite", "platform")
+        return secret
+
+    def invited(self, secret: str) -> Signature | None:
+        """Return for whom a platform is added by a secret now; None: the secret is none, or not any more."""
+        now = self._clock()
+        with self._database.reading() as session:
+            row = session.get(PlatformInvitationRow, _digest(secret))
+            return None if row is None or row.until <= now else Signature(now, row.course, row.actor)
+
+    def end_invitation(self, secret: str) -> bool:
+        """Let a secret add nothing any more; return whether it still did."""
+        with self._database.writing() as session:
+            mine = col(PlatformInvitationRow.sha256) == _digest(secret)
+            ended = session.execute(
+                delete(PlatformInvitationRow).where(mine).returning(col(PlatformInvitationRow.sha256))
+            )
+            return ended.first() is not None
 
     def open_picking(self, platform: str, subject: str, picking: Picking) -> str:
         """Let whom a platform calls `subject` choose for an hour; return the secret by which they do."""

@@ -568,6 +568,17 @@ class PlatformRow(SQLModel, table=True):
     created_at: datetime = Field(sa_column=instant_column())
 
 
+class PlatformInvitationRow(SQLModel, table=True):
+    """An address by which a platform can be added to a course, once. `sha256`: of the secret in it."""
+
+    __tablename__: ClassVar[str] = "platform_invitation"
+
+    sha256: str = Field(primary_key=True, max_length=SHA256_LENGTH)
+    course: str = Field(foreign_key="course.id", max_length=64)
+    actor: str = Field(max_length=64)
+    until: datetime = Field(sa_column=instant_column())
+
+
 class PlatformPickingRow(SQLModel, table=True):
     """What a platform asks to be chosen. `sha256`: of the secret by which the page of the choice is opened."""
 

@@ -11,6 +11,7 @@ from grader.contracts.platform import NewPlatform, Platform, PlatformLink, Platf
 from grader.lti import Kept, Launch, login_address
 from grader.signin import Person, SignInError
 from grader.signin.channel import host_of, is_private_talk
+from grader.store.audit import Signature
 from grader.use_cases.callers import require_instructor
 from grader.use_cases.services import Services
 from grader.use_cases.signing_in import Arrival, arrive
@@ -86,7 +87,7 @@ def platforms_of(services: Services, caller: Caller) -> tuple[Platform, ...]:
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    return services.platforms.of_course(_course(caller))
+    return services.platforms.of_course(own_course(caller))
 
 
 def links_of(services: Services, caller: Caller) -> tuple[PlatformLink, ...]:
@@ -95,7 +96,7 @@ def links_of(services: Services, caller: Caller) -> tuple[PlatformLink, ...]:
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    return services.platforms.links(_course(caller))
+    return services.platforms.links(own_course(caller))
 
 
 def troubles_of(services: Services, caller: Caller) -> tuple[PlatformScore, ...]:
@@ -104,7 +105,7 @@ def troubles_of(services: Services, caller: Caller) -> tuple[PlatformScore, ...]
     Raises:
         RefusedError: the caller is no instructor, or there is no course.
     """
-    return services.platform_scores.troubles(_course(caller))
+    return services.platform_scores.troubles(own_course(caller))
 
 
 def public_keys(services: Services) -> dict[str, Any]:
@@ -123,12 +124,21 @@ def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platfo
     Raises:
         RefusedError: the caller is no instructor, a field is wrong, or the platform is there already.
     """
-    _course(caller)
+    own_course(caller)
     public_url(services)
+    return add_signed(services, new, services.signature(caller))
+
+
+def add_signed(services: Services, new: NewPlatform, signed: Signature) -> Platform:
+    """Add a platform to the course of `signed`, for an instructor of it.
+
+    Raises:
+        RefusedError: a field is wrong, or the platform is there already.
+    """
     wrong = misfit(new)
     if wrong is not None:
         raise RefusedError("invalid_platform", field=wrong)
-    return services.platforms.add(new, services.signature(caller))
+    return services.platforms.add(new, signed)
 
 
 def misfit(new: NewPlatform) -> str | None:
@@ -150,7 +160,7 @@ def remove_platform(services: Services, caller: Caller, platform_id: str) -> Non
     Raises:
         RefusedError: the caller is no instructor, or there is no such platform.
     """
-    _course(caller)
+    own_course(caller)
     if not services.platforms.remove(platform_id, services.signature(caller)):
         raise RefusedError("platform_not_found")
 
@@ -171,7 +181,12 @@ def _opened(services: Services, platform: Platform, launch: Launch) -> str:
     return link.assignment
 
 
-def _course(caller: Caller) -> str:
+def own_course(caller: Caller) -> str:
+    """Return the course of an instructor.
+
+    Raises:
+        RefusedError: the caller is none, or there is no course.
+    """
     require_instructor(caller)
     if caller.course is None:
         raise RefusedError("no_course")

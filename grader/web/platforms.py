@@ -5,7 +5,7 @@ must be one that such a form brings along (``SameSite=None``). In a frame no suc
 a page offers the same in a window of its own.
 """
 
-from typing import Annotated
+from typing import Annotated, Any
 from urllib.parse import urlencode
 
 from fastapi import APIRouter, Depends, Form, Request, Response
@@ -15,9 +15,9 @@ from pydantic import BaseModel, Field
 from grader.contracts.errors import RefusedError
 from grader.contracts.platform import NewPlatform
 from grader.lti import Kept
-from grader.use_cases import platforms
+from grader.use_cases import platforms, registering
 from grader.web.access import InstructorDep, ServicesDep, Visitor, require_staff
-from grader.web.errors import FRAMES, FormProblem, form_problem
+from grader.web.errors import FRAMES, form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
 from grader.web.picking import PICK, framed_by
@@ -110,8 +110,15 @@ def add(
     try:
         platforms.add_platform(services, visitor.caller, form.stripped())
     except RefusedError as error:
-        return _desk(request, services, visitor, form, form_problem(error, language_of(request)))
+        problem = form_problem(error, language_of(request))
+        return _desk(request, services, visitor, form, problem=problem)
     return RedirectResponse("/class/platforms", status_code=303)
+
+
+@desk.post("/invite", dependencies=[Depends(require_own_form)])
+def invite(request: Request, services: ServicesDep, visitor: InstructorDep) -> Response:
+    """Show an address by which the platform adds itself."""
+    return _desk(request, services, visitor, invitation=registering.invite(services, visitor.caller))
 
 
 @desk.post("/remove", dependencies=[Depends(require_own_form)])
@@ -142,13 +149,9 @@ def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Res
 
 
 def _desk(
-    request: Request,
-    services: ServicesDep,
-    visitor: Visitor,
-    form: PlatformForm | None = None,
-    problem: FormProblem | None = None,
+    request: Request, services: ServicesDep, visitor: Visitor, form: PlatformForm | None = None, **shown: Any
 ) -> Response:
-    public_url = services.providers.public_url
+    public_url, problem = services.providers.public_url, shown.get("problem")
     return page(
         request,
         "platforms.html",
@@ -156,7 +159,7 @@ def _desk(
         platforms=platforms.platforms_of(services, visitor.caller),
         links=platforms.links_of(services, visitor.caller),
         form=form or PlatformForm(),
-        problem=problem,
+        **{"problem": None, "invitation": "", **shown},
         ours={name: f"{public_url}{path}" for name, path in _OURS.items()} if public_url else {},
         troubles=platforms.troubles_of(services, visitor.caller),
     )

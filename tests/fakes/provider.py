@@ -49,6 +49,9 @@ class FakeProvider:
         self.tool_keys: dict[str, Any] = {}
         self.scores: list[dict[str, Any]] = []
         self.score_status = 200
+        self.tools: list[tuple[str, dict[str, Any]]] = []
+        self.configured: dict[str, Any] = {}
+        self.registered: tuple[int, Any] = (200, {})
 
     def signed(self, claims: dict[str, Any], key: Any = RSA) -> str:
         return jwt.encode({"alg": "RS256", "kid": key.kid}, claims, key)
@@ -126,6 +129,15 @@ class FakeProvider:
         self.scores.append(form)
         return 200
 
+    def configuration(self) -> dict[str, Any]:
+        """Return what a learning platform tells tools that register; `configured` changes it."""
+        places = ("authorization", "registration", "token")
+        said = {f"{one}_endpoint": f"{self.address}/{one}" for one in places}
+        family = {"product_family_code": "moodle"}
+        said |= {"issuer": self.address, "jwks_uri": f"{self.address}/keys"}
+        said |= {"https://purl.imsglobal.org/spec/lti-platform-configuration": family}
+        return {name: value for name, value in (said | self.configured).items() if value is not None}
+
     def cas(self, query: dict[str, str]) -> str:
         if self.cas_answer is not None:
             return self.cas_answer
@@ -160,6 +172,8 @@ def provider() -> Iterator[FakeProvider]:
                         "jwks_uri": f"{known.address}/keys",
                     },
                 )
+            elif parts.path == "/lti-configuration":
+                self._json(200, known.configuration())
             elif parts.path == "/keys":
                 self._json(200, KeySet(known.keys).as_dict(private=False))
             elif parts.path in ("/cas/p3/serviceValidate", "/cas/serviceValidate"):
@@ -178,6 +192,9 @@ def provider() -> Iterator[FakeProvider]:
                 self._say(503, b"")
             elif self.path == "/items/7/scores?type_id=1":
                 self._say(known.take(json.loads(body), authorization, media_type), b"")
+            elif self.path == "/registration":
+                known.tools.append((authorization, json.loads(body)))
+                self._json(*known.registered)
             elif self.path == "/access":
                 self._json(*known.access_token(form))
             else:

@@ -64,6 +64,7 @@ def fill(database: Database) -> str:
     opened = platforms.open_link(PlatformLink(platform=used.id, used_at=clock(), **line))
     assert PlatformScores(database, clock).claim(opened, "ros", "li", "a" * 64)
     assert platforms.use("message", clock())
+    platforms.invite(signed)
     picking = Picking(back="https://a.example", data="数据", several=True, scored=False)
     platforms.open_picking(used.id, "l1", picking)
     notices = Notices(database, clock)

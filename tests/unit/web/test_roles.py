@@ -56,7 +56,10 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "GET /lti/pick/{secret}": (410,) * 6,  # who has no secret, or one that is over
     "POST /lti/pick/{secret}": (410,) * 6,
     "POST /lti/pick/{secret}/token": (410,) * 6,
+    "GET /lti/register/{secret}": (410,) * 6,
+    "POST /lti/register/{secret}": (410,) * 6,
     "GET /class/platforms": INSTRUCTORS,
+    "POST /class/platforms/invite": (303, 403, 403, 403, 409, 409),  # not set up
     "POST /class/platforms": (303, 403, 403, 403, 409, 409),  # not set up
     "POST /class/platforms/remove": (303, 403, 403, 403, 404, 404),
     "GET /class/notices": INSTRUCTORS,
