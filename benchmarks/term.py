@@ -1,11 +1,13 @@
 """A scripted term: a class of 300 from a messy workbook to the archive, over HTTP and on the pages, with times.
 
 Every step of the instructor is done by `benchmarks.term_desks`, once over HTTP and once in Chromium, each in a
-course of its own; only the first course is made on the server's command line. Students hand in over HTTP. The
-first of their files are graded for real, the others get the result that their script has, by the queue's own
-contract. At the end the pages of such a class are timed, cold and warm.
+course of its own; only the first course is made on the server. Students hand in over HTTP, or at the
+desk of the pages in windows of Chromium (`benchmarks.term_students`). The first of their files are graded for
+real, the others get the result that their script has, by the queue's own contract. At the end the pages of such
+a class are timed, cold and warm. FOLDER keeps what was done in ``steps.jsonl``: the same command goes on there.
 
-Usage: ``python -m benchmarks.term [--students 300] [--attempts 20] [--real 300] [--desks http,pages] [FOLDER]``
+Usage: ``python -m benchmarks.term [--students 300] [--attempts 20] [--real 300] [--windows 3] [--desks http,pages]
+[FOLDER]``
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import argparse
 import asyncio
 import hashlib
 import io
+import json
 import random
 import re
 import shutil
@@ -23,8 +26,9 @@ import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager, nullcontext
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime, timedelta
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +39,7 @@ from python_calamine import CalamineWorkbook
 from benchmarks.posting import Connections, prepared
 from benchmarks.processes import Service, cpu_s
 from benchmarks.term_desks import Desk, HttpDesk, PageDesk
+from benchmarks.term_students import Handed, Upload, hand_in_on_pages
 from grader.catalog import Catalog, default_root
 from grader.contracts.assignment import Assignment
 from grader.contracts.grading import GradingJob, GradingResult
@@ -48,7 +53,7 @@ SHIPPED = ("hello", "straight", "backward", "spin", "square", "triangle")
 OWN = {"own_square": "square", "own_walk": "calculation"}
 SECTIONS = ("A", "B", "C", "D", "E", "F")
 ASSISTANTS = ("ta1", "ta2", "ta3", "ta4")
-FIRST = "term-http"
+FIRST, PAGES = "term-http", "term-pages"
 _APPEALS = 40
 _AT_ONCE = 8
 _PER_DAY_PERCENT = 10
@@ -71,26 +76,49 @@ class Work:
     graded_by: Assignment
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """What a student will hand in. `number` is its place in the plan of the class."""
+
+    number: int
+    student: str
+    work: Work
+    content: bytes
+
+
+Note = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
 class Steps:
-    """What was done, and how long it took."""
+    """What was done, what came of it and how long it took, in a file: after a restart it is not done again."""
 
-    rows: list[tuple[str, str, float, str]] = field(default_factory=list)
+    path: Path
 
-    @contextmanager
-    def step(self, desk: str, name: str) -> Iterator[Callable[[str], None]]:
-        """Time a step; the function that is given notes what is worth telling of it."""
+    def do(self, desk: str, name: str, act: Callable[[Note], Any]) -> Any:
+        """Do a step and time it, unless it was done before; return what it gave, which JSON can hold.
+
+        The function that `act` is given notes what is worth telling of the step.
+        """
+        for line in self.path.read_text().splitlines() if self.path.exists() else ():
+            known = json.loads(line)
+            if (known["desk"], known["step"]) == (desk, name):
+                return known["gave"]
         said: list[str] = []
         started = time.monotonic()
-        yield said.append
-        self.rows.append((desk, name, time.monotonic() - started, "; ".join(said)))
-        sys.stdout.write("| {} | {} | {:.1f} | {} |\n".format(*self.rows[-1]))
+        gave = act(said.append)
+        took = time.monotonic() - started
+        row = {"desk": desk, "step": name, "s": round(took, 1), "told": "; ".join(said), "gave": gave}
+        with self.path.open("a") as log:
+            log.write(json.dumps(row, ensure_ascii=False) + "\n")
+        sys.stdout.write(f"| {desk} | {name} | {took:.1f} | {row['told']} |\n")
         sys.stdout.flush()
+        return gave
 
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """What both desks' terms have in common."""
+    """What both desks' terms have in common. `windows`: of Chromium for students; 0: they use the interface."""
 
     service: Service
     folder: Path
@@ -99,7 +127,12 @@ class Term:
     zips: Mapping[str, bytes]
     attempts: int
     real: int
+    windows: int
     steps: Steps
+
+    def do(self, desk: str, name: str, act: Callable[[Note], Any]) -> Any:
+        """Do a step once (`Steps.do`)."""
+        return self.steps.do(desk, name, act)
 
 
 def own_files(assignment: str) -> dict[str, bytes]:
@@ -192,27 +225,60 @@ def teachers_sheet(path: Path, students: Sequence[str]) -> None:
             sheet.write_row(row, 0, [int(one), "", "", ""])
 
 
-def hand_in(term: Term, tokens: Mapping[str, str], desk: str) -> list[str]:
-    """Let everybody hand in over HTTP: some are graded for real, the others get what their script has."""
+def hand_in(term: Term, tokens: Mapping[str, str], desk: str) -> None:
+    """Let everybody hand in: some are graded for real, the others get what their script has.
+
+    At the desk of the pages students hand in on the pages, too, if there are windows for them.
+    """
     plan = _plan(term)
     first, rest = plan[: term.real], plan[term.real :]
-    with term.steps.step(desk, f"{len(first)} submissions handed in and graded for real"):
-        submissions = asyncio.run(_post(term, tokens, first))
+    how = "on the pages" if _on_pages(term, desk) else "over HTTP"
+
+    def graded(note: Note) -> None:
+        _send(term, tokens, first, desk, note)
         _await_idle(term)
-    term.service.restart({"SLOTS": "0"})
-    with term.steps.step(desk, f"{len(rest)} submissions handed in over HTTP") as note:
-        started = time.monotonic()
-        submissions += asyncio.run(_post(term, tokens, rest))
-        note(f"{len(rest) / (time.monotonic() - started):.0f}/s")
-    with term.steps.step(desk, f"{len(rest)} results stored by the queue's contract") as note:
+
+    def sent(note: Note) -> None:
+        term.service.restart({"SLOTS": "0"})
+        _send(term, tokens, rest, desk, note)
+
+    def stored(note: Note) -> None:
         note(f"{_inject(term)} claims")
+
+    term.do(desk, f"{len(first)} submissions handed in {how} and graded for real", graded)
+    term.do(desk, f"{len(rest)} submissions handed in {how}", sent)
+    term.do(desk, f"{len(rest)} results stored by the queue's contract", stored)
     term.service.restart({"SLOTS": "2"})
-    return submissions
 
 
-def _plan(term: Term) -> list[tuple[str, Work, bytes]]:
+def _on_pages(term: Term, desk: str) -> bool:
+    return bool(term.windows) and desk == PAGES
+
+
+def _send(term: Term, tokens: Mapping[str, str], plan: Sequence[Planned], desk: str, note: Note) -> None:
+    started = time.monotonic()
+    if _on_pages(term, desk):
+        handed = Handed(term.folder / "handed.jsonl")
+        before = len(handed.done)
+        uploads = [
+            Upload(one.number, one.student, one.work.assignment, one.work.name, one.content.decode())
+            for one in plan
+        ]
+        hand_in_on_pages(term.service.urls[0], term.folder, tokens, uploads, handed, term.windows)
+        sent = len(handed.done) - before
+        note(handed.told())
+        if sent:
+            note(f"{handed.cpu_s / sent * 1000:.0f} ms of the browsers' processor time each")
+    else:
+        asyncio.run(_post(term, tokens, plan))
+        sent = len(plan)
+    if sent:
+        note(f"{sent / (time.monotonic() - started):.1f}/s")
+
+
+def _plan(term: Term) -> list[Planned]:
     chance = random.Random(17)  # noqa: S311 - a class, no secret
-    plan = []
+    plan: list[tuple[str, Work, bytes]] = []
     names = list(term.works)
     for attempt in range(term.attempts):
         assignment = names[attempt % len(names)]
@@ -221,24 +287,23 @@ def _plan(term: Term) -> list[tuple[str, Work, bytes]]:
             mark = f"\n# {student}, {attempt}\n" if work.name.endswith(".py") else "\n" * (attempt + 1)
             plan.append((student, work, work.source.rstrip() + mark.encode()))
     chance.shuffle(plan)
-    return plan
+    return [Planned(number, *one) for number, one in enumerate(plan)]
 
 
-async def _post(term: Term, tokens: Mapping[str, str], plan: Sequence[tuple[str, Work, bytes]]) -> list[str]:
+async def _post(term: Term, tokens: Mapping[str, str], plan: Sequence[Planned]) -> None:
     gate, url = asyncio.Semaphore(_AT_ONCE), term.service.urls[0]
     alone: dict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
 
-    async def send(connections: Connections, student: str, work: Work, content: bytes) -> str:
-        headers = {"Authorization": f"Bearer {tokens[student]}"}
-        form = {"assignment": work.assignment}
-        post = prepared(url, "/api/v1/submissions", headers, form, (work.name, content))
-        async with alone[student], gate:
+    async def send(connections: Connections, one: Planned) -> None:
+        headers = {"Authorization": f"Bearer {tokens[one.student]}"}
+        form = {"assignment": one.work.assignment}
+        post = prepared(url, "/api/v1/submissions", headers, form, (one.work.name, one.content))
+        async with alone[one.student], gate:
             answer = await connections.send(post)
-        assert answer.status == 202, answer.body
-        return answer.body.decode()
+        assert answer.status in (200, 202), answer.body  # 200: it was there before an interruption
 
     async with Connections() as connections:
-        return await asyncio.gather(*(send(connections, *one) for one in plan))
+        await asyncio.gather(*(send(connections, one) for one in plan))
 
 
 def _inject(term: Term) -> int:
@@ -289,79 +354,77 @@ def make_appeals(term: Term, desk: HttpDesk, tokens: Mapping[str, str]) -> list[
     return made
 
 
-def do_term(term: Term, desk: Desk, name: str, http: HttpDesk) -> str:
-    """Do a whole term at a desk; return the token of the next term's instructor."""
-    step, students = term.steps.step, term.students
+def do_term(term: Term, desk: Desk, name: str, http: HttpDesk) -> None:
+    """Do a whole term at a desk, or what is left of it."""
+    do, students = partial(term.do, name), term.students
     roster = term.folder / "roster.xlsx"
     messy_roster(roster, students)
-    with step(name, "class list imported from a messy .xlsx") as note:
-        note(desk.import_roster(roster))
-    with step(name, "4 assistants added, each bound to a section"):
-        for person, section in zip(ASSISTANTS, SECTIONS, strict=False):
-            desk.add_assistant(person, section)
-    with step(name, "tokens for everybody") as note:
-        tokens = desk.make_tokens([*students, *ASSISTANTS])
-        note(f"{len(tokens)} tokens")
-    with step(name, "2 assignments of the course's own uploaded, a broken one refused") as note:
+    do("class list imported from a messy .xlsx", lambda note: note(desk.import_roster(roster)))
+    for person, section in zip(ASSISTANTS, SECTIONS, strict=False):
+        do(f"assistant {person} added, bound to a section", lambda _: desk.add_assistant(person, section))  # noqa: B023
+    tokens = do("tokens for everybody", lambda _: desk.make_tokens([*students, *ASSISTANTS]))
+
+    def upload(note: Note) -> None:
         broken = own_files("own_square")
         broken["assignment.yaml"] = broken["assignment.yaml"].replace(b"    points:", b"    pionts:", 1)
         note(f"broken at {desk.upload_broken(packed('own_square', broken))}")
         for content in term.zips.values():
             desk.upload(content)
-    with step(name, "their scripts run by the service"):
-        desk.await_ready(list(OWN))
+
+    do("2 assignments of the course's own uploaded, a broken one refused", upload)
+    do("their scripts run by the service", lambda _: desk.await_ready(list(OWN)))
     due = datetime.now(UTC) + timedelta(days=1)
-    with step(name, "8 assignments published with dates, the others hidden"):
-        desk.publish([*SHIPPED, *OWN], due, due + timedelta(days=30))
-    with step(name, "late rules of 6 sections"):
-        for i, section in enumerate(SECTIONS):
-            desk.set_section(_LATE, section, due - timedelta(days=2 + i), _PER_DAY_PERCENT)
+    do(
+        "8 assignments published with dates, the others hidden",
+        lambda _: desk.publish([*SHIPPED, *OWN], due, due + timedelta(days=30)),
+    )
+    for i, section in enumerate(SECTIONS):
+        at = due - timedelta(days=2 + i)
+        do(
+            f"late rule of section {section}",
+            lambda _: desk.set_section(_LATE, section, at, _PER_DAY_PERCENT),  # noqa: B023
+        )
     hand_in(term, tokens, name)
-    return after_handing_in(term, desk, name, http, tokens)
+    after_handing_in(term, desk, name, http, tokens)
 
 
-def after_handing_in(term: Term, desk: Desk, name: str, http: HttpDesk, tokens: Mapping[str, str]) -> str:
-    """Do the rest of a term; return the token of the next term's instructor."""
-    step, students, sheet = term.steps.step, term.students, term.folder / "sheet.xlsx"
+def after_handing_in(term: Term, desk: Desk, name: str, http: HttpDesk, tokens: Mapping[str, str]) -> None:
+    """Do the rest of a term, or what is left of it."""
+    do, students, sheet = partial(term.do, name), term.students, term.folder / "sheet.xlsx"
     teachers_sheet(sheet, students[:-4])
-    with step(name, f"{_APPEALS} appeals made by students (HTTP)"):
-        appeals = make_appeals(term, http, tokens)
-    with step(name, f"{_APPEALS} appeals answered"):
-        for i, (submission, item, points) in enumerate(appeals):
-            desk.answer_appeal(submission, item, _DECISIONS[i % len(_DECISIONS)], points)
-    with step(name, "own assignment uploaded with a changed rubric, its scripts run"):
+    appeals = do(f"{_APPEALS} appeals made by students (HTTP)", lambda _: make_appeals(term, http, tokens))
+    for i, (submission, item, points) in enumerate(appeals):
+        decision = _DECISIONS[i % len(_DECISIONS)]
+        do(f"appeal {i + 1} {decision}", lambda _: desk.answer_appeal(submission, item, decision, points))  # noqa: B023
+
+    def change_rubric(_: Note) -> None:
         desk.upload(packed("own_square", stricter(own_files("own_square"))))
         desk.await_ready(["own_square"])
-    with step(name, "everybody's latest graded again on trial (real gradings)") as note:
-        regrade = desk.regrade("own_square")
-        note(f"{len(students)} gradings")
-    with step(name, "the re-grade applied, then undone as a whole"):
-        desk.apply_and_undo(regrade)
-    with step(name, "3 people removed"):
-        for one in students[-4:-1]:
-            desk.remove(one)
-    with step(name, "1 student forgotten"):
-        desk.forget(students[-1])
-    with step(name, "points filled into the teacher's own sheet") as note:
-        note(f"{_filled(desk.fill_sheet(sheet, '总评'))} rows filled")
-    with step(name, "everything downloaded") as note:
-        note(f"{desk.download(term.folder) / 1e6:.1f} MB")
-    return next_term(term, desk, name)
+
+    do("own assignment uploaded with a changed rubric, its scripts run", change_rubric)
+    regrade = do(
+        "everybody's latest graded again on trial (real gradings)", lambda _: desk.regrade("own_square")
+    )
+    do("the re-grade applied, then undone as a whole", lambda _: desk.apply_and_undo(regrade))
+    for one in students[-4:-1]:
+        do(f"{one} removed", lambda _: desk.remove(one))  # noqa: B023
+    do("1 student forgotten", lambda _: desk.forget(students[-1]))
+    do(
+        "points filled into the teacher's own sheet",
+        lambda note: note(f"{_filled(desk.fill_sheet(sheet, '总评'))} rows filled"),
+    )
+    do("everything downloaded", lambda note: note(f"{desk.download(term.folder) / 1e6:.1f} MB"))
+    do("course archived", lambda _: desk.archive())
+    token = do("copied to the next term", lambda _: desk.copy(f"{name}-next"))
+    do("the copy has its own assignments and late rules", lambda _: _check_copy(term, token))
 
 
-def next_term(term: Term, desk: Desk, name: str) -> str:
-    """Archive the course and copy it; return the token of the copy's instructor."""
-    with term.steps.step(name, "course archived"):
-        desk.archive()
-    with term.steps.step(name, "copied to the next term") as note:
-        token = desk.copy(f"{name}-next")
-        fresh = HttpDesk(term.service.urls[0], token)
-        own = fresh.client.get("/api/v1/course/assignments").json()["assignments"]
-        assert {one["assignment"]: one["state"] for one in own} == dict.fromkeys(OWN, "ready"), own
-        rules = fresh.client.get(f"/api/v1/assignments/{_LATE}/rules").json()["rules"]
-        assert len(rules["by_section"]) == len(SECTIONS)
-        note("with its own assignments and late rules")
-    return token
+def _check_copy(term: Term, token: str) -> None:
+    fresh = HttpDesk(term.service.urls[0], token)
+    own = fresh.client.get("/api/v1/course/assignments").json()["assignments"]
+    assert {one["assignment"]: one["state"] for one in own} == dict.fromkeys(OWN, "ready"), own
+    rules = fresh.client.get(f"/api/v1/assignments/{_LATE}/rules").json()["rules"]
+    assert len(rules["by_section"]) == len(SECTIONS)
 
 
 def _filled(content: bytes) -> int:
@@ -442,29 +505,35 @@ def browser_of(address: str, folder: Path, token: str) -> Iterator[Any]:
 
 
 def run(arguments: argparse.Namespace, folder: Path) -> None:
-    """Do the terms."""
+    """Do the terms, or what is left of them."""
     settings = {"SLOTS": "2", "REQUESTS_AT_ONCE": "100"}
-    steps = Steps()
+    steps = Steps(folder / "steps.jsonl")
     students = tuple(f"2026{number:04d}" for number in range(1, arguments.students + 1))
     print("| desk | step | s | |\n|---|---|---|---|")
-    with steps.step("-", "every script graded once, to know its result") as note:
-        known = works(folder)
-        note(f"{sum(map(len, known.values()))} scripts")
+    known = works(folder)
     zips = {name: packed(name, own_files(name)) for name in OWN}
     with Service(folder, settings=settings) as service:
-        term = Term(service, folder, students, known, zips, arguments.attempts, arguments.real, steps)
-        with steps.step("-", "the first course made on the server"):
-            printed = service.command("course", "create", FIRST, "--instructor", "wang")
-            token = _token_of(printed)
-            service.restart(settings)
+        term = Term(
+            service,
+            folder,
+            students,
+            known,
+            zips,
+            arguments.attempts,
+            arguments.real,
+            arguments.windows,
+            steps,
+        )
+        made = partial(service.command, "course", "create", FIRST, "--instructor", "wang")
+        token = term.do("-", "the first course made on the server", lambda _: _token_of(made()))
+        service.restart(settings)
         http = HttpDesk(service.urls[0], token)
         if "pages" in arguments.desks:
-            with steps.step("pages", "a course of its own, copied from the first (HTTP)"):
-                other = http.copy("term-pages")
+            other = term.do("-", "a second course, copied from the first (HTTP)", lambda _: http.copy(PAGES))
+            downloads = folder / "downloads"
+            downloads.mkdir(exist_ok=True)
             with browser_of(service.urls[0], folder, other) as browser:
-                downloads = folder / "downloads"
-                downloads.mkdir()
-                do_term(term, PageDesk(browser, downloads), "term-pages", HttpDesk(service.urls[0], other))
+                do_term(term, PageDesk(browser, downloads), PAGES, HttpDesk(service.urls[0], other))
             token_of_class = other
         if "http" in arguments.desks:
             do_term(term, http, FIRST, http)
@@ -485,6 +554,7 @@ def main() -> None:
     parser.add_argument("--students", type=int, default=300)
     parser.add_argument("--attempts", type=int, default=20, help="submissions of each student")
     parser.add_argument("--real", type=int, default=300, help="submissions that are graded for real")
+    parser.add_argument("--windows", type=int, default=3, help="of Chromium for students; 0: HTTP")
     parser.add_argument("--desks", type=lambda text: text.split(","), default=["pages", "http"])
     arguments = parser.parse_args()
     place = tempfile.TemporaryDirectory() if arguments.folder is None else nullcontext(arguments.folder)

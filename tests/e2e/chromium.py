@@ -140,7 +140,10 @@ class Browser:
 
 
 @contextmanager
-def chromium(programs: tuple[str, str], profile: Path, address: str) -> Iterator[Browser]:
+def chromium(
+    programs: tuple[str, str], profile: Path, address: str, load: str = "normal"
+) -> Iterator[Browser]:
+    """Yield a window. `load` says when a page is there, in WebDriver's words (`pageLoadStrategy`)."""
     from selenium import webdriver
     from selenium.webdriver.chrome.service import Service
 
@@ -148,6 +151,7 @@ def chromium(programs: tuple[str, str], profile: Path, address: str) -> Iterator
     options.binary_location = programs[0]
     for flag in (*FLAGS, f"--user-data-dir={profile}"):
         options.add_argument(flag)
+    options.page_load_strategy = load
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("NO_PROXY", "127.0.0.1,localhost")

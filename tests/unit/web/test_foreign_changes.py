@@ -117,7 +117,7 @@ ROWS: dict[str, Row] = {
         "enter 403 403 403 422", {"student": "li", "extra_attempts": "1"}
     ),
     "POST /class/rules/{assignment_id}/section": Row(
-        "enter 403 403 403 422", {"due": "2026-09-01T08:00"}, params={"name": "1"}
+        "enter 403 403 403 ok", {"due": "2026-09-01T08:00"}, params={"name": "1"}
     ),
     "POST /class/people": Row("enter 403 403 403 ok", {**MEMBER, "person": "fresh"}),
     "POST /class/people/preview": Row("enter 403 403 403 ok", {}, files=LIST, owner=""),
