@@ -87,7 +87,10 @@ ROWS: dict[str, Row] = {
         owner="",
     ),
     "POST /lti/launch": Row("403 403 403 403 403", {"id_token": "x", "state": "x"}, owner=""),
+    "POST /lti/pick/{secret}": Row("410 410 410 410 410", {"assignment": "square"}, owner=""),
+    "POST /lti/pick/{secret}/token": Row("410 410 410 410 410", {"token": "x" * 30}, owner=""),
     # work, on pages
+    "POST /assignments/{assignment_id}/practice": Row("enter ok ok ok ok", {}, files=SCRIPT, owner=""),
     "POST /assignments/{assignment_id}": Row(
         "enter ok ok ok ok", {"student": "li"}, files=SCRIPT, owner="li"
     ),
@@ -162,6 +165,8 @@ ROWS: dict[str, Row] = {
     "PUT /api/v1/submissions/{submission_id}/judgements/{item:path}": Row(
         "401 404 404 404 404", json={"points": 1, "comment": "x"}
     ),
+    "POST /api/v1/practice": Row("401 ok ok ok ok", {"assignment": "square"}, files=SCRIPT, owner=""),
+    "POST /playground/car": Row("enter ok ok ok ok", {}, owner=""),
     "POST /api/v1/live": Row("401 ok ok ok ok", owner=""),
     "DELETE /api/v1/live": Row("401 ok ok ok ok", owner=""),
     # the class, by the interface
@@ -303,7 +308,7 @@ def _made(services: Services, put: Callable[..., str], grade_waiting: Callable[.
     return {
         "submission_id": submission, "regrade_id": regrade, "assignment_id": "square", "item": "closed",
         "student": "li", "person": "li", "identity": services.identities.of_member("ros", "li")[0].id,
-        "platform": platform.id, "outlet": "class", "tag": tag, "seen": seen,
+        "platform": platform.id, "outlet": "class", "secret": "x" * 43, "tag": tag, "seen": seen,
     }  # fmt: skip
 
 
