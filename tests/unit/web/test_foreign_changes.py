@@ -200,6 +200,8 @@ ROWS: dict[str, Row] = {
     "PUT /api/v1/course/notices/webhooks/{outlet}": Row(
         "401 403 403 403 ok", json={"vendor": "wecom", "address": BOT + "y"}
     ),
+    "POST /api/v1/course/platforms": Row("401 403 403 403 409", json=PLATFORM, owner=""),
+    "DELETE /api/v1/course/platforms/{platform}": Row("401 403 403 403 404"),
     "DELETE /api/v1/course/notices/webhooks/{outlet}": Row("401 403 403 403 404"),
     "PUT /api/v1/course/notices/mail": Row(
         "401 403 403 403 409", json={"due": True, "graded": True, "faults": True}, owner=""
