@@ -21,7 +21,7 @@ from grader.messages import is_on_page, on_page
 ACTIONS = (
     "course.create", "course.change", "course.copy", "course.archive", "course.reopen", "course.retain",
     "member.add", "member.change", "member.remove", "member.forget", "token.issue", "token.revoke",
-    "signin.bind", "signin.unbind", "platform.add", "platform.remove",
+    "signin.bind", "signin.unbind", "platform.invite", "platform.add", "platform.remove",
     "webhook.set", "webhook.remove", "mail.set",
     "rules.change", "extension.change", "submission.hand_in",
     "grade.judge", "grade.change", "regrade.applied", "regrade.discarded", "regrade.undone",

@@ -41,6 +41,7 @@ def test_no_page_names_a_student_of_another_section(
         "student": "han",
         "person": "han",
         "provider_id": "campus",
+        "secret": "x" * 43,
         "regrade_id": regrade,
     }
     both = {"first": own.rpartition("/")[2], "second": of["submission_id"]}

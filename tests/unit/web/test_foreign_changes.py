@@ -89,6 +89,9 @@ ROWS: dict[str, Row] = {
     "POST /lti/launch": Row("403 403 403 403 403", {"id_token": "x", "state": "x"}, owner=""),
     "POST /lti/pick/{secret}": Row("410 410 410 410 410", {"assignment": "square"}, owner=""),
     "POST /lti/pick/{secret}/token": Row("410 410 410 410 410", {"token": "x" * 30}, owner=""),
+    "POST /lti/register/{secret}": Row(
+        "410 410 410 410 410", {"openid_configuration": "https://a.example/x"}, owner=""
+    ),
     # work, on pages
     "POST /assignments/{assignment_id}/practice": Row("enter ok ok ok ok", {}, files=SCRIPT, owner=""),
     "POST /assignments/{assignment_id}": Row(
@@ -140,6 +143,7 @@ ROWS: dict[str, Row] = {
     "POST /class/course/erase": Row("enter 403 403 403 ok", {"older_than": "1"}),
     "POST /class/course/forget": Row("enter 403 403 403 404", {"person": "li", "again": "li"}),
     "POST /class/platforms": Row("enter 403 403 403 409", PLATFORM, owner=""),
+    "POST /class/platforms/invite": Row("enter 403 403 403 409", {}, owner=""),
     "POST /class/platforms/remove": Row("enter 403 403 403 404", {"platform": "{platform}"}),
     "POST /class/notices/webhook": Row(
         "enter 403 403 403 ok", {"outlet": "staff", "vendor": "wecom", "address": BOT}
