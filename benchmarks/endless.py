@@ -24,6 +24,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any, Final
 
+import httpx
 from rich.console import Console
 
 from benchmarks.classroom import Script, Upload, graded_scripts, roster
@@ -97,7 +98,10 @@ class Test:
         deadline_s = time.monotonic() + self._options.patience
         ended: set[int] = set()
         while True:
-            gradings = asyncio.run(read_all(sent, self._headers))
+            try:
+                gradings = asyncio.run(read_all(sent, self._headers))
+            except httpx.RemoteProtocolError:  # a connection that was kept was closed at this very moment
+                continue
             ended = self._tell_progress(sent, gradings, ended)
             if all(one["finished_at"] for one in gradings) or time.monotonic() > deadline_s:
                 return list(zip(sent, gradings, strict=True))
