@@ -42,13 +42,9 @@ from grader.worker import Uploads, Worker, WorkerConfig, WorkerParts
 
 _log = logging.getLogger(__name__)
 _SYNTAX_CHECKS = 3  # side by side: one file that keeps the compiler busy does not hold up all uploads
-GRADING_NICENESS = 3
-"""Of what grades: about half the weight of what answers requests, and of other programs of the host.
-
-Requests take little time and go before; more than three would starve gradings wherever something else keeps the
-processors busy.
-"""
-_BEHIND = SlotConfig(mode="strict", niceness=5)  # than gradings, and soon enough: examining, practice
+GRADING_NICENESS = 10
+"""Of what grades. At 3 an upload took three times as long (p95) while both slots of two cores graded."""
+_BEHIND = SlotConfig(mode="strict", niceness=14)  # than gradings, and soon enough: examining, practice
 _ISOLATION = SlotConfig(mode="strict", niceness=GRADING_NICENESS)  # no weaker mode
 
 

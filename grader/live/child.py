@@ -15,7 +15,7 @@ from grader.sim.bullet import BulletCar
 from grader.sim.rosbridge.bridge import FIRST_ID, Out
 from grader.sim.rosbridge.session import LiveSession
 
-_NICENESS: Final = 1  # after requests, before gradings
+_NICENESS: Final = 5  # after requests, before gradings
 _MEMORY_BYTES: Final = 1 << 30
 _FILES: Final = 32
 _PIECE: Final = 65_536
