@@ -1,5 +1,6 @@
 """Making activities on a platform: what it asks for, and what it is answered (1EdTech, "Deep Linking 2.0")."""
 
+import re
 import secrets
 from collections.abc import Iterable
 from typing import Any, Final
@@ -18,6 +19,7 @@ _LIFE_S = 300
 _NONCE_BYTES = 32
 _LONGEST_ADDRESS = 2_000
 _LONGEST_DATA = 8_000
+_NO_TEXT = re.compile("[\0\ud800-\udfff]")  # JSON has it; no database has
 
 
 def read_picking(said: object) -> Picking | None:
@@ -40,7 +42,7 @@ def read_picking(said: object) -> Picking | None:
         return None
     if not isinstance(types, list) or _ITEM not in types:
         return None
-    if not isinstance(data, str) or len(data) > _LONGEST_DATA or "\0" in data:
+    if not isinstance(data, str) or len(data) > _LONGEST_DATA or _NO_TEXT.search(data):
         return None
     return Picking(
         back=back,

@@ -11,7 +11,14 @@ import msgspec
 
 from grader.contracts.platform import NewPlatform
 from grader.lti.scores import SCORE_SCOPE
-from grader.signin.channel import UnreachableError, get, host_of, is_private_talk, post_json
+from grader.signin.channel import (
+    UnreachableError,
+    decoded,
+    get,
+    host_of,
+    is_private_talk,
+    post_json,
+)
 
 _TOOL: Final = "https://purl.imsglobal.org/spec/lti-tool-configuration"
 _PLATFORM: Final = "https://purl.imsglobal.org/spec/lti-platform-configuration"
@@ -81,8 +88,8 @@ def register(address: str, token: str, public_url: str, name: str, *, private: b
     if status not in _OK:
         raise RegistrationError(f"status {status}: {_words(content)}")
     try:
-        told = msgspec.json.decode(content, type=_Registered)
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+        told = decoded(content, _Registered)
+    except ValueError as error:
         raise RegistrationError(f"{known.registration_endpoint}: {error}") from None
     if not told.client_id or told.tool.deployment_id == "":
         raise RegistrationError(f"the platform names no deployment (client id {told.client_id[:_LONGEST]!r})")
@@ -100,10 +107,10 @@ def register(address: str, token: str, public_url: str, name: str, *, private: b
 
 def _configuration(address: str, *, private: bool) -> _Configuration:
     try:
-        found = msgspec.json.decode(get(address, public_only=not private), type=_Configuration)
+        found = decoded(get(address, public_only=not private), _Configuration)
     except UnreachableError as error:
         raise RegistrationError(str(error)) from None
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise RegistrationError(f"{address}: {error}") from None
     if host_of(found.issuer) != host_of(address.partition("?")[0]):  # says the specification, 3.5.1
         raise RegistrationError(f"{address} is of {found.issuer[:_LONGEST]!r}")

@@ -11,12 +11,13 @@ from urllib.parse import urlsplit, urlunsplit
 import msgspec
 
 from grader.contracts.platform import Platform
-from grader.signin.channel import UnreachableError, post_form, post_json
+from grader.signin.channel import UnreachableError, decoded, post_form, post_json
 
 SCORE_SCOPE: Final = "https://purl.imsglobal.org/spec/lti-ags/scope/score"
 _SCORE_TYPE = "application/vnd.ims.lis.v1.score+json"
 _ASSERTION_TYPE = "urn:ietf:params:oauth:client-assertion-type:jwt-bearer"
 _LIFE_S = 60
+_LONGEST_GRANT_S = 24 * 3600
 _JTI_BYTES = 16
 _OK = (200, 201, 202, 204)
 
@@ -162,11 +163,12 @@ class ScoreChannel:
         if status not in _OK:
             raise NotTakenError(f"no token, status {status}: {content[:200].decode(errors='replace')}")
         try:
-            granted = msgspec.json.decode(content, type=_Granted)
-        except msgspec.DecodeError as error:
+            granted = decoded(content, _Granted)
+        except ValueError as error:
             raise UnreachableError(f"{platform.token_url}: {error}") from None
         with self._lock:
-            self._tokens[platform.id] = granted.access_token, now_s + granted.expires_in - _LIFE_S
+            good_s = min(granted.expires_in, _LONGEST_GRANT_S)
+            self._tokens[platform.id] = granted.access_token, now_s + good_s - _LIFE_S
         return granted.access_token
 
 

@@ -16,7 +16,7 @@ import msgspec
 
 from grader.contracts.notice import NewWebhook, Vendor
 from grader.notices.failure import Failure, NotSentError
-from grader.signin.channel import UnreachableError, host_of, is_private_talk, post_json
+from grader.signin.channel import UnreachableError, decoded, host_of, is_private_talk, post_json
 
 MOST_BYTES: Final = 2_000
 """Of a message: WeCom takes 2,048."""
@@ -147,8 +147,8 @@ def _bounded(text: str) -> str:
 
 def _require_taken(vendor: Vendor, status: int, answer: bytes) -> None:
     try:
-        said = msgspec.json.decode(answer, type=_Said)
-    except (msgspec.DecodeError, UnicodeDecodeError):
+        said = decoded(answer, _Said)
+    except ValueError:
         said = _Said()
     codes = (said.code, said.errcode, said.old_code)
     code = next((one for one in codes if one is not None), None)

@@ -1,7 +1,8 @@
 """Sending e-mail by the operator's server: by TLS at once (``smtps``), or by STARTTLS (``smtp``)."""
 
 import smtplib
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from datetime import datetime
 from email.errors import MessageError
@@ -89,7 +90,8 @@ class MailChannel:
         except (smtplib.SMTPException, OSError, UnicodeError) as error:
             raise NotSentError("unreachable", f"{type(error).__name__}: {error}"[:_LONGEST_SAID]) from None
 
-    def _connected(self) -> smtplib.SMTP:
+    @contextmanager
+    def _connected(self) -> Iterator[smtplib.SMTP]:
         parts = urlsplit(self.server)
         host, port = parts.hostname or "", parts.port or _PORTS[parts.scheme]
         context = trusting()
@@ -104,11 +106,14 @@ class MailChannel:
                 made.ehlo()
             if self.user:
                 made.login(self.user, self.password)
-        except BaseException:
+            yield made
+        finally:
+            with suppress(
+                smtplib.SMTPException, OSError
+            ):  # whatever it says now, it has taken the letter or not
+                made.quit()
             with suppress(OSError):
                 made.close()
-            raise
-        return made
 
     def _message(self, letter: Letter) -> EmailMessage:
         message = EmailMessage()

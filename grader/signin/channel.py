@@ -12,8 +12,10 @@ import socket
 import ssl
 from collections.abc import Container, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 from urllib.parse import urlsplit
+
+import msgspec
 
 from grader.settings import is_loopback
 
@@ -25,6 +27,7 @@ MOST_BYTES = 256 * 1024
 _LONGEST_S = 20.0
 _HOST = re.compile(r"[A-Za-z0-9._-]+|[0-9A-Fa-f:.]+")  # the second one stands in brackets
 _UNICAST = ipaddress.IPv6Network("2000::/3")
+_T = TypeVar("_T")
 
 
 class UnreachableError(Exception):
@@ -100,6 +103,18 @@ def post_json(  # noqa: PLR0913
         )
     except UnreachableError as error:
         raise UnreachableError(str(error).replace(address, shown or address)) from None
+
+
+def decoded(content: bytes, kind: type[_T]) -> _T:
+    """Return what somebody else wrote as JSON.
+
+    Raises:
+        ValueError: it is none, or not of this kind.
+    """
+    try:
+        return msgspec.json.decode(content, type=kind)
+    except RecursionError:
+        raise ValueError("JSON is nested too deep") from None
 
 
 def _exchange(

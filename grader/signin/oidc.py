@@ -15,7 +15,7 @@ from urllib.parse import quote, urlencode
 import msgspec
 
 from grader.contracts.errors import SettingsError
-from grader.signin.channel import UnreachableError, get, host_of, post_form
+from grader.signin.channel import UnreachableError, decoded, get, host_of, post_form
 from grader.signin.config import OidcEntry, secret_of
 from grader.signin.providers import Person, SignInAttempt, SignInError, is_subject
 
@@ -82,10 +82,10 @@ class KeySet:
         if needs_id and not header.kid:
             raise SignInError("signin_failed", "the token names no key")
         try:
-            decoded = jwt.decode(token, self._with(header.kid), algorithms=list(algorithms))
-        except (JoseError, ValueError, TypeError, KeyError) as error:
+            read = jwt.decode(token, self._with(header.kid), algorithms=list(algorithms))
+        except (JoseError, ValueError, TypeError, KeyError, RecursionError) as error:
             raise SignInError("signin_failed", f"the token: {type(error).__name__}: {error}") from None
-        return dict(decoded.claims)
+        return dict(read.claims)
 
     def _with(self, kid: str | None) -> Any:
         with self._lock:
@@ -102,12 +102,11 @@ class KeySet:
         from joserfc.jwk import KeySet as Keys
 
         try:
-            return Keys.import_key_set(
-                msgspec.json.decode(get(self._address(), public_only=self._public_only))
-            )
+            content = get(self._address(), public_only=self._public_only)
+            return Keys.import_key_set(decoded(content, dict[str, Any]))
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
-        except (JoseError, msgspec.DecodeError, ValueError, TypeError, KeyError) as error:
+        except (JoseError, ValueError, TypeError, KeyError) as error:
             raise SignInError("signin_failed", f"the keys cannot be read: {error}") from None
 
 
@@ -163,10 +162,10 @@ class Oidc:
     def _asked(self) -> _Discovered:
         address = f"{self._entry.issuer.rstrip('/')}/.well-known/openid-configuration"
         try:
-            found = msgspec.json.decode(get(address), type=_Discovered)
+            found = decoded(get(address), _Discovered)
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
-        except msgspec.DecodeError as error:
+        except ValueError as error:
             raise SignInError("signin_unreachable", f"{address}: {error}") from None
         if found.issuer != self._entry.issuer:
             raise SignInError("signin_unreachable", f"{address} is of {found.issuer[:200]!r}")
@@ -199,8 +198,8 @@ class Oidc:
             told = content[:300].decode(errors="replace")
             raise SignInError("signin_refused", f"the code is not accepted: {status} {told}")
         try:
-            return msgspec.json.decode(content, type=_Granted).id_token
-        except msgspec.DecodeError as error:
+            return decoded(content, _Granted).id_token
+        except ValueError as error:
             raise SignInError("signin_failed", f"the token endpoint's answer: {error}") from None
 
     def _person(self, claims: Mapping[str, Any], attempt: SignInAttempt) -> Person:
@@ -244,12 +243,16 @@ def check_token(claims: Mapping[str, Any], issuer: str, client_id: str, nonce: s
         "azp": authorized != client_id,
         "exp": expires is None or expires <= now_s - SKEW_S,
         "iat": issued is None or issued > now_s + SKEW_S,
-        "nonce": not isinstance(seen, str) or not hmac.compare_digest(seen.encode(), nonce.encode()),
+        "nonce": not isinstance(seen, str) or not hmac.compare_digest(_bytes(seen), _bytes(nonce)),
         "sub": not isinstance(subject, str) or not is_subject(subject),
     }
     failed = [name for name, is_wrong in wrong.items() if is_wrong]
     if failed:
         raise SignInError("signin_failed", f"the token's {', '.join(failed)}")
+
+
+def _bytes(text: str) -> bytes:
+    return text.encode(errors="replace")  # JSON has halves of surrogate pairs
 
 
 def _instant(value: object) -> float | None:
@@ -267,6 +270,6 @@ def _text(value: object) -> str:
 def _header_of(token: str) -> _Header:
     head = token.partition(".")[0]
     try:
-        return msgspec.json.decode(base64.urlsafe_b64decode(head + "=" * (-len(head) % 4)), type=_Header)
-    except (ValueError, msgspec.DecodeError):
+        return decoded(base64.urlsafe_b64decode(head + "=" * (-len(head) % 4)), _Header)
+    except ValueError:
         raise SignInError("signin_failed", "the token cannot be read") from None

@@ -139,9 +139,7 @@ class Platforms:
             RefusedError: the platform was removed meanwhile.
         """
         with self._database.writing() as session:
-            one_at_a_time(session, "platform_link", link.platform)
-            if session.get(PlatformRow, link.platform) is None:
-                raise RefusedError("platform_unknown")
+            _hold(session, link.platform)
             row = session.get(PlatformLinkRow, (link.platform, link.resource))
             if row is None:
                 row = PlatformLinkRow(
@@ -195,7 +193,11 @@ class Platforms:
             return ended.first() is not None
 
     def open_picking(self, platform: str, subject: str, picking: Picking) -> str:
-        """Let whom a platform calls `subject` choose for an hour; return the secret by which they do."""
+        """Let whom a platform calls `subject` choose for an hour; return the secret by which they do.
+
+        Raises:
+            RefusedError: the platform was removed meanwhile.
+        """
         secret, now = secrets.token_urlsafe(_SECRET_BYTES), self._clock()
         row = PlatformPickingRow(
             sha256=_digest(secret),
@@ -205,6 +207,7 @@ class Platforms:
             **{name: getattr(picking, name) for name in Picking.__dataclass_fields__},
         )
         with self._database.writing() as session:
+            _hold(session, platform)
             session.execute(delete(PlatformPickingRow).where(col(PlatformPickingRow.until) <= now))
             session.add(row)
         return secret
@@ -264,6 +267,17 @@ class Platforms:
         if len(found) > 1 and found[0].created_at > self._clock() - KEY_READ_WITHIN:
             found.reverse()
         return found
+
+
+def _hold(session: Session, platform: str) -> None:
+    """Let nobody remove a platform until the transaction ends.
+
+    Raises:
+        RefusedError: somebody has.
+    """
+    one_at_a_time(session, "platform_link", platform)
+    if session.get(PlatformRow, platform) is None:
+        raise RefusedError("platform_unknown")
 
 
 def _digest(secret: str) -> str:

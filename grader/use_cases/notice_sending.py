@@ -32,6 +32,8 @@ def send_notices(services: Services, stopped: Callable[[], bool] = lambda: False
             taken += _send(services, notice)
         except NotSentError as error:  # whose others are put off with it
             _failed(services, notice, error)
+        except Exception:  # whatever it is, the others have nothing to do with it
+            _log.warning("a notice of course %s could not be sent", notice.course, exc_info=True)
     return taken
 
 

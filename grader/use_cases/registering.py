@@ -7,7 +7,7 @@ says for which course. It adds one platform, and is good for a day.
 import logging
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.identity import Caller
+from grader.contracts.identity import Caller, Role
 from grader.contracts.platform import Platform
 from grader.contracts.text import Text
 from grader.lti.registration import RegistrationError, is_configuration, register
@@ -72,7 +72,9 @@ def add_by_registration(services: Services, secret: str, configuration: str, tok
 
 
 def _invited(services: Services, secret: str) -> Signature:
+    """Return for whom: who is an instructor no more lets nobody in."""
     signed = services.platforms.invited(secret)
-    if signed is None:
+    member = None if signed is None else services.courses.member(signed.course or "", signed.actor)
+    if signed is None or member is None or member.role is not Role.INSTRUCTOR:
         raise RefusedError("registration_over")
     return signed

@@ -29,6 +29,7 @@ class Mailbox:
     Attributes:
         letters: sender, recipients and message of each. encrypted: whether each came over TLS.
         refused: by recipient the answer to it. refusal: answer to every message. offers_tls: by STARTTLS.
+        farewell: answer to who goes.
     """
 
     port: int = 0
@@ -36,6 +37,7 @@ class Mailbox:
     encrypted: list[bool] = field(default_factory=list)
     refused: dict[str, str] = field(default_factory=dict)
     refusal: str = ""
+    farewell: str = "221 bye"
     offers_tls: bool = True
     asks_login: bool = True
 
@@ -138,7 +140,7 @@ def mailbox(pem: Path, *, tls_at_once: bool) -> Iterator[Mailbox]:
                         known.encrypted.append(self.encrypted)
                         self._say("250 taken")
                     case "QUIT":
-                        self._say("221 bye")
+                        self._say(known.farewell)
                         return
                     case _:
                         self._say("250 ok")

@@ -11,7 +11,7 @@ from threading import Thread
 from typing import Any
 from urllib.parse import parse_qs, parse_qsl, urlsplit
 
-from joserfc import jwt
+from joserfc import jws, jwt
 from joserfc.jwk import KeySet, RSAKey
 
 CLIENT, SECRET = "grader", "a client's secret: ü/+"
@@ -54,7 +54,7 @@ class FakeProvider:
         self.registered: tuple[int, Any] = (200, {})
 
     def signed(self, claims: dict[str, Any], key: Any = RSA) -> str:
-        return jwt.encode({"alg": "RS256", "kid": key.kid}, claims, key)
+        return jws.serialize_compact({"alg": "RS256", "kid": key.kid}, json.dumps(claims), key)
 
     def by_secret(self, claims: dict[str, Any]) -> str:
         """Sign as whoever knows the public key alone could; no library signs that way."""
@@ -200,8 +200,8 @@ def provider() -> Iterator[FakeProvider]:
             else:
                 self._json(*known.token(form, authorization))
 
-        def _json(self, status: int, document: dict[str, Any]) -> None:
-            self._say(status, json.dumps(document).encode())
+        def _json(self, status: int, document: dict[str, Any] | bytes) -> None:
+            self._say(status, document if isinstance(document, bytes) else json.dumps(document).encode())
 
         def _say(self, status: int, content: bytes) -> None:
             self.send_response(status)

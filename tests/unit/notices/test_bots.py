@@ -106,6 +106,7 @@ REFUSALS = {
     "another place": (Vendor.WECOM, 302, b"", "refused"),
     "a code with an error's status": (Vendor.WECOM, 404, {"errcode": 0}, "refused"),
     "a code that is a text": (Vendor.WECOM, 200, {"errcode": "0"}, "refused"),
+    "nested beyond all measure": (Vendor.WECOM, 200, b'{"x":' + b"[" * 100_000, "refused"),
     "down": (Vendor.WECOM, 503, b"", "unreachable"),
     "too long an answer": (Vendor.WECOM, 200, b"x" * 300_000, "unreachable"),
 }

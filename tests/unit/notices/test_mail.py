@@ -112,6 +112,17 @@ def test_refusals_of_one_letter_and_of_all(starting: Mailbox, trusted: None) -> 
     assert starting.letters == []
 
 
+@pytest.mark.parametrize("farewell", ["421 4.4.2 closing", "500 what?", "no number", "221 " + "x" * 9_000])
+def test_a_letter_that_was_taken_is_sent_whatever_the_server_says_then(
+    starting: Mailbox, trusted: None, farewell: str
+) -> None:
+    starting.farewell = farewell
+    channel(starting).send(LETTER)
+    assert len(starting.letters) == 1
+    starting.refused = {"li@example.edu": "550 5.1.1 no such user"}
+    assert failure(lambda: channel(starting).send(LETTER)).code == "recipient"
+
+
 def test_nobody_there_is_a_failure() -> None:
     nowhere = MailChannel(server="smtp://localhost:9", sender="grader@example.edu")
     assert failure(lambda: nowhere.send(LETTER)).code == "unreachable"

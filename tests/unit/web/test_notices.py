@@ -41,7 +41,7 @@ class Postman(MailChannel):
     """Keeps letters instead of sending them; fails as it is told to."""
 
     kept: list[Letter]
-    failing: dict[str, NotSentError]
+    failing: dict[str, Exception]
 
     def send(self, letter: Letter) -> None:
         if (failure := self.failing.get(letter.to) or self.failing.get("*")) is not None:
@@ -523,6 +523,20 @@ def test_whatever_goes_wrong_with_a_course_the_others_are_told(
 
     monkeypatch.setattr(Notices, "told", told)
     assert send_notices(school) == 1
+
+
+def test_whatever_goes_wrong_with_a_letter_the_others_are_sent(school: Services, post: Postman) -> None:
+    notices.set_mail(school, WANG, MailWishes(due=True))
+    rule(school, due=local(4, 12))
+    turn_to(school, local(3, 9))
+    post.failing["li@example.edu"] = RuntimeError("nobody thought of this")
+    post.failing["han@example.edu"] = RuntimeError("nor of this")
+    write_notices(school, "ros")
+    assert send_notices(school) == 0
+    del post.failing["han@example.edu"]
+    school.clock.advance(120.0)
+    assert send_notices(school) == 1
+    assert [name for name, _ in post.by_person] == ["han"]
 
 
 def test_who_left_gets_no_letter(school: Services, post: Postman, group: FakeBots) -> None:

@@ -13,6 +13,7 @@ from grader.contracts.identity import Role, RosterEntry
 from grader.contracts.platform import Platform
 from grader.lti.launch import CLAIM
 from grader.store.audit import Signature
+from grader.store.identities import Identities
 from grader.use_cases.services import Services
 from grader.web.access import SESSION_COOKIE
 from tests.fakes.provider import FakeProvider
@@ -133,6 +134,30 @@ def test_the_frame_is_the_platforms_alone_and_opens_nothing_else(
     assert f"form-action {ISSUER}" in policy
     assert SESSION_COOKIE not in client.cookies
     assert client.get("/submissions", follow_redirects=False).status_code in (303, 401)
+
+
+@pytest.mark.parametrize("data", ["\0", "\ud800", 7, "x" * 8_001])
+def test_what_cannot_be_given_back_is_not_asked_for(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, data: object
+) -> None:
+    assert asked(client, moodle, ready, SETTINGS | {"data": data}).status_code == 403
+
+
+def test_who_comes_to_choose_while_the_platform_is_removed_is_refused(
+    client: httpx.Client,
+    moodle: FakeProvider,
+    ready: Services,
+    platform: Platform,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    whole = Identities.bind_claimed
+
+    def removed(*args: Any, **named: Any) -> None:
+        assert ready.platforms.remove(platform.id, Signature(ready.clock(), "ros", "wang"))
+        whole(*args, **named)
+
+    monkeypatch.setattr(Identities, "bind_claimed", removed)
+    assert asked(client, moodle, ready).status_code == 403
 
 
 def test_in_a_frame_only_the_choice_stays_there(client: httpx.Client, platform: Platform) -> None:

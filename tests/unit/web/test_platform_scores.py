@@ -174,6 +174,35 @@ def test_a_platform_that_is_down_loses_nothing(
     assert linked.platform_scores.troubles("ros") == ()
 
 
+@pytest.mark.parametrize(
+    "granted",
+    [b'{"x":' + b"[" * 100_000, b'{"access_token": "\xff"}', b'{"access_token": 7}', b"", b"[]"],
+    ids=["deep", "no text", "a number", "empty", "a list"],
+)
+def test_a_token_that_cannot_be_read_is_told_as_a_trouble(
+    linked: Services,
+    moodle: FakeProvider,
+    put: Callable[..., str],
+    monkeypatch: pytest.MonkeyPatch,
+    granted: bytes,
+) -> None:
+    put(course="ros", student="li")
+    monkeypatch.setattr(moodle, "access_token", lambda _: (200, granted))
+    assert send_scores(linked) == 0
+    (trouble,) = linked.platform_scores.troubles("ros")
+    assert (trouble.person, trouble.tries) == ("li", 1)
+    assert "/access" in trouble.trouble
+
+
+def test_a_token_that_never_ends_is_asked_for_again_some_day(
+    linked: Services, moodle: FakeProvider, put: Callable[..., str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    granted = {"access_token": "t", "expires_in": 10**400}
+    monkeypatch.setattr(moodle, "access_token", lambda _: (200, granted))
+    put(course="ros", student="li")
+    assert send_scores(linked) == 1
+
+
 def test_a_refused_score_is_tried_ever_more_seldom_and_told(
     linked: Services, moodle: FakeProvider, put: Callable[..., str]
 ) -> None:

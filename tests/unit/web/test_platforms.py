@@ -1,5 +1,6 @@
 """Launches from a learning platform: 1EdTech's certification list for tools, and what else must not get in."""
 
+import base64
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
@@ -273,6 +274,29 @@ def test_a_message_that_the_platform_did_not_sign_lets_nobody_in(
     token = SIGNED[how](moodle, message(asked, ready.clock().timestamp()))
     assert launch(client, token, asked["state"]).status_code == 403
     assert SESSION_COOKIE not in client.cookies
+
+
+def test_a_token_that_cannot_be_read_lets_nobody_in(
+    client: httpx.Client, ready: Services, moodle: FakeProvider, platform: Platform
+) -> None:
+    deep = base64.urlsafe_b64encode(b'{"alg":"RS256","kid":"first","x":' + b"[" * 40_000).decode().rstrip("=")
+    for token in (f"{deep}.e30.x", "\0", "\0.\0.\0", "é.é.é", "e30.e30.e30", "." * 1_000):
+        asked = login(client)
+        assert launch(client, token, asked["state"]).status_code == 403, token[:20]
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [{"nonce": "\ud800"}, {"aud": [["x"]]}, {"sub": "\ud800"}, {"exp": 10**30}, {"deployment_id": "\ud800"}],
+)
+def test_a_message_of_no_text_lets_nobody_in(
+    client: httpx.Client,
+    ready: Services,
+    moodle: FakeProvider,
+    platform: Platform,
+    changed: dict[str, Any],
+) -> None:
+    assert open_activity(client, moodle, ready, **changed).status_code == 403
 
 
 def test_a_message_counts_once(

@@ -8,6 +8,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
+from grader.contracts.identity import Role, RosterEntry
 from grader.lti.registration import _TOOL
 from grader.store.audit import Signature
 from grader.use_cases.services import Services
@@ -122,6 +123,20 @@ def test_an_address_is_good_once_and_for_a_day(
     assert over.status_code == 410
     assert "这个登记网址不能用了" in over.text
     assert client.get(f"/lti/register/{'x' * 43}", params=asked(platform)).status_code == 410
+
+
+@pytest.mark.parametrize("role", [None, Role.STUDENT, Role.ASSISTANT])
+def test_whoever_is_no_instructor_any_more_lets_nobody_in(
+    client: httpx.Client, ready: Services, platform: FakeProvider, path: str, role: Role | None
+) -> None:
+    ready.courses.import_roster("ros", [RosterEntry(id="zhao", name="", role=Role.INSTRUCTOR)], "operator")
+    if role is None:
+        ready.courses.remove("ros", ["wang"], "operator")
+    else:
+        ready.courses.import_roster("ros", [RosterEntry(id="wang", name="", role=role)], "operator")
+    assert client.get(path, params=asked(platform)).status_code == 410
+    assert register(client, path, asked(platform)).status_code == 410
+    assert platform.tools == []
 
 
 @pytest.mark.parametrize(
