@@ -102,8 +102,8 @@ class KeySet:
         from joserfc.jwk import KeySet as Keys
 
         try:
-            content = get(self._address(), public_only=self._public_only)
-            return Keys.import_key_set(decoded(content, dict[str, Any]))
+            found: Any = decoded(get(self._address(), public_only=self._public_only), dict[str, Any])
+            return Keys.import_key_set(found)
         except UnreachableError as error:
             raise SignInError("signin_unreachable", str(error)) from None
         except (JoseError, ValueError, TypeError, KeyError) as error:
