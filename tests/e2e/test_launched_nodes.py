@@ -228,3 +228,39 @@ def test_one_that_waits_for_a_delay_begins_later(slot: Slot) -> None:
     outcome = of(launched(slot, later))
     assert outcome.first_command_ns is not None, outcome.stderr.text
     assert 2_000_000_000 < outcome.first_command_ns < 2_200_000_000
+
+
+LISTENS = """import rclpy
+from std_msgs.msg import Float64
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node('listens')
+    node.create_subscription(Float64, '/team/order', print, 10)
+    try:
+        rclpy.spin(node)
+    except KeyboardInterrupt:
+        print('listened')
+"""
+
+
+@pytest.mark.parametrize(
+    "end", ["raise ValueError('tired')", "import os, time; time.sleep(1.0); os._exit(1)"]
+)
+def test_one_that_ended_before_a_long_silence_is_told_and_the_other_gets_its_interrupt(
+    slot: Slot, end: str
+) -> None:
+    ask = f"def main():\n    {end}\n"
+    outcome = of(launched(slot, ask=ask, drive=LISTENS))
+    assert (outcome.stdout.text, outcome.exit_code) == ("listened\n", 1), outcome.stderr.text
+    assert (outcome.error is not None) == ("raise" in end)
+
+
+def test_two_of_one_module_that_spins_while_it_is_loaded(slot: Slot) -> None:
+    drive = "import rclpy\nrclpy.init()\nnode = rclpy.create_node('a')\nprint(node.get_name())\nrclpy.spin(node)\n"
+    twice = """
+    Node(package='my_turtle', executable='drive', name='one'),
+    Node(package='my_turtle', executable='drive', name='two'),
+"""
+    outcome = of(launched(slot, twice, drive=drive))
+    assert sorted(outcome.stdout.text.split()) == ["one", "two"], outcome.stderr.text

@@ -11,6 +11,7 @@ working directory and files, the alarm, and the steps that a run may make.
 
 from __future__ import annotations
 
+import _frozen_importlib
 import gc
 import sys
 import threading
@@ -57,6 +58,7 @@ _OWN: tuple[tuple[Any, str], ...] = (
     (logs, "_nodes"),
     (logs, "_late"),
     (threading, "_main_thread"),
+    (_frozen_importlib, "_module_locks"),  # one that never ends loading a module holds up no other
 )
 """What each program has for itself: objects and names of their attributes."""
 
@@ -88,7 +90,7 @@ class Program:
         self.modules = {"__main__": main}
         self.values = [
             argv, [sys.executable, *argv], thread, False, None, [], [], dict(handlers.handlers), [], None, None,
-            SignalHandlerOptions.NO, False, 0, None, {}, {}, False, {}, {}, _MainThread(thread),
+            SignalHandlerOptions.NO, False, 0, None, {}, {}, False, {}, {}, _MainThread(thread), {},
         ]  # fmt: skip
         return thread
 
@@ -216,7 +218,10 @@ def _join_threads() -> None:
 
 
 def _close(program: Program) -> None:
-    """Let everything go that the end of a process takes along: its entities, and its other threads."""
+    """Let everything go that the end of a process takes along: its entities, and its other threads.
+
+    The running thread is launch's from then on: no signal finds its way to a program that has ended.
+    """
     program.ended = True
     me = kernel.running
     found = [each for each in gc.get_objects() if isinstance(each, (EndpointHandle, NodeHandle))]
@@ -230,6 +235,8 @@ def _close(program: Program) -> None:
             each._dispose()  # even if a thread is inside: it never goes on
     kernel.threads[:] = [each for each in kernel.threads if each is me or each.program is not program]
     kernel.called[:] = [each for each in kernel.called if each.program is not program]
+    images.switch(program, None)
+    me.program = None
     kernel.replan()
 
 
