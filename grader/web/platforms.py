@@ -20,7 +20,7 @@ from grader.web.access import InstructorDep, ServicesDep, Visitor, require_staff
 from grader.web.errors import FRAMES, form_problem
 from grader.web.forms import require_own_form
 from grader.web.pages import language_of, page
-from grader.web.picking import PICK, framed_by
+from grader.web.picking import PICK, framed_by, lead_to, set_cookie
 from grader.web.signing_in import arrived, kept_by
 
 router = APIRouter(prefix="/lti", include_in_schema=False)
@@ -90,7 +90,7 @@ def launch(
     went = Kept(platform=kept.get("platform", ""), state=kept["state"], nonce=kept["nonce"])
     came = platforms.finish(services, went, id_token)
     if came.picking:
-        return RedirectResponse(f"{PICK}/{came.picking}", status_code=303)
+        return lead_to(request, came.picking)
     response = arrived(request, came.arrival, f"/assignments/{came.assignment}" if came.assignment else "/")
     response.delete_cookie(COOKIE, path="/lti", httponly=True, secure=True, samesite="none")
     return response
@@ -140,11 +140,7 @@ def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Res
         return framed_by(shown, asked["iss"], address)
     response = RedirectResponse(address, status_code=303)
     value = urlencode({"platform": kept.platform, "state": kept.state, "nonce": kept.nonce})
-    response.set_cookie(
-        COOKIE, value, max_age=_PATIENCE_S, path="/lti", httponly=True, secure=True, samesite="none"
-    )
-    if framed:  # a cookie of the frame's page and ours, which browsers keep that keep none of other sites
-        response.headers["Set-Cookie"] += "; Partitioned"
+    set_cookie(request, response, COOKIE, value, path="/lti", patience_s=_PATIENCE_S)
     return response
 
 

@@ -16,6 +16,7 @@ from grader.store.audit import Signature
 from grader.store.identities import Identities
 from grader.use_cases.services import Services
 from grader.web.access import SESSION_COOKIE
+from grader.web.picking import OPENED
 from tests.fakes.provider import FakeProvider
 from tests.unit.web.test_platforms import (
     CLIENT,
@@ -56,7 +57,14 @@ def asked(
     )
     claims[f"{DEEP}deep_linking_settings"] = SETTINGS if settings is None else settings
     fields = {"id_token": moodle.sign(claims), "state": said["state"]}
-    return client.post("/lti/launch", data=fields, headers={"Accept": "text/html"}, follow_redirects=True)
+    page = {"Accept": "text/html"}
+    went = client.post("/lti/launch", data=fields, headers=page, follow_redirects=False)
+    if went.status_code != 303:
+        return went
+    where = went.headers["Location"]
+    # the client would not send a secure cookie over http, as a browser does to its own machine
+    client.cookies.set(OPENED, went.cookies[OPENED], domain="127.0.0.1", path=where)
+    return client.get(where, headers=page)
 
 
 def token_of(services: Services, person: str) -> str:
@@ -268,6 +276,39 @@ def token_of_other_course(services: Services) -> str:
     services.courses.create("other", "Other", "UTC", "test")
     services.courses.import_roster("other", [RosterEntry(id="hu", name="", role=Role.INSTRUCTOR)], "test")
     return services.tokens.issue("other", "hu", timedelta(days=1), "test")[1]
+
+
+def test_a_link_to_somebody_elses_choice_takes_nobodys_token(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, tokens: dict[str, str]
+) -> None:
+    """Whoever sends an instructor such a link would else come in from the platform as that instructor."""
+    where = asked(client, moodle, ready).url.path
+    client.cookies.clear()  # another browser
+    page = {"Accept": "text/html"}
+    for answer in (
+        client.get(where, headers=page),
+        client.post(f"{where}/token", data={"token": tokens["wang"]}, headers=page),
+    ):
+        assert answer.status_code == 410
+        assert "这次选择已经过期" in answer.text
+    assert ready.identities.of_member("ros", "wang") == ()
+
+
+def test_the_cookie_of_a_choice_is_for_its_frame_and_its_address_alone(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+) -> None:
+    said = login(client, target_link_uri=PICK)
+    claims = message(said, ready.clock().timestamp(), message_type="LtiDeepLinkingRequest", custom={})
+    claims[f"{DEEP}deep_linking_settings"] = SETTINGS
+    went = client.post(
+        "/lti/launch",
+        data={"id_token": moodle.sign(claims), "state": said["state"]},
+        headers={"Sec-Fetch-Dest": "iframe"},
+        follow_redirects=False,
+    )
+    (cookie,) = [one for one in went.headers.get_list("Set-Cookie") if one.startswith(f"{OPENED}=")]
+    for wanted in ("HttpOnly", "Secure", "SameSite=none", "Partitioned", f"Path={went.headers['Location']}"):
+        assert wanted in cookie
 
 
 def test_a_choice_ends(
