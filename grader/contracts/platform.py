@@ -36,7 +36,12 @@ class Platform(NewPlatform):
     @property
     def provider(self) -> str:
         """Return under which name people are bound to members of the course (`Identity.provider`)."""
-        return f"{_PROVIDER}{self.id}"
+        return provider_of(self.id)
+
+
+def provider_of(platform: str) -> str:
+    """Return what the platform of an id is called beside its people; `platform_of` is the way back."""
+    return f"{_PROVIDER}{platform}"
 
 
 def platform_of(provider: str) -> str | None:

@@ -31,6 +31,7 @@ from grader.store.database import Database, one_at_a_time
 from grader.store.tables import (
     CourseRow,
     MailWishesRow,
+    MemberRow,
     NoticeRow,
     SubmissionRow,
     ToldRow,
@@ -88,7 +89,7 @@ class Notices:
         """
         course = signed.course or ""
         with self._database.writing() as session:
-            one_at_a_time(session, "notices", course)
+            one_at_a_time(session, "course", course)
             known = session.get(WebhookRow, (course, new.outlet.value))
             values = {"vendor": new.vendor.value, "address": new.address, "secret": new.secret}
             row = WebhookRow(course=course, outlet=new.outlet.value, changed_at=signed.at, **values)
@@ -109,7 +110,7 @@ class Notices:
         """Take a webhook away, and what waits for it, if it is there."""
         course = signed.course or ""
         with self._database.writing() as session:
-            one_at_a_time(session, "notices", course)
+            one_at_a_time(session, "course", course)
             row = session.get(WebhookRow, (course, outlet.value))
             if row is None:
                 return False
@@ -128,7 +129,7 @@ class Notices:
         course = signed.course or ""
         after = {one.value: getattr(wishes, one.value) for one in NoticeKind}
         with self._database.writing() as session:
-            one_at_a_time(session, "notices", course)
+            one_at_a_time(session, "course", course)
             row = session.get(MailWishesRow, course)
             before = {one.value: row is not None and getattr(row, one.value) for one in NoticeKind}
             if before == after:
@@ -158,13 +159,16 @@ class Notices:
     def add(self, course: str, drafts: Iterable[Draft]) -> int:
         """Add what is to be sent, in one transaction; return how many notices that are.
 
-        A draft that tells of a state that was told of meanwhile is left out: the next look makes a new one.
+        A draft that tells of a state that was told of meanwhile is left out: the next look makes a new one. So is
+        one to who has left.
         """
         now, added = self._clock(), 0
         with self._database.writing() as session:
-            one_at_a_time(session, "notices", course)
+            one_at_a_time(session, "course", course)
+            members = select(col(MemberRow.person)).where(col(MemberRow.course) == course)
+            people = {"", *session.execute(members).scalars()}  # groups are nobody
             for draft in drafts:
-                if _note(session, course, draft) and draft.body:
+                if draft.person in people and _note(session, course, draft) and draft.body:
                     session.add(_row(course, draft, now))
                     added += 1
             old = col(NoticeRow.course) == course, col(NoticeRow.made_at) < now - _KEPT

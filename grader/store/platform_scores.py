@@ -9,7 +9,7 @@ from datetime import datetime, timedelta
 from sqlalchemy import select, update
 from sqlmodel import col
 
-from grader.contracts.platform import Platform, PlatformLink, PlatformScore
+from grader.contracts.platform import Platform, PlatformLink, PlatformScore, provider_of
 from grader.store.clock import Clock
 from grader.store.database import Database, one_at_a_time
 from grader.store.tables import (
@@ -73,14 +73,21 @@ class PlatformScores:
     def claim(self, link: PlatformLink, course: str, person: str, sha256: str) -> PlatformScore | None:
         """Take it on to send the score of that digest; return what was known of it.
 
-        None: another process sends or has sent it, it is too early after a failure, or the activity is gone with
-        its platform. Until `sent` it is unknown what the platform has: whoever sends may die, or not hear that it
-        was taken.
+        None: another process sends or has sent it, it is too early after a failure, the activity is gone with its
+        platform, or nobody there is known as the member any more. Until `sent` it is unknown what the platform
+        has: whoever sends may die, or not hear that it was taken.
         """
         now, row = self._clock(), PlatformScoreRow
         with self._database.writing() as session:
             one_at_a_time(session, "platform_link", link.platform)  # as `Platforms.remove`
             if session.get(PlatformLinkRow, (link.platform, link.resource)) is None:
+                return None
+            bound = select(col(IdentityRow.id)).where(
+                col(IdentityRow.provider) == provider_of(link.platform),
+                col(IdentityRow.course) == course,
+                col(IdentityRow.person) == person,
+            )
+            if session.execute(bound.limit(1)).first() is None:
                 return None
             found = session.get(PlatformScoreRow, (link.platform, link.resource, person))
             if found is None:

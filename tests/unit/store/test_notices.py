@@ -28,6 +28,7 @@ def kept(database: Database, clock: FakeClock) -> Notices:
     for course in ("ros", "other"):
         courses.create(course, course, "UTC", "me")
     courses.import_roster("ros", [RosterEntry(id="li", name=""), RosterEntry(id="han", name="")], "me")
+    courses.import_roster("other", [RosterEntry(id="x", name="")], "me")
     return Notices(database, clock)
 
 
@@ -91,6 +92,11 @@ def test_a_failure_puts_off_the_others_of_its_outlet(kept: Notices, clock: FakeC
     assert {one.outlet for one in kept.waiting()} == {Outlet.STAFF, Outlet.CLASS}
     clock.advance(60)
     assert len(kept.waiting()) == 7
+
+
+def test_who_is_no_member_gets_none(kept: Notices) -> None:
+    assert kept.add("ros", [draft(Outlet.MAIL, "x"), draft(Outlet.CLASS)]) == 1
+    assert kept.told("ros", Outlet.MAIL) == {}
 
 
 def test_what_is_late_is_given_up_and_what_is_unwanted_goes(kept: Notices, clock: FakeClock) -> None:

@@ -551,6 +551,23 @@ def test_who_left_gets_no_letter(school: Services, post: Postman, group: FakeBot
     assert post.kept == []
 
 
+def test_who_leaves_meanwhile_leaves_no_notice(
+    school: Services, post: Postman, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    notices.set_mail(school, WANG, MailWishes(due=True))
+    rule(school, due=local(4, 12))
+    turn_to(school, local(3, 9))
+    whole = Notices.add
+
+    def left(self: Notices, course: str, drafts: Any) -> int:
+        school.course_life.forget("li", signed(school))
+        return whole(self, course, drafts)
+
+    monkeypatch.setattr(Notices, "add", left)
+    assert write_notices(school, "ros") == 1
+    assert {person for person, _ in school.notices.told("ros", Outlet.MAIL)} == {"han"}
+
+
 def test_an_archived_course_tells_nothing(school: Services, group: FakeBots) -> None:
     join(school, group)
     rule(school, due=local(4, 12))

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
 from functools import cache
+from typing import Any
 
 import httpx
 import pytest
@@ -15,6 +16,7 @@ from grader.lti.scores import Score, ScoreChannel, Signer, new_key
 from grader.signin import Providers
 from grader.signin.channel import UnreachableError
 from grader.store.audit import Signature
+from grader.store.platform_scores import PlatformScores
 from grader.store.platforms import KEY_READ_WITHIN
 from grader.use_cases.score_sending import send_scores
 from grader.use_cases.services import Services, telling
@@ -311,6 +313,31 @@ def test_two_processes_that_look_at_once_send_one_score_once(
     monkeypatch.setattr(store, "known", lambda *_: before)
     assert send_scores(linked) == 0
     assert given(moodle) == [5.0]
+
+
+@pytest.mark.parametrize("how", ["removed", "unbound"])
+def test_who_leaves_meanwhile_gets_no_score(
+    linked: Services,
+    moodle: FakeProvider,
+    put: Callable[..., str],
+    monkeypatch: pytest.MonkeyPatch,
+    how: str,
+) -> None:
+    put(course="ros", student="li")
+    whole = PlatformScores.claim
+
+    def left(*asked: Any) -> Any:
+        if how == "removed":
+            linked.courses.remove("ros", ["li"], "wang")
+        else:
+            (bound,) = linked.identities.of_member("ros", "li")
+            assert linked.identities.unbind(bound.id, "ros", "li", "wang")
+        return whole(*asked)
+
+    monkeypatch.setattr(PlatformScores, "claim", left)
+    assert send_scores(linked) == 0
+    assert moodle.scores == []
+    assert linked.platform_scores.known(linked.platforms.links("ros")[0]) == {}
 
 
 def test_a_new_column_of_the_gradebook_gets_the_scores(
