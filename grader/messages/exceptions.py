@@ -123,6 +123,11 @@ _SIGNS: Final = tuple(
             r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)'.*'DOUBLE'.*'INTEGER'",
             "parameter_type",
         ),
+        (
+            r"InvalidParameterTypeException: .*parameter '(?P<name>[\w.]+)' to '(?P<given>-?\d+)' of type "
+            r"'INTEGER', expecting type 'DOUBLE'",
+            "parameter_integer",
+        ),
         (r"InvalidParameterTypeException: .*expecting type '[\w.]*STRING'", "parameter_text"),
         (r"TypeError: .*'Parameter'|AttributeError: 'Parameter' object has no attribute", "parameter_value"),
         (r"TypeError: Expected QoSProfile or int, but received <class '(function|method)'>", "wrong_order"),
@@ -172,6 +177,21 @@ _SIGNS: Final = tuple(
             r"TypeError: 'Vector3' object (does not support item assignment|is not subscriptable)",
             "vector_index",
         ),
+        (
+            r"TypeError: ('(int|float|bool)' object is not iterable|Failed to normalize given item of type )"
+            r"(.*\n)*  File \"[^\"\n]*launch\.py\".*\n(?! *for\b)(?!(?:.*\n)*  File )",
+            "launch_number",
+        ),
+        (r"TypeError: 'TimerAction' expected 'period' .*'<class 'int'>'", "launch_period"),
+        (
+            r"TypeError: Action\.__init__\(\) got an unexpected keyword argument '(?P<name>\w+)'",
+            "launch_keyword",
+        ),
+        (
+            r"SubstitutionFailure: executable '(?P<name>[^'\n]*)' not found on the libexec",
+            "launch_executable",
+        ),
+        (r"InvalidPythonLaunchFileError: .* returns None, no LaunchDescription", "launch_returns_nothing"),
         (r"TypeError: '(int|float)' object is not iterable", "not_iterable"),
         (r"TypeError: Expected .*, got <class '[\w.]*\.Metaclass_\w+'>", "class_for_object"),
         (
@@ -336,6 +356,8 @@ def meaning(error: StudentError, otherwise: str, script: ScriptText = NO_SCRIPT)
         code, values = cause
     values = {name: "" if value is None else value for name, value in values.items()}
     problem = _first_line(error.message) or _WITHOUT_WORDS
+    if code == "crashed" and error.line is None:
+        return code, say("exception.outside", type=error.type, problem=problem)
     return code, say(
         f"mistake.{code}", **{"line": error.line or "?", "type": error.type, "problem": problem, **values}
     )

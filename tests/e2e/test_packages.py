@@ -186,7 +186,15 @@ def test_a_launch_file_with_one_node_of_its_own_is_carried_out(slot: Slot) -> No
     [
         (LAUNCH.replace("[mover]", "[]"), "starts no node of your own package"),
         (LAUNCH.replace("generate_launch", "generate_lunch"), "does not contain the required function"),
-        (LAUNCH.replace("executable='drive', name", "executable='dirve', name"), "No executable found"),
+        (
+            LAUNCH.replace("executable='drive', name", "executable='dirve', name"),
+            "executable 'dirve' not found on the",
+        ),
+        (LAUNCH.replace("remappings=[(", "remapping=[("), "unexpected keyword argument 'remapping'"),
+        (LAUNCH.replace("default_value='3.5'", "default_value=3.5"), "'float' object is not iterable"),
+        (LAUNCH.replace("'--fast'", "'--fast', 2"), "'int' object is not iterable"),
+        (LAUNCH.replace("period=1.5", "period=1"), "expected 'period' to be one of"),
+        (LAUNCH.replace("msg=['distance ', ", "msg=['distance ', 3.5, "), "Failed to normalize given item"),
         (LAUNCH.replace("default_value='3.5'", "description='x'"), "Required launch argument 'distance'"),
         (
             LAUNCH.replace("FindPackageShare('my_turtle')", "FindPackageShare('mine')"),
@@ -202,11 +210,63 @@ def test_a_wrong_launch_file_is_told(slot: Slot, launch: str, said: str) -> None
     assert report.score == 0
 
 
+@pytest.mark.parametrize(
+    ("old", "new", "code", "words"),
+    [
+        ("executable='drive', name", "executable='dirve', name", "launch_executable", "the executable dirve"),
+        ("remappings=[(", "remapping=[(", "launch_keyword", "no argument remapping"),
+        ("default_value='3.5'", "default_value=3.5", "launch_number", "in quotes"),
+        ("msg=['distance ', ", "msg=['distance ', 3.5, ", "launch_number", "in quotes"),
+        ("period=1.5", "period=1", "launch_period", "period=2.0"),
+        ("    return Launch", "    Launch", "launch_returns_nothing", "return LaunchDescription"),
+        (
+            "default_value='3.5'",
+            "default_value='3'",
+            "parameter_integer",
+            "distance is declared as a decimal",
+        ),
+        ("    sim =", "    for each in 3: pass\n    sim =", "not_iterable", "range(4)"),
+    ],
+)
+def test_the_hint_says_what_is_wrong_in_a_launch_file(
+    slot: Slot, old: str, new: str, code: str, words: str
+) -> None:
+    report = launched(slot, LAUNCH.replace(old, new, 1))
+    assert (report.mistakes[0], words in report.hint.en) == (code, True), report.hint.en
+
+
+def test_an_error_outside_the_students_lines_is_told_without_a_line(slot: Slot) -> None:
+    report = launched(slot, LAUNCH.replace("generate_launch", "generate_lunch"))
+    assert report.mistakes == ("crashed",)
+    assert "?" not in report.hint.en + report.hint.zh
+
+
 def test_a_launch_file_that_is_not_installed_is_not_found(slot: Slot) -> None:
     setup = package_files()[f"{NAME}/setup.py"].replace("glob('launch/*.launch.py')", "[]")
     report = launched(slot, LAUNCH, **{"setup.py": setup})
     assert "was not found in the share directory of package 'my_turtle'" in report.runs[0].outcome.stderr.text
     assert report.mistakes[0] == "package_launch_missing"
+
+
+def test_what_a_launch_file_says_of_the_end_of_a_node_is_listed_as_ignored(slot: Slot) -> None:
+    launch = LAUNCH.replace(
+        "OnProcessStart(target_action=sim, on_start=[", "OnProcessExit(target_action=mover, on_exit=["
+    )
+    launch = launch.replace("OnProcessStart", "OnProcessExit").replace("actions=[mover]", "actions=[never]")
+    launch = launch.replace("sim, never,", "sim, mover,").replace("output='screen'", "respawn=True")
+    outcome = launched(slot, launch).runs[0].outcome
+    assert [note.text for note in outcome.notes if note.code == "launch_ignored"][1:] == [
+        "respawn of my_turtle drive",
+        "OnProcessExit of my_turtle drive",
+        "ros2 topic list",
+    ]
+
+
+def test_a_file_of_parameters_that_is_not_there_is_left_out_with_a_warning(slot: Slot) -> None:
+    report = launched(slot, LAUNCH.replace("'a.yaml'", "'b.yaml'"))
+    outcome = report.runs[0].outcome
+    assert "Parameter file path is not a file: /home/student" in outcome.stderr.text
+    assert "/mover [0.0, 3.5, '1.0']" in outcome.stdout.text
 
 
 def test_a_launch_file_includes_another(slot: Slot) -> None:
@@ -220,7 +280,7 @@ def generate_launch_description():
     inner = PythonLaunchDescriptionSource(PathJoinSubstitution([ThisLaunchFileDir(), 'inner.launch.py']))
     return LaunchDescription([GroupAction([
         PushRosNamespace('team'),
-        IncludeLaunchDescription(inner, launch_arguments={'distance': '9.0'}.items()),
+        IncludeLaunchDescription(launch_description_source=inner, launch_arguments={'distance': '9.0'}.items()),
     ])])
 """
     outcome = launched(slot, outer, **{"launch/inner.launch.py": LAUNCH}).runs[0].outcome

@@ -64,7 +64,9 @@ class LaunchContext:
 class LaunchDescription:
     """A list of actions."""
 
-    def __init__(self, initial_entities: Iterable[Any] | None = None, **_: Any) -> None:
+    def __init__(
+        self, initial_entities: Iterable[Any] | None = None, *, deprecated_reason: str | None = None
+    ) -> None:
         self.entities: list[Any] = list(initial_entities or ())
 
     def add_action(self, action: Any) -> None:
@@ -79,7 +81,7 @@ class LaunchDescription:
 class Action:
     """Something that a description says. `condition` tells whether it is done."""
 
-    def __init__(self, *, condition: Condition | None = None, **_: Any) -> None:
+    def __init__(self, *, condition: Condition | None = None) -> None:
         self.condition = condition
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
@@ -103,6 +105,23 @@ class Condition:
     def evaluate(self, context: LaunchContext) -> bool:
         """Return whether it holds."""
         return self._predicate(context)
+
+
+def checked(*values: Any) -> None:
+    """Check what is to be a string, a substitution, or a list of these; None: it was not given.
+
+    Raises:
+        TypeError: it is something else, such as a number.
+    """
+    for value in values:
+        if value is None or isinstance(value, (str, os.PathLike, Substitution)):
+            continue
+        for each in value:
+            if not isinstance(each, (str, os.PathLike, Substitution)):
+                raise TypeError(
+                    f"Failed to normalize given item of type '{type(each)}', when only "
+                    "'str' or 'launch.Substitution' were expected."
+                )
 
 
 def perform(context: LaunchContext, value: Any) -> str:

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import sys
 
-from launch._evaluation import Action, LaunchContext, perform
+from launch._evaluation import Action, LaunchContext, Substitution, checked, perform
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
-
-
-def _default(value: Any) -> Any:
-    return str(value) if isinstance(value, (bool, int, float)) else value
 
 
 class DeclareLaunchArgument(Action):
@@ -28,6 +24,7 @@ class DeclareLaunchArgument(Action):
         **options: Any,
     ) -> None:
         super().__init__(**options)
+        checked(default_value)
         self.name = name
         self.default_value = default_value
         self.choices = choices
@@ -38,7 +35,7 @@ class DeclareLaunchArgument(Action):
                 raise RuntimeError(
                     f"Required launch argument '{self.name}' was not provided: give it a default_value"
                 )
-            context.launch_configurations[self.name] = perform(context, _default(self.default_value))
+            context.launch_configurations[self.name] = perform(context, self.default_value)
         value = context.launch_configurations[self.name]
         if self.choices is not None and value not in self.choices:
             raise RuntimeError(
@@ -52,11 +49,12 @@ class SetLaunchConfiguration(Action):
 
     def __init__(self, name: Any, value: Any, **options: Any) -> None:
         super().__init__(**options)
+        checked(name, value)
         self.name = name
         self.value = value
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
-        context.launch_configurations[perform(context, self.name)] = perform(context, _default(self.value))
+        context.launch_configurations[perform(context, self.name)] = perform(context, self.value)
 
 
 class SetEnvironmentVariable(Action):
@@ -64,11 +62,12 @@ class SetEnvironmentVariable(Action):
 
     def __init__(self, name: Any, value: Any, **options: Any) -> None:
         super().__init__(**options)
+        checked(name, value)
         self.name = name
         self.value = value
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
-        context.environment[perform(context, self.name)] = perform(context, _default(self.value))
+        context.environment[perform(context, self.name)] = perform(context, self.value)
 
 
 class LogInfo(Action):
@@ -76,6 +75,7 @@ class LogInfo(Action):
 
     def __init__(self, *, msg: Any, **options: Any) -> None:
         super().__init__(**options)
+        checked(msg)
         self.msg = msg
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
@@ -115,12 +115,17 @@ class TimerAction(Action):
 
     def __init__(self, *, period: Any, actions: Any, **options: Any) -> None:
         super().__init__(**options)
+        if not isinstance(period, (float, str, Substitution, list, tuple)):
+            kinds = "<class 'str'>, <class 'launch.substitution.Substitution'>, <class 'float'>"
+            expected = f"'TimerAction' expected 'period' to be one of [{kinds}]"
+            raise TypeError(f"{expected}, but got '{period}' of type '{type(period)}'")
         self.period = period
         self.actions = actions
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
         before_s = context.delay_s
-        context.delay_s += float(perform(context, _default(self.period)))
+        period = self.period
+        context.delay_s += period if isinstance(period, float) else float(perform(context, period))
         context.visit(self.actions, depth)
         context.delay_s = before_s
 
@@ -128,10 +133,14 @@ class TimerAction(Action):
 class IncludeLaunchDescription(Action):
     """The actions of another launch file."""
 
-    def __init__(self, source: Any, *, launch_arguments: Any = (), **options: Any) -> None:
+    def __init__(
+        self, launch_description_source: Any, *, launch_arguments: Any = None, **options: Any
+    ) -> None:
         super().__init__(**options)
-        self.source = source
-        self.launch_arguments = launch_arguments
+        self.source = launch_description_source
+        self.launch_arguments = [(name, value) for name, value in launch_arguments or ()]
+        for each in self.launch_arguments:
+            checked(*each)
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
         from launch.launch_description_sources import PythonLaunchDescriptionSource
@@ -139,23 +148,31 @@ class IncludeLaunchDescription(Action):
         source = self.source
         if isinstance(source, (str, tuple, list)):
             source = PythonLaunchDescriptionSource(source)
-        given = self.launch_arguments
-        for name, value in given.items() if isinstance(given, dict) else given or ():
-            context.launch_configurations[perform(context, name)] = perform(context, _default(value))
+        for name, value in self.launch_arguments:
+            context.launch_configurations[perform(context, name)] = perform(context, value)
         context.files.append(source.path(context))
         context.visit(source.read(context).entities, depth)
         context.files.pop()
 
 
+_OF_PROCESSES = (
+    "prefix", "name", "cwd", "env", "additional_env", "shell", "sigterm_timeout", "sigkill_timeout", "emulate_tty",
+    "output", "output_format", "cached_output", "log_cmd", "respawn_delay", "respawn_max_retries",
+)  # fmt: skip
+"""What can be said of a process that makes no difference here."""
+
+
 class ExecuteProcess(Action):
     """A command, which is not run here; the launch file's author is told so."""
 
-    def __init__(self, *, cmd: Any = (), **options: Any) -> None:
-        super().__init__(**options)
+    def __init__(self, *, cmd: Any, on_exit: Any = None, respawn: Any = False, **options: Any) -> None:
+        super().__init__(**{name: value for name, value in options.items() if name not in _OF_PROCESSES})
+        checked(*cmd)
         self.cmd = cmd
+        self.untold = [name for name, value in (("on_exit", on_exit), ("respawn", respawn)) if value]
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
-        words = [perform(context, _default(each)) for each in self.cmd]
+        words = [perform(context, each) for each in self.cmd]
         context.started.append((self, "command", " ".join(words)))
 
 

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 
-from launch._evaluation import Action, LaunchContext, Substitution, perform
+from launch._evaluation import Action, LaunchContext, Substitution, checked, perform
 from launch.actions import ExecuteProcess
 
 from launch_ros.parameter_descriptions import ParameterFile, ParameterValue
@@ -24,13 +26,15 @@ class Node(ExecuteProcess):
         package: Any = None,
         name: Any = None,
         namespace: Any = None,
+        exec_name: Any = None,
         parameters: Any = None,
         remappings: Any = None,
         arguments: Any = None,
         ros_arguments: Any = None,
         **options: Any,
     ) -> None:
-        super().__init__(**options)
+        super().__init__(cmd=[executable, *(arguments or ()), *(ros_arguments or ())], **options)
+        checked(package, name, namespace)
         self.package = package
         self.executable = executable
         self.name = name
@@ -46,25 +50,36 @@ class Node(ExecuteProcess):
         package = "" if self.package is None else perform(context, self.package)
         executable = perform(context, self.executable)
         started = Started(self, package, executable, self._arguments(context), context.delay_s)
+        started.untold += self.untold
         context.started.append((self, "node", started))
 
     def _arguments(self, context: LaunchContext) -> list[str]:
-        found = [_text(context, each) for each in self.arguments] + ["--ros-args"]
-        found += [_text(context, each) for each in self.ros_arguments]
+        found = [perform(context, each) for each in self.arguments] + ["--ros-args"]
+        found += [perform(context, each) for each in self.ros_arguments]
         if self.name is not None:
             found += ["-r", f"__node:={perform(context, self.name)}"]
         namespace = _namespace(context, "" if self.namespace is None else perform(context, self.namespace))
         if namespace:
             found += ["-r", f"__ns:={namespace}"]
         for each in (*context.parameters, *self.parameters):
-            found += ["--params-file", _parameter_file(context, each)]
+            path = _parameter_file(context, each)
+            if os.path.isfile(path):
+                found += ["--params-file", path]
+            else:
+                sys.stderr.write(
+                    f"[WARNING] [launch_ros.actions.node]: Parameter file path is not a file: {path}\n"
+                )
         for source, target in self.remappings:
             found += ["-r", f"{perform(context, source)}:={perform(context, target)}"]
         return found
 
 
 class Started:
-    """A node that would have been started."""
+    """A node that would have been started.
+
+    Attributes:
+        untold: what the launch file says of its end, which is not carried out.
+    """
 
     def __init__(
         self, action: Node, package: str, executable: str, arguments: list[str], delay_s: float
@@ -74,6 +89,7 @@ class Started:
         self.executable = executable
         self.arguments = arguments
         self.delay_s = delay_s
+        self.untold: list[str] = []
 
 
 class PushRosNamespace(Action):
@@ -97,10 +113,6 @@ class SetParameter(Action):
 
     def execute_in(self, context: LaunchContext, depth: int) -> None:
         context.parameters.append({perform(context, self.name): self.value})
-
-
-def _text(context: LaunchContext, value: Any) -> str:
-    return str(value) if isinstance(value, (int, float)) else perform(context, value)
 
 
 def _namespace(context: LaunchContext, own: str) -> str:

@@ -78,27 +78,47 @@ def _answer(context: Any) -> None:
         handler, scope = context.handlers[done]
         done += 1
         context.restore(scope)
-        for action, kind, _ in list(context.started):
-            ended = isinstance(handler, OnProcessExit) and kind == "command"
-            if handler.target_action is action and (isinstance(handler, OnProcessStart) or ended):
+        for action, kind, what in list(context.started):
+            if handler.target_action is not action:
+                continue
+            if isinstance(handler, OnProcessExit) and kind == "node":
+                what.untold.append("OnProcessExit")
+            elif isinstance(handler, (OnProcessExit, OnProcessStart)):
                 actions = handler.actions
                 context.visit(actions(None, context) if callable(actions) else actions)
 
 
 def _own(started: list[tuple[Any, str, Any]]) -> list[Any]:
-    """Return the nodes of the workspace; if there is none, say so."""
-    own, noted = [], 0
+    """Return the nodes of the workspace; if there is none, say so.
+
+    Raises:
+        SubstitutionFailure: a package has no such executable: launch then starts nothing more at home.
+    """
+    own, ignored = [], []
     for _, kind, what in started:
         if kind == "node" and what.package in workspace.names:
+            _check_executable(what.package, what.executable)
             own.append(what)
+            ignored += [f"{each} of {what.package} {what.executable}" for each in what.untold]
         elif kind == "node" and (what.package, what.executable) == _TURTLESIM:
             if what.arguments != ["--ros-args"] and "-r" in what.arguments:
-                noted += 1
-                link.note(_IGNORED_NOTE, "turtlesim_node " + " ".join(what.arguments[1:])[:200])
-        elif noted < _MOST_NOTED:
-            noted += 1
-            text = what if kind == "command" else f"{what.package} {what.executable}"
-            link.note(_IGNORED_NOTE, text[:200])
+                ignored.append("turtlesim_node " + " ".join(what.arguments[1:]))
+        else:
+            ignored.append(what if kind == "command" else f"{what.package} {what.executable}")
+    for text in ignored[:_MOST_NOTED]:
+        link.note(_IGNORED_NOTE, text[:200])
     if not own:
         sys.stderr.write("the launch file starts no node of your own package\n")
     return own
+
+
+def _check_executable(package: str, name: str) -> None:
+    from launch.substitutions import SubstitutionFailure
+
+    folder = executable_path(package, name).rpartition("/")[0]
+    known = workspace.executables_of(package)
+    if not known:
+        found = f"package '{package}' found at '{workspace.prefix_of(package)}'"
+        raise SubstitutionFailure(f"{found}, but libexec directory '{folder}' does not exist")
+    if name not in known:
+        raise SubstitutionFailure(f"executable '{name}' not found on the libexec directory '{folder}' ")

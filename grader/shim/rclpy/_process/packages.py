@@ -74,6 +74,10 @@ class Workspace:
         """Return the names of all modules that are installed."""
         return list(self._known)
 
+    def executables_of(self, package: str) -> list[str]:
+        """Return the names of a package's executables, as they are installed."""
+        return [each[1] for each in self._executables if each[0] == package]
+
     def launch_path(self) -> str:
         """Return where the launch file is installed; nothing where it is not."""
         found = sorted(path for path in self._installed if path.rpartition("/")[2] == self.launch)
