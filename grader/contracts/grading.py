@@ -44,6 +44,14 @@ class GradingResult(Record):
     requests: Mapping[str, tuple[WorldRequest, ...]] = field(default_factory=dict)
 
 
+class RunProgress(Record):
+    """How far a run has come: virtual time, and the last lines that the script has printed."""
+
+    t_ns: int = 0
+    stdout: str = ""
+    stderr: str = ""
+
+
 class SyntaxProblem(Record):
     """Why a file is not Python: what the compiler said and where (1-based, None when unknown)."""
 
@@ -79,6 +87,19 @@ class SupervisedGrader(Grader, Protocol):
 
     def close(self) -> None:
         """End the process; idempotent; only from the thread that grades."""
+
+
+class TellingGrader(SupervisedGrader, Protocol):
+    """A supervised grader that can tell how far a run has come."""
+
+    def grade(
+        self,
+        job: GradingJob,
+        on_run: Callable[[], None] = ...,
+        on_progress: Callable[[RunProgress], None] | None = ...,
+        /,
+    ) -> GradingResult:
+        """Do what a `Grader` does; call `on_progress` now and then while a run lasts."""
 
 
 class Preflight(Protocol):

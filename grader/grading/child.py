@@ -10,11 +10,12 @@ import sys
 import threading
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from typing import Any
 
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import GraderError, NoRoomError, SandboxUnavailableError, lacks_room
-from grader.contracts.grading import GradingJob
+from grader.contracts.grading import GradingJob, RunProgress
 from grader.grading.slot import NO_ROOM_CODE, Channel, SlotConfig, job_from_message, result_message
 from grader.jail.supervisor import yield_session
 from grader.sandbox import Sandbox, script_sandbox
@@ -73,7 +74,8 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
         gc.freeze()  # nothing that was imported is garbage
         while (request := channel.receive()) is not None:
             job = job_from_message(request)
-            channel.send(_answer(pipeline, job, lambda: channel.send({"kind": "running"})))
+            on_progress = partial(_tell, channel) if request.get("tells") else None
+            channel.send(_answer(pipeline, job, lambda: channel.send({"kind": "running"}), on_progress))
             # Nobody waits now, so do here what would cost time while somebody does. Automatic collection is off
             # (`launch`).
             _prepare(sandbox, job.assignment.limits)
@@ -86,9 +88,18 @@ def _prepare(sandbox: Sandbox, limits: Limits) -> None:
         sandbox.prepare(limits)
 
 
-def _answer(pipeline: Any, job: GradingJob, on_run: Callable[[], None]) -> dict[str, Any]:
+def _tell(channel: Channel, progress: RunProgress) -> None:
+    channel.send({"kind": "progress", "progress": progress})
+
+
+def _answer(
+    pipeline: Any,
+    job: GradingJob,
+    on_run: Callable[[], None],
+    on_progress: Callable[[RunProgress], None] | None,
+) -> dict[str, Any]:
     try:
-        return result_message(pipeline.grade(job, on_run))
+        return result_message(pipeline.grade(job, on_run, on_progress))
     except GraderError as error:
         return _fault(error)
 

@@ -7,7 +7,7 @@ from typing import Any, Self, TypeAlias
 
 from grader import __version__
 from grader.contracts.assignment import Assignment, Case
-from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.outcome import Note, RunOutcome, StudentError
 from grader.contracts.package import PackageProblem
 from grader.contracts.record import Record, field
@@ -28,7 +28,7 @@ from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_str
 from grader.sandbox import JailReport, Sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
-from grader.sim.frames import INTERRUPTED_NOTE
+from grader.sim.frames import INTERRUPTED_NOTE, Link
 from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
 
 UNREAD_NOTE = "setup_unread"
@@ -36,6 +36,8 @@ UNREAD_NOTE = "setup_unread"
 
 Account: TypeAlias = tuple[EpisodeResult, JailReport]
 """What the simulator and what the sandbox saw of one run."""
+
+OnProgress: TypeAlias = Callable[[RunProgress], None]
 
 
 class _Script(Record):
@@ -94,25 +96,28 @@ class Pipeline:
         if self._body is not None:
             self._body.close()
 
-    def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
-        """Run and score one submission; a text is only read. `on_run` is called when a run has begun.
+    def grade(
+        self,
+        job: GradingJob,
+        on_run: Callable[[], None] = lambda: None,
+        on_progress: OnProgress | None = None,
+    ) -> GradingResult:
+        """Run and score one submission; a text is only read.
+
+        `on_run` is called when a run has begun, `on_progress` now and then while it lasts.
 
         Raises:
             InfrastructureError, SandboxError: a fault of the grader or its host; nothing was scored.
             AssignmentError: the assignment does not fit its check.
         """
         if job.assignment.input == "text":
-            from grader.checks import evaluate_text
-
-            scoring = evaluate_text(job.assignment, decoded(job.source))
-            return GradingResult(
-                report=_report(job, [], scoring, {}), trajectories={}, measurements=self._measurements([])
-            )
+            return self._read(job)
         script = _script_of(job)
-        accounts = [self._run_repeatably(job, script, case, on_run) for case in job.assignment.cases]
+        cases = job.assignment.cases
+        accounts = [self._run_repeatably(job, script, case, on_run, on_progress) for case in cases]
         runs = [
             _scored_run(case, job.assignment, script, *account)
-            for case, account in zip(job.assignment.cases, accounts, strict=True)
+            for case, account in zip(cases, accounts, strict=True)
         ]
         trajectories = {run.case: encode_trajectory(run.trajectory) for run in runs}
         from grader.checks import evaluate
@@ -121,32 +126,50 @@ class Pipeline:
         measurements = self._measurements(accounts)
         cut = outputs_within_budget(
             _cut_output(case, jail, job.assignment)
-            for case, (episode, jail) in zip(job.assignment.cases, accounts, strict=True)
+            for case, (episode, jail) in zip(cases, accounts, strict=True)
             if not is_repeatable(episode, jail)
         )
         return GradingResult(
             report=report,
             trajectories=trajectories,
             measurements=replace(measurements, cut_output=cut),
-            requests={
-                case.id: episode.requests
-                for case, (episode, _) in zip(job.assignment.cases, accounts, strict=True)
-            },
+            requests={case.id: episode.requests for case, (episode, _) in zip(cases, accounts, strict=True)},
+        )
+
+    def _read(self, job: GradingJob) -> GradingResult:
+        """Score a text."""
+        from grader.checks import evaluate_text
+
+        scoring = evaluate_text(job.assignment, decoded(job.source))
+        return GradingResult(
+            report=_report(job, [], scoring, {}), trajectories={}, measurements=self._measurements([])
         )
 
     def _run_repeatably(
-        self, job: GradingJob, script: "_Script", case: Case, on_run: Callable[[], None]
+        self,
+        job: GradingJob,
+        script: "_Script",
+        case: Case,
+        on_run: Callable[[], None],
+        on_progress: OnProgress | None,
     ) -> Account:
         """Run one case; one that only a clock ended is run once more, when the host may be less busy.
 
         Not one that had sent and printed nothing for the second half of its CPU time: it hangs on any host.
         """
-        episode, jail = self._run(job, script, case, on_run)
+        episode, jail = self._run(job, script, case, on_run, on_progress)
         if ended_by_the_clock(episode, jail) and not jail.settled:
-            return self._run(job, script, case, on_run)
+            return self._run(job, script, case, on_run, on_progress)
         return episode, jail
 
-    def _run(self, job: GradingJob, script: "_Script", case: Case, on_run: Callable[[], None]) -> Account:
+    def _run(
+        self,
+        job: GradingJob,
+        script: "_Script",
+        case: Case,
+        on_run: Callable[[], None],
+        on_progress: OnProgress | None,
+    ) -> Account:
         def meanwhile() -> None:
             on_run()
             import grader.checks  # noqa: F401 - the first run of a process has the time for it now
@@ -159,7 +182,12 @@ class Pipeline:
                 if code == INTERRUPTED_NOTE:  # a script that got Ctrl+C has only its grace left
                     jail.limit_cpu(limits.grace_cpu_s)
 
-            return episode.run(jail, meanwhile, on_note, jail.take_turns), jail.close()
+            link: Link = jail
+            if on_progress is not None:
+                from grader.grading.telling import TellingLink
+
+                link = TellingLink(jail, episode, on_progress, job.assignment.release)
+            return episode.run(link, meanwhile, on_note, jail.take_turns), jail.close()
 
     def _robot(self) -> RobotBody:
         """Return the robot's body, which most gradings do not need."""

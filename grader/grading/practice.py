@@ -9,10 +9,11 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass, field
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.grading import GradingJob, GradingResult, SupervisedGrader
+from grader.contracts.grading import GradingJob, GradingResult, RunProgress, TellingGrader
 
 _GLANCE_S = 0.05
 _PATIENCE_S = 2.0  # an idle slot takes what is due within milliseconds
@@ -21,12 +22,19 @@ _WAITING_EACH = 4
 _RETRY_AFTER_S = 5
 
 
-@dataclass(slots=True)
-class _Task:
-    """A run that somebody waits for; without a job the process is only started."""
+@dataclass(slots=True, eq=False)
+class PracticeRun:
+    """A run that somebody waits for; without a job the process is only started.
+
+    Attributes:
+        answer: fails with a `RefusedError` when submissions wait for longer than the run does, and with what a
+            grader raises. Who needs it no more cancels it; a run that has begun comes to its end.
+        progress: how far the run is; None before it has begun.
+    """
 
     job: GradingJob | None
     answer: Future[GradingResult] = field(default_factory=Future)
+    progress: RunProgress | None = None
 
 
 class PracticeRuns:
@@ -43,7 +51,7 @@ class PracticeRuns:
     def __init__(
         self,
         most: int,
-        make_grader: Callable[[], SupervisedGrader],
+        make_grader: Callable[[], TellingGrader],
         submissions_wait: Callable[[], bool],
         *,
         idle_s: float = _IDLE_S,
@@ -54,12 +62,12 @@ class PracticeRuns:
         self._submissions_wait = submissions_wait
         self._idle_s = idle_s
         self._patience_s = patience_s
-        self._tasks: queue.SimpleQueue[_Task | None] = queue.SimpleQueue()
+        self._tasks: queue.SimpleQueue[PracticeRun | None] = queue.SimpleQueue()
         self._lock = threading.Lock()
-        self._under_way = 0
+        self._under_way: list[PracticeRun] = []  # in the order in which they came
         self._warm = 0
         self._threads: list[threading.Thread] = []
-        self._graders: set[SupervisedGrader] = set()
+        self._graders: set[TellingGrader] = set()
         self._stopping = threading.Event()
 
     @property
@@ -72,13 +80,10 @@ class PracticeRuns:
         with self._lock:
             if not self.offered or self._stopping.is_set() or self._under_way or self._warm:
                 return
-        self._put(_Task(None))
+        self._put(PracticeRun(None))
 
-    def run(self, job: GradingJob) -> "Future[GradingResult]":
+    def run(self, job: GradingJob) -> PracticeRun:
         """Run a script as soon as a thread is free and no submission waits.
-
-        The answer fails with a `RefusedError` when submissions wait for longer than the run does, and with what a
-        grader raises.
 
         Raises:
             RefusedError: practice is not offered, or as many runs wait as may.
@@ -86,13 +91,20 @@ class PracticeRuns:
         if not self.offered or self._stopping.is_set():
             raise RefusedError("practice_off")
         with self._lock:
-            if self._under_way >= self._most * (1 + _WAITING_EACH):
+            if len(self._under_way) >= self._most * (1 + _WAITING_EACH):
                 raise RefusedError("practice_full", retry_after_s=_RETRY_AFTER_S)
-            self._under_way += 1
-        task = _Task(job)
-        task.answer.add_done_callback(self._ended)
-        self._put(task)
-        return task.answer
+            run = PracticeRun(job)
+            self._under_way.append(run)
+        run.answer.add_done_callback(self._ended)
+        self._put(run)
+        return run
+
+    def where(self, run: PracticeRun) -> RunProgress | int:
+        """Return how far a run is that has begun, else how many have to end before it begins."""
+        with self._lock:
+            if run.progress is not None or run not in self._under_way:
+                return run.progress or RunProgress()
+            return max(self._under_way.index(run) - self._most + 1, 0)
 
     def stop(self) -> None:
         """End what runs and start nothing more; from any thread, more than once."""
@@ -110,70 +122,73 @@ class PracticeRuns:
         for thread in self._threads:
             thread.join()
 
-    def _put(self, task: _Task) -> None:
+    def _put(self, run: PracticeRun) -> None:
         with self._lock:
             if len(self._threads) < self._most:
                 number = len(self._threads)
                 thread = threading.Thread(target=self._work, name=f"grader-practice-{number}", daemon=True)
                 self._threads.append(thread)
                 thread.start()
-        self._tasks.put(task)
+        self._tasks.put(run)
 
-    def _ended(self, _: object) -> None:
+    def _ended(self, answer: "Future[GradingResult]") -> None:
         with self._lock:
-            self._under_way -= 1
+            self._under_way = [one for one in self._under_way if one.answer is not answer]
 
     def _work(self) -> None:
         """Own one grader: it is started for the first task and ends when nothing came for a while."""
-        grader: SupervisedGrader | None = None
+        grader: TellingGrader | None = None
         while True:
-            try:
-                task = self._tasks.get(timeout=None if grader is None else self._idle_s)
-            except queue.Empty:
-                task = None
-            if task is not None and not self._stopping.is_set():
+            run = None  # what has ended is not held until the next one comes
+            with suppress(queue.Empty):
+                run = self._tasks.get(timeout=None if grader is None else self._idle_s)
+            if run is not None and not self._stopping.is_set():
                 grader = grader or self._opened()
-                self._do(task, grader)
+                self._do(run, grader)
                 continue
             if grader is not None:
                 self._closed(grader)
                 grader = None
-            if task is not None and task.answer.set_running_or_notify_cancel():
-                task.answer.set_exception(RefusedError("practice_off"))
+            if run is not None and run.answer.set_running_or_notify_cancel():
+                run.answer.set_exception(RefusedError("practice_off"))
             elif self._stopping.is_set():
                 return
 
-    def _opened(self) -> SupervisedGrader:
+    def _opened(self) -> TellingGrader:
         grader = self._make_grader()
         with self._lock:
             self._graders.add(grader)
             self._warm += 1
         return grader
 
-    def _closed(self, grader: SupervisedGrader) -> None:
+    def _closed(self, grader: TellingGrader) -> None:
         with self._lock:
             self._graders.discard(grader)
             self._warm -= 1
         grader.close()
 
-    def _do(self, task: _Task, grader: SupervisedGrader) -> None:
+    def _do(self, run: PracticeRun, grader: TellingGrader) -> None:
+        def tell(progress: RunProgress) -> None:
+            run.progress = progress
+
         try:
             grader.start()
-            if task.job is None or not task.answer.set_running_or_notify_cancel():
+            if run.job is None or not run.answer.set_running_or_notify_cancel():
                 return
             self._let_submissions_go_first()
-            task.answer.set_result(grader.grade(task.job))
+            run.answer.set_result(grader.grade(run.job, lambda: tell(RunProgress()), tell))
         except Exception as error:  # whoever waits is told, whatever it is
             if not isinstance(error, RefusedError):
                 grader.close()
-            if task.answer.running() or task.answer.set_running_or_notify_cancel():
-                task.answer.set_exception(error)
+            if run.answer.running() or run.answer.set_running_or_notify_cancel():
+                run.answer.set_exception(error)
 
     def _let_submissions_go_first(self) -> None:
         until_s = time.monotonic() + self._patience_s
-        while self._submissions_wait():
+        while not self._stopping.is_set():
+            if not self._submissions_wait():
+                return
             if time.monotonic() >= until_s:
                 raise RefusedError("practice_waits", retry_after_s=_RETRY_AFTER_S)
             self._stopping.wait(_GLANCE_S)
-            if self._stopping.is_set():
-                raise RefusedError("practice_off")
+        raise RefusedError("practice_off")

@@ -18,7 +18,7 @@ from types import TracebackType
 from typing import Any, Final, Self
 
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError, lacks_room
-from grader.contracts.grading import GradingJob, GradingResult, WorldRequest
+from grader.contracts.grading import GradingJob, GradingResult, RunProgress, WorldRequest
 from grader.contracts.record import from_plain, to_plain
 from grader.contracts.report import GradeReport, Measurements
 from grader.grading.launch import Child, launch
@@ -140,8 +140,15 @@ class Slot:
         self._channel = Channel(child.answers, child.requests)
         self._send(asdict(self._config), _SPARE_S)
 
-    def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
+    def grade(
+        self,
+        job: GradingJob,
+        on_run: Callable[[], None] = lambda: None,
+        on_progress: Callable[[RunProgress], None] | None = None,
+    ) -> GradingResult:
         """Grade `job` in the child; call `on_run` here whenever a run of the script has begun there.
+
+        With `on_progress` the child also tells now and then how far a run is, which costs a little time.
 
         Raises:
             InfrastructureError: the child died, did not answer in time or reported a fault of its own; a
@@ -151,16 +158,19 @@ class Slot:
         self.start()
         # From one answer to the next, not for all runs: the child says when each of them begins.
         budget_s, has_run = bounds.longest_run_s(job.assignment.limits.wall_s) + _SPARE_S, False
-        self._send(_request(job), budget_s)
+        self._send(_request(job, tells=on_progress is not None), budget_s)
         try:
-            while (answer := self._receive(budget_s)).get("kind") == "running":
-                has_run = True
-                on_run()
+            while (kind := (answer := self._receive(budget_s)).get("kind")) in ("running", "progress"):
+                if kind == "running":
+                    has_run = True
+                    on_run()
+                elif on_progress is not None:
+                    on_progress(self._progress(answer))
         except NoRoomError as error:
             if not has_run:
                 raise
             raise InfrastructureError(str(error)) from error  # the script may have taken the room
-        match answer.get("kind"):
+        match kind:
             case "result":
                 return self._result(answer)
             case "unavailable":
@@ -216,6 +226,12 @@ class Slot:
             kind = NoRoomError if code in (NO_ROOM_CODE, -signal.SIGKILL) else InfrastructureError
             raise kind(f"the grading process ended unexpectedly (exit code {code})")
         return answer
+
+    def _progress(self, answer: dict[str, Any]) -> RunProgress:
+        try:
+            return from_plain(RunProgress, answer["progress"])
+        except (KeyError, ValueError) as error:
+            raise self._failed(error) from error
 
     def _result(self, answer: dict[str, Any]) -> GradingResult:
         try:
@@ -291,11 +307,12 @@ def result_message(result: GradingResult) -> dict[str, Any]:
     }
 
 
-def _request(job: GradingJob) -> dict[str, Any]:
+def _request(job: GradingJob, *, tells: bool = False) -> dict[str, Any]:
     return {
         "kind": "grade",
         "job": {"file_name": job.file_name, "assignment": job.assignment},
         "source": base64.b64encode(job.source).decode(),
+        "tells": tells,
     }
 
 

@@ -234,6 +234,10 @@ class Jail:
             else:
                 self._take_rest()
 
+    def printed(self) -> tuple[Stream, Stream]:
+        """Return what was captured so far of standard output and standard error."""
+        return self._stdout.stream(), self._stderr.stream()
+
     def take_turns(self, in_turns: bool) -> None:
         """Say whether both sides now wait for each other, or each runs by itself. It decides on speed only."""
         if in_turns:

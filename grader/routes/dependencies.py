@@ -70,13 +70,14 @@ def _identified(
 
 @contextmanager
 def under_way(request: Request, services: Services, caller: Caller) -> Iterator[None]:
-    """Count `request` as one that the caller has under way; streams of events are counted elsewhere.
+    """Count `request` as one that the caller has under way; streams that one watches are counted elsewhere.
 
     Raises:
         RefusedError: the caller has too many.
     """
     name = name_of(caller)
-    is_stream = getattr(request.scope["route"], "response_class", None) is EventSourceResponse
+    is_events = getattr(request.scope["route"], "response_class", None) is EventSourceResponse
+    is_stream = is_events and request.method == "GET"
     with nullcontext() if name is None or is_stream else services.allowances.requests_at_once.one_more(name):
         yield
 

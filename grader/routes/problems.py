@@ -4,6 +4,7 @@ A problem has a stable code. One table tells its status and headers; the catalog
 ``problem.<code>.title``, what it means, and ``problem.<code>.fix``, what the person who sees it can do.
 """
 
+import json
 import logging
 import uuid
 from collections.abc import Mapping
@@ -246,6 +247,13 @@ def install(app: FastAPI) -> None:
     app.add_exception_handler(RequestValidationError, _on_invalid)
     app.add_exception_handler(InfrastructureError, _on_unavailable)
     app.add_exception_handler(Exception, _on_bug)
+
+
+async def problem_of(request: Request, error: RefusedError | InfrastructureError) -> dict[str, Any]:
+    """Return the problem document for a failure, for an answer that has begun already."""
+    answer = await (_on_refused if isinstance(error, RefusedError) else _on_unavailable)(request, error)
+    document: dict[str, Any] = json.loads(bytes(answer.body))
+    return document
 
 
 def responses(*codes: str) -> dict[int | str, dict[str, Any]]:

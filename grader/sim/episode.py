@@ -159,6 +159,11 @@ class Episode:
         self._has_moved = False  # whether a motion was commanded
         self._is_heard = False  # whether at home, too, somebody would have heard one
 
+    @property
+    def now_ns(self) -> int:
+        """Virtual time that script and world have reached."""
+        return self._now_ns
+
     def run(
         self,
         link: Link,

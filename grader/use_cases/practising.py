@@ -5,18 +5,23 @@ the assignment's cases is run, and where the world has noise it is another noise
 """
 
 import asyncio
+from collections.abc import AsyncIterator
+from concurrent.futures import Future
+from contextlib import ExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import partial
 
 from grader.checks import sketch
 from grader.contracts.assignment import SUFFIXES, Assignment
 from grader.contracts.errors import RefusedError, SandboxUnavailableError
 from grader.contracts.figure import FigureSketch
-from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.identity import Caller, Role
 from grader.contracts.report import CaseOutput, GradeReport
 from grader.contracts.scoring import Run
 from grader.contracts.trajectory import decode_trajectory
 from grader.contracts.upload import check_name, check_source
+from grader.grading.practice import PracticeRun
 from grader.telemetry.context import note
 from grader.use_cases.assignments import visible_assignment
 from grader.use_cases.callers import name_of
@@ -29,6 +34,7 @@ _WALL_S = 15.0
 _OUTPUT_BYTES = 256 * 1024
 _OTHER_NOISE = 1_000_003
 _USUAL_S = 1.0  # a run that takes longer counts as several
+_GLANCE_S = 0.2
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -82,26 +88,81 @@ def _is_open(services: Services, caller: Caller, assignment_id: str) -> bool:
     return opens is None or services.clock() >= opens
 
 
-async def practise(
+class UnderWay:
+    """A practice run that somebody waits for, in the event loop that began it."""
+
+    def __init__(self, services: Services, caller: Caller, assignment: Assignment, run: PracticeRun) -> None:
+        self._services = services
+        self._caller = caller
+        self._assignment = assignment
+        self._run = run
+        self._ended = asyncio.Event()
+        # not asyncio.wrap_future: result and future would hold each other until somebody collects garbage
+        run.answer.add_done_callback(partial(_wake, asyncio.get_running_loop(), self._ended))
+
+    async def where(self) -> AsyncIterator[RunProgress | int]:
+        """Yield how many have to end before the run begins, then how far it is, as that changes, until it ends."""
+        known: RunProgress | int | None = None
+        while not self._ended.is_set():
+            now = self._services.practice.where(self._run)
+            if now != known:
+                known = now
+                yield now
+            with suppress(TimeoutError):
+                await asyncio.wait_for(self._ended.wait(), _GLANCE_S)
+
+    async def told(self) -> Practice:
+        """Wait for the end of the run and return what it showed.
+
+        Raises:
+            RefusedError: submissions wait; practice is not offered.
+            InfrastructureError: a fault of the grader or its host.
+        """
+        await self._ended.wait()
+        try:
+            result = self._run.answer.result()
+        except SandboxUnavailableError as error:
+            raise RefusedError("practice_off") from error
+        note(assignment=self._assignment.id, code="practised")
+        return await asyncio.to_thread(_told, self._services, self._caller, self._assignment, result)
+
+
+def _wake(loop: asyncio.AbstractEventLoop, ended: asyncio.Event, _: object) -> None:
+    with suppress(RuntimeError):  # the loop is closed: nobody waits any more
+        loop.call_soon_threadsafe(ended.set)
+
+
+@asynccontextmanager
+async def practising(
     services: Services, caller: Caller, assignment_id: str, file_name: str, source: bytes
-) -> Practice:
-    """Run a script once for practice, behind all submissions.
+) -> AsyncIterator[UnderWay]:
+    """Run a script once for practice, behind all submissions; who leaves the context needs it no more.
+
+    The caller has no other run until this one has ended.
 
     Raises:
         RefusedError: as `practisable`; it is no script; the caller has one under way or asks too often;
-            submissions or others' runs wait; practice is not offered.
+            others' runs wait; practice is not offered.
     """
     owner = name_of(caller) or ""
-    with services.allowances.practice_at_once.one_more(owner):
+    with ExitStack() as stack:
+        stack.enter_context(services.allowances.practice_at_once.one_more(owner))
         job = await asyncio.to_thread(_job, services, caller, assignment_id, file_name, source)
         services.allowances.practice.take(owner)
-        try:
-            result = await asyncio.wrap_future(services.practice.run(job))
-        except SandboxUnavailableError as error:
-            raise RefusedError("practice_off") from error
-        services.allowances.practice.charge(owner, result.measurements.wall_s // _USUAL_S)
-        note(assignment=assignment_id, code="practised")
-        return await asyncio.to_thread(_told, services, caller, job.assignment, result)
+        run = services.practice.run(job)
+        counted = stack.pop_all()
+
+    def ended(answer: "Future[GradingResult]") -> None:
+        if not answer.cancelled() and answer.exception() is None:
+            wall_s = answer.result().measurements.wall_s
+            services.allowances.practice.charge(owner, wall_s // _USUAL_S)
+        counted.close()
+
+    run.answer.add_done_callback(ended)  # also of a run that nobody waits for any more
+    try:
+        yield UnderWay(services, caller, job.assignment, run)
+    finally:
+        run.answer.cancel()  # unless it has begun
 
 
 def for_practice(assignment: Assignment) -> Assignment:

@@ -1,20 +1,19 @@
-"""The page where a script is written and run for practice, then handed in; and the car that is driven live."""
+"""The page where a script is written and run for practice, then handed in."""
 
 import json
+from collections.abc import AsyncIterator
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Depends, File, Request, Response, UploadFile
-from fastapi.concurrency import run_in_threadpool
-from fastapi.responses import JSONResponse
+from fastapi.sse import EventSourceResponse, ServerSentEvent
 
 from grader.contracts.errors import RefusedError
-from grader.contracts.text import Language
 from grader.messages import on_page
 from grader.routes.middleware import UploadRoute
-from grader.telemetry.context import note
+from grader.routes.practice import events
 from grader.use_cases.assignments import terms_of
 from grader.use_cases.handing_in import most_upload_bytes
-from grader.use_cases.practising import Practice, practisable, practise
+from grader.use_cases.practising import Practice, UnderWay, practisable, practising
 from grader.web import access
 from grader.web.access import COSTLY, ServicesDep, VisitorDep
 from grader.web.errors import form_problem
@@ -26,7 +25,7 @@ router = APIRouter(prefix="/assignments/{assignment_id}/practice", include_in_sc
 runs = APIRouter(
     prefix="/assignments/{assignment_id}/practice", include_in_schema=False, route_class=UploadRoute
 )
-_WORDS = ("running", "done", "lost", "reset_sure", "editor")
+_WORDS = ("next", "waiting", "running", "virtual_time", "done", "lost", "reset_sure", "editor")
 
 
 @router.get("", dependencies=[COSTLY])
@@ -51,36 +50,30 @@ def read(request: Request, services: ServicesDep, visitor: VisitorDep, assignmen
     )
 
 
-@runs.post("", dependencies=[Depends(require_own_form)])
-async def run(
-    request: Request,
+async def _begun(
     services: ServicesDep,
     visitor: VisitorDep,
     assignment_id: str,
     file: Annotated[UploadFile, File()],
-) -> Response:
-    """Run what is in the editor; answer with the result as a part of the page, and the data of its replay."""
+) -> AsyncIterator[UnderWay]:
     access.require_known(visitor)
     content = await file.read(most_upload_bytes(services) + 1)
+    async with practising(services, visitor.caller, assignment_id, file.filename or "", content) as run:
+        yield run
+
+
+@runs.post("", response_class=EventSourceResponse, dependencies=[Depends(require_own_form)])
+async def run(request: Request, run: Annotated[UnderWay, Depends(_begun)]) -> AsyncIterator[ServerSentEvent]:
+    """Run what is in the editor; tell where that is, and at last a part of the page with the data of its replay.
+
+    The interface's events but for the last one.
+    """
+    async for event in events(request, run, lambda seen: _shown(request, seen)):
+        yield event
+
+
+def _shown(request: Request, seen: Practice) -> dict[str, Any]:
     language = language_of(request)
-    try:
-        seen = await practise(services, visitor.caller, assignment_id, file.filename or "", content)
-    except RefusedError as problem:
-        note(code=problem.code)
-        return _refusal(problem, language)
-    return await run_in_threadpool(_answer, request, seen, language)
-
-
-def _refusal(problem: RefusedError, language: Language) -> Response:
-    told = form_problem(problem, language, field="file")
-    wait_s = problem.retry_after_s
-    headers = {"Cache-Control": "no-store"} | ({} if wait_s is None else {"Retry-After": str(wait_s)})
-    words = [told.title, told.detail, told.fix]
-    document = {"refused": [one for one in dict.fromkeys(words) if one], "retry_after_s": wait_s}
-    return JSONResponse(document, told.status, headers)
-
-
-def _answer(request: Request, seen: Practice, language: Language) -> Response:
     moved = seen.trajectory is not None and not (seen.figure is not None and seen.figure.view == "log")
     html = fragment(
         request,
@@ -97,4 +90,4 @@ def _answer(request: Request, seen: Practice, language: Language) -> Response:
     if moved and seen.trajectory is not None:
         document["trajectory"] = json.loads(seen.trajectory)
         document["sketch"] = {} if seen.figure is None else figure_document(seen.figure, language)
-    return JSONResponse(document, headers={"Cache-Control": "no-store"})
+    return document

@@ -3,7 +3,7 @@
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 
-from grader.contracts.grading import Grader, GradingJob
+from grader.contracts.grading import Grader, GradingJob, RunProgress
 from grader.grading.slot import Slot, SlotConfig
 from tests.e2e.grading_slot import LESSON, catalog, grade
 
@@ -56,3 +56,25 @@ def test_a_slot_grades_both_releases_each_as_its_own(slot: Slot) -> None:
     assert found[0].sha256() == found[2].sha256()
     mistakes = ["int_in_float", "int_in_float_at_publish", "int_in_float"]
     assert [report.mistakes[0] for report in found[3:]] == mistakes
+
+
+BUSY = b"""
+import rclpy
+rclpy.init()
+node = rclpy.create_node('counter')
+def tick():
+    node.get_logger().info(str(sum(range(300_000))))
+node.create_timer(0.5, tick)
+rclpy.spin(node)
+"""
+
+
+def test_a_run_that_is_told_of_is_the_same_run(slot: Slot) -> None:
+    job = GradingJob(file_name="a.py", source=BUSY, assignment=catalog().get("square"))
+    told: list[RunProgress] = []
+    followed = slot.grade(job, lambda: None, told.append)
+    alone = slot.grade(job)
+    assert followed.report.sha256() == alone.report.sha256()
+    assert followed.trajectories == alone.trajectories
+    assert told[-1].t_ns > 0
+    assert "44999850000" in told[-1].stderr

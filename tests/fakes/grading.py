@@ -7,7 +7,13 @@ from collections.abc import Callable
 
 from grader.contracts.assignment import Assignment, Case, ItemSpec
 from grader.contracts.errors import InfrastructureError, UnknownAssignmentError
-from grader.contracts.grading import AssignmentSource, GradingJob, GradingResult, SyntaxProblem
+from grader.contracts.grading import (
+    AssignmentSource,
+    GradingJob,
+    GradingResult,
+    RunProgress,
+    SyntaxProblem,
+)
 from grader.contracts.outcome import Endpoint, LogRecord, RunOutcome, RunStatus, Stream, StudentError
 from grader.contracts.report import CaseRun, GradeReport, GradeStatus, Measurements
 from grader.contracts.rubric import ItemStatus, RubricItem
@@ -190,12 +196,14 @@ class FakeGrader:
         faults: exceptions to raise, one per grading, before grading works again.
         aborts: how often `abort` was called.
         runs: whether the script is running when a fault comes.
+        progress: what it tells of each run.
         hold: when set, gradings wait until `release` (or `abort`, which makes them fail).
     """
 
     def __init__(self, grading: Callable[[GradingJob], GradingResult] = grade) -> None:
         self.faults: list[Exception] = []
         self.runs = False
+        self.progress: list[RunProgress] = []
         self.graded: list[str] = []
         self.starts = 0
         self.closed = 0
@@ -215,10 +223,19 @@ class FakeGrader:
     def start(self) -> None:
         self.starts += 1
 
-    def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None, /) -> GradingResult:
-        self.busy.set()
+    def grade(
+        self,
+        job: GradingJob,
+        on_run: Callable[[], None] = lambda: None,
+        on_progress: Callable[[RunProgress], None] | None = None,
+        /,
+    ) -> GradingResult:
         if self.runs:
             on_run()
+        if on_progress is not None:
+            for one in self.progress:
+                on_progress(one)
+        self.busy.set()
         if not self._go.wait(PATIENCE_S):
             raise AssertionError("the test forgot to release the grader")
         if self._aborted:

@@ -12,6 +12,9 @@ const plain = document.getElementById("starter");
 const holder = document.getElementById("editor");
 const runButton = document.getElementById("run");
 const state = document.getElementById("practice-state");
+const soFar = document.getElementById("so-far");
+const virtualTime = document.getElementById("virtual-time");
+const printed = document.getElementById("printed");
 const refused = document.getElementById("refused");
 const result = document.getElementById("result");
 const words = JSON.parse(form.dataset.words);
@@ -102,33 +105,88 @@ function put({ html, trajectory, sketch }) {
   }
 }
 
+/** The events of an answer as they come: `{ name, data }`. Behind a proxy that holds them back, all come at the end. */
+async function* events(answer) {
+  const reader = answer.body.pipeThrough(new TextDecoderStream()).getReader();
+  let text = "";
+  for (;;) {
+    const { value, done } = await reader.read();
+    if (done) {
+      return;
+    }
+    const blocks = (text + value).split("\n\n");
+    text = blocks.pop();
+    for (const block of blocks) {
+      const fields = Object.fromEntries(block.split("\n").map((line) => [line.split(": ", 1)[0], line.slice(line.indexOf(": ") + 2)]));
+      if (fields.event) {
+        yield { name: fields.event, data: JSON.parse(fields.data) };
+      }
+    }
+  }
+}
+
+// what has not changed is not said again: it would be read out each time
+function say(sentence) {
+  if (state.textContent !== sentence) {
+    state.textContent = sentence;
+  }
+}
+
+function tellOf({ virtual_s: seconds, stdout, stderr }) {
+  say(words.running);
+  soFar.hidden = seconds === 0;
+  virtualTime.textContent = words.virtual_time.replace("{seconds}", seconds.toFixed(1));
+  printed.textContent = stdout + stderr;
+  printed.hidden = printed.textContent === "";
+  printed.scrollTop = printed.scrollHeight;
+}
+
+const on = {
+  waiting: ({ before }) => say(before ? words.waiting.replace("{count}", before) : words.next),
+  running: tellOf,
+  refused: (problem) => tell([...new Set([problem.title, problem.detail, problem.fix])].filter(Boolean)),
+  seen(shown) {
+    put(shown);
+    say(words.done);
+    if (result.getBoundingClientRect().top > window.innerHeight / 2) {
+      result.scrollIntoView(); // on a phone it stands below the editor
+    }
+  },
+};
+
 async function runOnce() {
   if (!runButton || runButton.disabled) {
     return;
   }
   runButton.disabled = true;
-  state.textContent = words.running;
+  say(words.next);
   tell([]);
+  let last = "";
   try {
     const body = new FormData();
     body.append("form_token", form.elements.form_token.value);
     body.append("file", file());
-    const answer = await fetch(form.dataset.run, { method: "POST", body, headers: { Accept: "application/json" }, redirect: "error" });
-    const document_ = await answer.json();
+    const headers = { Accept: "text/event-stream, application/json" };
+    const answer = await fetch(form.dataset.run, { method: "POST", body, headers, redirect: "error" });
     if (answer.ok) {
-      put(document_);
-      state.textContent = words.done;
-      if (result.getBoundingClientRect().top > window.innerHeight / 2) {
-        result.scrollIntoView(); // on a phone it stands below the editor
+      for await (const { name, data } of events(answer)) {
+        last = name;
+        on[name]?.(data);
       }
     } else {
-      state.textContent = "";
-      tell(document_.refused ?? [words.lost]);
+      last = "refused";
+      on.refused(await answer.json());
     }
   } catch {
-    state.textContent = "";
+    last = "";
+  }
+  if (last !== "seen") {
+    say("");
+  }
+  if (last !== "seen" && last !== "refused") {
     tell([words.lost]);
   }
+  soFar.hidden = true;
   runButton.disabled = false;
 }
 

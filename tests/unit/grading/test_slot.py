@@ -13,7 +13,7 @@ import pytest
 
 from grader.contracts.assignment import Assignment, Case, Limits
 from grader.contracts.errors import InfrastructureError, NoRoomError, SandboxUnavailableError
-from grader.contracts.grading import GradingJob
+from grader.contracts.grading import GradingJob, RunProgress
 from grader.contracts.text import EMPTY
 from grader.grading import child, launch, slot
 from grader.grading.launch import Child
@@ -119,6 +119,29 @@ def test_one_child_serves_one_job_after_the_other(children: list[str]) -> None:
         results = [one.grade(JOB) for _ in range(3)]
     assert [result.measurements.isolation for result in results] == ["dev"] * 3
     assert results[0].trajectories["default"] == b"t" * 200_000
+
+
+def test_a_child_tells_how_far_a_run_is_when_it_is_asked_to(children: list[str]) -> None:
+    told = {"t_ns": 5, "stdout": "a", "stderr": ""}
+    children.append(f"""
+while True:
+    job = receive()
+    send({{"kind": "running"}})
+    if job["tells"]: send({{"kind": "progress", "progress": {told!r}}})
+    send(RESULT)
+""")
+    runs, seen = [], []
+    with Slot(SlotConfig()) as one:
+        one.grade(JOB, lambda: runs.append(1), seen.append)
+        assert (runs, seen) == ([1], [RunProgress(t_ns=5, stdout="a")])
+        one.grade(JOB)
+    assert len(seen) == 1
+
+
+def test_progress_that_is_none_is_a_fault(children: list[str]) -> None:
+    children.append("receive(); send({'kind': 'progress', 'progress': {'t_ns': 'soon'}})")
+    with Slot(SlotConfig()) as one, pytest.raises(InfrastructureError):
+        one.grade(JOB, lambda: None, print)
 
 
 def standing(pid: str) -> tuple[int, int, str]:

@@ -129,6 +129,7 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/live": (401, 401, 404, 404, 404, 404, 404, 404),  # nobody has one yet
     "delete /api/v1/live": (401, 401, 204, 204, 204, 204, 204, 204),
     "post /api/v1/practice": MEMBERS,
+    "post /api/v1/practice/events": MEMBERS,
     "get /healthz": (503,) * 8,  # no worker lives in these tests
     "get /metrics": STAFF,
 }
@@ -217,6 +218,7 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/live": (409, 401, 409),
     "delete /api/v1/live": (409, 401, 409),
     "post /api/v1/practice": (409, 401, 409),
+    "post /api/v1/practice/events": (409, 401, 409),
     "get /healthz": (503, 503, 503),
     "get /metrics": OPERATOR_ONLY,
 }
@@ -254,7 +256,7 @@ def send(
             "files": {"file": ("a.py", b"x = 1\n")},
             "data": {"assignment": "square", "student": student},
         }
-    if operation == "post /api/v1/practice":
+    if operation.startswith("post /api/v1/practice"):
         body = {"files": {"file": ("a.py", b"x = 1\n")}, "data": {"assignment": "square"}}
     if operation == "post /api/v1/members/import":
         body = {"files": {"file": ("class.csv", b"id,name\nzhou,x\n")}}

@@ -1,7 +1,9 @@
 """Practice over HTTP: what it tells, what it keeps (nothing), and whom it lets wait."""
 
+import json
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import replace
 from datetime import timedelta
 from typing import Any
@@ -11,13 +13,13 @@ import pytest
 from sqlalchemy import create_engine, inspect, text
 
 from grader.contracts.assignment import Assignment, Case
-from grader.contracts.errors import SandboxUnavailableError
-from grader.contracts.grading import GradingJob, GradingResult
+from grader.contracts.errors import InfrastructureError, SandboxUnavailableError
+from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.grading.practice import PracticeRuns
 from grader.use_cases.services import Services
 from tests.fakes.clock import START, FakeClock
 from tests.fakes.grading import FakeGrader, grade
-from tests.fakes.waiting import wait_until
+from tests.fakes.waiting import PATIENCE_S, wait_until
 
 Practise = Callable[..., httpx.Response]
 
@@ -50,6 +52,31 @@ def services(services: Services, grader: Recording, busy: list[bool]) -> Any:
     runs = PracticeRuns(1, lambda: grader, lambda: bool(busy), patience_s=0.0)
     yield replace(services, practice=runs)
     runs.close()
+
+
+Follow = Callable[..., AbstractContextManager[Iterator[tuple[str, Any]]]]
+
+
+@pytest.fixture
+def follow(client: httpx.Client, school: Any) -> Follow:
+    """Run a script and yield the events of the answer, each with its data."""
+
+    @contextmanager
+    def opened(source: bytes = b"good good\n", person: str = "li") -> Iterator[Iterator[tuple[str, Any]]]:
+        with client.stream(
+            "POST",
+            "/api/v1/practice/events",
+            files={"file": ("square.py", source)},
+            data={"assignment": "square"},
+            headers={**school.as_(person), "Accept-Language": "en"},
+        ) as answer:
+            assert answer.status_code == 200, answer.read()
+            assert answer.headers["Content-Type"].startswith("text/event-stream")
+            assert answer.headers["X-Accel-Buffering"] == "no"
+            lines = answer.iter_lines()
+            yield ((one[7:], json.loads(next(lines)[6:])) for one in lines if one.startswith("event: "))
+
+    return opened
 
 
 @pytest.fixture
@@ -209,6 +236,86 @@ def test_a_queued_submission_waits_for_nobody(
     assert services.queue.waits()
     assert services.queue.claim("w") is not None
     assert not services.queue.waits()
+
+
+def test_a_run_is_followed_to_its_end(follow: Follow, practise: Practise, grader: Recording) -> None:
+    grader.hold()
+    grader.progress.append(RunProgress(t_ns=1_500_000_000, stdout="a\n", stderr="b\n"))
+    with follow() as first:
+        assert grader.busy.wait(PATIENCE_S)
+        running = next(told for told in first if told[0] == "running")
+        assert running[1] == {"virtual_s": 1.5, "stdout": "a\n", "stderr": "b\n"}
+        with follow(person="han") as second:
+            assert next(second) == ("waiting", {"before": 1})
+            grader.release()
+            *_, (name, seen) = first
+            assert name == "seen"
+            assert [name for name, _ in second][-1] == "seen"
+    assert seen == practise().json()
+
+
+def test_events_tell_no_more_than_the_answer(
+    follow: Follow, client: httpx.Client, school: Any, services: Services, sqlite_url: str
+) -> None:
+    hidden = {"hidden_items": ["closed"], "hidden_until": "2099-01-01T00:00:00"}
+    client.put("/api/v1/assignments/square/rules", json=hidden, headers=school.as_("wang"))
+    before = rows(sqlite_url)
+    with follow() as events:
+        told = list(events)
+    assert "closed" not in json.dumps(told)
+    assert [one["id"] for one in told[-1][1]["items"]] == ["sides"]
+    assert rows(sqlite_url) == before
+
+
+def test_who_goes_away_gives_up_the_place(follow: Follow, grader: Recording, practise: Practise) -> None:
+    grader.hold()
+    with follow(b"first\n"):
+        assert grader.busy.wait(PATIENCE_S)
+        with follow(b"second\n", "han") as gone:
+            assert next(gone)[0] == "waiting"
+            assert practise(person="han").json()["code"] == "too_many_at_once"
+        with follow(b"third\n", "ta") as waiting:
+            next(told for told in waiting if told == ("waiting", {"before": 1}))
+            grader.release()
+            assert list(waiting)[-1][0] == "seen"
+    assert [one.source for one in grader.jobs] == [b"first\n", b"third\n"]
+    assert practise(person="han").status_code == 200
+
+
+def test_who_goes_away_from_a_run_has_it_still(
+    follow: Follow, grader: Recording, practise: Practise, services: Services
+) -> None:
+    """Else anybody could have as many as there are places."""
+    slow = grade(GradingJob(file_name="a.py", source=b"x", assignment=services.assignments.get("square")))
+    grader._grading = lambda job: replace(slow, measurements=replace(slow.measurements, wall_s=99.0))
+    grader.hold()
+    with follow():
+        assert grader.busy.wait(PATIENCE_S)
+    assert practise().json()["code"] == "too_many_at_once"
+    grader.release()
+    wait_until(lambda: practise().json()["code"] == "too_many_requests")  # it was charged, too
+
+
+@pytest.mark.parametrize(
+    ("fault", "code"),
+    [
+        (SandboxUnavailableError("no user namespaces"), "practice_off"),
+        (InfrastructureError("the process was killed"), "unavailable"),
+        (None, "practice_waits"),
+    ],
+)
+def test_what_goes_wrong_meanwhile_is_the_last_event(
+    follow: Follow, grader: Recording, busy: list[bool], fault: Exception | None, code: str
+) -> None:
+    if fault is None:
+        busy.append(True)
+    else:
+        grader.faults.append(fault)
+    with follow() as events:
+        *_, (name, problem) = events
+    assert (name, problem["code"], problem["status"]) == ("refused", code, 503)
+    assert "killed" not in json.dumps(problem)
+    assert problem["fix"]
 
 
 def test_without_a_sandbox_it_is_off(practise: Practise, grader: Recording) -> None:

@@ -170,6 +170,7 @@ ROWS: dict[str, Row] = {
         "401 404 404 404 404", json={"points": 1, "comment": "x"}
     ),
     "POST /api/v1/practice": Row("401 ok ok ok ok", {"assignment": "square"}, files=SCRIPT, owner=""),
+    "POST /api/v1/practice/events": Row("401 ok ok ok ok", {"assignment": "square"}, files=SCRIPT, owner=""),
     "POST /playground/car": Row("enter ok ok ok ok", {}, owner=""),
     "POST /api/v1/live": Row("401 ok ok ok ok", owner=""),
     "DELETE /api/v1/live": Row("401 ok ok ok ok", owner=""),
