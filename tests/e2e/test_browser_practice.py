@@ -84,6 +84,20 @@ def test_a_script_is_written_run_mended_and_handed_in(student: Browser, course: 
     assert "100 / 100" in student.says("#score")
 
 
+def test_what_is_refused_is_told_and_not_called_a_lost_connection(student: Browser) -> None:
+    from selenium.webdriver.common.keys import Keys
+
+    _write(student, "x = 1\n" * 100_000)
+    _content(student).send_keys(Keys.CONTROL, Keys.ENTER)
+    student.until(lambda: "large" in student.says("#refused"))
+    assert student.one("#run").is_enabled()
+    student.open("/playground?lang=en")
+    student.js("document.querySelector('#start [name=form_token]').value = 'x'")
+    student.one("#start button").click()
+    student.until(lambda: "form" in student.says("#car-state"))
+    assert len(student.complaints()) == 2  # of these two answers
+
+
 def test_the_page_fits_a_phone(student: Browser) -> None:
     student.resize(PHONE)
     student.open(PAGE)

@@ -239,7 +239,7 @@ find("start").addEventListener("submit", async (event) => {
       connect(told.url);
       return;
     }
-    say((told.refused ?? [words.lost]).join(" "));
+    say((told.refused ?? [told.title ?? words.lost, told.fix ?? ""]).join(" ")); // else a problem document
   } catch {
     say(words.lost);
   }
