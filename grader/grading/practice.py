@@ -108,8 +108,8 @@ class PracticeRuns:
 
     def stop(self) -> None:
         """End what runs and start nothing more; from any thread, more than once."""
-        self._stopping.set()
         with self._lock:
+            self._stopping.set()
             graders, threads = set(self._graders), list(self._threads)
         for grader in graders:
             grader.abort()
@@ -124,12 +124,16 @@ class PracticeRuns:
 
     def _put(self, run: PracticeRun) -> None:
         with self._lock:
-            if len(self._threads) < self._most:
+            stopped = self._stopping.is_set()
+            if not stopped and len(self._threads) < self._most:
                 number = len(self._threads)
                 thread = threading.Thread(target=self._work, name=f"grader-practice-{number}", daemon=True)
                 self._threads.append(thread)
                 thread.start()
-        self._tasks.put(run)
+            if not stopped:
+                self._tasks.put(run)
+        if stopped:  # no thread would ever take it
+            run.answer.set_exception(RefusedError("practice_off"))
 
     def _ended(self, answer: "Future[GradingResult]") -> None:
         with self._lock:

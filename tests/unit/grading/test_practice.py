@@ -8,7 +8,7 @@ import pytest
 
 from grader.contracts.errors import InfrastructureError, RefusedError
 from grader.contracts.grading import GradingJob, RunProgress
-from grader.grading.practice import PracticeRuns
+from grader.grading.practice import PracticeRun, PracticeRuns
 from tests.fakes.grading import FakeGrader, assignment
 from tests.fakes.waiting import PATIENCE_S, wait_until
 
@@ -142,4 +142,19 @@ def test_none_are_offered() -> None:
     runs.warm_up()
     with pytest.raises(RefusedError, match="practice_off"):
         runs.run(job())
+    runs.close()
+
+
+def test_a_run_that_comes_while_it_stops_keeps_nobody_waiting() -> None:
+    class Stopping(PracticeRuns):
+        def _put(self, run: PracticeRun) -> None:
+            if run.job is not None and run.job.file_name == "late.py":
+                self.close()
+            super()._put(run)
+
+    runs = Stopping(1, FakeGrader, lambda: False)
+    assert runs.run(job()).answer.result(PATIENCE_S)
+    with pytest.raises(RefusedError) as refused:
+        runs.run(job("late.py")).answer.result(PATIENCE_S)
+    assert refused.value.code == "practice_off"
     runs.close()
