@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 import numpy as np
 
 from grader.checks.drive import MOVING_MPS, is_motion
+from grader.checks.listening import waits_in_vain
 from grader.checks.measure import Measure, Mistake, mistake
 from grader.contracts.assignment import ROBOT_TOPICS, World
 from grader.contracts.outcome import Endpoint, RunOutcome, RunStatus, StudentError
@@ -134,7 +135,7 @@ def command_mistakes(
         return (mistake("teleported", topic=topic),)
     if not any(map(is_motion, run.trajectory.commands)) and (missing := _unpublished(run, world)) is not None:
         return (missing,)
-    if (found := _unfit_commands(run, topic)) is not None:
+    if (found := _unfit_commands(run, world)) is not None:
         return found
     if (longest_ns := _longest_motion_ns(run.trajectory)) < _TOO_BRIEF_NS:
         if _motions(run.trajectory) > _MANY_MOTIONS:
@@ -157,20 +158,20 @@ def robot_mistakes(run: Run, world: World) -> tuple[Mistake, ...]:
         unknown = next((name for name in unheard if not moved or _is_misspelt(name, usual)), None)
         if unknown is not None:
             return (mistake("robot_silent", topic=unknown, topics=", ".join(usual)),)
-    return _unfit_commands(run, topic) or ()
+    return _unfit_commands(run, world) or ()
 
 
-def _unfit_commands(run: Run, topic: str) -> tuple[Mistake, ...] | None:
+def _unfit_commands(run: Run, world: World) -> tuple[Mistake, ...] | None:
     """Return why no command moves anything, which may be known already (nothing); None: there are some that do."""
     outcome, commands = run.outcome, run.trajectory.commands
     if outcome.command_count == 0:
-        return _silence(run, topic)
+        return _silence(run, world)
     if outcome.nonfinite_commands:
         return (mistake("nonfinite_commands", count=outcome.nonfinite_commands),)
     if noted(outcome, "lateral_command") is not None:
         return (mistake("sideways"),)
     if commands and not any(command.v_mps or command.w_radps for command in commands):
-        return (_only_zeros(run),)
+        return (waits_in_vain(run, world, surely=True) or _only_zeros(run),)
     return None
 
 
@@ -236,6 +237,18 @@ def _behind_spin(run: Run) -> Mistake | None:
     return mistake("behind_spin", line=line)
 
 
+def _spin_in_callback(run: Run) -> Mistake | None:
+    """Recognise a callback that waits for a future, which only another callback of the same executor can bring."""
+    place, script = _PLACE.fullmatch(run.at_horizon), ScriptText(run.source)
+    if place is None or not place["call"].endswith("spin_until_future_complete"):
+        return None
+    name = script.function_around(int(place["line"]))
+    called_back = name and script.lines_with(
+        rf"\bcreate_(timer|subscription|service)\(.*\b{re.escape(name)}\b"
+    )
+    return mistake("spin_in_callback", line=place["line"]) if called_back else None
+
+
 def lost_at_home(run: Run) -> Iterator[Mistake]:
     """Recognise a script all of whose motions were published before turtlesim, at home, has found its publisher.
 
@@ -282,9 +295,9 @@ def _unpublished(run: Run, world: World) -> Mistake | None:
     return None if missing is None else mistake("not_published", topic=missing)
 
 
-def _silence(run: Run, topic: str) -> tuple[Mistake, ...]:
+def _silence(run: Run, world: World) -> tuple[Mistake, ...]:
     """Say why no velocity command arrived; nothing when the script crashed before it could send one."""
-    outcome = run.outcome
+    outcome, topic = run.outcome, world.cmd_vel_topic
     publishers = [
         endpoint
         for endpoint in outcome.endpoints
@@ -293,11 +306,13 @@ def _silence(run: Run, topic: str) -> tuple[Mistake, ...]:
     right = [publisher for publisher in publishers if publisher.name == topic]
     twists = [publisher for publisher in publishers if publisher.type == TWIST]
     if set(right) & set(twists):
-        return _unused_publisher(run, topic)
+        return _unused_publisher(run, world)
     if right:
         return (mistake("wrong_type", topic=topic, type=right[0].type, wanted=TWIST),)
     if publishers:
-        return (mistake("wrong_topic", used=_names(twists or publishers), topic=topic),)
+        heard = {endpoint.name for endpoint in outcome.endpoints if endpoint.kind == "subscription"}
+        lost = [each for each in twists or publishers if each.name not in heard]  # not between own nodes
+        return (mistake("wrong_topic", used=_names(lost or twists or publishers), topic=topic),)
     if outcome.status not in (RunStatus.FINISHED, RunStatus.INTERRUPTED):
         return ()
     if (call := noted(outcome, "forbidden")) is not None:
@@ -305,19 +320,32 @@ def _silence(run: Run, topic: str) -> tuple[Mistake, ...]:
     if outcome.exit_code == _USAGE and outcome.stderr.text.startswith("usage: "):
         return (mistake("no_arguments"),)
     if outcome.nodes:
-        return (_behind_spin(run) or _not_reached(run) or mistake("no_publisher", topic=topic),)
+        vain = waits_in_vain(run, world, surely=True) if outcome.status is RunStatus.INTERRUPTED else None
+        return (
+            vain
+            or _spin_in_callback(run)
+            or _behind_spin(run)
+            or _not_reached(run)
+            or mistake("no_publisher", topic=topic),
+        )
     return (without_node(run),)
 
 
-def _unused_publisher(run: Run, topic: str) -> tuple[Mistake, ...]:
-    outcome = run.outcome
+def _unused_publisher(run: Run, world: World) -> tuple[Mistake, ...]:
+    outcome, topic = run.outcome, world.cmd_vel_topic
     if noted(outcome, "incompatible_qos") == topic:
         return (mistake("incompatible_qos", topic=topic),)
     if outcome.status is RunStatus.FINISHED:
         ended = number(outcome.duration_ns / 1e9, "s")
         return (ended_at_once(run) or not_called(run) or mistake("never_spun", ended=ended),)
+    if outcome.status is RunStatus.INTERRUPTED and (vain := waits_in_vain(run, world)) is not None:
+        return (vain,)
+    if outcome.status is RunStatus.INTERRUPTED and noted(outcome, "launch_several") is not None:
+        nodes = sorted({each.node for each in outcome.endpoints if each.name == topic})
+        return (mistake("node_never_published", nodes=", ".join(nodes), topic=topic),)
     if outcome.status is RunStatus.INTERRUPTED:
-        return (_behind_spin(run) or _waits(run) or not_called(run) or _never_published(run),)
+        stuck = _spin_in_callback(run) or _behind_spin(run) or _waits(run)
+        return (stuck or not_called(run) or _never_published(run),)
     return ()
 
 

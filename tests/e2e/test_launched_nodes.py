@@ -83,10 +83,14 @@ def main():
 """
 
 
+def _entry(name: str) -> str:
+    return f"'{name} = my_turtle.{name}:main', " if name != "drive" else ""
+
+
 def launched(slot: Slot, nodes: str = PAIR, **changed: str) -> GradeReport:
     setup = SETUP.format(name=NAME).replace(
         "'drive = my_turtle.drive:main',",
-        "'drive = my_turtle.drive:main', 'ask = my_turtle.ask:main',",
+        f"'drive = my_turtle.drive:main', {''.join(_entry(each) for each in ('ask', *changed))}",
     )
     own = {"shared": SHARED, "ask": ASK, "drive": DRIVE, **changed}
     modules = {f"{NAME}/{name}.py": text for name, text in own.items()}
@@ -264,3 +268,50 @@ def test_two_of_one_module_that_spins_while_it_is_loaded(slot: Slot) -> None:
 """
     outcome = of(launched(slot, twice, drive=drive))
     assert sorted(outcome.stdout.text.split()) == ["one", "two"], outcome.stderr.text
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "code", "words"),
+    [
+        ("('wish', 'order')", "('wish', 'orders')", "topic_nearly", "Nobody publishes /team/order,"),
+        (
+            "name='boss', namespace='team'",
+            "name='boss', namespace='crew'",
+            "topic_nearly",
+            "There is /crew/order",
+        ),
+        ("'drive', name='wheels'", "'idle', name='wheels'", "node_never_published", "The node /team/wheels"),
+        ("'ask', name='boss'", "'shouts', name='boss'", "types_differ", "as std_msgs/msg/String"),
+    ],
+)
+def test_the_hint_says_what_keeps_two_nodes_apart(
+    slot: Slot, old: str, new: str, code: str, words: str
+) -> None:
+    assert old in PAIR
+    idle = DRIVE.replace("rclpy.spin(node)", "__import__('time').sleep(100)")
+    shouts = ASK.replace("Float64(data=self.speed)", "String(data='go')").replace("Float64", "String")
+    report = launched(slot, PAIR.replace(old, new), idle=idle, shouts=shouts)
+    assert (report.mistakes[0], words in report.hint.en) == (code, True), report.hint.en
+    assert report.score == 0
+
+
+def test_a_topic_between_own_nodes_is_not_called_a_wrong_one(slot: Slot) -> None:
+    report = launched(slot, drive=DRIVE.replace("Twist, 'cmd'", "Twist, '/turtle2/cmd_vel'"), ask=ASK)
+    assert report.mistakes[0] == "wrong_topic"
+    assert "/turtle2/cmd_vel" in report.hint.en
+    assert "/team/order" not in report.hint.en
+
+
+def test_a_client_without_its_service_is_told_before_the_stops_of_another_node(slot: Slot) -> None:
+    asks = """import rclpy
+from std_srvs.srv import Trigger
+
+def main():
+    rclpy.init()
+    node = rclpy.create_node('asks')
+    node.create_client(Trigger, 'engine').wait_for_service()
+"""
+    drive = DRIVE.replace("self.create_subscription", "self.create_timer(0.1, lambda: self.pub.publish(Twist()))\n"
+                          "        self.create_subscription")  # fmt: skip
+    report = launched(slot, ask=asks, drive=drive)
+    assert (report.mistakes[0], "/team/engine" in report.hint.en) == ("service_nowhere", True), report.hint.en

@@ -53,6 +53,19 @@ _BARE = (
     "    for _ in range(round(t * 50)):\n        pub_a.publish(m)\n        time.sleep(0.02)\n"
 )
 
+_BY_POSE = (
+    "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nfrom turtlesim.msg import Pose\n"
+    "from turtlesim.srv import SetPen, Spawn\n"
+    "class Drive(Node):\n    def __init__(self):\n        super().__init__('drive')\n"
+    "        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+    "        self.create_subscription(Pose, '/turtle1/pose', self.on_pose, 10)\n"
+    "        self.client = self.create_client(SetPen, '/turtle1/set_pen')\n"
+    "        while not self.client.wait_for_service(timeout_sec=1.0):\n            print('waiting')\n"
+    "    def on_pose(self, pose):\n        future = self.client.call_async(self.client.srv_type.Request())\n"
+    "        msg = Twist()\n        msg.linear.x = 1.0\n        self.pub.publish(msg)\n"
+    "rclpy.init()\nrclpy.spin(Drive())\n"
+)
+
 SCRIPTS = (
     # Right ones: no hint.
     _script("hello as taught", "hello", ""),
@@ -69,6 +82,15 @@ SCRIPTS = (
     _script("words in strings", "square", "", ("'🎉 正方形走完!回到起点!'", "'i++ else if import turtle rclpy.shutdown()'")),
     _script("strange but right", "straight", "", ("msg.angular.z = 0.0 ", "msg.angular.z = -0.0 ")),
     _script("shutdown guarded", "straight", "", ("        rclpy.shutdown()", "        if rclpy.ok():\n            rclpy.shutdown()")),
+    _script("by pose", "", "", ("", _BY_POSE), to="straight"),
+    # What nobody sends.
+    _script("pose with a capital", "", "topic_nearly", ("", _BY_POSE), ("/turtle1/pose", "/turtle1/Pose"), words="/turtle1/Pose|/turtle1/pose", to="straight"),
+    _script("pose without the turtle", "", "topic_nearly", ("", _BY_POSE), ("/turtle1/pose", "pose"), words="/turtle1/pose", to="straight"),
+    _script("topic of nobody", "", "topic_nowhere", ("", _BY_POSE), ("/turtle1/pose", "/position"), words="/position|/turtle1/pose", to="straight"),
+    _script("service misspelt", "", "service_nearly", ("", _BY_POSE), ("'/turtle1/set_pen", "'/turtle1/setpen"), words="/turtle1/setpen|/turtle1/set_pen", to="straight"),
+    _script("service of nobody", "", "service_nowhere", ("", _BY_POSE), ("'/turtle1/set_pen", "'/battery"), words="/battery", to="straight"),
+    _script("client of another type", "", "client_type", ("", _BY_POSE), ("(SetPen,", "(Spawn,"), words="turtlesim/srv/SetPen", to="straight"),
+    _script("spins in a callback", "", "spin_in_callback", ("", _BY_POSE), ("        msg = Twist()", "        rclpy.spin_until_future_complete(self, future)\n        msg = Twist()"), words="spin_until_future_complete", to="straight"),
     # The order of causes.
     _script("turn behind the loop", "square", "turns_behind_loop", (_TURN, "        " + _TURN.strip() + "\n"), words="90°"),
     _script("turn commented out", "square", "no_turns", (_TURN, "            # self.turn(self.TURN_TIME)\n"), words="angular.z"),

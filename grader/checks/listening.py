@@ -1,0 +1,123 @@
+"""Mistakes of scripts, or nodes of a launch, that wait for what nobody sends: a topic, or a service's answer."""
+
+import difflib
+from collections.abc import Iterable
+
+from grader.checks.measure import Mistake, mistake
+from grader.contracts.assignment import ROBOT_TOPICS, World
+from grader.contracts.outcome import Endpoint
+from grader.contracts.scoring import Run
+from grader.messages.script import ScriptText
+
+TURTLE = "/turtle1"
+TURTLE_TOPICS = ("pose", "color_sensor")
+WINDOW_SERVICES = {
+    "/clear": "std_srvs/srv/Empty",
+    "/reset": "std_srvs/srv/Empty",
+    "/spawn": "turtlesim/srv/Spawn",
+    "/kill": "turtlesim/srv/Kill",
+}
+TURTLE_SERVICES = {
+    "set_pen": "turtlesim/srv/SetPen",
+    "teleport_absolute": "turtlesim/srv/TeleportAbsolute",
+    "teleport_relative": "turtlesim/srv/TeleportRelative",
+}
+"""What a script may look for and misspell; turtlesim has its parameters' services beside these."""
+
+_OF_ROS = ("/clock", "/parameter_events", "/rosout", "/tf_static")
+_OF_PARAMETERS = "rcl_interfaces/"
+_LIKE = 0.75
+_MOST_NAMED = 6
+
+
+def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | None:
+    """Recognise what a script that sent no command waits for, if nobody can ever send it.
+
+    Args:
+        run: of a script that went on to its end.
+        world: in which it ran.
+        surely: whether only a service, or a topic whose name is nearly right, is told.
+    """
+    if run.agent or run.calls:
+        return None  # the agent's topics and services are not known here
+    return _deaf_client(run, world) or _deaf_subscription(run, world, surely=surely)
+
+
+def _deaf_client(run: Run, world: World) -> Mistake | None:
+    """Recognise a client of a service that nobody offers."""
+    offered = {each.name: each.type for each in _of_kind(run, "service")} | services_of(world)
+    for client in _of_kind(run, "client"):
+        if (
+            "/_action/" in client.name
+            or client.type.startswith(_OF_PARAMETERS)
+            or _is_of_spawned(run, client)
+        ):
+            continue
+        if client.name not in offered:
+            near = _near(client.name, (name for name in offered if offered[name] == client.type)) or _near(
+                client.name, offered
+            )
+            code = "service_nearly" if near else "service_nowhere"
+            return mistake(code, service=client.name, near=near)
+        if offered[client.name] != client.type:
+            wanted = offered[client.name]
+            return mistake("client_type", service=client.name, type=client.type, wanted=wanted)
+    return None
+
+
+def _deaf_subscription(run: Run, world: World, *, surely: bool) -> Mistake | None:
+    """Recognise a subscription, in the node that commands the car, to a topic that nobody publishes."""
+    publishers = [each for each in _of_kind(run, "publisher") if each.name not in _OF_ROS]
+    commanding = {each.node for each in publishers if each.name == world.cmd_vel_topic}
+    own = {each.name: each.type for each in publishers}
+    published = set(own) | set(topics_of(world))
+    heard = [
+        each
+        for each in _of_kind(run, "subscription")
+        if each.name not in (*_OF_ROS, world.cmd_vel_topic) and "/_action/" not in each.name
+    ]
+    concerned = [each for each in heard if each.node in commanding and not _is_of_spawned(run, each)]
+    for each in concerned:
+        if each.name in own and each.name not in topics_of(world) and own[each.name] != each.type:
+            return mistake("types_differ", topic=each.name, published=own[each.name], heard=each.type)
+    silent = [each for each in concerned if each.name not in published]
+    for each in silent:
+        if near := _near(each.name, published - {world.cmd_vel_topic}):
+            return mistake("topic_nearly", topic=each.name, near=near)
+    timers = ScriptText(run.source).lines_with(r"\bcreate_timer\(")
+    if surely or not silent or len(silent) < len(concerned) or timers:
+        return None
+    topics = ", ".join(sorted(published - {world.cmd_vel_topic})[:_MOST_NAMED])
+    return mistake("topic_nowhere", topic=silent[0].name, topics=topics)
+
+
+def _of_kind(run: Run, kind: str) -> list[Endpoint]:
+    return [each for each in run.outcome.endpoints if each.kind == kind]
+
+
+def topics_of(world: World) -> tuple[str, ...]:
+    """Return what a world publishes, but for what belongs to actions."""
+    if world.kind == "robot":
+        return tuple(world.topics.get(name, name) for name in ROBOT_TOPICS)
+    odometry = ("/odom", "/tf") if world.odometry else ()
+    return (*(f"{TURTLE}/{name}" for name in TURTLE_TOPICS), *odometry)
+
+
+def services_of(world: World) -> dict[str, str]:
+    """Return the types of the services that a world offers, but for those of actions and parameters."""
+    if world.kind == "robot":
+        return {}
+    return WINDOW_SERVICES | {f"{TURTLE}/{name}": kind for name, kind in TURTLE_SERVICES.items()}
+
+
+def _is_of_spawned(run: Run, endpoint: Endpoint) -> bool:
+    """Whether it may belong to a turtle that the script has spawned itself."""
+    spawns = any(each.type == "turtlesim/srv/Spawn" and each.count for each in _of_kind(run, "client"))
+    return spawns and endpoint.name.rpartition("/")[2] in (*TURTLE_TOPICS, *TURTLE_SERVICES)
+
+
+def _near(name: str, known: Iterable[str]) -> str:
+    """Return the known name that was probably meant: with the same end, or nearly the same letters."""
+    names = sorted(known)
+    same_end = [each for each in names if each.rpartition("/")[2].lower() == name.rpartition("/")[2].lower()]
+    return next(iter(same_end or difflib.get_close_matches(name, names, 1, _LIKE)), "")
