@@ -392,7 +392,7 @@ def _field_error(problem: Any, language: Language) -> FieldError:
 
 
 async def _on_unavailable(request: Request, error: Exception) -> JSONResponse:
-    _log.error("%s %s: %s", request.method, request.url.path, error)
+    _log.error("%s %s: %s", request.method, _place(request), error)
     return _answer(request, "unavailable", None, headers={"Retry-After": str(_RETRY_AFTER_S)})
 
 
@@ -400,6 +400,11 @@ async def _on_bug(request: Request, error: Exception) -> JSONResponse:
     # the server closes the connection after this answer; unless it says so, the client's next request is lost
     answer = _answer(request, "internal_error", None, headers={"Connection": "close"})
     _log.error(
-        "%s %s failed: %s", request.method, request.url.path, bytes(answer.body).decode(), exc_info=error
+        "%s %s failed: %s", request.method, _place(request), bytes(answer.body).decode(), exc_info=error
     )
     return answer
+
+
+def _place(request: Request) -> str:
+    """Return the template of an address: some addresses have a secret in them."""
+    return str(getattr(request.scope.get("route"), "path", request.url.path))

@@ -64,7 +64,8 @@ def add_by_registration(services: Services, secret: str, configuration: str, tok
                 private=services.providers.private_platforms,
             )
     except RegistrationError as error:
-        _log.warning("no registration with %s: %s", configuration, error)
+        place = configuration.partition("?")[0]  # what follows may be a secret of the platform's
+        _log.warning("no registration with %s: %s", place, str(error).replace(configuration, place))
         raise RefusedError("registration_failed", Text(zh=str(error), en=str(error))) from None
     if not services.platforms.end_invitation(secret):
         raise RefusedError("registration_over")

@@ -8,9 +8,11 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
+from grader.contracts.errors import InfrastructureError
 from grader.contracts.identity import Role, RosterEntry
 from grader.lti.registration import _TOOL
 from grader.store.audit import Signature
+from grader.store.platforms import Platforms
 from grader.use_cases.services import Services
 from tests.fakes.provider import FakeProvider
 from tests.unit.web.conftest import Browser
@@ -123,6 +125,28 @@ def test_an_address_is_good_once_and_for_a_day(
     assert over.status_code == 410
     assert "这个登记网址不能用了" in over.text
     assert client.get(f"/lti/register/{'x' * 43}", params=asked(platform)).status_code == 410
+
+
+@pytest.mark.parametrize("fault", [RuntimeError("a bug"), InfrastructureError("the database is away")])
+def test_no_secret_is_logged(
+    client: httpx.Client,
+    platform: FakeProvider,
+    path: str,
+    fault: Exception,
+    monkeypatch: pytest.MonkeyPatch,
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    fields = asked(platform, openid_configuration=f"{platform.address}/nowhere?token=of-the-platform")
+    assert register(client, path, fields).status_code == 409
+
+    def failing(*_: object) -> None:
+        raise fault
+
+    monkeypatch.setattr(Platforms, "invited", failing)
+    assert register(client, path, fields).status_code >= 500
+    assert "/nowhere" in caplog.text
+    assert "of-the-platform" not in caplog.text
+    assert path.rpartition("/")[2] not in caplog.text
 
 
 @pytest.mark.parametrize("role", [None, Role.STUDENT, Role.ASSISTANT])
