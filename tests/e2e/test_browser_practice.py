@@ -1,6 +1,7 @@
 """The playground in the browser: a script is written, run, mended, handed in; a car is driven. All is real."""
 
 import os
+import re
 from collections.abc import Iterator
 
 import pytest
@@ -98,11 +99,77 @@ def test_what_is_refused_is_told_and_not_called_a_lost_connection(student: Brows
     assert len(student.complaints()) == 2  # of these two answers
 
 
-def test_the_page_fits_a_phone(student: Browser) -> None:
-    student.resize(PHONE)
-    student.open(PAGE)
+_BUSY = """
+import rclpy
+rclpy.init()
+node = rclpy.create_node('counter')
+def tick():
+    node.get_logger().info(str(sum(range(300_000))))
+    print('printed')
+node.create_timer(0.5, tick)
+rclpy.spin(node)
+"""
+_NOTE_PROGRESS = """
+    const noted = window.noted = [];
+    const parts = ["virtual-time", "stdout", "stderr"].map((id) => document.getElementById(id));
+    const note = () => noted.push(parts.map((one) => one.textContent));
+    new MutationObserver(note).observe(document.getElementById("so-far"), {childList: true, subtree: true});
+"""
+
+
+def test_a_run_tells_meanwhile_how_far_it_is_and_what_it_prints(student: Browser) -> None:
+    _write(student, _BUSY)
+    student.js(_NOTE_PROGRESS)
+    _run(student)
+    time, stdout, stderr = student.js("return window.noted.at(-1)")
+    assert re.fullmatch(r"[1-9]\d*\.\d s of virtual time", time)
+    assert stdout.startswith("printed\n")
+    assert "[counter]: 44999850000" in stderr
+    assert not student.one("#so-far").is_displayed()
+
+
+def test_it_is_used_without_a_mouse(student: Browser) -> None:
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+
+    def press(*keys: str) -> None:
+        ActionChains(student.driver).send_keys(*keys).perform()
+
+    student.js("document.getElementById('editor').shadowRoot.querySelector('.cm-content').focus()")
+    ActionChains(student.driver).key_down(Keys.CONTROL).send_keys("a").key_up(Keys.CONTROL).perform()
+    press("mistyped", Keys.ESCAPE, Keys.TAB)
+    assert student.js("return document.activeElement.id") == "run"
+    press(Keys.ENTER)
+    student.until(lambda: "NameError" in student.says("#result"))
+    press(Keys.TAB)
+    assert student.js("return document.activeElement.id") == "hand-in"
+    press(Keys.ENTER)
+    student.until(lambda: student.path.startswith("/submissions/"))
+
+
+def test_without_scripts_it_leads_to_the_form_for_files(student: Browser) -> None:
+    student.command("Emulation.setScriptExecutionDisabled", value=True)
+    try:
+        student.open(PAGE)
+        assert not student.one("#actions").is_displayed()
+        student.click("noscript a")
+        assert student.path == "/assignments/square"
+        assert student.one("#file").is_displayed()
+        assert student.one("#upload button").is_displayed()
+    finally:
+        student.command("Emulation.setScriptExecutionDisabled", value=False)
+
+
+@pytest.mark.parametrize("language", ["zh", "en"])
+@pytest.mark.parametrize("size", [PHONE, (390, 844)], ids=str)
+def test_the_page_fits_a_phone(student: Browser, language: str, size: tuple[int, int]) -> None:
+    student.resize(size)
+    student.open(f"/assignments/square/practice?lang={language}")
     student.until(lambda: _content(student))
-    assert student.js("return document.documentElement.scrollWidth") <= PHONE[0]
+    _write(student, (SQUARE / "solution.py").read_text(encoding="utf-8"))
+    student.one("#run").click()
+    student.until(lambda: student.all("#replay[data-ready='true']"))
+    assert student.js("return document.documentElement.scrollWidth") <= size[0]
 
 
 def test_a_car_is_driven_by_keys_and_buttons(student: Browser) -> None:

@@ -14,7 +14,6 @@ const runButton = document.getElementById("run");
 const state = document.getElementById("practice-state");
 const soFar = document.getElementById("so-far");
 const virtualTime = document.getElementById("virtual-time");
-const printed = document.getElementById("printed");
 const refused = document.getElementById("refused");
 const result = document.getElementById("result");
 const words = JSON.parse(form.dataset.words);
@@ -78,7 +77,7 @@ function open(doc) {
 
 const editor = open(kept() ?? starter);
 plain.remove();
-document.getElementById("keys").hidden = false;
+document.getElementById("keys").hidden = document.getElementById("actions").hidden = false;
 
 function file() {
   return new File([editor.state.doc.toString()], holder.dataset.name, { type: "text/x-python" });
@@ -136,9 +135,12 @@ function tellOf({ virtual_s: seconds, stdout, stderr }) {
   say(words.running);
   soFar.hidden = seconds === 0;
   virtualTime.textContent = words.virtual_time.replace("{seconds}", seconds.toFixed(1));
-  printed.textContent = stdout + stderr;
-  printed.hidden = printed.textContent === "";
-  printed.scrollTop = printed.scrollHeight;
+  for (const [id, text] of Object.entries({ stdout, stderr })) {
+    const printed = document.getElementById(id);
+    printed.textContent = text;
+    printed.hidden = text === "";
+    printed.scrollTop = printed.scrollHeight;
+  }
 }
 
 const on = {
@@ -161,6 +163,7 @@ async function runOnce() {
   runButton.disabled = true;
   say(words.next);
   tell([]);
+  result.ariaBusy = "true";
   let last = "";
   try {
     const body = new FormData();
@@ -187,6 +190,7 @@ async function runOnce() {
     tell([words.lost]);
   }
   soFar.hidden = true;
+  result.ariaBusy = null;
   runButton.disabled = false;
 }
 
