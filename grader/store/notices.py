@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 from sqlalchemy import delete, func, select, update
 from sqlmodel import Session, col
 
+from grader.contracts.identity import Role
 from grader.contracts.notice import (
     Draft,
     MailWishes,
@@ -255,11 +256,15 @@ class Notices:
             return tuple(_notice(one) for one in session.execute(newest).scalars())
 
     def graded_between(self, course: str, since: datetime, until: datetime) -> dict[str, tuple[int, int]]:
-        """Return by assignment how many submissions of how many people were graded then; not trials."""
-        row = SubmissionRow
+        """Return by assignment how many submissions of how many students were graded then; not trials."""
+        row, member = SubmissionRow, MemberRow
+        students = select(col(member.person)).where(
+            col(member.course) == course, col(member.role) == Role.STUDENT.value
+        )
         counts = func.count(), func.count(col(row.student).distinct())
         statement = select(col(row.assignment), *counts).where(
             col(row.course) == course,
+            col(row.student).in_(students),
             col(row.regrade).is_(None),
             col(row.state) == SubmissionState.GRADED.value,
             col(row.finished_at) >= since,

@@ -230,6 +230,7 @@ def _graded_for_all(look: _Look, told: Mapping[tuple[str, str], str]) -> Iterato
             students=students,
         )
         for id_, (submissions, students) in sorted(counts.items())
+        if look.rules.of(id_).shown_at(look.now)
     ]
     yield Draft(
         outlet=Outlet.CLASS,

@@ -258,6 +258,25 @@ def test_a_group_learns_how_much_was_graded_and_nothing_of_anybody(
     assert "1 份提交，1 位学生" in group.texts[1]
 
 
+def test_a_group_learns_nothing_of_what_staff_tries_or_of_what_is_hidden(
+    school: Services, group: FakeBots, put: Put
+) -> None:
+    join(school, group)
+    rule(school, "hello", shown=Shown.DRAFT)
+    turn_to(school, local(3, 12))
+    put(course="ros", student="wang")
+    put(course="ros", student="wang", assignment="hello")
+    put(course="ros", student="li", assignment="hello")
+    turn_to(school, local(3, 18))
+    assert send_notices(school) == 0
+    put(course="ros", student="li")
+    put(course="ros", student="wang")
+    turn_to(school, local(4, 18))
+    assert send_notices(school) == 1
+    assert "1 份提交，1 位学生" in group.texts[0]
+    assert school.assignments.get("hello").title.zh not in group.texts[0]
+
+
 def test_a_student_is_told_what_counts_and_only_when_it_changes(
     school: Services, group: FakeBots, post: Postman, put: Put
 ) -> None:
