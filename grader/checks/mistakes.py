@@ -462,6 +462,10 @@ _ZERO = r" ?-?[0.]+ ?(;|$)"
 def _only_zeros(run: Run) -> Mistake:
     """Say why nothing but stops arrived."""
     script = ScriptText(run.source)
+    if (topic := noted(run.outcome, "type_mismatch")) is not None:
+        return mistake("not_received", topic=topic)
+    if (stuck := _in_loop(run, script)) is not None and stuck.code == "waits_without_spin":
+        return stuck
     compared = script.lines_with(r"^[ \t]*[\w.]+\.(linear|angular)\.[xyz] ?==")
     if compared:
         return mistake("compares_for_assigns", line=compared[0])

@@ -160,6 +160,7 @@ _SIGNS: Final = tuple(
             r"('(Duration|Time)' and '(int|float)'|'(int|float)' and '(Duration|Time)')",
             "duration_and_number",
         ),
+        (r"TypeError: ('[<>]=?' not supported|unsupported operand) .*'array\.array'", "whole_array"),
         (r"TypeError: unsupported operand .*'tuple'", "comma_at_end"),
         (r"TypeError: unsupported operand .*'NoneType'", "none_in_sum"),
         (r"TypeError: (rclpy_logging_rcutils_log|RcutilsLogger\.\w+)\(\)", "log_not_text"),
@@ -232,7 +233,8 @@ _SIGNS: Final = tuple(
         (r"NotInitializedException: ", "not_initialized"),
         (r"EOFError: ", "no_input"),
         (r"IndexError: list index out of range" + _AT + r".*\bsys\.argv\[", "no_arguments"),
-        (r"IndexError: (list|string|tuple) index out of range", "index_range"),
+        (r"IndexError: array index out of range" + _AT + r".*\branges\[", "ranges_index"),
+        (r"IndexError: (array|list|string|tuple) index out of range", "index_range"),
         (r"error: (\(25, |setupterm:)", "no_terminal"),  # of termios and curses
         (r"TclError: ", "no_display"),
         (r"FileNotFoundError: ", "missing_file"),

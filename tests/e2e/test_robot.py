@@ -43,3 +43,54 @@ def test_the_wrong_qos_is_told_by_the_script_and_by_the_hint(grader: Grader) -> 
     assert [note.code for note in report.runs[0].outcome.notes if "qos" in note.code] == ["sensor_qos"]
     warned = report.runs[0].outcome.logs[0]
     assert "'/scan', offering incompatible QoS" in warned.message
+
+
+TICKS = """import rclpy
+from geometry_msgs.msg import Twist
+from rclpy.node import Node
+from rclpy.qos import qos_profile_sensor_data
+from sensor_msgs.msg import LaserScan
+
+class Stop(Node):
+    def __init__(self):
+        super().__init__('stop')
+        self.pub = self.create_publisher(Twist, 'cmd_vel', 10)
+        self.create_subscription(LaserScan, 'scan', self.on_scan, qos_profile_sensor_data)
+        self.ahead = None
+        self.create_timer(0.05, self.tick)
+    def on_scan(self, scan):
+        self.ahead = scan.ranges[0]
+    def tick(self):
+        msg = Twist()
+        if self.ahead is not None and self.ahead > 0.53:
+            msg.linear.x = 0.2
+        self.pub.publish(msg)
+
+rclpy.init()
+rclpy.spin(Stop())
+"""
+LOOP = "node = Stop()\nrate = node.create_rate(10)\nwhile rclpy.ok():\n    node.tick()\n    rate.sleep()"
+SLEEPS = LOOP.replace("rate.sleep()", "__import__('time').sleep(0.1)")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "mistakes", "words"),
+    [
+        ("import rclpy\n", "import rclpy\n", (), ""),
+        ("ranges[0]", "ranges[180]", ("room_drove_on",), "ranges[0] is straight ahead"),
+        ("ranges[0]", "ranges[360]", ("ranges_index",), "len(msg.ranges)"),
+        ("ranges[0]", "ranges", ("whole_array",), "min(msg.ranges)"),
+        ("LaserScan", "PointCloud2", ("not_received",), "The type of /scan is wrong"),
+        ("rclpy.spin(Stop())", LOOP, ("waits_without_spin",), "spin_once"),
+        ("rclpy.spin(Stop())", SLEEPS, ("waits_without_spin",),
+         "spin_once"),
+    ],
+    ids=["right", "wrong ray", "no such ray", "all rays", "wrong type", "rate without spin", "loop without spin"],
+)  # fmt: skip
+def test_who_reads_the_scan_wrongly_is_told_how(
+    grader: Grader, old: str, new: str, mistakes: tuple[str, ...], words: str
+) -> None:
+    report = grade(grader, "stop_before_wall", TICKS.replace(old, new))
+    assert report.mistakes[:1] == mistakes
+    assert words in report.hint.en
+    assert (report.score == 100) == (not mistakes)

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from grader.checks.drive import Drive
+from grader.checks.drive import Drive, is_motion
 from grader.checks.measure import UNMEASURED, Measure, Mistake, mistake
 from grader.checks.mistakes import asleep, lost_at_home, robot_mistakes, script_mistakes
 from grader.checks.scoring import fits
@@ -10,9 +10,12 @@ from grader.checks.surroundings import name_of
 from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Run
+from grader.contracts.trajectory import Contact
 from grader.messages.quantity import number
 
 _FAR = ("ahead_m", "settled")
+_SCAN = "sensor_msgs/msg/LaserScan"
+_REACTION_NS = 500_000_000  # two scans
 _TOUCH = ("contacts", "clearance_m", "ahead_m", "settled", "band_pct", "band_m", "moving_s", "covered_pct")
 
 
@@ -36,8 +39,18 @@ def _touched(run: Run) -> Iterator[Mistake]:
             yield mistake("room_ran_on", _TOUCH, ended=number(ended_ns / 1e9, "s"), **values)
         elif not any(one.kind == "subscription" for one in run.outcome.endpoints):
             yield mistake("room_blind", _TOUCH, **values)
+        elif any(one.type == _SCAN for one in run.outcome.endpoints) and _drove_on(run, contact):
+            yield mistake("room_drove_on", _TOUCH, **values)
         else:
             yield mistake("room_hit", _TOUCH, **values)
+
+
+def _drove_on(run: Run, contact: Contact) -> bool:
+    """Whether the robot was told one and the same from its first motion until it had touched something."""
+    until_ns = contact.start_ns + _REACTION_NS
+    commands = [each for each in run.trajectory.commands if each.t_ns <= until_ns]
+    moving = next((i for i, each in enumerate(commands) if is_motion(each)), len(commands))
+    return len({(each.v_mps, each.w_radps) for each in commands[moving:]}) == 1
 
 
 def _ended(assignment: Assignment, drive: Drive, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
