@@ -8,7 +8,7 @@ from typing import Any, Final
 from grader.contracts.assignment import Assignment
 from grader.contracts.platform import Picking, Platform
 from grader.contracts.text import Language
-from grader.signin.channel import host_of, is_private_talk
+from grader.signin.channel import is_confidential
 
 CLAIM: Final = "https://purl.imsglobal.org/spec/lti/claim/"
 _CLAIM = "https://purl.imsglobal.org/spec/lti-dl/claim/"
@@ -31,14 +31,7 @@ def read_picking(said: object) -> Picking | None:
         said.get("data", ""),
         said.get("accept_types", [_ITEM]),
     )
-    if (
-        not isinstance(back, str)
-        or len(back) > _LONGEST_ADDRESS
-        or not back.isascii()
-        or not back.isprintable()
-    ):
-        return None
-    if host_of(back.partition("?")[0]) is None or not is_private_talk(back):
+    if not isinstance(back, str) or len(back) > _LONGEST_ADDRESS or not is_confidential(back):
         return None
     if not isinstance(types, list) or _ITEM not in types:
         return None

@@ -16,7 +16,7 @@ from grader.signin.channel import (
     decoded,
     get,
     host_of,
-    is_private_talk,
+    is_confidential,
     post_json,
 )
 
@@ -51,17 +51,6 @@ class _Deployed(msgspec.Struct, frozen=True):
 class _Registered(msgspec.Struct, frozen=True):
     client_id: str
     tool: _Deployed = msgspec.field(default=_Deployed(), name=_TOOL)
-
-
-def is_configuration(address: str) -> bool:
-    """Return whether a configuration can be at an address; where that leads is looked at when asking."""
-    plain = address.partition("?")[0]
-    return (
-        address.isascii()
-        and address.isprintable()
-        and host_of(plain) is not None
-        and is_private_talk(address)
-    )
 
 
 def register(address: str, token: str, public_url: str, name: str, *, private: bool) -> NewPlatform:
@@ -114,7 +103,7 @@ def _configuration(address: str, *, private: bool) -> _Configuration:
         raise RegistrationError(f"{address}: {error}") from None
     if host_of(found.issuer) != host_of(address.partition("?")[0]):  # says the specification, 3.5.1
         raise RegistrationError(f"{address} is of {found.issuer[:_LONGEST]!r}")
-    if not is_configuration(found.registration_endpoint):
+    if not is_confidential(found.registration_endpoint):
         raise RegistrationError(f"{found.registration_endpoint[:_LONGEST]!r} is no address with https://")
     return found
 

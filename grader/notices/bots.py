@@ -16,7 +16,7 @@ import msgspec
 
 from grader.contracts.notice import NewWebhook, Vendor
 from grader.notices.failure import Failure, NotSentError
-from grader.signin.channel import UnreachableError, decoded, host_of, is_private_talk, post_json
+from grader.signin.channel import UnreachableError, decoded, is_confidential, post_json
 
 MOST_BYTES: Final = 2_000
 """Of a message: WeCom takes 2,048."""
@@ -70,20 +70,15 @@ def shape(vendor: Vendor) -> str:
 
 def is_address(vendor: Vendor, address: str) -> bool:
     """Return whether a webhook of `vendor` can have this address; where it leads is looked at when sending."""
-    plain, _, query = address.partition("?")
-    if (
-        host_of(plain) is None
-        or not is_private_talk(address)
-        or not (address.isascii() and address.isprintable())
-    ):
+    if not is_confidential(address):
         return False
     parts = urlsplit(address)
     if parts.fragment:
         return False
     if vendor is Vendor.FEISHU:
         key = parts.path.removeprefix(_PATHS[vendor])
-        return parts.path.startswith(_PATHS[vendor]) and bool(key) and "/" not in key and not query
-    fields = parse_qs(query)
+        return parts.path.startswith(_PATHS[vendor]) and bool(key) and "/" not in key and not parts.query
+    fields = parse_qs(parts.query)
     return parts.path == _PATHS[vendor] and list(fields) == [_KEYS[vendor]]
 
 

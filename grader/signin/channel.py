@@ -51,6 +51,16 @@ def is_private_talk(address: str) -> bool:
     return address.startswith("https://") or is_loopback(host_of(address.partition("?")[0]) or "")
 
 
+def is_confidential(address: str) -> bool:
+    """Return whether it is an address, perhaps with a query, and nobody on the way reads along.
+
+    Where it leads is looked at when it is asked.
+    """
+    plain = address.partition("?")[0]
+    readable = address.isascii() and address.isprintable()
+    return readable and host_of(plain) is not None and is_private_talk(address)
+
+
 def get(address: str, parameters: Mapping[str, str] | None = None, *, public_only: bool = False) -> bytes:
     """Return what an address answers.
 

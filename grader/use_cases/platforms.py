@@ -10,7 +10,7 @@ from grader.contracts.identity import Caller
 from grader.contracts.platform import NewPlatform, Platform, PlatformLink, PlatformScore
 from grader.lti import Kept, Launch, login_address
 from grader.signin import Person, SignInError
-from grader.signin.channel import host_of, is_private_talk
+from grader.signin.channel import is_confidential
 from grader.store.audit import Signature
 from grader.use_cases.callers import require_instructor
 from grader.use_cases.services import Services
@@ -148,8 +148,7 @@ def misfit(new: NewPlatform) -> str | None:
         if not value or len(value) > _LONGEST.get(name, _LONGEST_ADDRESS) or not value.isprintable():
             return name
     for name in _ADDRESSES:
-        address = getattr(new, name)
-        if host_of(address.partition("?")[0]) is None or not is_private_talk(address):
+        if not is_confidential(getattr(new, name)):
             return name
     return None
 

@@ -10,8 +10,9 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role
 from grader.contracts.platform import Platform
 from grader.contracts.text import Text
-from grader.lti.registration import RegistrationError, is_configuration, register
+from grader.lti.registration import RegistrationError, register
 from grader.messages import on_page
+from grader.signin.channel import is_confidential
 from grader.store.audit import Signature
 from grader.use_cases.platforms import add_signed, own_course, public_url
 from grader.use_cases.services import Services
@@ -39,7 +40,7 @@ def check(services: Services, secret: str, configuration: str) -> None:
         RefusedError: the address is not good, or not any more; or no platform's configuration came with it.
     """
     _invited(services, secret)
-    if len(configuration) > _LONGEST_ADDRESS or not is_configuration(configuration):
+    if len(configuration) > _LONGEST_ADDRESS or not is_confidential(configuration):
         raise RefusedError("not_a_registration")
 
 
