@@ -16,7 +16,7 @@ allowed in `syscalls` and `bounds`, the layers in `layers`, the process that all
 
 import json
 import os
-from collections.abc import Set
+from collections.abc import Mapping, Set
 from dataclasses import replace
 from pathlib import Path
 from typing import Final, Self
@@ -24,6 +24,7 @@ from typing import Final, Self
 from grader.contracts.assignment import Limits
 from grader.contracts.errors import NoRoomError, SandboxError, SandboxUnavailableError, SettingsError
 from grader.contracts.record import Record
+from grader.jail import bounds
 from grader.jail.ending import JailReport, RunEnd
 from grader.jail.jail import Jail
 from grader.jail.layers import Layer, Mode, Program, choose, configure
@@ -40,6 +41,7 @@ __all__ = [
     "Proof",
     "RunEnd",
     "Sandbox",
+    "pybullet_sandbox",
     "script_sandbox",
     "syntax_sandbox",
 ]
@@ -63,6 +65,15 @@ def script_sandbox(mode: str) -> "Sandbox":
         SandboxError: the zygote could not be started.
     """
     return Sandbox(_mode(mode), preload=PRELOADED)
+
+
+def pybullet_sandbox(mode: str) -> "Sandbox":
+    """Start a sandbox whose processes run scripts with PyBullet, or replay what these have called.
+
+    Raises as `script_sandbox` does.
+    """
+    packages = {**bounds.ALLOWED_PACKAGES, **bounds.PYBULLET_PACKAGES}
+    return Sandbox(_mode(mode), preload=(*PRELOADED, "rclpy._pybullet.warm"), packages=packages)
 
 
 def syntax_sandbox(mode: str) -> "Sandbox":
@@ -102,13 +113,14 @@ class Sandbox:
     Not for use by several threads at once. Several jails may be open at a time.
     """
 
-    def __init__(
+    def __init__(  # noqa: PLR0913
         self,
         mode: Mode = Mode.STRICT,
         shim_path: Path = SHIM_PATH,
         *,
         entry: str = RUN_SCRIPT,
         preload: tuple[str, ...] = (),
+        packages: Mapping[str, tuple[str, ...]] = bounds.ALLOWED_PACKAGES,
         without: Set[Layer] = frozenset(),
     ) -> None:
         """Choose the layers and start the zygote, without waiting for it.
@@ -118,6 +130,7 @@ class Sandbox:
             shim_path: directory that is all of a script's own import path.
             entry: ``module:function`` that a confined process calls with the channel's descriptor.
             preload: modules to import before the first fork.
+            packages: those of third parties that a script may import, with the directories each needs.
             without: layers to leave out.
 
         Raises:
@@ -130,7 +143,7 @@ class Sandbox:
             names = ", ".join(choice.missing_required)
             raise SandboxUnavailableError(f"this host lacks a required layer of isolation: {names}")
         self._active = choice.active
-        program = Program(shim=shim_path, entry=entry, preload=preload)
+        program = Program(shim=shim_path, entry=entry, preload=preload, packages=packages)
         self._config = configure(program, choice.active)
         self._runs = 0
         self._open_jails = 0
@@ -143,6 +156,11 @@ class Sandbox:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+    @property
+    def mode(self) -> Mode:
+        """How much isolation was asked for."""
+        return self._mode
 
     @property
     def isolation(self) -> str:

@@ -37,13 +37,13 @@ def default_root() -> Path:
     )
 
 
-ROBOT_SET = "robot"
+SETS = ("robot", "pybullet")
 
 
 def set_root(name: str) -> Path | None:
     """Return the folder of a further set of assignments that comes with the grader; None where there is none."""
     folder = default_root() / name
-    return folder if name == ROBOT_SET and folder.is_dir() else None
+    return folder if name in SETS and folder.is_dir() else None
 
 
 class Catalog:

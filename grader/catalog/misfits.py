@@ -111,6 +111,14 @@ NO_ROOM = Text(
     zh="机器人需要房间：写 room: {bounds: [左, 下, 右, 上]}，单位 m",
     en="a robot needs a room; write room: {bounds: [left, bottom, right, top]}, in m",
 )
+NO_WATCH = Text(
+    zh="PyBullet 的世界要写看什么：watch: {object: sphere2.urdf}",
+    en="a PyBullet world needs what to look at; write watch: {object: sphere2.urdf}",
+)
+NO_PYBULLET = Text(
+    zh="只有 PyBullet 的世界才有：写 kind: pybullet，或删掉它",
+    en="only a PyBullet world has it; write kind: pybullet or remove it",
+)
 NO_ROBOT = Text(
     zh="只有机器人才有：写 kind: robot，或删掉它", en="only a robot has it; write kind: robot or remove it"
 )

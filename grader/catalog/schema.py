@@ -25,9 +25,11 @@ from grader.catalog.misfits import (
     INTERFACE_PATTERN,
     NO_BAND,
     NO_FREE_PLACE,
+    NO_PYBULLET,
     NO_REFERENCE,
     NO_ROBOT,
     NO_ROOM,
+    NO_WATCH,
     NOT_ACROSS,
     NOT_OF_ROBOTS,
     ONE_PATH,
@@ -74,6 +76,7 @@ from grader.contracts.assignment import (
     WantedPackage,
     WantedPath,
     WantedPlaces,
+    Watch,
     World,
     WorldKind,
     WrongAttempt,
@@ -187,10 +190,26 @@ class StartModel(SpecModel):
         raise MisfitError(NO_FREE_PLACE)
 
 
+ModelFile = Annotated[str, Field(pattern=r"^([A-Za-z0-9_][A-Za-z0-9_/.-]{0,99}|[*])?$")]
+
+
+class WatchModel(SpecModel):
+    """What of a PyBullet world is looked at."""
+
+    object: ModelFile = ""
+    robot: ModelFile = ""
+    link: Annotated[int, Field(ge=0, le=63)] = 0
+
+    def to_contract(self) -> Watch:
+        """Return the contract."""
+        return Watch(**dict(self))
+
+
 class WorldModel(SpecModel):
-    """The simulated world: turtlesim's, or a robot's."""
+    """The simulated world: turtlesim's, a robot's, or none where the script brings PyBullet."""
 
     kind: WorldKind = "turtle"
+    watch: WatchModel | None = None
     room: RoomModel | None = None
     topics: dict[Annotated[str, Field(pattern=f"^{TOPIC_PATTERN}$")], Topic] = Field(default_factory=dict)
     profile: Profile = "nominal"
@@ -213,6 +232,8 @@ class WorldModel(SpecModel):
 
     @model_validator(mode="after")
     def _fits_its_kind(self) -> Self:
+        if (self.kind == "pybullet") != (self.watch is not None):
+            raise MisfitError(NO_WATCH if self.kind == "pybullet" else NO_PYBULLET, "watch")
         if (self.kind == "robot") != (self.room is not None):
             raise MisfitError(NO_ROOM if self.kind == "robot" else NO_ROBOT, "room")
         if self.kind == "robot":
@@ -229,7 +250,8 @@ class WorldModel(SpecModel):
     def to_contract(self, first: Case) -> World:
         """Return the contract; start pose and room are the first case's where they are drawn."""
         start = first.start if self.start.is_drawn and first.start else self.start.to_contract(str(self.seed))
-        return World(**{**dict(self), "start": start, "room": first.room})
+        watch = None if self.watch is None else self.watch.to_contract()
+        return World(**{**dict(self), "start": start, "room": first.room, "watch": watch})
 
 
 class LimitsModel(SpecModel):

@@ -76,7 +76,7 @@ TOPIC_PATTERN: Final = r"(/[A-Za-z_][A-Za-z0-9_]*)+"
 """A fully qualified name of a topic or service, by the rules of ROS 2."""
 
 
-WorldKind = Literal["turtle", "robot"]
+WorldKind = Literal["turtle", "robot", "pybullet"]
 SolidKind = Literal["edge", "wall", "box", "cylinder", "ramp"]
 
 ROBOT_COMMANDS: Final = "/cmd_vel"
@@ -146,17 +146,33 @@ class Room(Record):
     stripes: tuple[Stripe, ...] = ()
 
 
+class Watch(Record):
+    """What of a PyBullet world is looked at.
+
+    Attributes:
+        object: file of the body whose way is recorded, such as ``cube_small.urdf``; ``*``: the first that can
+            drive; empty: none.
+        robot: file of the body of whose links one is recorded; empty: none. link: number of that.
+    """
+
+    object: str = ""
+    robot: str = ""
+    link: int = 0
+
+
 class World(Record):
     """The simulated world of an episode.
 
     Attributes:
-        kind: turtlesim's (``turtle``), or a ``robot`` with sensors in a room.
+        kind: turtlesim's (``turtle``), a ``robot`` with sensors in a room, or none, for a script that brings
+            ``pybullet``.
         room: of a robot. topics: other names of what it publishes, by the usual ones.
         profile: ``nominal`` obeys commands as turtlesim does; ``rough`` adds lag, slip and seeded noise.
         walls: whether turtlesim's window edges stand as walls.
         cmd_vel_topic: fully qualified topic that moves the car.
         seed: of the rough profile's noise.
         odometry: whether the car publishes ``/odom`` and ``/tf``, which turtlesim does not.
+        watch: of a PyBullet world.
     """
 
     profile: Profile = "nominal"
@@ -168,6 +184,7 @@ class World(Record):
     kind: WorldKind = "turtle"
     room: Room | None = None
     topics: dict[str, str] = field(default_factory=dict)
+    watch: Watch | None = None
 
     @property
     def window(self) -> bool:

@@ -11,7 +11,7 @@ from grader.contracts.text import Text
 
 Point = tuple[float, float]
 
-View = Literal["path", "heading", "log"]
+View = Literal["path", "heading", "log", "frames"]
 
 PictureForm = Literal["png", "svg"]
 """File format of a drawn figure."""

@@ -1,6 +1,7 @@
 """What the checks take and return. A module of its own, so that `rubric` is read without importing numpy."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from grader.contracts.outcome import AgentResult, RunOutcome, ServiceResult
 from grader.contracts.package import PackageProblem
@@ -8,6 +9,9 @@ from grader.contracts.record import Record
 from grader.contracts.rubric import RubricItem
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from grader.contracts.replay import Replayed
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -21,6 +25,7 @@ class Run:
         source: the script, decoded. Hints are worded by it; points never depend on it.
         package: what is wrong with the files of a package; None: a script.
         at_horizon: where the main thread was when Ctrl+C came, as the script's process says.
+        replayed: what the script's PyBullet calls came to; None: it is of another world.
     """
 
     trajectory: Trajectory
@@ -31,6 +36,7 @@ class Run:
     source: str = ""
     at_horizon: str = ""
     package: tuple[PackageProblem, ...] | None = None
+    replayed: "Replayed | None" = None
 
 
 class Scoring(Record):

@@ -1,6 +1,7 @@
 """What the car did: a time-stamped planar trajectory, recorded on the trusted side, and its JSON."""
 
 import json
+from base64 import b64decode, b64encode
 from dataclasses import asdict, dataclass, field
 from typing import Final, NamedTuple
 
@@ -38,6 +39,13 @@ class Command(NamedTuple):
     w_radps: float
 
 
+class Picture(Record):
+    """What the camera of a PyBullet world saw at one instant, as a PNG file."""
+
+    t_ns: int
+    png: bytes
+
+
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Trajectory:
     """Poses of the car over virtual time, in turtlesim's frame (origin bottom left, x right, y up).
@@ -57,6 +65,7 @@ class Trajectory:
         contacts: wall contacts in order of time.
         commands: commands in order of time, bounded by one per update.
         end_ns: virtual time at which the episode ended (>= t_ns[-1]; the car rested since).
+        pictures: of a PyBullet world, in order of time; of others none.
     """
 
     t_ns: Ints
@@ -69,6 +78,7 @@ class Trajectory:
     jumps: tuple[int, ...] = ()
     contacts: tuple[Contact, ...] = ()
     commands: tuple[Command, ...] = field(default=())
+    pictures: tuple[Picture, ...] = ()
 
     def __len__(self) -> int:
         return len(self.t_ns)
@@ -93,6 +103,7 @@ def encode_trajectory(trajectory: Trajectory) -> bytes:
         "end_ns": trajectory.end_ns,
         "jumps": list(trajectory.jumps),
         "contacts": [asdict(contact) for contact in trajectory.contacts],
+        **_pictures(trajectory),
         "commands": [
             [t_ns, round(v_mps, DECIMALS), round(w_radps, DECIMALS)]
             for t_ns, v_mps, w_radps in trajectory.commands
@@ -111,6 +122,10 @@ def decode_trajectory(data: bytes) -> Trajectory:
         jumps=tuple(document["jumps"]),
         contacts=tuple(Contact(**contact) for contact in document["contacts"]),
         commands=tuple(Command(*command) for command in document["commands"]),
+        pictures=tuple(
+            Picture(t_ns=t_ns, png=b64decode(png, validate=True))
+            for t_ns, png in document.get("pictures", ())
+        ),
         **floats,
     )
 
@@ -119,6 +134,11 @@ def decode_commands(data: bytes) -> tuple[Command, ...]:
     """Return the commands alone of what `encode_trajectory` wrote: they stand last, and the rest is not read."""
     commands = json.loads(data[data.rindex(_COMMANDS) + len(_COMMANDS) : -1])
     return tuple(Command(*command) for command in commands)
+
+
+def _pictures(trajectory: Trajectory) -> dict[str, object]:
+    pictures = [[each.t_ns, b64encode(each.png).decode("ascii")] for each in trajectory.pictures]
+    return {"pictures": pictures} if pictures else {}
 
 
 def _rounded(column: Floats) -> list[float]:

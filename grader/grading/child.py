@@ -78,13 +78,14 @@ def _serve(channel: Channel, sandbox: Sandbox) -> None:
             channel.send(_answer(pipeline, job, lambda: channel.send({"kind": "running"}), on_progress))
             # Nobody waits now, so do here what would cost time while somebody does. Automatic collection is off
             # (`launch`).
-            _prepare(sandbox, job.assignment.limits)
+            with suppress(GraderError):  # the next grading meets the fault again, and can report it
+                pipeline.prepare(job.assignment)
             gc.collect()
 
 
 def _prepare(sandbox: Sandbox, limits: Limits) -> None:
-    """Get ready to run a script under `limits`."""
-    with suppress(GraderError):  # the next grading meets the fault again, and can report it
+    """Get ready to run a script under `limits`; a fault is met again by the first grading, which can report it."""
+    with suppress(GraderError):
         sandbox.prepare(limits)
 
 

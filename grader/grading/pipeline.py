@@ -3,10 +3,10 @@
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Self, TypeAlias
+from typing import Any, Final, Self, TypeAlias
 
 from grader import __version__
-from grader.contracts.assignment import Assignment, Case
+from grader.contracts.assignment import Assignment, Case, WorldKind
 from grader.contracts.grading import GradingJob, GradingResult, RunProgress
 from grader.contracts.outcome import Note, RunOutcome, StudentError
 from grader.contracts.package import PackageProblem
@@ -25,14 +25,21 @@ from grader.contracts.trajectory import encode_trajectory
 from grader.contracts.upload import decoded
 from grader.grading.budget import outputs_within_budget, within_budget
 from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_stream, merge
-from grader.sandbox import JailReport, Sandbox
+from grader.sandbox import JailReport, Sandbox, pybullet_sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
 from grader.sim.frames import INTERRUPTED_NOTE, Link
 from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
 
+REPLAY_MODEL: Final = 1  # raised whenever the same calls may give another account
 UNREAD_NOTE = "setup_unread"
 """Names what of a setup.py only running it would tell."""
+
+_SIMULATORS: Final[Mapping[WorldKind, str]] = {
+    "turtle": SIMULATOR,
+    "robot": ROBOT_SIMULATOR,
+    "pybullet": f"replay {REPLAY_MODEL}, {SIMULATOR.partition(', ')[2]}",
+}
 
 Account: TypeAlias = tuple[EpisodeResult, JailReport]
 """What the simulator and what the sandbox saw of one run."""
@@ -87,6 +94,7 @@ class Pipeline:
         self._sandbox = sandbox
         self._car = BulletCar()
         self._body: RobotBody | None = None
+        self._with_pybullet: Sandbox | None = None
 
     def __enter__(self) -> Self:
         return self
@@ -95,6 +103,24 @@ class Pipeline:
         self._car.close()
         if self._body is not None:
             self._body.close()
+        if self._with_pybullet is not None:
+            self._with_pybullet.close()
+
+    def prepare(self, assignment: Assignment) -> None:
+        """Get ready to run another script of the same assignment.
+
+        Raises:
+            SandboxError: as `Sandbox.prepare`.
+        """
+        self._sandbox_for(assignment).prepare(assignment.limits)
+
+    def _sandbox_for(self, assignment: Assignment) -> Sandbox:
+        """Return where scripts of an assignment run. PyBullet's own is started for the first that needs it."""
+        if assignment.world.kind != "pybullet":
+            return self._sandbox
+        if self._with_pybullet is None:
+            self._with_pybullet = pybullet_sandbox(self._sandbox.mode)
+        return self._with_pybullet
 
     def grade(
         self,
@@ -176,7 +202,7 @@ class Pipeline:
 
         limits = job.assignment.limits
         episode = Episode(_episode_spec(job, script, case), self._car, self._robot)
-        with self._sandbox.open(limits) as jail:
+        with self._sandbox_for(job.assignment).open(limits) as jail:
 
             def on_note(code: str) -> None:
                 if code == INTERRUPTED_NOTE:  # a script that got Ctrl+C has only its grace left
@@ -187,7 +213,12 @@ class Pipeline:
                 from grader.grading.telling import TellingLink
 
                 link = TellingLink(jail, episode, on_progress, job.assignment.release)
-            return episode.run(link, meanwhile, on_note, jail.take_turns), jail.close()
+            result, report = episode.run(link, meanwhile, on_note, jail.take_turns), jail.close()
+        if result.recorded is not None:
+            from grader.grading.replaying import with_replay
+
+            result = with_replay(result, self._sandbox_for(job.assignment), job.assignment)
+        return result, report
 
     def _robot(self) -> RobotBody:
         """Return the robot's body, which most gradings do not need."""
@@ -219,6 +250,10 @@ def _scored_run(
     case: Case, assignment: Assignment, script: _Script, episode: EpisodeResult, jail: JailReport
 ) -> Run:
     outcome = merge(episode, jail, assignment.release)
+    if episode.replayed is not None:
+        from grader.grading.replaying import with_replayed_end
+
+        outcome = with_replayed_end(outcome, episode.replayed)
     if script.unread:
         outcome = replace(outcome, notes=(Note(code=UNREAD_NOTE, text=script.unread), *outcome.notes))
     return Run(
@@ -230,6 +265,7 @@ def _scored_run(
         source=script.concerned(outcome.error),
         package=script.problems,
         at_horizon=next((note.text for note in episode.notes if note.code == INTERRUPTED_NOTE), ""),
+        replayed=episode.replayed,
     )
 
 
@@ -273,7 +309,7 @@ def _report(
         assignment=assignment.id,
         assignment_version=assignment.version,
         grader_version=__version__,
-        simulator=SIMULATOR if assignment.world.kind == "turtle" else ROBOT_SIMULATOR,
+        simulator=_SIMULATORS[assignment.world.kind],
         seed=assignment.world.seed,
         status=status,
         score=None if status is GradeStatus.NEEDS_MANUAL else score,

@@ -70,6 +70,25 @@ READABLE_DEVICES: Final = ("/dev/urandom",)
 ALLOWED_PACKAGES: Final = {"numpy": ("numpy", "numpy.libs"), "yaml": ("yaml",)}
 """Third-party packages a script may import, with the directories each needs. Both come with ROS 2 itself."""
 
+PYBULLET_MODELS: Final = (
+    "TwoJointRobot_w_fixedJoints.urdf TwoJointRobot_wo_fixedJoints.urdf __init__.py block.urdf cartpole.urdf "
+    "checker_blue.png checker_grid.jpg checker_huge.gif cube.obj cube.png cube.urdf cube_no_rotation.urdf "
+    "cube_rotate.urdf cube_small.urdf duck.mtl duck.obj duckCM.png duck_vhacd.obj duck_vhacd.urdf franka_panda "
+    "kuka_iiwa l_finger.stl l_finger_collision.stl l_finger_tip.stl lego pendulum5.urdf plane.mtl plane.obj "
+    "plane.urdf plane100.obj plane100.urdf plane_implicit.urdf plane_transparent.mtl plane_transparent.obj "
+    "plane_transparent.urdf r2d2.urdf racecar sphere2.urdf sphere2red.urdf sphere_1cm.urdf sphere_small.urdf "
+    "sphere_smooth.mtl sphere_smooth.obj sphere_transparent.urdf sphere_with_restitution.urdf table table_square "
+    "tex256.png textured_sphere_smooth.mtl textured_sphere_smooth.obj tray"
+)
+"""What scripts can load of the 142 MB of models that come with PyBullet: 16 MB."""
+
+PYBULLET_PACKAGES: Final = {
+    "pybullet_data": tuple(f"pybullet_data/{name}" for name in PYBULLET_MODELS.split()),
+    "pybullet_utils": ("pybullet_utils",),
+    "pybullet_robots": ("pybullet_robots",),
+}
+"""What a script of the world ``pybullet`` may import besides; the extension is loaded before it is confined."""
+
 # ------------------------------------------------------------------------------------------- environment
 
 ENVIRONMENT: Final = {

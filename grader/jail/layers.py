@@ -7,16 +7,17 @@ import _socket
 import importlib.util
 import os
 import sys
-from collections.abc import Set
+from collections.abc import Iterable, Mapping, Set
 from enum import StrEnum
 from pathlib import Path
 from typing import Final
 
-from grader.contracts.record import Record
+from grader.contracts.record import Record, field
 from grader.jail import bounds, landlock, prepared_root, syscalls
 from grader.jail.supervisor import ZygoteConfig
 
 _CAP_SETGID, _CAP_SETUID = 6, 7
+_EVERY_PACKAGE: Final = {**bounds.ALLOWED_PACKAGES, **bounds.PYBULLET_PACKAGES}
 
 
 class Mode(StrEnum):
@@ -53,11 +54,13 @@ class Program(Record):
         shim: directory that is all of a script's own import path.
         entry: ``module:function`` that a confined process calls with the channel's descriptor.
         preload: modules to import before the first fork.
+        packages: those of third parties that a script may import, with the directories each needs.
     """
 
     shim: Path
     entry: str
     preload: tuple[str, ...] = ()
+    packages: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: bounds.ALLOWED_PACKAGES)
 
 
 class LayerChoice(Record):
@@ -97,7 +100,7 @@ def choose(mode: Mode, without: Set[Layer], shim: Path) -> LayerChoice:
 
 
 def _has_prepared_root(shim: Path) -> bool:
-    return prepared_root.is_ready(*mounted_paths(shim, allowed_packages()), prepared_root.PLACE)
+    return prepared_root.is_ready(*mounted_paths(shim, allowed_packages(_EVERY_PACKAGE)), prepared_root.PLACE)
 
 
 def prepare_root(shim: Path) -> None:
@@ -106,12 +109,12 @@ def prepare_root(shim: Path) -> None:
     Raises:
         OSError: it could not be made.
     """
-    prepared_root.prepare(*mounted_paths(shim, allowed_packages()), prepared_root.PLACE)
+    prepared_root.prepare(*mounted_paths(shim, allowed_packages(_EVERY_PACKAGE)), prepared_root.PLACE)
 
 
 def configure(program: Program, active: tuple[Layer, ...]) -> ZygoteConfig:
     """Return the configuration of a zygote that runs `program` under `active` layers."""
-    packages = allowed_packages()
+    packages = allowed_packages(program.packages)
     landlocked = Layer.LANDLOCK in active
     readable = readable_paths(program.shim, packages) if landlocked else []
     shown, masked = mounted_paths(program.shim, packages)
@@ -157,10 +160,10 @@ def box_uid() -> int:
 # ------------------------------------------------------------------------------------------------- files
 
 
-def allowed_packages() -> dict[str, str]:
-    """Return name -> directory of the third-party packages a script may import, as far as installed."""
+def allowed_packages(names: Iterable[str] = bounds.ALLOWED_PACKAGES) -> dict[str, str]:
+    """Return name -> directory of the third-party packages `names`, as far as installed."""
     found: dict[str, str] = {}
-    for name in bounds.ALLOWED_PACKAGES:
+    for name in names:
         spec = importlib.util.find_spec(name)
         if spec is not None and spec.submodule_search_locations:
             found[name] = os.path.realpath(spec.submodule_search_locations[0])
@@ -201,7 +204,7 @@ def _outside_stdlib(packages: dict[str, str]) -> list[str]:
     paths = [os.path.dirname(os.path.realpath(extensions))] if extensions else []
     for name, directory in packages.items():
         parent = os.path.dirname(directory)
-        paths += [os.path.join(parent, part) for part in bounds.ALLOWED_PACKAGES[name]]
+        paths += [os.path.join(parent, part) for part in _EVERY_PACKAGE[name]]
     return [*paths, *_library_directories()]
 
 

@@ -13,12 +13,14 @@ from matplotlib import style
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.image import imread
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.figure import FigureSketch, PictureForm
 from grader.contracts.report import GradeReport
 from grader.contracts.text import Language
 from grader.contracts.trajectory import Trajectory
+from grader.messages import quantity
 from grader.render import palette
 from grader.render.dial import draw_dial
 from grader.render.loglines import draw_log, row_count
@@ -34,6 +36,7 @@ _LEFT = (0.062, 0.165, 0.49, 0.685)
 _UPPER_RIGHT = (0.635, 0.54, 0.34, 0.31)
 _LOWER_RIGHT = (0.635, 0.1, 0.34, 0.36)
 _SUMMARY_COLUMNS = 130
+_FRAME_ROWS, _FRAMES_ACROSS = 2, 3
 
 _DRAWING = threading.Lock()
 """Matplotlib's settings belong to the process: one drawing at a time."""
@@ -99,6 +102,8 @@ def _settings() -> Iterator[None]:
 def _figure(scene: Scene) -> Figure:
     if scene.view == "log":
         return _log_figure(scene)
+    if scene.view == "frames":
+        return _frames_figure(scene)
     figure = _sheet(scene, _HEIGHT_IN)
     left = figure.add_axes(_LEFT)
     if scene.view == "heading":
@@ -120,6 +125,20 @@ def _log_figure(scene: Scene) -> Figure:
     height_in = above_in + log_in + below_in
     figure = _sheet(scene, height_in)
     draw_log(figure.add_axes((0.035, below_in / height_in, 0.93, log_in / height_in)), scene)
+    return figure
+
+
+def _frames_figure(scene: Scene) -> Figure:
+    """Draw the pictures of a PyBullet world, three in a row, with their times."""
+    figure = _sheet(scene, _HEIGHT_IN)
+    pictures = scene.trajectory.pictures if scene.trajectory is not None else ()
+    for number, picture in enumerate(pictures[: _FRAME_ROWS * _FRAMES_ACROSS]):
+        row, column = divmod(number, _FRAMES_ACROSS)
+        axes = figure.add_axes((0.03 + 0.32 * column, 0.44 - 0.42 * row, 0.3, 0.37))
+        axes.imshow(imread(io.BytesIO(picture.png), format="png"), interpolation="bilinear")
+        axes.set(xticks=[], yticks=[])
+        axes.spines[:].set(visible=True, color=palette.FAINT)
+        axes.set_title(quantity.number(picture.t_ns / 1e9, "s"), fontsize=10.5, color=palette.MUTED)
     return figure
 
 

@@ -27,6 +27,7 @@ from grader.sim.frames import (
     SYNTAX_ERROR,
     UNHEARD_NOTE,
     Advance,
+    CallsFrame,
     CarState,
     Entity,
     Exit,
@@ -49,7 +50,10 @@ from grader.sim.turtle_world import TWIST, TurtleWorld
 from grader.sim.wire import PROTOCOL, decode, encode_events, encode_start
 
 if TYPE_CHECKING:
+    from grader.contracts.replay import Replayed
     from grader.sim.agent import Agent
+    from grader.sim.pybullet_world import PybulletWorld
+    from grader.sim.recorded_calls import RecordedCalls
 
 ROSOUT: Final = "/rosout"
 AHEAD_NS: Final = 100_000_000
@@ -108,6 +112,8 @@ class EpisodeResult(Record):
         sim_steps: physics steps computed.
         most_steps: what the script was allowed to do.
         requests: the first calls of the world's services.
+        recorded: the script's calls of PyBullet; None: it is of another world.
+        replayed: what became of these, once they were replayed.
     """
 
     trajectory: Trajectory
@@ -128,6 +134,8 @@ class EpisodeResult(Record):
     agent: tuple[AgentResult, ...] = ()
     most_steps: int | None = None
     requests: tuple[WorldRequest, ...] = ()
+    recorded: "RecordedCalls | None" = None
+    replayed: "Replayed | None" = None
 
 
 class Episode:
@@ -140,7 +148,10 @@ class Episode:
         self._spec = spec
         self._recorder = Recorder()
         self._world: SimulatedWorld
-        if spec.world.kind == "robot":
+        self._bullet: PybulletWorld | None = None
+        if spec.world.kind == "pybullet":
+            self._world = self._bullet = _pybullet_world(self._recorder, spec.horizon_ns)
+        elif spec.world.kind == "robot":
             self._world = RobotWorld(robot(), self._recorder, spec.world, spec.horizon_ns)
         else:
             turtle = Turtle(car, self._recorder, spec.world, spec.horizon_ns)
@@ -243,6 +254,8 @@ class Episode:
         elif isinstance(frame, Advance):
             self._check_time(frame.t_ns)
             self._advance(frame, link)
+        elif isinstance(frame, CallsFrame):
+            self._take_calls(frame)
         else:
             self._pass_time(frame.t_ns)
             if isinstance(frame, Exit):
@@ -252,6 +265,12 @@ class Episode:
                 self._exit = frame
             elif frame.t_ns <= self._spec.horizon_ns:
                 self._graph_change(frame)
+
+    def _take_calls(self, frame: CallsFrame) -> None:
+        self._pass_time(frame.t_ns)
+        if self._bullet is None:
+            raise ProtocolError("CALLS came in a world without PyBullet")
+        self._bullet.take(frame.recorded)
 
     def _publish(self, frame: Publish) -> None:
         identity, t_ns, payload = frame
@@ -444,6 +463,7 @@ class Episode:
             agent=() if self._agent is None else self._agent.results,
             most_steps=self._spec.steps,
             requests=tuple(self._requests),
+            recorded=None if self._bullet is None else self._bullet.calls,
         )
 
     def _come_to_rest(self, violation: str | None) -> tuple[int, str | None]:
@@ -456,6 +476,12 @@ class Episode:
                 violation = str(error)
         self._world.forget_requests()
         return self._world.settle(self._now_ns, horizon_ns), violation
+
+
+def _pybullet_world(recorder: Recorder, horizon_ns: int) -> "PybulletWorld":
+    from grader.sim.pybullet_world import PybulletWorld  # only its own scripts need it
+
+    return PybulletWorld(recorder, horizon_ns)
 
 
 def _agent(spec: EpisodeSpec, world: SimulatedWorld, graph: ScriptGraph) -> "Agent":

@@ -96,6 +96,13 @@ class NoteFrame(NamedTuple):
     text: str
 
 
+class CallsFrame(NamedTuple):
+    """Calls of PyBullet that the script has made up to `t_ns`; `recorded` is read by `recorded_calls`."""
+
+    t_ns: int
+    recorded: bytes
+
+
 class Exit(NamedTuple):
     """How the script ended. `reason` is one of FINISHED ... TOO_MANY_STEPS."""
 
@@ -109,7 +116,7 @@ class Exit(NamedTuple):
     detail: str
 
 
-Frame: TypeAlias = Entity | Gone | Publish | Request | Response | Advance | NoteFrame | Exit
+Frame: TypeAlias = Entity | Gone | Publish | Request | Response | Advance | NoteFrame | CallsFrame | Exit
 
 
 class Event(NamedTuple):

@@ -20,6 +20,7 @@ from grader.sim.frames import (
     NODE,
     TOO_MANY_STEPS,
     Advance,
+    CallsFrame,
     CarState,
     Entity,
     Event,
@@ -40,6 +41,7 @@ MAX_MESSAGE_BYTES: Final = 4_096
 MAX_DETAIL_BYTES: Final = 16_384
 
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
+CALLS: Final = 0x30
 START, EVENTS = 0x80, 0x81
 
 _NAME: Final = re.compile(TOPIC_PATTERN, re.ASCII)
@@ -49,6 +51,7 @@ _U8, _U16, _U32, _I32, _I64 = (struct.Struct("<" + code) for code in "BHIiq")
 _PUBLISH_HEAD: Final = struct.Struct("<BHq")
 _CALL_HEAD: Final = struct.Struct("<BHIq")
 _ADVANCE: Final = struct.Struct("<Bqq")
+_CALLS_HEAD: Final = struct.Struct("<Bq")
 _EVENTS_HEAD: Final = struct.Struct("<BqqH")
 _EVENT_HEAD: Final = struct.Struct("<BHIqI")
 _CAR: Final = struct.Struct("<q7dqBd")
@@ -221,6 +224,16 @@ def _read_note(body: bytes) -> NoteFrame:
     return note
 
 
+def _read_calls(body: bytes) -> CallsFrame:
+    """Read CALLS but for the calls themselves, which `recorded_calls` reads."""
+    if len(body) <= _CALLS_HEAD.size:
+        raise ProtocolError("CALLS.t is cut off, or no call follows")
+    _, t_ns = _CALLS_HEAD.unpack_from(body)
+    if t_ns < 0:
+        raise ProtocolError("CALLS.t is negative")
+    return CallsFrame(t_ns, body[_CALLS_HEAD.size :])
+
+
 def _read_exit(body: bytes) -> Exit:
     cursor = _Cursor("EXIT", body)
     ended = Exit(
@@ -245,5 +258,6 @@ _READERS: Final[dict[int, Callable[[bytes], Frame]]] = {
     RESPONSE: _read_response,
     ADVANCE: _read_advance,
     NOTE: _read_note,
+    CALLS: _read_calls,
     EXIT: _read_exit,
 }

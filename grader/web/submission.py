@@ -330,9 +330,9 @@ def _changed(services: Services, submission: Submission, attempts: Sequence[Subm
     return Changed(since=earlier[0], lines=changes(before, after))
 
 
-def _only_talks(figure: FigureSketch | None) -> bool:
-    """Whether the exercise is about log messages: then there is no motion to replay."""
-    return figure is not None and figure.view == "log"
+def _is_replayed(figure: FigureSketch | None) -> bool:
+    """Whether there is a motion to replay: no log messages alone, and no pictures of a PyBullet world."""
+    return figure is None or figure.view not in ("log", "frames")
 
 
 def _cut_output(services: Services, stored: StoredReport) -> dict[str, tuple[StreamText, StreamText]]:
@@ -373,7 +373,8 @@ def _result(
         "run": run,
         "cut": _cut_output(services, stored),
         "parts": () if figure is None else figure_parts(figure, names),
-        "replay": run is not None and run.case in stored.cases and not _only_talks(figure),
+        "replay": run is not None and run.case in stored.cases and _is_replayed(figure),
+        "film": figure is not None and figure.view == "frames",
         "bags": _WRITES_BAGS,
         "replay_words": replay_words(language),
     }

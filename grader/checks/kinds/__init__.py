@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from grader.checks.kinds import (
     agent,
+    bodies,
     essay,
     motion,
     node,
@@ -32,6 +33,7 @@ CHECKS: Mapping[str, Check] = {
         room.CHECK,
         service.CHECK,
         agent.CHECK,
+        bodies.CHECK,
     )
 }
 TEXT_CHECKS: Mapping[str, TextCheck] = {check.kind: check for check in (number.CHECK, essay.CHECK)}

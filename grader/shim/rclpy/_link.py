@@ -81,6 +81,7 @@ class Link:
             something.
         connected: whether there is a world at all.
         on_change: called with what the world has got, or lost: the names as in `world`, and ``gone``.
+        before_exit: called before EXIT is sent.
     """
 
     def __init__(self, clock: Kernel) -> None:
@@ -89,6 +90,7 @@ class Link:
         self.quiet_ns = 0
         self.connected = False
         self.on_change: Callable[[dict[str, Any]], None] = lambda change: None
+        self.before_exit: Callable[[], None] = lambda: None
         self._kernel = clock
         self._channel: Descriptor | None = None
         self._buffer = bytearray()
@@ -246,6 +248,10 @@ class Link:
         """Have `deliver(sequence, t_ns, cdr)` called, from the kernel, for each event for `ident`."""
         self._deliver[ident] = deliver
 
+    def calls(self, recorded: bytes) -> None:
+        """Send calls of PyBullet that the script has made up to now."""
+        self._send(_wire.calls(min(self._kernel.now_ns, self._kernel.horizon_ns), recorded))
+
     def note(self, code: str, text: str = "") -> None:
         """Tell the episode something worth telling the student."""
         self._tell(_wire.note(code, text))
@@ -320,6 +326,7 @@ class Link:
 
     def exit(self, end: _wire.Exit) -> None:
         """Send EXIT, the last frame of a run."""
+        self.before_exit()
         self._send(end.frame())
         self.flush()
         self._channel = None
@@ -331,6 +338,15 @@ class Link:
             self._buffer.clear()
             self._flush_ns = self._kernel.now_ns + FLUSH_EVERY_NS
             self._channel.sendall(data)
+
+    def send_frame(self, body: bytes) -> None:
+        """Send one frame of a kind that only its sender knows, at once."""
+        assert self._channel is not None
+        self._channel.sendall(len(body).to_bytes(4, "little") + body)
+
+    def receive_frame(self) -> bytes:
+        """Return the body of the next frame that is no answer."""
+        return self._receive()
 
     def receive_start(self, channel: Descriptor) -> tuple[str, bytes]:
         """Read START from `channel`: its JSON text and the source."""

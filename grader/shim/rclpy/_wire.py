@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     """What `Reckoning` is made of, in order."""
 
 ENTITY, GONE, PUBLISH, REQUEST, RESPONSE, ADVANCE, NOTE, EXIT = 0x10, 0x11, 0x12, 0x13, 0x14, 0x15, 0x20, 0x21
+CALLS = 0x30
 START, EVENTS = 0x80, 0x81
 
 NODE, PUBLISHER, SUBSCRIPTION, SERVICE, CLIENT = 1, 2, 3, 4, 5
@@ -103,6 +104,11 @@ def service(kind: int, ident: int, sequence: int, t_ns: int, cdr: bytes) -> byte
 def advance(t_ns: int, together_ns: int) -> bytes:
     """Return ADVANCE."""
     return _ADVANCE.pack(17, ADVANCE, t_ns, together_ns)
+
+
+def calls(t_ns: int, recorded: bytes) -> bytes:
+    """Return CALLS; `recorded` are calls of PyBullet as `rclpy._pybullet.calls` writes them."""
+    return _frame(struct.pack("<Bq", CALLS, t_ns) + recorded)
 
 
 def note(code: str, text: str) -> bytes:

@@ -82,6 +82,10 @@ def run(channel: int = 3) -> NoReturn:
     import json
 
     start: dict[str, Any] = json.loads(text)
+    if "replay" in start:  # only where PyBullet is: nothing of a script's runs in this process
+        from rclpy._pybullet import replay
+
+        replay.run(start["replay"], link, _end_process)
     if "package" in start:
         workspace.mount(start["package"], source)
         start["file_name"], source = workspace.entry_source()

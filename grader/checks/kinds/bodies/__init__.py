@@ -1,0 +1,266 @@
+"""Check ``bodies``: what became of the bodies of a PyBullet world: they fell, rest, drove, were reached or held.
+
+It looks at the replayed world alone (`grader.contracts.replay`), and only up to the first call that does by hand
+what motors and gravity are to do, unless the assignment allows that.
+"""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from grader.checks.kinds.bodies.mistakes import STARTS_AWAY_M, bodies_mistakes
+from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Option, one_of
+from grader.contracts.assignment import Assignment
+from grader.contracts.figure import FigureSketch
+from grader.contracts.replay import TRICKS, Replayed, Trick
+from grader.contracts.scoring import Run
+from grader.contracts.text import Text
+from grader.contracts.trajectory import Floats
+from grader.messages.quantity import number
+
+EARTH_MPS2 = 9.81
+_GRAVITY_SLACK_MPS2 = 0.25  # 9.8, 9.81, 10
+_AT_REST_MPS = 0.01
+_HOLD_S = 0.5  # for so long a target has to be kept, or an object held, unless the assignment says otherwise
+_FINGERS = 2
+_SLACK_S = 1e-6
+MEASURES = {
+    "loaded": MeasureKind(form="flag"),
+    "gravity": MeasureKind(form="flag"),
+    "simulated_s": MeasureKind("s"),
+    "fell_m": MeasureKind("m"),
+    "height_m": MeasureKind("m"),
+    "rest_s": MeasureKind("s"),
+    "travel_m": MeasureKind("m"),
+    "turned_deg": MeasureKind("deg"),
+    "wheels_turned": MeasureKind("1"),
+    "reach_m": MeasureKind("m"),
+    "lifted_m": MeasureKind("m"),
+}
+_TARGET = ("target_x_m", "target_y_m", "target_z_m")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Counted:
+    """The part of a replayed world that counts.
+
+    Attributes:
+        count: of its samples. trick: what ends it; None: it is whole.
+    """
+
+    replayed: Replayed
+    count: int
+    trick: Trick | None
+
+    @property
+    def seconds(self) -> Floats:
+        """Return the time of each sample."""
+        return np.asarray(self.replayed.t_ns[: self.count] * 1e-9)
+
+    @property
+    def object(self) -> Floats:
+        """Return the object's rows."""
+        return self.replayed.object[: self.count]
+
+    @property
+    def there(self) -> Floats:
+        """Return the object's rows of the time when it was there."""
+        return self.object[np.isfinite(self.object[:, 0])]
+
+
+def examine(assignment: Assignment, run: Run) -> Findings:
+    """Measure a replayed world."""
+    replayed = run.replayed
+    if replayed is None:
+        return Findings(mistakes=bodies_mistakes(assignment, run, None, None, {}))
+    counted = _counted(assignment, replayed)
+    measures = {
+        "loaded": Measure(float(_is_loaded(assignment, replayed))),
+        **_physics(counted),
+        **_object(counted),
+        **_reach(assignment, counted),
+        "lifted_m": _lifted(assignment, counted),
+    }
+    return Findings(measures, bodies_mistakes(assignment, run, replayed, counted.trick, measures))
+
+
+def _counted(assignment: Assignment, replayed: Replayed) -> _Counted:
+    allowed = str(assignment.options.get("allow", "")).split()
+    trick = next((one for one in replayed.tricks if one.kind not in allowed), None)
+    if trick is None:
+        return _Counted(replayed, len(replayed.t_ns), None)
+    until = 0 if trick.before_start else int(np.searchsorted(replayed.t_ns, trick.t_ns, side="right"))
+    return _Counted(replayed, until, trick)
+
+
+def _is_loaded(assignment: Assignment, replayed: Replayed) -> bool:
+    watch = assignment.world.watch
+    roles = {body.role for body in replayed.bodies}
+    wanted = {"object": bool(watch and watch.object), "robot": bool(watch and watch.robot)}
+    return all(role in roles for role, is_wanted in wanted.items() if is_wanted)
+
+
+def _physics(counted: _Counted) -> dict[str, Measure]:
+    x, y, z = counted.replayed.gravity
+    down = abs(z + EARTH_MPS2) <= _GRAVITY_SLACK_MPS2 and abs(x) < 1e-6 and abs(y) < 1e-6
+    seconds = counted.seconds
+    return {
+        "gravity": Measure(float(down), {"x": f"{x:g}", "y": f"{y:g}", "z": f"{z:g}"}),
+        "simulated_s": Measure(float(seconds[-1]) if len(seconds) else 0.0),
+    }
+
+
+def _object(counted: _Counted) -> dict[str, Measure]:
+    rows = counted.there
+    if len(rows) < 2:
+        return {}
+    x, y = rows[0, :2] - rows[-1, :2]
+    speeds = np.linalg.norm(rows[:, 7:10], axis=1)
+    moving = np.flatnonzero(speeds >= _AT_REST_MPS)
+    seconds = counted.seconds[np.isfinite(counted.object[:, 0])]
+    since_s = float(seconds[moving[-1] + 1]) if len(moving) and moving[-1] + 1 < len(rows) else None
+    rest_s = float(seconds[-1]) - (
+        since_s if since_s is not None else float(seconds[0 if not len(moving) else -1])
+    )
+    return {
+        "fell_m": Measure(float(np.max(rows[:, 2]) - rows[-1, 2])),
+        "height_m": Measure(float(rows[-1, 2])),
+        "rest_s": Measure(rest_s),
+        "travel_m": Measure(float(math.hypot(x, y))),
+        "turned_deg": Measure(math.degrees(abs(_heading(rows)))),
+        "wheels_turned": Measure(_turned(counted)),
+    }
+
+
+def _heading(rows: Floats) -> float:
+    """Return by how much the object's heading has changed, in rad."""
+    x, y, z, w = (rows[:, column] for column in (3, 4, 5, 6))
+    heading = np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+    return float(heading[-1] - heading[0])
+
+
+def _turned(counted: _Counted) -> float:
+    """Return how many times the joint that turned most went round: a car that is driven turns its wheels."""
+    joints = counted.replayed.object_joints[: counted.count]
+    if not joints.size or not np.isfinite(joints).any():
+        return 0.0
+    return float(np.nanmax(np.nanmax(joints, axis=0) - np.nanmin(joints, axis=0))) / math.tau
+
+
+def _reach(assignment: Assignment, counted: _Counted) -> dict[str, Measure]:
+    """Measure the least distance to the target within which the link was kept for the wanted time.
+
+    Absent where it was for so long nowhere, and where the link was there before the first step.
+    """
+    target = [assignment.options.get(name) for name in _TARGET]
+    link = counted.replayed.link[: counted.count]
+    if None in target or not len(link) or not np.isfinite(link).all():
+        return {}
+    apart = np.linalg.norm(link[:, :3] - np.array([float(each or 0.0) for each in target]), axis=1)
+    seconds, hold_s = counted.seconds, _hold_s(assignment)
+    ends = np.searchsorted(seconds, seconds + hold_s - _SLACK_S)
+    kept = [float(np.max(apart[i : end + 1])) for i, end in enumerate(ends) if end < len(seconds)]
+    if not kept or apart[0] < STARTS_AWAY_M:
+        return {}
+    nearest = int(np.argmin(apart))
+    details = {
+        "hold": number(hold_s, "s"),
+        "nearest": number(float(apart[nearest]), "m"),
+        "time": number(float(seconds[nearest]), "s"),
+    }
+    return {"reach_m": Measure(min(kept), details)}
+
+
+def _lifted(assignment: Assignment, counted: _Counted) -> Measure:
+    """Measure how high the object was held by two fingers for the wanted time, above where they first held it."""
+    robots = {body.id for body in counted.replayed.bodies if body.role == "robot"}
+    held = np.array(
+        [_holds(pushes, robots) for pushes in counted.replayed.pushes[: counted.count]], dtype=bool
+    )
+    if not held.any():
+        return UNMEASURED
+    heights = counted.object[:, 2]
+    raised = np.where(held, heights - heights[int(np.argmax(held))], -math.inf)
+    seconds, hold_s, best = counted.seconds, _hold_s(assignment), 0.0
+    for i in np.flatnonzero(held):
+        end = int(np.searchsorted(seconds, seconds[i] + hold_s - _SLACK_S))
+        if end < len(seconds):
+            best = max(best, float(np.min(raised[i : end + 1])))
+    return Measure(best, {"hold": number(hold_s, "s")})
+
+
+def _holds(pushes: tuple[tuple[int, int, float], ...], robots: set[int]) -> bool:
+    return len({link for body, link, force in pushes if body in robots and force > 0.0}) >= _FINGERS
+
+
+def _hold_s(assignment: Assignment) -> float:
+    return float(assignment.options.get("hold_s", _HOLD_S))
+
+
+def sketch(assignment: Assignment, run: Run) -> FigureSketch:
+    """Return that pictures tell more than a path seen from above."""
+    return FigureSketch(view="frames", ideal_closed=False)
+
+
+_NO_WORLD = Text(
+    zh="检查 bodies 需要 PyBullet 的世界：写 world: {kind: pybullet, watch: …}",
+    en="the check bodies needs a PyBullet world; write world: {kind: pybullet, watch: …}",
+)
+_NO_TARGET = Text(
+    zh="缺少 options.target_x_m、target_y_m 和 target_z_m：补上",
+    en="options.target_x_m, target_y_m and target_z_m are missing; add them",
+)
+_NO_ROBOT = Text(zh="缺少 world.watch.robot：补上", en="world.watch.robot is missing; add it")
+_NO_OBJECT = Text(zh="缺少 world.watch.object：补上", en="world.watch.object is missing; add it")
+_OF_ROBOT = ("reach_m", "lifted_m")
+_OF_OBJECT = ("fell_m", "height_m", "rest_s", "travel_m", "turned_deg", "wheels_turned", "lifted_m")
+
+
+def _consult(assignment: Assignment) -> tuple[tuple[str, Text], ...]:
+    if assignment.world.kind != "pybullet":
+        return (("world", _NO_WORLD),)
+    return tuple(_missing(assignment))
+
+
+def _missing(assignment: Assignment) -> Iterator[tuple[str, Text]]:
+    watch, has_target = assignment.world.watch, assignment.options.keys() >= set(_TARGET)
+    for i, item in enumerate(assignment.items):
+        if item.measure == "reach_m" and not has_target:
+            yield f"items.{i}.measure", _NO_TARGET
+        if item.measure in _OF_ROBOT and not (watch and watch.robot):
+            yield f"items.{i}.measure", _NO_ROBOT
+        if item.measure in _OF_OBJECT and not (watch and watch.object):
+            yield f"items.{i}.measure", _NO_OBJECT
+
+
+_NUMBER = Text(zh="要写一个数", en="must be a number")
+_TIME = Text(zh="要写大于 0 的时间，单位 s", en="must be a time above 0, in s")
+
+
+def _problem_with_number(value: Option) -> Text | None:
+    return None if isinstance(value, int | float) and not isinstance(value, bool) else _NUMBER
+
+
+def _problem_with_time(value: Option) -> Text | None:
+    return _TIME if _problem_with_number(value) is not None or not float(value) > 0.0 else None
+
+
+def _problem_with_tricks(value: Option) -> Text | None:
+    is_known = isinstance(value, str) and set(value.split()) <= set(TRICKS)
+    return None if is_known else one_of(TRICKS)
+
+
+CHECK = Check(
+    kind="bodies",
+    measures=MEASURES,
+    optional={
+        **dict.fromkeys(_TARGET, _problem_with_number),
+        "hold_s": _problem_with_time,
+        "allow": _problem_with_tricks,
+    },
+    consult=_consult,
+    examine=examine,
+    sketch=sketch,
+)

@@ -1,0 +1,123 @@
+"""Mistakes in a PyBullet world, told by its replay."""
+
+import math
+from collections.abc import Iterator, Mapping
+
+from grader.checks.measure import Measure, Mistake, mistake
+from grader.checks.mistakes import noted, script_mistakes
+from grader.contracts.assignment import Assignment
+from grader.contracts.replay import Replayed, Trick, TrickKind
+from grader.contracts.scoring import Run
+from grader.messages.quantity import number
+
+STARTS_AWAY_M = 0.1
+"""So far from its target a link must be at first, to have got there by itself."""
+
+_VOID_M = -1.0
+_HELD = ("lifted_m",)
+_FALLEN = ("height_m", "travel_m", "rest_s", "turned_deg", "lifted_m")
+_LOOKED_AT = (
+    "loaded",
+    "fell_m",
+    "height_m",
+    "rest_s",
+    "travel_m",
+    "turned_deg",
+    "wheels_turned",
+    "reach_m",
+    "lifted_m",
+)
+
+_BY_HAND: Mapping[TrickKind, str] = {
+    "jump": "bodies_jump",
+    "push": "bodies_push",
+    "constraint": "bodies_constraint",
+    "dynamics": "bodies_dynamics",
+    "collision": "bodies_collision",
+    "gravity": "bodies_gravity",
+    "time_step": "bodies_time_step",
+}
+
+
+def bodies_mistakes(
+    assignment: Assignment,
+    run: Run,
+    replayed: Replayed | None,
+    trick: Trick | None,
+    measures: Mapping[str, Measure],
+) -> tuple[Mistake, ...]:
+    """Return what probably went wrong; `trick` is the call after which nothing counted."""
+    found = [*script_mistakes(run)]
+    if replayed is None or (replayed.calls == 0 and not found):
+        found.append(mistake("bodies_unused"))
+    elif replayed.calls:
+        found += _ended(replayed)
+        found += _by_hand(trick)
+        found += _absent(assignment, replayed)
+        found += _still(run, replayed)
+        found += _loose(replayed)
+        found += _fallen(replayed)
+        found += _there_already(assignment, replayed)
+        found += _unheld(assignment, measures)
+    return tuple(found)
+
+
+def _ended(replayed: Replayed) -> Iterator[Mistake]:
+    """Tell why the replay is not whole."""
+    if replayed.end == "too_many_bodies":
+        yield mistake("bodies_too_many")
+    elif replayed.end == "not_finite":
+        yield mistake("bodies_not_finite")
+
+
+def _by_hand(trick: Trick | None) -> Iterator[Mistake]:
+    if trick is not None:
+        yield mistake(_BY_HAND[trick.kind], call=trick.name, time=number(trick.t_ns / 1e9, "s"))
+
+
+def _absent(assignment: Assignment, replayed: Replayed) -> Iterator[Mistake]:
+    """Tell of a body that was to be loaded and was not."""
+    watch, roles = assignment.world.watch, {body.role for body in replayed.bodies}
+    for role in ("object", "robot"):
+        wanted = getattr(watch, role)
+        if wanted and role not in roles:
+            files = ", ".join(dict.fromkeys(body.file for body in replayed.bodies if body.file)) or "-"
+            code = "bodies_no_car" if wanted == "*" else "bodies_not_loaded"
+            yield mistake(code, _LOOKED_AT, file=wanted, files=files)
+
+
+def _still(run: Run, replayed: Replayed) -> Iterator[Mistake]:
+    """Tell of a world in which nothing can happen."""
+    if replayed.steps == 0:
+        yield mistake("bodies_no_steps")
+    elif replayed.gravity == (0.0, 0.0, 0.0):
+        yield mistake("bodies_weightless", ("gravity", "fell_m", "height_m", "travel_m", "wheels_turned"))
+    if (cut := noted(run.outcome, "bullet_too_many")) is not None:
+        yield mistake("bodies_too_many_calls", ("simulated_s", "rest_s"), calls=cut)
+
+
+def _loose(replayed: Replayed) -> Iterator[Mistake]:
+    """Tell of an arm that stands on nothing."""
+    if any(body.role == "robot" and body.mass_kg > 0.0 for body in replayed.bodies):
+        yield mistake("bodies_loose_base", ("reach_m", "lifted_m"))
+
+
+def _fallen(replayed: Replayed) -> Iterator[Mistake]:
+    heights = replayed.object[:, 2]
+    if len(heights) and heights[-1] < _VOID_M:
+        yield mistake("bodies_void", _FALLEN)
+
+
+def _there_already(assignment: Assignment, replayed: Replayed) -> Iterator[Mistake]:
+    """Tell of a link that was put at its target before the first step."""
+    target = [assignment.options.get(f"target_{axis}_m") for axis in "xyz"]
+    if None not in target and len(replayed.link):
+        place = [float(each) for each in replayed.link[0, :3]]
+        if math.dist(place, [float(each or 0.0) for each in target]) < STARTS_AWAY_M:
+            yield mistake("bodies_there_already", ("reach_m",))
+
+
+def _unheld(assignment: Assignment, measures: Mapping[str, Measure]) -> Iterator[Mistake]:
+    lifted = measures.get("lifted_m")
+    if assignment.item_on("lifted_m") and lifted is not None and math.isnan(lifted.value):
+        yield mistake("bodies_not_held", _HELD)

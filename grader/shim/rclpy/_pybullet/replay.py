@@ -1,0 +1,307 @@
+"""Carry out recorded calls again and tell what became of them: the world that is scored.
+
+Runs in a confined process of its own, which no script has touched. Frames in: CALLS, and one FINISH. Frames out,
+as docs/design.md ("Wire") has them: BODY, SAMPLE, PICTURE, APPLIED after each frame of calls, and ENDED.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import math
+import os
+import struct
+
+from rclpy._pybullet import calls
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator, Sequence
+    from typing import Any, NoReturn
+
+    from rclpy._link import Link
+
+CALLS, FINISH = 0x30, 0x31
+BODY, SAMPLE, PICTURE, APPLIED, ENDED = 0x40, 0x41, 0x42, 0x43, 0x44
+COMPLETE, TOO_MANY_BODIES = 0, 1
+"""Why a replay has ended."""
+
+NOBODY, OBJECT, ROBOT = 0, 1, 2
+"""What a body is to the assignment."""
+
+MOST_BODIES = 64
+MOST_JOINTS = 64
+MOST_CONTACTS = 32
+SAMPLES_PER_S = 60.0
+WIDTH, HEIGHT = 320, 240
+ROWS = 60
+"""Of a picture, in one frame."""
+
+_FILES = ("loadURDF", "loadSDF", "loadMJCF", "loadTexture", "setAdditionalSearchPath")
+_SHAPES = ("createCollisionShape", "createVisualShape")
+_BIRTHS = ("loadURDF", "loadSDF", "loadMJCF", "createMultiBody")
+_STEP_S = 1.0 / 240.0
+_ANY_ROBOT = "*"
+_SLACK_S = 1e-9
+
+bullet: Any = None
+"""The extension; `rclpy._pybullet.warm` puts it here."""
+
+
+def run(task: dict[str, Any], link: Link, end: Callable[[int], NoReturn]) -> NoReturn:
+    """Replay what comes over `link` until FINISH; `task` says what to look at."""
+    replay = Replay(task, link.send_frame)
+    while (body := link.receive_frame())[0] != FINISH and replay.take(body):
+        pass
+    replay.finish()
+    end(0)
+
+
+class Replay:
+    """One replay.
+
+    Attributes:
+        task: ``object`` and ``robot``, files whose first body is looked at (empty: none; the object may be ``*``:
+            the first that can drive); ``link`` of the robot; ``pictures``, numbers of the steps after which one is
+            taken; ``data``, the folder of PyBullet's models.
+    """
+
+    def __init__(self, task: dict[str, Any], send: Callable[[bytes], None]) -> None:
+        import pybullet_data
+
+        self._task = task
+        self._send = send
+        self._data = os.path.realpath(pybullet_data.getDataPath())
+        self._numbers = list(calls.RECORDED)
+        self._count = 0
+        self._steps = 0
+        self._step_s = _STEP_S
+        self._time_s = 0.0
+        self._next_s = 0.0
+        self._sampled = self._pictured = -1
+        self._connected = False
+        self._reason = COMPLETE
+        self._roles: dict[int, int] = {}
+        self._camera: tuple[Any, ...] | None = None
+        self._pictures = set(task["pictures"])
+
+    def take(self, body: bytes) -> bool:
+        """Carry out a frame of calls; false: the replay is over."""
+        for number, args, options in calls.read(body, 9):
+            name = self._numbers[number]
+            self._call(name, args, options)
+            self._count += 1
+            if self._reason != COMPLETE:
+                return False
+        self._send(struct.pack("<BI", APPLIED, self._count))
+        return True
+
+    def finish(self) -> None:
+        """Tell the last state and the end."""
+        if self._connected:
+            self._sample()
+            self._picture()
+        digest = state_digest(bullet) if self._connected else bytes(32)
+        self._send(struct.pack("<BBII", ENDED, self._reason, self._count, self._steps) + digest)
+
+    def _call(self, name: str, args: list[Any], options: dict[str, Any]) -> None:
+        if name in (*_FILES, *_SHAPES) and not self._within_models(args, options):
+            return
+        ours = self._connected and _client(name, args, options) == 0
+        if name == "stepSimulation" and ours:
+            self._step(args, options)
+            return
+        if name == "resetDebugVisualizerCamera":
+            self._camera = tuple(args)
+            return
+        if name == "disconnect" and ours:
+            self._sample()
+            self._picture()
+        try:
+            told = getattr(bullet, name)(*args, **options)
+        except Exception:  # the script met the same one
+            return
+        if name == "connect":
+            self._connected = self._connected or told == 0
+        elif name == "disconnect":
+            self._connected = bool(bullet.isConnected(0))
+        elif ours:
+            self._after(name, args, options, told)
+
+    def _after(self, name: str, args: list[Any], options: dict[str, Any], told: Any) -> None:
+        if name in _BIRTHS:
+            file = str(options.get("fileName", args[0] if args else "")) if name.startswith("load") else ""
+            for body in told if isinstance(told, tuple) else (told,):
+                self._appeared(body, file)
+        elif name == "resetSimulation":
+            self._roles.clear()
+            self._step_s, self._time_s, self._next_s, self._steps, self._sampled = _STEP_S, 0.0, 0.0, 0, -1
+            self._pictured = -1
+        elif name in ("setTimeStep", "setPhysicsEngineParameter"):
+            self._step_s = float(bullet.getPhysicsEngineParameters(physicsClientId=0)["fixedTimeStep"])
+
+    def _within_models(self, args: list[Any], options: dict[str, Any]) -> bool:
+        """Return whether no argument names a file outside of PyBullet's models."""
+        for value in (*args, *options.values()):
+            if isinstance(value, str) and (".." in value or value.startswith(("/", "~"))):
+                path = os.path.realpath(value)
+                if ".." in value or not f"{path}/".startswith(f"{self._data}/"):
+                    return False
+        return True
+
+    def _appeared(self, body: int, file: str) -> None:
+        if bullet.getNumBodies() > MOST_BODIES:
+            self._reason = TOO_MANY_BODIES
+            return
+        role = self._role(body, file)
+        if role != NOBODY:
+            self._roles[role] = body
+        mass = float(bullet.getDynamicsInfo(body, -1)[0])
+        self._send(struct.pack("<BIHBHd", BODY, self._count, body, role, bullet.getNumJoints(body), mass))
+
+    def _role(self, body: int, file: str) -> int:
+        """Return what a body is: the first one of its file has a role."""
+        for role, key in ((OBJECT, "object"), (ROBOT, "robot")):
+            wanted = self._task[key]
+            fits = (
+                _drives(body) if wanted == _ANY_ROBOT else bool(wanted) and f"/{file}".endswith(f"/{wanted}")
+            )
+            if fits and role not in self._roles:
+                return role
+        return NOBODY
+
+    def _step(self, args: list[Any], options: dict[str, Any]) -> None:
+        if self._steps == 0:
+            self._sample()
+        try:
+            bullet.stepSimulation(*args, **options)
+        except Exception:
+            return
+        self._steps += 1
+        self._time_s += self._step_s
+        if self._time_s + _SLACK_S >= self._next_s:
+            self._sample()
+        if self._steps in self._pictures:
+            self._picture()
+
+    def _sample(self) -> None:
+        """Tell where the object and the robot are, once for each state."""
+        if self._sampled == self._steps:
+            return
+        self._sampled = self._steps
+        self._next_s = (math.floor(self._time_s * SAMPLES_PER_S + _SLACK_S) + 1) / SAMPLES_PER_S
+        here = {role: body for role, body in self._roles.items() if body in _bodies(bullet)}
+        parts = [struct.pack("<BqII", SAMPLE, round(self._time_s * 1e9), self._steps, self._count)]
+        parts.append(_object_state(here.get(OBJECT)))
+        parts.append(_robot_state(here.get(ROBOT), int(self._task["link"])))
+        parts.append(_contacts(here.get(OBJECT)))
+        self._send(b"".join(parts))
+
+    def _picture(self) -> None:
+        if self._pictured == self._steps:
+            return
+        self._pictured = self._steps
+        self._camera = self._camera or _overview()  # kept: what moves must not seem to move the ground
+        pixels = picture(self._camera)
+        for row in range(0, HEIGHT, ROWS):
+            rows = pixels[3 * WIDTH * row : 3 * WIDTH * (row + ROWS)]
+            self._send(struct.pack("<BqHHH", PICTURE, round(self._time_s * 1e9), WIDTH, HEIGHT, row) + rows)
+
+
+def _client(name: str, args: list[Any], options: dict[str, Any]) -> Any:
+    """Return the physics client that a call speaks to; only the first one is looked at."""
+    place = 0 if name in ("stepSimulation", "disconnect") else len(args)
+    return options.get("physicsClientId", args[place] if place < len(args) else 0)
+
+
+def _bodies(module: Any) -> list[int]:
+    return [module.getBodyUniqueId(i) for i in range(module.getNumBodies())]
+
+
+def _drives(body: int) -> bool:
+    """Return whether a body has two axles or more and is not fixed."""
+    kinds = [bullet.getJointInfo(body, joint)[2] for joint in range(bullet.getNumJoints(body))]
+    moving = kinds.count(bullet.JOINT_REVOLUTE) >= 2
+    return moving and float(bullet.getDynamicsInfo(body, -1)[0]) > 0.0
+
+
+def _object_state(body: int | None) -> bytes:
+    if body is None:
+        return b"\0"
+    place, turn = bullet.getBasePositionAndOrientation(body)
+    speed, spin = bullet.getBaseVelocity(body)
+    return b"\1" + struct.pack("<13d", *place, *turn, *speed, *spin) + _joints(body)
+
+
+def _robot_state(body: int | None, link: int) -> bytes:
+    if body is None or not 0 <= link < bullet.getNumJoints(body):
+        return b"\0"
+    state = bullet.getLinkState(body, link)
+    return b"\1" + struct.pack("<7d", *state[4], *state[5]) + _joints(body)
+
+
+def _joints(body: int) -> bytes:
+    count = min(bullet.getNumJoints(body), MOST_JOINTS)
+    positions = [bullet.getJointState(body, joint)[0] for joint in range(count)]
+    return struct.pack(f"<B{count}d", count, *positions)
+
+
+def _contacts(body: int | None) -> bytes:
+    """Return who pushes against the object: body, link, and the normal force of all points together."""
+    pushes: dict[tuple[int, int], float] = {}
+    for point in () if body is None else bullet.getContactPoints(bodyA=body) or ():
+        other = (int(point[2]), int(point[4]))
+        pushes[other] = pushes.get(other, 0.0) + float(point[9])
+    strongest = sorted(pushes.items(), key=lambda each: (-each[1], each[0]))[:MOST_CONTACTS]
+    told = b"".join(struct.pack("<Hhd", other, link, force) for (other, link), force in strongest)
+    return bytes((len(strongest),)) + told
+
+
+def picture(camera: Sequence[Any]) -> bytes:
+    """Return what the camera sees, three bytes a pixel."""
+    distance, yaw, pitch, target = camera
+    view = bullet.computeViewMatrixFromYawPitchRoll(target, distance, yaw, pitch, 0, 2)
+    lens = bullet.computeProjectionMatrixFOV(60.0, WIDTH / HEIGHT, 0.02, 50.0)
+    drawn = bullet.getCameraImage(
+        WIDTH,
+        HEIGHT,
+        view,
+        lens,
+        lightDirection=(1.0, 1.0, 2.0),
+        renderer=bullet.ER_TINY_RENDERER,
+        flags=bullet.ER_NO_SEGMENTATION_MASK,
+    )
+    import numpy as np
+
+    pixels = np.asarray(drawn[2], dtype=np.uint8).reshape(HEIGHT, WIDTH, 4)
+    return np.ascontiguousarray(pixels[:, :, :3]).tobytes()
+
+
+def _overview() -> tuple[float, float, float, tuple[float, ...]]:
+    """Return a camera that sees what is not fixed to the ground, and the ground below it."""
+    places = [(0.0, 0.0, 0.0)]
+    for body in _bodies(bullet):
+        if bullet.getDynamicsInfo(body, -1)[0] > 0.0 or bullet.getNumJoints(body):
+            low, high = bullet.getAABB(body)
+            places += [low, high]
+    lows, highs = ([f(each) for each in zip(*places, strict=True)] for f in (min, max))
+    lows, highs = [max(each, -20.0) for each in lows], [min(each, 20.0) for each in highs]
+    size = max(0.5, *(high - low for low, high in zip(lows, highs, strict=True)))
+    return 1.7 * size, 50.0, -25.0, tuple((low + high) / 2.0 for low, high in zip(lows, highs, strict=True))
+
+
+def state_digest(module: Any) -> bytes:
+    """Return the SHA-256 of all that can be told of the bodies: two worlds with the same one are alike."""
+    told = hashlib.sha256()
+    for numbers in _state(module):
+        told.update(struct.pack(f"<{len(numbers)}d", *numbers))
+    return told.digest()
+
+
+def _state(module: Any) -> Iterator[tuple[float, ...]]:
+    for body in _bodies(module):
+        place, turn = module.getBasePositionAndOrientation(body)
+        speed, spin = module.getBaseVelocity(body)
+        yield (*place, *turn, *speed, *spin)
+        for joint in range(module.getNumJoints(body)):
+            position, velocity, _, torque = module.getJointState(body, joint)
+            yield (position, velocity, torque)

@@ -1,0 +1,308 @@
+"""Have recorded PyBullet calls carried out in a second confined process, and read what it tells.
+
+That process has run nothing of the student's, but PyBullet is written in C++ and gets a stranger's arguments
+there: so its frames are read as strictly as a script's, and it is confined as one.
+"""
+
+import json
+import math
+import struct
+from typing import Any, Final
+
+import numpy as np
+
+from grader.contracts.assignment import Watch
+from grader.contracts.errors import ProtocolError
+from grader.contracts.replay import Replayed, ReplayedBody, ReplayEnd
+from grader.contracts.trajectory import Floats, Picture, Trajectory
+from grader.sim.frames import Link
+from grader.sim.png import png_of
+from grader.sim.recorded_calls import RecordedCalls
+from grader.sim.wire import CALLS, START
+
+FINISH: Final = 0x31
+BODY, SAMPLE, PICTURE, APPLIED, ENDED = 0x40, 0x41, 0x42, 0x43, 0x44
+
+MOST_BODIES: Final = 10_000
+"""Of all worlds together, one after the other; at a time there are 64."""
+MOST_SAMPLES: Final = 60_000
+PICTURES: Final = 6
+MOST_PICTURES: Final = 8
+_MOST_SIDE: Final = 480
+_MOST_JOINTS: Final = 64
+_MOST_CONTACTS: Final = 32
+_ROLES: Final = ("", "object", "robot")
+_ENDS: Final[tuple[ReplayEnd, ...]] = ("complete", "too_many_bodies")
+_OBJECT, _LINK, _PUSH = struct.Struct("<13d"), struct.Struct("<7d"), struct.Struct("<Hhd")
+_BODY_HEAD, _SAMPLE_HEAD = struct.Struct("<IHBHd"), struct.Struct("<qII")
+_PICTURE_HEAD, _APPLIED_HEAD, _ENDED_HEAD = (
+    struct.Struct("<qHHH"),
+    struct.Struct("<I"),
+    struct.Struct("<BII32s"),
+)
+
+
+class _Sample:
+    """One sample, as it came."""
+
+    __slots__ = ("calls", "joints", "link", "object", "pushes", "robot_joints", "steps", "t_ns")
+
+    def __init__(self, t_ns: int, steps: int, calls: int) -> None:
+        self.t_ns, self.steps, self.calls = t_ns, steps, calls
+        self.object: tuple[float, ...] = ()
+        self.joints: tuple[float, ...] = ()
+        self.link: tuple[float, ...] = ()
+        self.robot_joints: tuple[float, ...] = ()
+        self.pushes: tuple[tuple[int, int, float], ...] = ()
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether no number is NaN or infinite."""
+        numbers = (*self.object, *self.joints, *self.link, *self.robot_joints)
+        return all(map(math.isfinite, numbers)) and all(math.isfinite(force) for _, _, force in self.pushes)
+
+
+class _Fields:
+    """Reads the fields of one frame in order; an error names the frame."""
+
+    def __init__(self, name: str, body: bytes) -> None:
+        self._name, self._body, self._at = name, body, 1
+
+    def take(self, form: struct.Struct) -> tuple[Any, ...]:
+        try:
+            values = form.unpack_from(self._body, self._at)
+        except struct.error:
+            raise ProtocolError(f"replay: {self._name} is cut off") from None
+        self._at += form.size
+        return values
+
+    def count(self, most: int) -> int:
+        (count,) = self.take(_BYTE)
+        if count > most:
+            raise ProtocolError(f"replay: {self._name} has {count} of what may be {most}")
+        return int(count)
+
+    def numbers(self, count: int) -> tuple[float, ...]:
+        return self.take(struct.Struct(f"<{count}d"))
+
+    def rest(self) -> bytes:
+        rest = self._body[self._at :]
+        self._at = len(self._body)
+        return rest
+
+    def end(self) -> None:
+        if self._at != len(self._body):
+            raise ProtocolError(f"replay: {self._name} is followed by {len(self._body) - self._at} bytes")
+
+
+_BYTE: Final = struct.Struct("<B")
+
+
+class Replay:
+    """One replay of `recorded`; `run` it on a link to a process that waits for START."""
+
+    def __init__(self, recorded: RecordedCalls, watch: Watch, pictures: int = PICTURES) -> None:
+        self._recorded = recorded
+        self._watch = watch
+        self._pictured = (
+            [recorded.steps * i // (pictures - 1) for i in range(pictures - 1)] if pictures else []
+        )
+        self._bodies: list[tuple[int, ReplayedBody]] = []
+        self._samples: list[_Sample] = []
+        self._pictures: list[tuple[int, int, int, bytearray]] = []  # time, width, height, rows so far
+        self._applied = 0
+        self._end: ReplayEnd | None = None
+        self._state = ""
+
+    def run(self, link: Link) -> bool:
+        """Carry out all calls; false: the process ended before it was done.
+
+        Raises:
+            ProtocolError: what it told cannot be read.
+        """
+        fields = {
+            "replay": {
+                "object": self._watch.object,
+                "robot": self._watch.robot,
+                "link": self._watch.link,
+                "pictures": [max(step, 1) for step in self._pictured],
+            }
+        }
+        text = json.dumps(fields).encode()
+        link.send(bytes((START,)) + struct.pack("<I", len(text)) + text)
+        for frame in self._recorded.frames:
+            link.send(struct.pack("<Bq", CALLS, 0) + frame)
+            if not self._hear(link, until=APPLIED):
+                return self._end is not None
+        link.send(bytes((FINISH,)))
+        self._hear(link, until=ENDED)
+        return self._end is not None
+
+    def _hear(self, link: Link, until: int) -> bool:
+        """Take frames up to one of the kind `until`; false: ENDED came, or nothing more."""
+        while (body := link.receive()) is not None:
+            self._take(body)
+            if body[0] == ENDED:
+                return False
+            if body[0] == until:
+                return True
+        return False
+
+    def _take(self, body: bytes) -> None:
+        kind = body[0]
+        if kind == BODY:
+            self._take_body(_Fields("BODY", body))
+        elif kind == SAMPLE:
+            self._take_sample(_Fields("SAMPLE", body))
+        elif kind == PICTURE:
+            self._take_picture(_Fields("PICTURE", body))
+        elif kind == APPLIED:
+            fields = _Fields("APPLIED", body)
+            (applied,) = fields.take(_APPLIED_HEAD)
+            fields.end()
+            self._applied = min(applied, self._recorded.count)
+        elif kind == ENDED:
+            self._take_end(_Fields("ENDED", body))
+        else:
+            raise ProtocolError(f"replay: unknown frame kind 0x{kind:02x}")
+
+    def _take_body(self, fields: _Fields) -> None:
+        call, identity, role, joints, mass = fields.take(_BODY_HEAD)
+        fields.end()
+        if role >= len(_ROLES) or len(self._bodies) == MOST_BODIES:
+            raise ProtocolError("replay: BODY.role is unknown, or there are too many bodies")
+        body = ReplayedBody(
+            id=identity,
+            role=_ROLES[role],
+            file=self._recorded.files.get(call, ""),
+            joints=joints,
+            mass_kg=mass if math.isfinite(mass) else 0.0,
+        )
+        self._bodies.append((call, body))
+
+    def _take_sample(self, fields: _Fields) -> None:
+        t_ns, steps, calls = fields.take(_SAMPLE_HEAD)
+        sample = _Sample(t_ns, steps, calls)
+        if fields.count(1):
+            sample.object = fields.numbers(13)
+            sample.joints = fields.numbers(fields.count(_MOST_JOINTS))
+        if fields.count(1):
+            sample.link = fields.numbers(7)
+            sample.robot_joints = fields.numbers(fields.count(_MOST_JOINTS))
+        touching = range(fields.count(_MOST_CONTACTS))
+        sample.pushes = tuple(
+            (body, link, force) for body, link, force in (fields.take(_PUSH) for _ in touching)
+        )
+        fields.end()
+        if len(self._samples) == MOST_SAMPLES or t_ns < 0:
+            raise ProtocolError("replay: too many samples, or one before the start")
+        self._samples.append(sample)
+
+    def _take_picture(self, fields: _Fields) -> None:
+        t_ns, width, height, row = fields.take(_PICTURE_HEAD)
+        rows = fields.rest()
+        if not (0 < width <= _MOST_SIDE and 0 < height <= _MOST_SIDE):
+            raise ProtocolError(f"replay: PICTURE is {width} by {height} pixels")
+        if row == 0:
+            if len(self._pictures) == MOST_PICTURES:
+                raise ProtocolError("replay: too many pictures")
+            self._pictures.append((t_ns, width, height, bytearray()))
+        if not self._pictures or len(self._pictures[-1][3]) + len(rows) > 3 * width * height:
+            raise ProtocolError("replay: PICTURE has rows of no picture")
+        self._pictures[-1][3].extend(rows)
+
+    def _take_end(self, fields: _Fields) -> None:
+        reason, _, _, state = fields.take(_ENDED_HEAD)
+        fields.end()
+        if reason >= len(_ENDS):
+            raise ProtocolError("replay: ENDED.reason is unknown")
+        self._end = _ENDS[reason]
+        self._state = state.hex() if any(state) else ""
+
+    # ------------------------------------------------------------------------------------------- account
+
+    @property
+    def applied(self) -> int:
+        """How many calls were carried out for certain."""
+        return self._applied
+
+    def account(self, end: ReplayEnd | None = None) -> Replayed:
+        """Return what was seen, up to what is not finite; `end`: why it did not come to its own end."""
+        first = self._recorded.first_call
+        samples = _in_order([one for one in self._samples if first == 0 or one.calls > first])
+        finite = next((i for i, one in enumerate(samples) if not one.is_finite), len(samples))
+        told = end or self._end or "crashed"
+        if finite < len(samples) or (told == "complete" and self._recorded.not_finite is not None):
+            told = "not_finite"
+        samples = samples[:finite]
+        return Replayed(
+            end=told,
+            steps=samples[-1].steps if samples else 0,
+            calls=self._recorded.count,
+            gravity=self._recorded.gravity,
+            t_ns=np.array([one.t_ns for one in samples], dtype=np.int64),
+            object=_rows([one.object for one in samples], 13),
+            object_joints=_rows([one.joints for one in samples]),
+            link=_rows([one.link for one in samples], 7),
+            robot_joints=_rows([one.robot_joints for one in samples]),
+            pushes=tuple(one.pushes for one in samples),
+            bodies=tuple(body for call, body in self._bodies if first == 0 or call > first),
+            tricks=tuple(self._recorded.tricks),
+            pictures=tuple(_finished(*one) for one in self._pictures if len(one[3]) == 3 * one[1] * one[2]),
+            state=self._state,
+        )
+
+
+def _in_order(samples: list[_Sample]) -> list[_Sample]:
+    """Return the samples whose time goes on."""
+    kept: list[_Sample] = []
+    for sample in samples:
+        if not kept or sample.t_ns > kept[-1].t_ns:
+            kept.append(sample)
+    return kept
+
+
+def _rows(rows: list[tuple[float, ...]], width: int | None = None) -> Floats:
+    """Return rows of one width, the longest one's; what is missing is NaN."""
+    wide = max(map(len, rows), default=0) if width is None else width
+    table = np.full((len(rows), wide), np.nan)
+    for i, row in enumerate(rows):
+        table[i, : len(row)] = row
+    return table
+
+
+def _finished(t_ns: int, width: int, height: int, rows: bytearray) -> Picture:
+    return Picture(t_ns=t_ns, png=png_of(width, height, bytes(rows)))
+
+
+def planar(replayed: Replayed) -> Trajectory:
+    """Return the object's way seen from above; where there is none, the robot's link's; else a point at rest."""
+    place = replayed.object if np.isfinite(replayed.object).any() else replayed.link
+    there = np.isfinite(place).all(axis=1) if len(place) else np.zeros(0, dtype=bool)
+    if not there.any():
+        zero = np.zeros(1)
+        return Trajectory(
+            t_ns=np.zeros(1, dtype=np.int64),
+            x_m=zero,
+            y_m=zero,
+            heading_rad=zero,
+            v_mps=zero,
+            w_radps=zero,
+            end_ns=int(replayed.t_ns[-1]) if len(replayed.t_ns) else 0,
+            pictures=replayed.pictures,
+        )
+    rows, t_ns = place[there], replayed.t_ns[there]
+    x, y, z, w = rows[:, 3], rows[:, 4], rows[:, 5], rows[:, 6]
+    heading = np.unwrap(np.arctan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z)))
+    seconds = np.maximum(np.diff(t_ns), 1) * 1e-9
+    ahead = np.diff(rows[:, 0]) * np.cos(heading[1:]) + np.diff(rows[:, 1]) * np.sin(heading[1:])
+    return Trajectory(
+        t_ns=t_ns,
+        x_m=rows[:, 0].copy(),
+        y_m=rows[:, 1].copy(),
+        heading_rad=heading,
+        v_mps=np.concatenate(([0.0], ahead / seconds)),
+        w_radps=np.concatenate(([0.0], np.diff(heading) / seconds)),
+        end_ns=int(t_ns[-1]),
+        pictures=replayed.pictures,
+    )
