@@ -36,7 +36,8 @@ class _StrictLoader(_Loader):  # type: ignore[misc]
 
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen: set[str] = set()
-        for key, _ in node.value:
+        fields = node.value if isinstance(node, yaml.MappingNode) else ()  # else: `!!map [a]`, refused below
+        for key, _ in fields:
             if not isinstance(key, yaml.ScalarNode):
                 told = Text(zh="字段名要写成一个词", en="a field's name is one word; write it so")
                 raise WrongKeyError(told, key.start_mark)

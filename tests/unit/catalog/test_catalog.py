@@ -142,6 +142,8 @@ def test_an_edit_is_seen_without_a_restart(tmp_path: Path) -> None:
         ("order: 1", "order: 2026-02-30", 3, ("not valid YAML", "day is out of range")),
         ("order: 1", "order: !!bool maybe", 3, ("not valid YAML", "maybe")),
         ("order: 1", "order: !!timestamp soon", 3, ("not valid YAML",)),
+        ("order: 1", "order: !!map [1]", 3, ("not valid YAML", "mapping")),
+        ("order: 1", "order: !!map 1", 3, ("not valid YAML", "mapping")),
         ("title: {zh: 演示, en: Demo}", "title: 演示", 4, ("title", "{zh: 标题, en: Title}")),
         ("check: node", "check: node\nhorizon_s: 1e9", 7, ("horizon_s", "600")),
         (
