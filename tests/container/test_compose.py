@@ -21,6 +21,7 @@ SERVICES: dict[str, dict[str, Any]] = COMPOSE["services"]
 OURS = ("api", "worker")
 SHARED_MAPPINGS = 384 * MIB  # docs/sandbox.md: what a script may take beyond its limit
 GRADING_PROCESS = 150 * MIB
+SERVICE, LIVE_CAR = 300 * MIB, 60 * MIB
 UNITS = {"m": MIB, "g": 1024 * MIB}
 
 
@@ -103,6 +104,14 @@ def test_a_worker_has_room_for_its_scripts() -> None:
     slots = int(worker["environment"]["GRADER_SLOTS"])
     needed = slots * (Limits().memory_bytes + SHARED_MAPPINGS + GRADING_PROCESS)
     assert size(worker["deploy"]["resources"]["limits"]["memory"]) >= needed
+
+
+def test_the_service_has_room_for_practice_and_live_cars() -> None:
+    """Else a script that is only practised ends the service, or everybody's cars."""
+    settings = Settings()
+    script = Limits().memory_bytes + SHARED_MAPPINGS + GRADING_PROCESS
+    needed = SERVICE + settings.practice_runs * script + settings.live_cars * LIVE_CAR
+    assert size(SERVICES["api"]["deploy"]["resources"]["limits"]["memory"]) >= needed
 
 
 def test_only_the_service_is_reached_and_only_from_this_machine() -> None:
