@@ -1,7 +1,8 @@
 """Twenty live cars at once, read and driven, while a class hands in: how steadily do poses come, uploads go?
 
 Each car is driven in circles by one client and read by another; a quarter of the cars have a third one besides,
-which asks for everything and never reads. At the end the service is told to stop. Exit code 1 if poses do not come
+which asks for everything and never reads. Before that the class hands in alone, to compare. At the end the service
+is told to stop. Exit code 1 if poses do not come
 at 62.5 Hz within five percent, or if a connection outlives the stop by more than a second.
 """
 
@@ -86,6 +87,9 @@ def main() -> int:
 def measure(service: Service, tokens: list[str], seconds: float, per_s: float) -> int:
     """Open the cars, look at them for so many seconds, stop the service; return the exit code."""
     address, pid = service.urls[0], service.running["api0"].pid
+    alone: list[float] = []
+    _hand_in(address, tokens, per_s, seconds, alone)
+    _tell(alone, "without a car")
     with httpx.Client(base_url=address, trust_env=False, timeout=60.0) as client:
         begun = time.monotonic()
         answers = [client.post("/api/v1/live", headers=_as(one)) for one in tokens]
@@ -113,10 +117,7 @@ def measure(service: Service, tokens: list[str], seconds: float, per_s: float) -
     own, together = spent[pid] / seconds, sum(spent.values()) / seconds
     print(f"service process {own:.1%} of a core; all processes {together:.1%}")
     print(f"memory {memory:.0f} MiB with {len(greedy)} clients that never read")
-    if uploads:
-        ranked = sorted(uploads)
-        p50, p99 = (ranked[min(int(len(ranked) * share), len(ranked) - 1)] for share in (0.5, 0.99))
-        print(f"{len(uploads)} uploads: p50 {p50 * 1000:.0f} ms, p99 {p99 * 1000:.0f} ms")
+    _tell(uploads, "beside them")
     told_s = time.monotonic()
     service.running["api0"].send_signal(signal.SIGTERM)
     stopped.set()
@@ -155,6 +156,13 @@ def _never_reading(url: str) -> websocket.WebSocket:
     return client
 
 
+def _tell(took_s: list[float], when: str) -> None:
+    if took_s:
+        ranked = sorted(took_s)
+        p50, p99 = (ranked[min(int(len(ranked) * share), len(ranked) - 1)] for share in (0.5, 0.99))
+        print(f"{len(ranked)} uploads {when}: p50 {p50 * 1000:.0f} ms, p99 {p99 * 1000:.0f} ms")
+
+
 def _hand_in(address: str, tokens: list[str], per_s: float, seconds: float, took_s: list[float]) -> None:
     """Hand a lesson's script in so often, each time by the next student; note how long each upload took."""
     if not per_s:
@@ -165,7 +173,7 @@ def _hand_in(address: str, tokens: list[str], per_s: float, seconds: float, took
         for number in range(int(per_s * seconds)):
             time.sleep(max(begin_s + number / per_s - time.monotonic(), 0.0))
             sent_s = time.monotonic()
-            content = script + f"\n# {number}\n".encode()
+            content = script + f"\n# {number} {begin_s}\n".encode()
             client.post(
                 "/api/v1/submissions",
                 headers=_as(tokens[number % len(tokens)]),

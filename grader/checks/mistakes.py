@@ -340,13 +340,21 @@ def _unused_publisher(run: Run, world: World) -> tuple[Mistake, ...]:
         return (ended_at_once(run) or not_called(run) or mistake("never_spun", ended=ended),)
     if outcome.status is RunStatus.INTERRUPTED and (vain := waits_in_vain(run, world)) is not None:
         return (vain,)
-    if outcome.status is RunStatus.INTERRUPTED and noted(outcome, "launch_several") is not None:
+    if outcome.status is RunStatus.INTERRUPTED and _others_publish(outcome, topic):
         nodes = sorted({each.node for each in outcome.endpoints if each.name == topic})
         return (mistake("node_never_published", nodes=", ".join(nodes), topic=topic),)
     if outcome.status is RunStatus.INTERRUPTED:
         stuck = _spin_in_callback(run) or _behind_spin(run) or _waits(run)
         return (stuck or not_called(run) or _never_published(run),)
     return ()
+
+
+def _others_publish(outcome: RunOutcome, topic: str) -> bool:
+    """Whether there are other nodes, which published something: then a line with `publish` may be theirs."""
+    own = [each for each in outcome.endpoints if each.name not in _OWN_TOPICS]
+    commanding = {each.node for each in own if each.name == topic}
+    others = any(each.count and each.kind == "publisher" and each.node not in commanding for each in own)
+    return others or noted(outcome, "launch_several") is not None
 
 
 def ended_at_once(run: Run) -> Mistake | None:

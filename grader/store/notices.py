@@ -184,10 +184,8 @@ class Notices:
             if session.execute(select(col(row.id)).where(*late).limit(1)).first() is None:
                 return 0
         with self._database.writing() as session:
-            found = session.execute(select(NoticeRow).where(*late)).scalars().all()
-            for one in found:
-                one.body = ""
-            return len(found)
+            given_up = update(NoticeRow).where(*late).values(body="").returning(col(row.id))
+            return len(session.execute(given_up).all())
 
     def waiting(self) -> tuple[Notice, ...]:
         """Return notices that are to be sent now, oldest first; not all if there are many."""
@@ -208,8 +206,7 @@ class Notices:
         """Take it on to send a notice; None: another process does, or has, or it is too early or too late."""
         now = self._clock()
         with self._database.writing() as session:
-            one_at_a_time(session, "notice", notice_id)
-            row = session.get(NoticeRow, notice_id)
+            row = session.get(NoticeRow, notice_id, with_for_update=True)
             if row is None or row.sent_at is not None or not row.body:
                 return None
             if row.not_before > now or row.until <= now:

@@ -270,6 +270,32 @@ def test_two_of_one_module_that_spins_while_it_is_loaded(slot: Slot) -> None:
     assert sorted(outcome.stdout.text.split()) == ["one", "two"], outcome.stderr.text
 
 
+POOL = """import rclpy, time
+from concurrent.futures import ThreadPoolExecutor
+from std_msgs.msg import Float64
+
+pool = ThreadPoolExecutor(2)
+
+def main():
+    rclpy.init()
+    pub = rclpy.create_node('short').create_publisher(Float64, '/team/order', 10)
+    pool.submit(lambda: [(pub.publish(Float64()), time.sleep(0.1)) for _ in range(10)])
+"""
+
+
+def test_a_node_ends_whose_pool_of_threads_has_nothing_more_to_do(slot: Slot) -> None:
+    outcome = of(launched(slot, ask=POOL, drive=WATCHES.replace("rclpy.spin(node)", "return 7")))
+    assert (outcome.status, outcome.exit_code) == (RunStatus.FINISHED, 7), outcome.stderr.text
+
+
+def test_more_nodes_than_threads_are_refused_before_one_is_started(slot: Slot) -> None:
+    many = "*[Node(package='my_turtle', executable='ask', arguments=['x'], name=f'n{i}') for i in range({})]"
+    assert of(launched(slot, many.replace("{}", "63"))).stdout.text.count("ask my_turtle.ask") == 63
+    outcome = of(launched(slot, many.replace("{}", "64")))
+    assert (outcome.status, outcome.stdout.text) == (RunStatus.CRASHED, "")
+    assert "64 nodes of your own, of which 63 can run at once" in outcome.stderr.text
+
+
 @pytest.mark.parametrize(
     ("old", "new", "code", "words"),
     [

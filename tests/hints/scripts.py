@@ -66,6 +66,19 @@ _BY_POSE = (
     "rclpy.init()\nrclpy.spin(Drive())\n"
 )
 
+_BRAIN = (
+    "import rclpy\nfrom rclpy.node import Node\nfrom geometry_msgs.msg import Twist\nfrom std_msgs.msg import Float64\n"
+    "class Brain(Node):\n    def __init__(self):\n        super().__init__('brain')\n"
+    "        self.pub = self.create_publisher(Float64, 'speed', 10)\n        self.create_timer(0.1, self.tick)\n"
+    "    def tick(self):\n        self.pub.publish(Float64(data=1.0))\n"
+    "class Body(Node):\n    def __init__(self):\n        super().__init__('body')\n"
+    "        self.pub = self.create_publisher(Twist, '/turtle1/cmd_vel', 10)\n"
+    "        self.create_subscription(Float64, 'speed', self.on_speed, 10)\n"
+    "    def on_speed(self, speed):\n        msg = Twist()\n        msg.linear.x = speed.data\n        self.pub.publish(msg)\n"
+    "rclpy.init()\nbrain, body = Brain(), Body()\nex = rclpy.executors.MultiThreadedExecutor()\n"
+    "ex.add_node(brain)\nex.add_node(body)\nex.spin()\n"
+)
+
 SCRIPTS = (
     # Right ones: no hint.
     _script("hello as taught", "hello", ""),
@@ -83,6 +96,8 @@ SCRIPTS = (
     _script("strange but right", "straight", "", ("msg.angular.z = 0.0 ", "msg.angular.z = -0.0 ")),
     _script("shutdown guarded", "straight", "", ("        rclpy.shutdown()", "        if rclpy.ok():\n            rclpy.shutdown()")),
     _script("by pose", "", "", ("", _BY_POSE), to="straight"),
+    _script("brain and body", "", "", ("", _BRAIN), to="straight"),
+    _script("body not in the executor", "", "node_never_published", ("", _BRAIN), ("ex.add_node(body)", "pass"), words="/body", to="straight"),
     # What nobody sends.
     _script("pose with a capital", "", "topic_nearly", ("", _BY_POSE), ("/turtle1/pose", "/turtle1/Pose"), words="/turtle1/Pose|/turtle1/pose", to="straight"),
     _script("pose without the turtle", "", "topic_nearly", ("", _BY_POSE), ("/turtle1/pose", "pose"), words="/turtle1/pose", to="straight"),

@@ -15,7 +15,7 @@ from grader.contracts.appeal import AppealState
 from grader.contracts.errors import AppealError, CourseError, JudgementError, RefusedError, RegradeError
 from grader.contracts.grading import GradingJob
 from grader.contracts.identity import Role, RosterEntry
-from grader.contracts.notice import Draft, NoticeKind, Outlet
+from grader.contracts.notice import Draft, NewWebhook, NoticeKind, Outlet, Vendor
 from grader.contracts.platform import NewPlatform, PlatformLink
 from grader.contracts.regrade import RegradeState, Wanted
 from grader.contracts.rules import Rules
@@ -332,6 +332,26 @@ def test_a_notice_is_added_and_taken_on_once(database: Database, clock: FakeCloc
     assert [one.id for one in claims if one is not None] == [waiting.id]
     later = replace(draft, told={"due/square": "the day after"})
     assert kept.add("ros", [later, draft]) == 1
+
+
+def test_a_notice_is_taken_on_while_it_is_taken_away(database: Database, clock: FakeClock) -> None:
+    Courses(database, clock).create("ros", "ROS", "UTC", "me")
+    kept, signed = Notices(database, clock), Signature(clock(), "ros", "wang")
+    hook = NewWebhook(outlet=Outlet.CLASS, vendor=Vendor.WECOM, address="https://a.example/x?key=k")
+    until = clock() + timedelta(days=1)
+    for turn in range(20):
+        kept.set_webhook(hook, signed)
+        told = {"due/square": str(turn)}
+        draft = Draft(outlet=Outlet.CLASS, kind=NoticeKind.DUE, heading="x", body="x", until=until, told=told)
+        assert kept.add("ros", [draft]) == 1
+        (waiting,) = kept.waiting()
+
+        def act(number: int, id_: str = waiting.id) -> object:
+            return kept.remove_webhook(Outlet.CLASS, signed) if number == 0 else kept.claim(id_)
+
+        removed, *claims = at_once(act)
+        assert removed is True
+        assert [one for one in claims if isinstance(one, Exception)] == []
 
 
 def used_by(database: Database, clock: FakeClock, course: str) -> OwnAssignments:

@@ -72,3 +72,17 @@ def test_problems_speak_the_pages_language(browser: Browser) -> None:
     browser.get("/?lang=en")
     assert "There is nothing at this address" in browser.get("/nothing").text
     assert "There is no such assignment" in browser.get("/assignments/nothing").text
+
+
+def test_what_a_page_sends_itself_is_refused_in_its_language(
+    browser: Browser, tokens: dict[str, str]
+) -> None:
+    browser.enter(token=tokens["li"])
+    for page, where in (
+        ("/playground", 'id="start" method="post" action="([^"]*)"'),
+        ("/assignments/square/practice", 'data-run="([^"]*)"'),
+    ):
+        (address,) = re.findall(where, browser.get(page).text)
+        headers = {"Accept": "application/json", "Accept-Language": "en"}
+        refused = browser.client.post(address, files={"form_token": (None, "x")}, headers=headers)
+        assert (refused.status_code, refused.json()["title"]) == (403, "这个表单已经失效"), page

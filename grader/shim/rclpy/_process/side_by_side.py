@@ -15,11 +15,13 @@ import _frozen_importlib
 import gc
 import sys
 import threading
+from concurrent.futures import thread as pools
 from types import ModuleType
+from weakref import WeakKeyDictionary
 
 import rclpy
 from rclpy import context, signals, utilities
-from rclpy._kernel import Thread, kernel
+from rclpy._kernel import MAX_THREADS, Thread, kernel
 from rclpy._patches.locks import deadline_after
 from rclpy._patches.signal import signals as handlers
 from rclpy._patches.threads import start
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
 
     Guard = Callable[[Callable[[], None]], None]
 
+_AT_EXIT = "_threading_atexits"
 _OWN: tuple[tuple[Any, str], ...] = (
     (sys, "argv"),
     (sys, "orig_argv"),
@@ -58,6 +61,9 @@ _OWN: tuple[tuple[Any, str], ...] = (
     (logs, "_nodes"),
     (logs, "_late"),
     (threading, "_main_thread"),
+    (threading, _AT_EXIT),
+    (pools, "_shutdown"),
+    (pools, "_threads_queues"),
     (_frozen_importlib, "_module_locks"),  # one that never ends loading a module holds up no other
 )
 """What each program has for itself: objects and names of their attributes."""
@@ -90,7 +96,8 @@ class Program:
         self.modules = {"__main__": main}
         self.values = [
             argv, [sys.executable, *argv], thread, False, None, [], [], dict(handlers.handlers), [], None, None,
-            SignalHandlerOptions.NO, False, 0, None, {}, {}, False, {}, {}, _MainThread(thread), {},
+            SignalHandlerOptions.NO, False, 0, None, {}, {}, False, {}, {}, _MainThread(thread),
+            list(getattr(threading, _AT_EXIT)), False, WeakKeyDictionary(), {},
         ]  # fmt: skip
         return thread
 
@@ -170,7 +177,12 @@ def run(nodes: list[Any], guard: Guard) -> None:
     Args:
         nodes: of the student's packages, as the launch file described them.
         guard: calls a function and takes what it raises for the program's end.
+
+    Raises:
+        RuntimeError: there are more than there can be threads.
     """
+    if len(nodes) >= MAX_THREADS:
+        raise RuntimeError(f"{len(nodes)} nodes of your own, of which {MAX_THREADS - 1} can run at once here")
     programs = [Program(node) for node in nodes]
     images.begin(programs, workspace.module_names())
     threads = [program.main_thread() for program in programs]  # all, before the first one may run
@@ -206,6 +218,8 @@ def _join_threads() -> None:
     """Wait for the program's threads that are no daemons; after Ctrl+C nobody waits any more."""
     me = kernel.running
     if not kernel.interrupted:
+        for call in reversed(getattr(threading, _AT_EXIT)):
+            call()
         kernel.main_ended = True
         others = "the end of a node's program waits for its other threads"
         kernel.wait(
