@@ -25,6 +25,7 @@ from grader.store.audit import AuditLog, Signature
 from grader.store.course_life import CourseLife
 from grader.store.courses import Courses
 from grader.store.database import Database
+from grader.store.identities import Identities
 from grader.store.intake import take_in
 from grader.store.judgements import Given, Judgements
 from grader.store.notices import Notices
@@ -426,6 +427,7 @@ def test_a_platform_is_removed_while_its_scores_are_sent(
             **dict.fromkeys(addresses, "https://moodle.example"),
         )
         platform = platforms.add(new, signed)
+        assert Identities(database, clock).bind(platform.provider, "3", course, "li", by_token=True)
         links = [
             PlatformLink(
                 platform=platform.id,

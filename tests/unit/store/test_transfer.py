@@ -62,6 +62,7 @@ def fill(database: Database) -> str:
     used = platforms.add(NewPlatform(**texts), signed)
     line = {"resource": "1", "title": "方", "assignment": "square", "line_item": ""}
     opened = platforms.open_link(PlatformLink(platform=used.id, used_at=clock(), **line))
+    assert identities.bind(used.provider, "l1", "ros", "li", by_token=True)
     assert PlatformScores(database, clock).claim(opened, "ros", "li", "a" * 64)
     assert platforms.use("message", clock())
     platforms.invite(signed)
