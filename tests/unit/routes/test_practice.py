@@ -296,6 +296,22 @@ def test_who_goes_away_from_a_run_has_it_still(
     wait_until(lambda: practise().json()["code"] == "too_many_requests")  # it was charged, too
 
 
+def test_who_follows_has_a_request_under_way(
+    follow: Follow, grader: Recording, client: httpx.Client, school: Any, services: Services
+) -> None:
+    """So nobody collects answers that they do not read."""
+    services.allowances.requests_at_once._most = 1
+    grader.hold()
+    with follow() as events:
+        next(events)
+        assert (
+            client.get("/api/v1/assignments", headers=school.as_("li")).json()["code"] == "too_many_at_once"
+        )
+        grader.release()
+        assert list(events)[-1][0] == "seen"
+    wait_until(lambda: client.get("/api/v1/assignments", headers=school.as_("li")).status_code == 200)
+
+
 @pytest.mark.parametrize(
     ("fault", "code"),
     [
