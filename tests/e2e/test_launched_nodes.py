@@ -288,6 +288,14 @@ def test_a_node_ends_whose_pool_of_threads_has_nothing_more_to_do(slot: Slot) ->
     assert (outcome.status, outcome.exit_code) == (RunStatus.FINISHED, 7), outcome.stderr.text
 
 
+def test_a_node_that_leaves_a_dead_proxy_behind_takes_its_things_along(slot: Slot) -> None:
+    proxy = "proxies.append(__import__('weakref').proxy(type('Gone', (), {})()))"
+    ask = DIES.replace("{end}", proxy).replace("def forever", "proxies = []\n\ndef forever")
+    outcome = of(launched(slot, ask=ask, drive=WATCHES))
+    assert outcome.stdout.text.startswith("True False 1"), outcome.stderr.text
+    assert "ReferenceError" not in outcome.stderr.text
+
+
 def test_more_nodes_than_threads_are_refused_before_one_is_started(slot: Slot) -> None:
     many = "*[Node(package='my_turtle', executable='ask', arguments=['x'], name=f'n{i}') for i in range({})]"
     assert of(launched(slot, many.replace("{}", "63"))).stdout.text.count("ask my_turtle.ask") == 63

@@ -238,7 +238,8 @@ def _close(program: Program) -> None:
     """
     program.ended = True
     me = kernel.running
-    found = [each for each in gc.get_objects() if isinstance(each, (EndpointHandle, NodeHandle))]
+    # `isinstance` asks an object for its class, and a proxy of something that is gone then raises
+    found = [each for each in gc.get_objects() if issubclass(type(each), (EndpointHandle, NodeHandle))]
     endpoints = [each for each in found if isinstance(each, EndpointHandle) and _is_of(program, each.node)]
     nodes = [each for each in found if isinstance(each, NodeHandle) and _is_of(program, each)]
     endpoints.sort(key=lambda each: each.gid)
