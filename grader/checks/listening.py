@@ -40,7 +40,18 @@ def waits_in_vain(run: Run, world: World, *, surely: bool = False) -> Mistake | 
     """
     if run.agent or run.calls:
         return None  # the agent's topics and services are not known here
-    return _deaf_client(run, world) or _deaf_subscription(run, world, surely=surely)
+    return (
+        _without_clock(run, world)
+        or _deaf_client(run, world)
+        or _deaf_subscription(run, world, surely=surely)
+    )
+
+
+def _without_clock(run: Run, world: World) -> Mistake | None:
+    """Recognise a node that takes its time from a topic that only robots publish."""
+    waits = [each.node for each in _of_kind(run, "subscription") if each.name == "/clock"]
+    ticks = world.kind == "robot" or any(each.name == "/clock" for each in _of_kind(run, "publisher"))
+    return mistake("sim_time", node=waits[0]) if waits and not ticks else None
 
 
 def _deaf_client(run: Run, world: World) -> Mistake | None:

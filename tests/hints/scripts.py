@@ -101,6 +101,7 @@ SCRIPTS = (
     # What nobody sends.
     _script("pose with a capital", "", "topic_nearly", ("", _BY_POSE), ("/turtle1/pose", "/turtle1/Pose"), words="/turtle1/Pose|/turtle1/pose", to="straight"),
     _script("pose without the turtle", "", "topic_nearly", ("", _BY_POSE), ("/turtle1/pose", "pose"), words="/turtle1/pose", to="straight"),
+    _script("time of a simulation", "", "sim_time", ("", _BRAIN), ("super().__init__('brain')", "super().__init__('brain', parameter_overrides=[rclpy.parameter.Parameter('use_sim_time', value=True)])"), words="/brain|use_sim_time", to="straight"),
     _script("topic of nobody", "", "topic_nowhere", ("", _BY_POSE), ("/turtle1/pose", "/position"), words="/position|/turtle1/pose", to="straight"),
     _script("service misspelt", "", "service_nearly", ("", _BY_POSE), ("'/turtle1/set_pen", "'/turtle1/setpen"), words="/turtle1/setpen|/turtle1/set_pen", to="straight"),
     _script("service of nobody", "", "service_nowhere", ("", _BY_POSE), ("'/turtle1/set_pen", "'/battery"), words="/battery", to="straight"),
