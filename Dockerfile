@@ -39,10 +39,10 @@ RUN --mount=type=secret,id=pip.conf,target=/etc/pip.conf --mount=type=secret,id=
  && /opt/build/bin/pip install --no-cache-dir --require-hashes -r requirements-build.lock \
  && /opt/build/bin/pip --python /opt/grader/bin/python install --no-cache-dir --no-compile --require-hashes \
         -r requirements-extras.lock
-# What the grader never opens: PyBullet's models, environments and GPU renderer, compressors of bags, compilers of
+# What the grader never opens: PyBullet's environments, examples and GPU renderer, compressors of bags, compilers of
 # extensions, test suites, sources and type stubs of compiled modules; and 126 MB of debugging symbols in PyBullet.
 RUN cd /opt/grader/lib/python3.11/site-packages \
- && rm -r pybullet_data pybullet_envs pybullet_examples pybullet_robots pybullet_utils eglRenderer.*.so \
+ && rm -r pybullet_envs pybullet_examples eglRenderer.*.so \
         numpy/f2py numpy/distutils matplotlib/mpl-data/sample_data lz4 zstandard \
  && find . -type d -name tests -prune -exec rm -r {} + \
  && find . -type f '(' -name '*.pyi' -o -name '*.pyx' -o -name '*.pxd' -o -name '*.h' -o -name '*.a' ')' -delete \
@@ -57,6 +57,7 @@ RUN /opt/build/bin/pip wheel --no-cache-dir --no-deps --no-build-isolation --whe
  && /opt/build/bin/pip --python /opt/grader/bin/python install --no-compile --no-deps /tmp/dist/grader-*.whl \
  && cd /opt/grader/bin \
  && find . -type f ! -name grader -delete \
+ && ./python -m grader.jail.models \
  && ./python -m compileall -q -x '/(assignments|lesson)/' --invalidation-mode unchecked-hash /opt/grader/lib
 
 FROM scratch

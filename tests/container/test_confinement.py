@@ -53,6 +53,15 @@ def test_the_lessons_square_gets_full_marks(runtime: Runtime) -> None:
     assert "100 / 100" in good(runtime.run_program(command, shown={"/lesson": ROOT / "lesson"}))
 
 
+@pytest.mark.parametrize("name", ["pb_sphere", "panda_lift"])
+def test_a_pybullet_script_gets_full_marks(runtime: Runtime, name: str) -> None:
+    """With the models that the image keeps."""
+    command = ["grader", "check", f"/set/{name}/solution.py", "--assignment", name, "--lang", "en"]
+    assert "100 / 100" in good(
+        runtime.run_program(command, shown={"/set": ROOT / "assignments" / "pybullet"})
+    )
+
+
 @pytest.mark.parametrize(
     "part", ["tests/hostile/test_hostile.py", "tests/hostile/episode", "tests/unit/jail"]
 )

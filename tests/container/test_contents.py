@@ -31,7 +31,7 @@ def test_no_shell_installer_or_build_tool_is_inside(runtime: Runtime) -> None:
 
 
 def test_no_installer_or_test_suite_can_be_imported(runtime: Runtime) -> None:
-    unwanted = ("ensurepip", "hatchling", "pip", "pybullet_data", "pytest", "setuptools", "wheel")
+    unwanted = ("ensurepip", "hatchling", "pip", "pybullet_envs", "pytest", "setuptools", "wheel")
     source = f"import importlib.util as u; print([name for name in {unwanted} if u.find_spec(name)])"
     assert python(runtime, "-c", source) == "[]\n"
 
