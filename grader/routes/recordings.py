@@ -74,6 +74,9 @@ class TrajectoryView(BaseModel):
     commands: list[tuple[int, float, float]] = Field(
         description="[t_ns, v_mps, w_radps] as received.", examples=[[[0, 1.0, 0.0]]]
     )
+    pictures: list[tuple[int, str]] = Field(
+        default=[], description="Of a PyBullet world alone: [t_ns, PNG in Base64].", examples=[[]]
+    )
 
 
 @router.get(
