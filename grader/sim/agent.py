@@ -167,8 +167,9 @@ class Agent:
         self._read()
 
     def heard(self, topic: str, t_ns: int, payload: bytes) -> None:
-        """Take a message that the script published on one of `topics`."""
+        """Take a message that the script published on one of `topics`, and go on with what waited for it."""
         self._world.outbox.publish(topic, t_ns, payload)
+        self.run(t_ns)
 
     def _is_there(self) -> bool:
         """Whether what the present step speaks to exists."""

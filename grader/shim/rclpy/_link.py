@@ -35,6 +35,7 @@ bound keeps floods cheap. All of this depends on nothing but the script, so it i
 COUNT_EVERY = 100
 """A topic nobody in the world listens to: every how many messages one empty PUBLISH is sent."""
 
+_COMMANDS = "geometry_msgs/msg/Twist"
 _WHAT = {
     "node": _wire.NODE,
     "publisher": _wire.PUBLISHER,
@@ -103,6 +104,7 @@ class Link:
         self._listeners: tuple[int, ...] = ()  # the subscriptions they are for
         self._next_id = 1
         self._wanted: set[int] = set()
+        self._told: set[int] = set()  # publishers whose messages are no commands: somebody reads them
         self._counts: dict[int, int] = {}
         self._noted: set[str] = set()
         self._deliver: dict[int, Deliver] = {}
@@ -166,6 +168,8 @@ class Link:
         """Remember whether the world has to do with the entity, by its topic or service and type."""
         if what == "publisher" and (topic[0] == "/rosout" or topic in self._names.get("subscribes", ())):
             self._wanted.add(ident)
+            if topic[0] != "/rosout" and topic[1] != _COMMANDS:
+                self._told.add(ident)
         elif what == "subscription" and topic in self._names.get("publishes", ()):
             self._listening.add(ident)
         elif what == "service" and topic in self._names.get("calls", ()):
@@ -174,7 +178,7 @@ class Link:
             self._clients.add(ident)
 
     def _sort_out(self, ident: int) -> None:
-        for members in (self._wanted, self._listening, self._services, self._clients):
+        for members in (self._wanted, self._told, self._listening, self._services, self._clients):
             members.discard(ident)
 
     def _change_world(self, text: bytes) -> None:
@@ -230,6 +234,8 @@ class Link:
         else:
             self._last[ident] = cdr
             self._tell(frame)
+        if ident in self._told:
+            self._expect()  # who reads it may ask for something then
 
     def request(self, ident: int, sequence: int, cdr: bytes) -> None:
         """Send a request of client `ident` to a service of the world."""
@@ -243,6 +249,7 @@ class Link:
         """Answer a request of the world to service `ident`."""
         self._ask_again()
         self._tell(_wire.service(_wire.RESPONSE, ident, sequence, self._kernel.now_ns, cdr))
+        self._expect()  # who has got its answer may ask for something else
 
     def attach(self, ident: int, deliver: Deliver) -> None:
         """Have `deliver(sequence, t_ns, cdr)` called, from the kernel, for each event for `ident`."""
