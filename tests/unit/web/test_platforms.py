@@ -1,6 +1,9 @@
 """Launches from a learning platform: 1EdTech's certification list for tools, and what else must not get in."""
 
 import base64
+import hashlib
+import hmac
+import json
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import timedelta
@@ -10,7 +13,7 @@ from urllib.parse import parse_qsl, urlsplit
 import httpx
 import pytest
 from fastapi import FastAPI
-from joserfc import jwt
+from joserfc import jws, jwt
 
 from grader.contracts.assignment import Assignment
 from grader.contracts.identity import Role, RosterEntry
@@ -180,6 +183,10 @@ ACCEPTED: dict[str, Claims] = {
     "user name": {"custom": {"username": "li", "idnumber": ""}},
     "audience a list": {"aud": [CLIENT]},
     "several audiences": {"aud": [CLIENT, "x"], "azp": CLIENT},
+    "nothing of the person": {"custom": {"assignment": "square", "username": "li"}, "roles": []},
+    "a name of one part": {"family_name": "王"},
+    "context": {"context": {"id": "2", "label": "ROS2", "title": "机器人", "type": ["CourseSection"]}},
+    "e-mail without context": {"email": "li@example.edu", "context": ...},
     "no context": {"context": ...},
     "unknown claims": {"https://example.org/x": {"y": [1, None]}},
 }
@@ -192,6 +199,42 @@ def test_who_is_a_student_of_the_list_is_let_in(
     assert open_activity(client, moodle, ready, **ACCEPTED[how]).status_code == 200
     assert client.get("/submissions", follow_redirects=False).status_code == 200
     assert client.get("/class", follow_redirects=False).status_code == 403  # a role is never believed
+
+
+TEACHERS: dict[str, Claims] = {
+    "plain": {},
+    "several roles": {
+        "roles": [
+            "http://purl.imsglobal.org/vocab/lis/v2/membership#Instructor",
+            "http://purl.imsglobal.org/vocab/lis/v2/institution/person#Faculty",
+        ]
+    },
+    "short role": {"roles": ["Instructor"]},
+    "unknown role": {"roles": ["http://example.org/Unknown"]},
+    "no roles": {"roles": []},
+    "called a student": {"roles": ["Learner"]},
+    "only e-mail": {"email": "wang@example.edu"},
+    "only names": {"name": "王", "given_name": "", "family_name": "王"},
+    "e-mail without context": {"email": "wang@example.edu", "context": ...},
+}
+
+
+@pytest.mark.parametrize("how", TEACHERS)
+def test_who_teaches_by_the_list_is_let_in_as_a_teacher(
+    client: httpx.Client,
+    moodle: FakeProvider,
+    ready: Services,
+    platform: Platform,
+    tokens: dict[str, str],
+    how: str,
+) -> None:
+    """Nobody becomes a teacher by what a platform says: who is one has shown a token once."""
+    assert 'action="/enter/bind"' in open_activity(client, moodle, ready, custom={"idnumber": "wang"}).text
+    Browser(client).post("/enter/bind", {"token": tokens["wang"], "next": "/class"}, page="/enter")
+    client.cookies.clear()
+    said = {"roles": ["http://purl.imsglobal.org/vocab/lis/v2/membership#Instructor"], "custom": {}}
+    assert open_activity(client, moodle, ready, **(said | TEACHERS[how])).status_code == 200
+    assert client.get("/class", follow_redirects=False).status_code == 200
 
 
 @pytest.mark.parametrize("claimed", [("li", "han"), ("han", "li")])
@@ -232,11 +275,14 @@ REFUSED: dict[str, Claims] = {
     "no subject": {"sub": ...},
     "a subject that cannot be stored": {"sub": "3\0"},
     "a resource of 256 characters": {"resource_link": {"id": "x" * 256}},
+    "no end": {"exp": ...},
     "an end that no calendar has": {"exp": 1e300},
     "an end that is no number": {"exp": float("nan")},
     "another nonce": {"nonce": "x" * 43},
     "no nonce": {"nonce": ...},
     "another issuer": {"iss": "https://evil.example"},
+    "no issuer": {"iss": ...},
+    "no audience": {"aud": ...},
     "another client": {"aud": "other"},
     "audiences without azp": {"aud": [CLIENT, "x"]},
     "authorized for another": {"azp": "other"},
@@ -254,10 +300,39 @@ def test_a_message_that_lacks_something_lets_nobody_in(
     assert ready.platforms.links("ros") == ()
 
 
+def parts_naming(algorithm: str, claims: Claims) -> str:
+    """The first two parts of a message, which names a key that the platform has."""
+    parts = (json.dumps(one).encode() for one in ({"alg": algorithm, "kid": "first"}, claims))
+    return ".".join(base64.urlsafe_b64encode(one).decode().rstrip("=") for one in parts)
+
+
+def signed_with(secret: bytes, claims: Claims) -> str:
+    body = parts_naming("HS256", claims)
+    mac = hmac.digest(secret, body.encode(), hashlib.sha256)
+    return f"{body}.{base64.urlsafe_b64encode(mac).decode().rstrip('=')}"
+
+
+def changed_after_signing(moodle: FakeProvider, claims: Claims) -> str:
+    head, _, mac = moodle.signed(claims).split(".")
+    said = base64.urlsafe_b64encode(json.dumps(claims | {"sub": "4"}).encode()).decode().rstrip("=")
+    return f"{head}.{said}.{mac}"
+
+
 SIGNED: dict[str, Callable[[FakeProvider, Claims], str]] = {
     "alg none": lambda moodle, claims: moodle.unsigned(claims),
     "HS256 with the public key": lambda moodle, claims: moodle.by_secret(claims),
     "a key of nobody's": lambda moodle, claims: moodle.signed(claims, OTHER_KEY),
+    "a key of nobody's under a known id": lambda moodle, claims: jws.serialize_compact(
+        {"alg": "RS256", "kid": "first"}, json.dumps(claims), OTHER_KEY
+    ),
+    "the right key under a wrong id": lambda moodle, claims: jws.serialize_compact(
+        {"alg": "RS256", "kid": "third"}, json.dumps(claims), RSA
+    ),
+    "alg none with a known id": lambda moodle, claims: parts_naming("none", claims) + ".",
+    "HS256 with the public key as bytes": lambda moodle, claims: signed_with(
+        RSA.as_der(private=False), claims
+    ),
+    "a changed message": changed_after_signing,
     "no key id": lambda moodle, claims: jwt.encode({"alg": "RS256"}, claims, RSA),
     "another algorithm": lambda moodle, claims: jwt.encode(
         {"alg": "RS512", "kid": "first"}, claims, RSA, algorithms=["RS512"]
@@ -327,6 +402,52 @@ def test_another_browser_is_refused(
     client.cookies.clear()
     token = moodle.sign(message(asked, ready.clock().timestamp()))
     assert launch(client, token, asked["state"]).status_code == 403
+
+
+def test_a_message_answers_its_own_login_alone(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+) -> None:
+    """Whoever took a message cannot bring it with a login, a state and a cookie that are all good."""
+    taken = moodle.sign(message(login(client), ready.clock().timestamp()))
+    client.cookies.clear()
+    asked = login(client)
+    assert launch(client, taken, asked["state"]).status_code == 403
+    assert SESSION_COOKIE not in client.cookies
+
+
+def test_the_cookie_of_another_login_is_refused(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+) -> None:
+    asked = login(client)
+    token = moodle.sign(message(asked, ready.clock().timestamp()))
+    client.cookies.clear()
+    login(client)
+    assert launch(client, token, asked["state"]).status_code == 403
+    assert SESSION_COOKIE not in client.cookies
+
+
+def test_a_key_that_the_platform_withdrew_counts_no_more(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+) -> None:
+    assert open_activity(client, moodle, ready).status_code == 200
+    moodle.keys, moodle.sign = [OTHER_KEY], lambda claims: moodle.signed(claims, OTHER_KEY)
+    ready.clock.advance(61.0)
+    assert open_activity(client, moodle, ready).status_code == 200
+    client.cookies.clear()
+    moodle.sign = moodle.signed
+    assert open_activity(client, moodle, ready).status_code == 403
+
+
+def test_unknown_key_ids_ask_for_keys_once_a_minute(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform
+) -> None:
+    moodle.sign = lambda claims: moodle.signed(claims, OTHER_KEY)
+    moodle.asked.clear()
+    assert [open_activity(client, moodle, ready).status_code for _ in range(3)] == [403] * 3
+    assert moodle.asked == ["/keys"]
+    ready.clock.advance(61.0)
+    assert open_activity(client, moodle, ready).status_code == 403
+    assert moodle.asked == ["/keys"] * 2
 
 
 def test_new_keys_of_the_platform_are_fetched(
