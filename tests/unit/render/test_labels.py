@@ -32,7 +32,10 @@ def test_marks_differ_without_colour() -> None:
 @pytest.mark.parametrize(
     ("note", "zh"),
     [
-        (Note(code="wall", text="right"), "小车撞到了右墙：如果没有因此丢分，不用处理"),
+        (
+            Note(code="wall", text="right"),
+            "小车撞到了右墙：这条说明本身不扣分；如果有统计碰撞的评分项，由它扣分",
+        ),
         (
             Note(code="type_mismatch", text="/turtle1/cmd_vel"),
             "/turtle1/cmd_vel 上的消息类型不对，连接不上：检查 import 和创建时的第一个参数",
