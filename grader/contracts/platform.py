@@ -27,11 +27,12 @@ class NewPlatform:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Platform(NewPlatform):
-    """A platform that a course is used from."""
+    """A platform that a course is used from. `people_url`: where it tells who is in its course; may be empty."""
 
     id: str
     course: str
     created_at: datetime
+    people_url: str = ""
 
     @property
     def provider(self) -> str:

@@ -9,6 +9,7 @@ from urllib.parse import urlencode
 
 from grader.contracts.platform import Picking, Platform
 from grader.lti.picking import CLAIM, SETTINGS, read_picking
+from grader.lti.roster import address_in
 from grader.lti.scores import SCORE_SCOPE
 from grader.signin import SignInError
 from grader.signin.oidc import KeySet, check_token
@@ -40,6 +41,7 @@ class Launch:
         claimed: ids that the person may have in a class list.
         resource, title: of the activity. assignment: where the activity says that it leads; may be empty.
         line_item: where its scores go; empty: nowhere.
+        people_url: where the people of the platform's course are told; empty: nowhere.
         until_s: when the message ends.
         picking: what the platform asks to be chosen, where no activity was opened but new ones are made.
     """
@@ -50,6 +52,7 @@ class Launch:
     title: str = ""
     assignment: str = ""
     line_item: str = ""
+    people_url: str = ""
     until_s: float = 0.0
     picking: Picking | None = None
 
@@ -134,6 +137,7 @@ def _launch(claims: Mapping[str, Any], platform: Platform) -> Launch:
         title=_line(resource.get("title")),
         assignment=_text(custom.get("assignment")),
         line_item=_text(scores.get("lineitem")) if may_score else "",
+        people_url=address_in(claims),
         until_s=float(claims["exp"]),
         picking=picking,
     )

@@ -10,6 +10,7 @@ from urllib.parse import urlsplit
 import msgspec
 
 from grader.contracts.platform import NewPlatform
+from grader.lti.roster import ROSTER_SCOPE
 from grader.lti.scores import SCORE_SCOPE
 from grader.signin.channel import (
     UnreachableError,
@@ -119,7 +120,7 @@ def _tool(public_url: str, name: str) -> dict[str, Any]:
         "client_name": name,
         "jwks_uri": f"{public_url}/lti/keys",
         "token_endpoint_auth_method": "private_key_jwt",
-        "scope": SCORE_SCOPE,
+        "scope": f"{SCORE_SCOPE} {ROSTER_SCOPE}",
         _TOOL: {
             "domain": urlsplit(public_url).netloc,
             "target_link_uri": f"{public_url}/",

@@ -1,4 +1,7 @@
-"""Telling a platform what somebody reached (1EdTech, "Assignment and Grade Services 2.0"; RFC 7523)."""
+"""Telling a platform what somebody reached, and asking it who is in its course.
+
+Sources: 1EdTech, "Assignment and Grade Services 2.0" and "Names and Role Provisioning Services 2.0"; RFC 7523.
+"""
 
 import secrets
 import threading
@@ -11,7 +14,17 @@ from urllib.parse import urlsplit, urlunsplit
 import msgspec
 
 from grader.contracts.platform import Platform
-from grader.signin.channel import UnreachableError, decoded, post_form, post_json
+from grader.lti.roster import (
+    MOST_PAGES,
+    MOST_PEOPLE,
+    ROSTER_SCOPE,
+    ROSTER_TYPE,
+    Listed,
+    first_page,
+    next_page,
+    people_in,
+)
+from grader.signin.channel import UnreachableError, decoded, get_page, post_form, post_json
 
 SCORE_SCOPE: Final = "https://purl.imsglobal.org/spec/lti-ags/scope/score"
 _SCORE_TYPE = "application/vnd.ims.lis.v1.score+json"
@@ -23,7 +36,7 @@ _OK = (200, 201, 202, 204)
 
 
 class NotTakenError(Exception):
-    """A platform answered, and does not take a score; the message is for people who set platforms up."""
+    """A platform answered, and refuses what it was asked; the message is for people who set platforms up."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -94,8 +107,8 @@ def new_key() -> tuple[str, str]:
     return str(key.kid), msgspec.json.encode(key.as_dict(private=True)).decode()
 
 
-class ScoreChannel:
-    """Sends scores; keeps each platform's access token as long as it is good. Safe to share between threads.
+class PlatformChannel:
+    """Speaks to platforms; keeps their access tokens as long as they are good. Safe to share between threads.
 
     Args:
         signer: gives what signs now.
@@ -108,7 +121,7 @@ class ScoreChannel:
         self._clock_s = clock_s
         self._private = private
         self._lock = threading.Lock()
-        self._tokens: dict[str, tuple[str, float]] = {}
+        self._tokens: dict[tuple[str, str], tuple[str, float]] = {}  # by platform and scope
 
     def send(self, platform: Platform, line_item: str, score: Score, at: datetime) -> None:
         """Send a score.
@@ -117,7 +130,7 @@ class ScoreChannel:
             UnreachableError: the platform does not answer.
             NotTakenError: it answers, and does not take it.
         """
-        token = self._token(platform)
+        token = self._token(platform, SCORE_SCOPE)
         status, content = post_json(
             _scores_of(line_item),
             msgspec.json.encode(score.body(at)),
@@ -127,9 +140,31 @@ class ScoreChannel:
         )
         if status == 401:  # the token may have been withdrawn; the next time another is asked for
             with self._lock:
-                self._tokens.pop(platform.id, None)
+                self._tokens.pop((platform.id, SCORE_SCOPE), None)
         if status not in _OK:
             raise NotTakenError(f"status {status}: {content[:200].decode(errors='replace')}")
+
+    def people(self, platform: Platform) -> tuple[Listed, ...]:
+        """Return who is in the platform's course.
+
+        Raises:
+            UnreachableError: the platform does not answer, or not in a form that can be read, or without end.
+            NotTakenError: it gives us no access.
+        """
+        found: list[Listed] = []
+        token = self._token(platform, ROSTER_SCOPE)
+        address: str | None = first_page(platform.people_url)
+        pages = 0
+        while address is not None and pages < MOST_PAGES and len(found) <= MOST_PEOPLE:
+            content, links = get_page(address, ROSTER_TYPE, token, public_only=not self._private)
+            found += people_in(content)
+            address = next_page(address, links)
+            pages += 1
+        if address is None and len(found) <= MOST_PEOPLE:
+            return tuple(found)
+        raise UnreachableError(
+            f"{platform.people_url}: more than {MOST_PEOPLE} people, or {MOST_PAGES} pages"
+        )
 
     def public_keys(self) -> dict[str, Any]:
         """Return the keys by which platforms check what they are sent."""
@@ -139,9 +174,9 @@ class ScoreChannel:
         """Return a message that a browser brings to a platform."""
         return self._signer().signed(claims)
 
-    def _token(self, platform: Platform) -> str:
+    def _token(self, platform: Platform, scope: str) -> str:
         with self._lock:
-            known, until_s = self._tokens.get(platform.id, ("", 0.0))
+            known, until_s = self._tokens.get((platform.id, scope), ("", 0.0))
         now_s = self._clock_s()
         if until_s > now_s:
             return known
@@ -157,7 +192,7 @@ class ScoreChannel:
             "grant_type": "client_credentials",
             "client_assertion_type": _ASSERTION_TYPE,
             "client_assertion": self._signer().signed(claims),
-            "scope": SCORE_SCOPE,
+            "scope": scope,
         }
         status, content = post_form(platform.token_url, form, None, public_only=not self._private)
         if status not in _OK:
@@ -168,7 +203,7 @@ class ScoreChannel:
             raise UnreachableError(f"{platform.token_url}: {error}") from None
         with self._lock:
             good_s = min(granted.expires_in, _LONGEST_GRANT_S)
-            self._tokens[platform.id] = granted.access_token, now_s + good_s - _LIFE_S
+            self._tokens[platform.id, scope] = granted.access_token, now_s + good_s - _LIFE_S
         return granted.access_token
 
 

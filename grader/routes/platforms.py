@@ -3,13 +3,14 @@
 from datetime import datetime
 from typing import Annotated
 
-from fastapi import APIRouter, Path, Response, status
+from fastapi import APIRouter, Path, Query, Response, status
 from pydantic import BaseModel, ConfigDict, Field
 
+from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.routes.dependencies import ENTRY_PROBLEMS, InstructorDep, ServicesDep
 from grader.routes.problems import responses
-from grader.use_cases import platforms
+from grader.use_cases import platform_people, platforms
 
 router = APIRouter(prefix="/api/v1/course/platforms", tags=["course"])
 _PRIVATE = {"Cache-Control": "no-store", "Vary": "Authorization"}
@@ -126,6 +127,66 @@ def post_platform(services: ServicesDep, caller: InstructorDep, body: PlatformBo
 def delete_platform(services: ServicesDep, caller: InstructorDep, platform: PlatformId) -> None:
     """Take nobody in from it any more, and send it no scores. Its people are signed out."""
     platforms.remove_platform(services, caller, platform)
+
+
+class NewPersonView(BaseModel):
+    """A student of a platform's course whom this course lacks."""
+
+    id: str = Field(examples=["20260123"])
+    name: str = Field(examples=["王小明"])
+    email: str | None = Field(examples=["wang@example.edu"])
+
+
+class PeopleView(BaseModel):
+    """Whom taking a platform's people in adds. Nobody is changed or removed, and all are students."""
+
+    added: list[NewPersonView] = Field(description="In order of id.")
+    known: int = Field(description="How many the course has.", examples=[41])
+    nameless: list[str] = Field(
+        description="Students there without an id that can stand in a class list, by their names.",
+        examples=[[]],
+    )
+    others: int = Field(description="How many there are no students.", examples=[2])
+    plan: str = Field(description="Names whom this adds.", examples=["1f0c9a7be2d45a60"])
+
+
+_PEOPLE = (*_READING, "platform_not_found", "platform_tells_nobody", "platform_people_refused")
+
+
+@router.get(
+    "/{platform}/people",
+    summary="Whom a platform's course has and this one lacks",
+    responses=responses(*_PEOPLE),
+)
+def read_people(
+    services: ServicesDep, caller: InstructorDep, platform: PlatformId, response: Response
+) -> PeopleView:
+    """Ask the platform (NRPS 2.0). It has said where, once somebody opened an activity there."""
+    response.headers.update(_PRIVATE)
+    return _people(platform_people.plan(services, caller, platform))
+
+
+@router.post(
+    "/{platform}/people",
+    summary="Take a platform's people into the class list",
+    responses=responses(*_PEOPLE, "course_archived", "changed_meanwhile"),
+)
+def post_people(
+    services: ServicesDep,
+    caller: InstructorDep,
+    platform: PlatformId,
+    plan: Annotated[str, Query(max_length=64, description="Refuse if others would be added.")] = "",
+) -> PeopleView:
+    """Add as students whom the course lacks."""
+    seen = Seen.one(plan) if plan else Seen(None)
+    return _people(platform_people.add(services, caller, platform, seen))
+
+
+def _people(plan: platform_people.PeoplePlan) -> PeopleView:
+    added = [NewPersonView(id=one.id, name=one.name, email=one.email) for one in plan.added]
+    return PeopleView(
+        added=added, known=plan.known, nameless=list(plan.nameless), others=plan.others, plan=plan.tag
+    )
 
 
 def _view(platform: object) -> PlatformView:

@@ -93,6 +93,8 @@ _STATUS = {
     "member_not_found": 404,
     "identity_not_found": 404,
     "platform_not_found": 404,
+    "platform_tells_nobody": 409,
+    "platform_people_refused": 502,
     "platform_unknown": 403,
     "picking_over": 410,
     "registration_over": 410,

@@ -12,7 +12,7 @@ import socket
 import ssl
 from collections.abc import Container, Mapping
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 from urllib.parse import urlsplit
 
 import msgspec
@@ -28,6 +28,14 @@ _LONGEST_S = 20.0
 _HOST = re.compile(r"[A-Za-z0-9._-]+|[0-9A-Fa-f:.]+")  # the second one stands in brackets
 _UNICAST = ipaddress.IPv6Network("2000::/3")
 _T = TypeVar("_T")
+
+
+class _Answer(NamedTuple):
+    """What came back. `links`: the header Link."""
+
+    status: int
+    content: bytes
+    links: str
 
 
 class UnreachableError(Exception):
@@ -67,7 +75,18 @@ def get(address: str, parameters: Mapping[str, str] | None = None, *, public_onl
     Raises:
         UnreachableError: nothing, nothing in time, too much, or no success.
     """
-    return _exchange("GET", address, public_only=public_only, params=parameters)[1]
+    return _exchange("GET", address, public_only=public_only, params=parameters).content
+
+
+def get_page(address: str, media_type: str, token: str, *, public_only: bool) -> tuple[bytes, str]:
+    """Return what an address answers to who shows `token`, and its header Link, which names what follows.
+
+    Raises:
+        UnreachableError: as `get`.
+    """
+    headers = {"Accept": media_type, "Authorization": f"Bearer {token}"}
+    answer = _exchange("GET", address, public_only=public_only, headers=headers)
+    return answer.content, answer.links
 
 
 def post_form(
@@ -78,9 +97,10 @@ def post_form(
     Raises:
         UnreachableError: as `get`; but a refusal, which is status 400 or 401, is an answer.
     """
-    return _exchange(
+    answer = _exchange(
         "POST", address, accepted=(200, 400, 401), public_only=public_only, data=form, auth=credentials
     )
+    return answer.status, answer.content
 
 
 def post_json(  # noqa: PLR0913
@@ -108,11 +128,12 @@ def post_json(  # noqa: PLR0913
     headers = {"Content-Type": media_type, **({"Authorization": f"Bearer {token}"} if token else {})}
     answers = range(200, 500)
     try:
-        return _exchange(
+        answer = _exchange(
             "POST", address, accepted=answers, public_only=public_only, headers=headers, content=content
         )
     except UnreachableError as error:
         raise UnreachableError(str(error).replace(address, shown or address)) from None
+    return answer.status, answer.content
 
 
 def decoded(content: bytes, kind: type[_T]) -> _T:
@@ -135,7 +156,7 @@ def _exchange(
     public_only: bool = False,
     headers: Mapping[str, str] = MappingProxyType({}),
     **request: Any,
-) -> tuple[int, bytes]:
+) -> _Answer:
     import httpx  # takes 10 MiB, which a service that asks nobody does without
 
     host = host_of(address.partition("?")[0])
@@ -148,20 +169,20 @@ def _exchange(
             sent["Host"] = url.netloc.decode()
             extensions["sni_hostname"] = host  # for which the certificate must be
             url = url.copy_with(host=_public(host, url.port or (443 if url.scheme == "https" else 80)))
-        status, content = asyncio.run(_answer(method, url, headers=sent, extensions=extensions, **request))
+        answer = asyncio.run(_answer(method, url, headers=sent, extensions=extensions, **request))
     except TimeoutError:
         raise UnreachableError(f"{address} answers for longer than {_LONGEST_S:.0f} s") from None
     except (httpx.HTTPError, httpx.InvalidURL, ValueError) as error:  # ValueError: no host, no header's text
         raise UnreachableError(f"{address}: {type(error).__name__}: {error}") from error
-    if status not in accepted:
-        raise UnreachableError(f"{address} answers {status}")
-    if len(content) > MOST_BYTES:
+    if answer.status not in accepted:
+        raise UnreachableError(f"{address} answers {answer.status}")
+    if len(answer.content) > MOST_BYTES:
         raise UnreachableError(f"{address} answers with more than {MOST_BYTES} bytes")
-    return status, content
+    return answer
 
 
-async def _answer(method: str, url: "httpx.URL", **request: Any) -> tuple[int, bytes]:
-    """Return status and content, which is cut off after `MOST_BYTES` and one more part.
+async def _answer(method: str, url: "httpx.URL", **request: Any) -> _Answer:
+    """Return what comes; its content is cut off after `MOST_BYTES` and one more part.
 
     Each wait of httpx is short, but a server that sends a byte at a time could make very many of them, also
     before its headers end. Only an asynchronous exchange can be given up as a whole.
@@ -180,7 +201,7 @@ async def _answer(method: str, url: "httpx.URL", **request: Any) -> tuple[int, b
             content += part
             if len(content) > MOST_BYTES:
                 break
-        return answer.status_code, content
+        return _Answer(answer.status_code, content, answer.headers.get("Link", ""))
 
 
 def trusting() -> ssl.SSLContext:

@@ -41,6 +41,12 @@ class Identities:
         with self._database.reading() as session:
             return tuple(as_contract(row, Identity) for row in session.execute(statement).scalars())
 
+    def subjects(self, provider: str) -> frozenset[str]:
+        """Return whom a provider has brought into any course."""
+        mine = select(col(IdentityRow.subject)).where(col(IdentityRow.provider) == provider)
+        with self._database.reading() as session:
+            return frozenset(session.execute(mine).scalars())
+
     def of_member(self, course: str, person: str) -> tuple[Identity, ...]:
         """Return by which names a member comes, oldest first."""
         own = col(IdentityRow.course) == course, col(IdentityRow.person) == person

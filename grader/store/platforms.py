@@ -98,6 +98,12 @@ class Platforms:
         with self._database.reading() as session:
             return tuple(as_contract(row, Platform) for row in session.execute(ordered).scalars())
 
+    def set_people_url(self, platform_id: str, address: str) -> None:
+        """Keep where a platform, if it is there, tells who is in its course."""
+        mine = update(PlatformRow).where(col(PlatformRow.id) == platform_id)
+        with self._database.writing() as session:
+            session.execute(mine.values(people_url=address))
+
     def exist(self) -> bool:
         """Return whether any course has a platform."""
         with self._database.reading() as session:

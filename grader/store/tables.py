@@ -565,6 +565,7 @@ class PlatformRow(SQLModel, table=True):
     login_url: str = Field(max_length=1000)
     token_url: str = Field(max_length=1000)
     keys_url: str = Field(max_length=1000)
+    people_url: str = Field(default="", max_length=1000, sa_column_kwargs={"server_default": ""})
     created_at: datetime = Field(sa_column=instant_column())
 
 

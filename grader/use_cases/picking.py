@@ -93,7 +93,7 @@ def choose(services: Services, secret: str, chosen: Collection[str], language: L
     address = f"{public_url(services)}/"
     items = [activity(one, language, address, scored=desk.asked.scored) for one in taken]
     claims = answer(desk.platform, desk.asked, items, services.clock().timestamp())
-    return Chosen(back=desk.asked.back, message=services.score_channel.signed(claims))
+    return Chosen(back=desk.asked.back, message=services.platform_channel.signed(claims))
 
 
 def _opened(services: Services, secret: str) -> tuple[Platform, OpenPicking]:

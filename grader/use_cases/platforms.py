@@ -70,6 +70,8 @@ def finish(services: Services, kept: Kept, token: str) -> Arrived:
         raise RefusedError(error.code) from None
     if not services.platforms.use(kept.nonce, datetime.fromtimestamp(launch.until_s, UTC)):
         raise RefusedError("signin_expired")
+    if launch.people_url and launch.people_url != platform.people_url:
+        services.platforms.set_people_url(platform.id, launch.people_url)
     services.identities.bind_claimed(
         platform.provider, launch.subject, persons=launch.claimed, within=platform.course
     )
@@ -115,7 +117,7 @@ def public_keys(services: Services) -> dict[str, Any]:
         RefusedError: the service is not set up for platforms.
     """
     public_url(services)
-    return services.score_channel.public_keys()
+    return services.platform_channel.public_keys()
 
 
 def add_platform(services: Services, caller: Caller, new: NewPlatform) -> Platform:

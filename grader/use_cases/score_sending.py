@@ -44,7 +44,7 @@ def _tell(services: Services, platform: Platform, link: PlatformLink, person: st
         return 0
     at = now if known.sent_at is None else max(now, known.sent_at + _A_SECOND)
     try:
-        services.score_channel.send(platform, link.line_item, score, at)
+        services.platform_channel.send(platform, link.line_item, score, at)
     except NotTakenError as error:
         store.failed(link, person, known.tries + 1, str(error))
         return 0

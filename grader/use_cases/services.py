@@ -11,7 +11,7 @@ from grader.contracts.submission import QueueState, WorkerState
 from grader.grading.practice import PracticeRuns
 from grader.live.cars import LiveCars
 from grader.lti import Launches
-from grader.lti.scores import ScoreChannel, Signer, new_key
+from grader.lti.scores import PlatformChannel, Signer, new_key
 from grader.notices.bots import BotChannel
 from grader.notices.mail import MailChannel
 from grader.settings import Settings
@@ -81,7 +81,7 @@ class Services:
     Attributes:
         callers: recognises who asks, by token.
         providers: who else recognises people. launches: reads what learning platforms say of people.
-        score_channel: tells them what people reached.
+        platform_channel: tells them what people reached.
         bots: speak in group chats. mail: sends e-mail; None: the operator has set up none.
         allowances: how much each of them may ask for.
     """
@@ -96,7 +96,7 @@ class Services:
     allowances: Allowances
     providers: Providers
     launches: Launches
-    score_channel: ScoreChannel
+    platform_channel: PlatformChannel
     bots: BotChannel
     mail: MailChannel | None
 
@@ -216,7 +216,7 @@ def telling(settings: Settings, clock: Clock, providers: Providers, platforms: P
 
     private = providers.private_platforms
     return {
-        "score_channel": ScoreChannel(signer, clock_s, private=private),
+        "platform_channel": PlatformChannel(signer, clock_s, private=private),
         "bots": BotChannel(clock_s, private=private),
         "mail": MailChannel.of(settings),
     }

@@ -13,9 +13,10 @@ from fastapi.responses import JSONResponse, RedirectResponse
 from pydantic import BaseModel, Field
 
 from grader.contracts.errors import RefusedError
+from grader.contracts.identity import Seen
 from grader.contracts.platform import NewPlatform
 from grader.lti import Kept
-from grader.use_cases import platforms, registering
+from grader.use_cases import platform_people, platforms, registering
 from grader.web.access import InstructorDep, ServicesDep, Visitor, require_staff
 from grader.web.errors import FRAMES, form_problem
 from grader.web.forms import require_own_form
@@ -38,6 +39,7 @@ _OURS = {
     "pick_url": PICK,
 }
 """What a platform asks for, by the name of the text that says so."""
+PlatformId = Annotated[str, Form(max_length=16)]
 
 
 class PlatformForm(BaseModel):
@@ -122,12 +124,46 @@ def invite(request: Request, services: ServicesDep, visitor: InstructorDep) -> R
 
 
 @desk.post("/remove", dependencies=[Depends(require_own_form)])
-def remove(
-    services: ServicesDep, visitor: InstructorDep, platform: Annotated[str, Form(max_length=16)] = ""
-) -> Response:
+def remove(services: ServicesDep, visitor: InstructorDep, platform: PlatformId = "") -> Response:
     """Take a platform away."""
     platforms.remove_platform(services, visitor.caller, platform)
     return RedirectResponse("/class/platforms", status_code=303)
+
+
+@desk.post("/people", dependencies=[Depends(require_own_form)])
+def preview_people(
+    request: Request, services: ServicesDep, visitor: InstructorDep, platform: PlatformId = ""
+) -> Response:
+    """Ask the platform who is in its course, and show whom that would add."""
+    return _people(request, services, visitor, platform)
+
+
+@desk.post("/people/add", dependencies=[Depends(require_own_form)])
+def add_people(
+    request: Request,
+    services: ServicesDep,
+    visitor: InstructorDep,
+    seen: Annotated[str, Form(max_length=64)],
+    platform: PlatformId = "",
+) -> Response:
+    """Add those whom the instructor has seen, or show them anew where they are others by now."""
+    try:
+        platform_people.add(services, visitor.caller, platform, Seen.one(seen))
+    except RefusedError as error:
+        if error.code == "changed_meanwhile":
+            return _people(request, services, visitor, platform, meanwhile=True)
+        return _desk(request, services, visitor, problem=form_problem(error, language_of(request)))
+    return RedirectResponse("/class/people?done=imported", status_code=303)
+
+
+def _people(
+    request: Request, services: ServicesDep, visitor: Visitor, platform: str, *, meanwhile: bool = False
+) -> Response:
+    try:
+        plan = platform_people.plan(services, visitor.caller, platform)
+    except RefusedError as error:
+        return _desk(request, services, visitor, problem=form_problem(error, language_of(request)))
+    return page(request, "platform_people.html", plan=plan, meanwhile=meanwhile)
 
 
 def _login(request: Request, services: ServicesDep, said: dict[str, str]) -> Response:

@@ -6,6 +6,7 @@ import hmac
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from email.message import Message
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from threading import Thread
 from typing import Any
@@ -52,6 +53,8 @@ class FakeProvider:
         self.tools: list[tuple[str, dict[str, Any]]] = []
         self.configured: dict[str, Any] = {}
         self.registered: tuple[int, Any] = (200, {})
+        self.people: list[Any] = [[]]  # pages of its course
+        self.elsewhere = ""
 
     def signed(self, claims: dict[str, Any], key: Any = RSA) -> str:
         return jws.serialize_compact({"alg": "RS256", "kid": key.kid}, json.dumps(claims), key)
@@ -129,6 +132,17 @@ class FakeProvider:
         self.scores.append(form)
         return 200
 
+    def members(self, query: dict[str, str], sent: Message) -> tuple[int, Any, str]:
+        """Return a page of who is in its course, and the header Link."""
+        if sent["Authorization"] != "Bearer t" or not sent["Accept"].startswith(
+            "application/vnd.ims.lti-nrps.v2"
+        ):
+            return 401, {}, ""
+        page = int(query.get("page", "0"))
+        following = f"{self.elsewhere or self.address}/people?type=1&page={page + 1}"
+        links = f'<{self.address}>; rel="first", <{following}>; rel="next"'
+        return 200, {"id": "x", "members": self.people[page]}, links if page + 1 < len(self.people) else ""
+
     def configuration(self) -> dict[str, Any]:
         """Return what a learning platform tells tools that register; `configured` changes it."""
         places = ("authorization", "registration", "token")
@@ -174,6 +188,9 @@ def provider() -> Iterator[FakeProvider]:
                 )
             elif parts.path == "/lti-configuration":
                 self._json(200, known.configuration())
+            elif parts.path == "/people":
+                status, document, links = known.members(dict(parse_qsl(parts.query)), self.headers)
+                self._say(status, json.dumps(document).encode(), links)
             elif parts.path == "/keys":
                 self._json(200, KeySet(known.keys).as_dict(private=False))
             elif parts.path in ("/cas/p3/serviceValidate", "/cas/serviceValidate"):
@@ -203,8 +220,10 @@ def provider() -> Iterator[FakeProvider]:
         def _json(self, status: int, document: dict[str, Any] | bytes) -> None:
             self._say(status, document if isinstance(document, bytes) else json.dumps(document).encode())
 
-        def _say(self, status: int, content: bytes) -> None:
+        def _say(self, status: int, content: bytes, links: str = "") -> None:
             self.send_response(status)
+            if links:
+                self.send_header("Link", links)
             self.send_header("Content-Length", str(len(content)))
             self.end_headers()
             self.wfile.write(content)

@@ -118,6 +118,8 @@ IN_COURSES: dict[str, tuple[int, ...]] = {
     "get /api/v1/course/platforms": INSTRUCTORS,
     "post /api/v1/course/platforms": (401, 401, 403, 403, 403, 409, 403, 409),  # not set up
     "delete /api/v1/course/platforms/{platform}": (401, 401, 403, 403, 403, 404, 403, 404),
+    "get /api/v1/course/platforms/{platform}/people": (401, 401, 403, 403, 403, 404, 403, 404),
+    "post /api/v1/course/platforms/{platform}/people": (401, 401, 403, 403, 403, 404, 403, 404),
     "get /api/v1/course/export.zip": INSTRUCTORS,
     "post /api/v1/course/retention": INSTRUCTORS,
     "post /api/v1/members/{person}/forget": (401, 401, 403, 403, 403, 200, 403, 404),
@@ -207,6 +209,8 @@ WITHOUT_COURSES: dict[str, tuple[int, int, int]] = {
     "get /api/v1/course/platforms": (401, 401, 409),
     "post /api/v1/course/platforms": (401, 401, 409),
     "delete /api/v1/course/platforms/{platform}": (401, 401, 409),
+    "get /api/v1/course/platforms/{platform}/people": (401, 401, 409),
+    "post /api/v1/course/platforms/{platform}/people": (401, 401, 409),
     "get /api/v1/course/export.zip": (401, 401, 409),
     "post /api/v1/course/retention": (401, 401, 409),
     "post /api/v1/members/{person}/forget": (401, 401, 409),

@@ -56,6 +56,7 @@ def test_others_are_not_found_and_in_no_list(
         of = {
             "assignment_id": "essay",
             "code": "empty",
+            "platform": "none",
             "person": "han",
             "item": "timer",
             "regrade_id": "none",

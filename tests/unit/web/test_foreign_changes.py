@@ -145,6 +145,10 @@ ROWS: dict[str, Row] = {
     "POST /class/platforms": Row("enter 403 403 403 409", PLATFORM, owner=""),
     "POST /class/platforms/invite": Row("enter 403 403 403 409", {}, owner=""),
     "POST /class/platforms/remove": Row("enter 403 403 403 404", {"platform": "{platform}"}),
+    "POST /class/platforms/people": Row("enter 403 403 403 404", {"platform": "{platform}"}, owner=""),
+    "POST /class/platforms/people/add": Row(
+        "enter 403 403 403 404", {"platform": "{platform}", "seen": "x"}, owner=""
+    ),
     "POST /class/notices/webhook": Row(
         "enter 403 403 403 ok", {"outlet": "staff", "vendor": "wecom", "address": BOT}
     ),
@@ -207,6 +211,7 @@ ROWS: dict[str, Row] = {
     ),
     "POST /api/v1/course/platforms": Row("401 403 403 403 409", json=PLATFORM, owner=""),
     "DELETE /api/v1/course/platforms/{platform}": Row("401 403 403 403 404"),
+    "POST /api/v1/course/platforms/{platform}/people": Row("401 403 403 403 404", owner=""),
     "DELETE /api/v1/course/notices/webhooks/{outlet}": Row("401 403 403 403 404"),
     "PUT /api/v1/course/notices/mail": Row(
         "401 403 403 403 409", json={"due": True, "graded": True, "faults": True}, owner=""

@@ -95,7 +95,7 @@ def answered(services: Services, page: httpx.Response) -> Claims:
     """Return what the platform is told, checked by the keys that the service tells."""
     where, fields = form_of(page)
     assert where == BACK
-    keys = KeySet.import_key_set(services.score_channel.public_keys())
+    keys = KeySet.import_key_set(services.platform_channel.public_keys())
     return dict(jwt.decode(fields["JWT"], keys, algorithms=["RS256"]).claims)
 
 

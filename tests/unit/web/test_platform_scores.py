@@ -12,7 +12,7 @@ from fastapi import FastAPI
 
 from grader.contracts.platform import NewPlatform, Platform, PlatformLink
 from grader.contracts.rules import LateRule, Rules
-from grader.lti.scores import Score, ScoreChannel, Signer, new_key
+from grader.lti.scores import PlatformChannel, Score, Signer, new_key
 from grader.signin import Providers
 from grader.signin.channel import UnreachableError
 from grader.store.audit import Signature
@@ -61,7 +61,7 @@ def linked(services: Services, moodle: FakeProvider, tokens: dict[str, str]) -> 
     made = replace(
         services,
         providers=Providers(public_url="https://grader.example.edu"),
-        score_channel=ScoreChannel(signer, clock_s, private=True),
+        platform_channel=PlatformChannel(signer, clock_s, private=True),
     )
     platform = add_platform(made, moodle)
     link(made, platform, f"{moodle.address}/items/7?type_id=1")
@@ -251,14 +251,14 @@ def test_a_platform_that_stumbles_stops_nobody_elses_scores(
     second = add_platform(linked, moodle, issuer="https://other.example")
     link(linked, second, f"{moodle.address}/items/7?type_id=1")
     assert linked.identities.bind(second.provider, "4", "ros", "li", by_token=False)
-    whole = ScoreChannel.send
+    whole = PlatformChannel.send
 
-    def send(self: ScoreChannel, platform: Platform, *others: object) -> None:
+    def send(self: PlatformChannel, platform: Platform, *others: object) -> None:
         if platform.id == min(first.id, second.id):
             raise RuntimeError("nobody thought of this")
         whole(self, platform, *others)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(ScoreChannel, "send", send)
+    monkeypatch.setattr(PlatformChannel, "send", send)
     assert send_scores(linked) == 1
     assert len(moodle.scores) == 1
 
@@ -280,9 +280,9 @@ def test_a_score_that_returns_after_an_unheard_answer_is_sent_again(
     """The platform may have taken what it was not heard to take: what it has is unknown until the next answer."""
     put(course="ros", student="li")
     send_scores(linked)
-    whole = ScoreChannel.send
+    whole = PlatformChannel.send
 
-    def unheard(self: ScoreChannel, *asked: object) -> None:
+    def unheard(self: PlatformChannel, *asked: object) -> None:
         whole(self, *asked)  # type: ignore[arg-type]
         raise UnreachableError("the connection broke while it answered")
 
@@ -290,7 +290,7 @@ def test_a_score_that_returns_after_an_unheard_answer_is_sent_again(
     items = linked.assignments.get("square").items
     linked.clock.advance(2.0)
     with monkeypatch.context() as patch:
-        patch.setattr(ScoreChannel, "send", unheard)
+        patch.setattr(PlatformChannel, "send", unheard)
         linked.rules.set("square", Rules(hidden_items=(items[0].id,)), signed)
         assert send_scores(linked) == 0
     assert given(moodle) == [5.0, None]
@@ -384,7 +384,9 @@ def test_a_new_key_signs_when_platforms_have_read_it(
 ) -> None:
     """The running service takes what another process made; no platform meets a key that it cannot know."""
     settings, clock = services.settings, services.clock
-    channel = telling(settings, clock, Providers(private_platforms=True), services.platforms)["score_channel"]
+    channel = telling(settings, clock, Providers(private_platforms=True), services.platforms)[
+        "platform_channel"
+    ]
 
     def shown() -> list[str]:
         return [one["kid"] for one in channel.public_keys()["keys"]]

@@ -87,7 +87,8 @@ def test_one_address_adds_a_platform(
         "client_name": "ROS 2 自动评分",
         "jwks_uri": f"{OURS}/lti/keys",
         "token_endpoint_auth_method": "private_key_jwt",
-        "scope": "https://purl.imsglobal.org/spec/lti-ags/scope/score",
+        "scope": "https://purl.imsglobal.org/spec/lti-ags/scope/score "
+        "https://purl.imsglobal.org/spec/lti-nrps/scope/contextmembership.readonly",
         _TOOL: {
             "domain": "grader.example.edu",
             "target_link_uri": f"{OURS}/",

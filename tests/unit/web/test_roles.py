@@ -62,6 +62,8 @@ EXPECTED: dict[str, tuple[int, ...]] = {
     "POST /class/platforms/invite": (303, 403, 403, 403, 409, 409),  # not set up
     "POST /class/platforms": (303, 403, 403, 403, 409, 409),  # not set up
     "POST /class/platforms/remove": (303, 403, 403, 403, 404, 404),
+    "POST /class/platforms/people": (303, 403, 403, 403, 404, 404),
+    "POST /class/platforms/people/add": (303, 403, 403, 403, 404, 404),
     "GET /class/notices": INSTRUCTORS,
     "POST /class/notices/webhook": (303, 403, 403, 403, 422, 422),  # no address
     "POST /class/notices/remove": (303, 403, 403, 403, 404, 404),
@@ -303,6 +305,8 @@ def answers(
         data["decision"] = "refused"
     if operation == "POST /class/people/import":
         data |= {"entries": "id,name\nnew,x\n", "seen": "x"}
+    if operation == "POST /class/platforms/people/add":
+        data["seen"] = "x"
     answered = []
     for role in roles:
         cookies = f"{COOKIE}={FORM_TOKEN}"
