@@ -148,6 +148,7 @@ def test_a_path_from_the_given_start_is_judged_there() -> None:
         ("figure_eight", [EIGHT[0], ("arc", -360.0, 1.3)], "path_radius", "circle 2 is 1.3 m; 1 m is wanted"),
         ("figure_eight", [EIGHT[0], EIGHT[0]], "path_sense", "circle 2"),
         ("figure_eight", [EIGHT[0]], "path_unfinished", "50"),
+        ("two_circles", [("arc", 360.0, 0.8), ("arc", 360.0, 0.8)], "path_radius", "circle 2 is 0.8 m"),
         ("figure_eight", [*EIGHT, ("turn", 90.0), ("line", 4.0)], "drove_on", "another 3.99 m"),
         ("right_triangle", [*TRIANGLE[:4], ("line", 2.0)], "path_length", "line 3 is 2 m; 2.83 m is wanted"),
         ("right_triangle", [TRIANGLE[0], ("turn", 75.0), *TRIANGLE[2:]], "path_corner", "75"),

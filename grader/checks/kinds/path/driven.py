@@ -168,6 +168,29 @@ def roughly_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
     return min((each.residual for each in tried), default=math.inf)
 
 
+def begun_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:
+    """Return how far the whole drive is off the wanted path's first part of its length, as a share of the size.
+
+    That part is known only where the wanted path has a size of its own: otherwise infinity.
+    """
+    if wanted.any_scale:
+        return math.inf
+    path, allowed = drive.path, _Allowed(wanted, start)
+    along = np.maximum.accumulate(path.along_m)
+    driven = resampled(path.x_m + 1j * path.y_m, along, np.linspace(0.0, float(along[-1]), SAMPLES))
+    least = math.inf
+    for way in tracks(wanted):
+        last = min(float(along[-1]) / way.length_m, 1.0) * (len(way.points) - 1)
+        given = resampled(
+            way.points, np.arange(len(way.points), dtype=np.float64), np.linspace(0.0, last, SAMPLES)
+        )
+        for mirrored in (False, True) if wanted.mirror else (False,):
+            placed = allowed.placed(given, driven, mirrored=mirrored)
+            rms_m = float(np.sqrt(np.mean(np.abs(placed.of(given) - driven) ** 2)))
+            least = min(least, rms_m / size_m(way.points))
+    return least
+
+
 def _ends(points: Points, along: Floats, least_m: float, *, repeats: bool) -> Iterator[float]:
     """Yield how long the part may be that is the figure: the whole drive, or up to where the car was back."""
     total = float(along[-1])

@@ -10,6 +10,7 @@ from grader.checks.drive import Drive
 from grader.checks.kinds.path.driven import (
     DrivenStretch,
     Figure,
+    begun_off,
     corners_deg,
     figure_in,
     inner_corners_m,
@@ -28,6 +29,7 @@ from grader.messages.script import ScriptText
 
 FULL_CIRCLE_DEG = 350.0  # from here on an arc is called a circle
 UNFINISHED_SHARE = 0.8  # of the wanted length: who drove less has left something out
+BEGUN_SHARE = 0.05  # of the size: who is nearer to the first part has driven that, and no more
 OVERLONG_SHARE = 1.15  # who drove more has driven something else as well
 FAR_SHARE = 0.06  # of the size: who is nearer has done the same thing, only not well
 _SHAPE = (
@@ -61,6 +63,16 @@ class _Seen:
         """How much of the wanted length was driven."""
         wanted_m = self.figure.track.length_m * self.figure.placed.scale
         return self.figure.end_m / wanted_m if wanted_m > 0.0 else 0.0
+
+    @property
+    def is_begun(self) -> bool:
+        """Whether what was driven is as wanted, as far as it goes: then the next step is to drive on."""
+        wanted = self.assignment.path
+        if wanted is None:
+            return False
+        if wanted.any_scale:
+            return _covered(self.figure) >= self.driven_share - BEGUN_SHARE
+        return begun_off(self.drive, wanted, self.assignment.world.start) < BEGUN_SHARE
 
     def loses(self, measure: str, value: float) -> bool:
         """Whether a value of `measure` costs points."""
@@ -117,10 +129,14 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     if off and corners is not None and count != wanted and not seen.drive.cut_short:
         yield mistake("path_count", _SHAPE, count=count, wanted=wanted)
         return
-    if seen.driven_share < UNFINISHED_SHARE and seen.loses("covered_pct", 100.0 * _covered(seen.figure)):
+    of_pieces = list(_pieces(seen))
+    too_little = seen.driven_share < UNFINISHED_SHARE and seen.loses(
+        "covered_pct", 100.0 * _covered(seen.figure)
+    )
+    if too_little and (not of_pieces or seen.is_begun):
         yield from _unfinished(seen)
         return
-    yield from _pieces(seen)
+    yield from of_pieces
     if off and seen.driven_share > OVERLONG_SHARE:
         yield mistake("path_too_long", _SHAPE, share=number(100.0 * seen.driven_share, "%"))
     elif off:
