@@ -215,3 +215,36 @@ def test_backing_up_along_a_line_is_a_line() -> None:
     scoring = graded_as(task, trajectory)
     assert score(scoring) == 100, [(each.id, each.measured) for each in scoring.items]
     assert item(scoring, "corners").measured == pytest.approx(0.0, abs=1.0)
+
+
+def test_without_mirror_images_a_closed_path_of_left_turns_is_not_driven_with_right_ones() -> None:
+    task = freed("right_triangle", mirror=False)
+    for first in (0, 2, 4):
+        around = [*TRIANGLE, ("turn", 135.0)]
+        around = around[first:] + around[:first]
+        assert score(graded_as(task, drive(legs(around)))) == 100
+        right = graded_as(task, drive(legs(around, sense=-1.0)))
+        assert score(right) < 50
+        assert right.mistakes[0] == "path_mirrored"
+    # an eight turns both ways: from its end it is no mirror image
+    assert score(graded_as(freed("figure_eight", mirror=False), drive(legs(EIGHT[::-1])))) == 100
+
+
+SPIRAL = [("arc", 180.0, 1.0), ("arc", 180.0, 1.6), ("arc", 180.0, 2.2)]
+
+
+@pytest.mark.parametrize("any_start", [False, True])
+def test_who_drives_the_first_part_well_is_told_how_much_that_is(any_start: bool) -> None:
+    pieces = tuple(PathPiece(kind="arc", angle_deg=180.0, radius_m=radius) for radius in (1.0, 1.6, 2.2))
+    task = freed("figure_eight", pieces=pieces, any_start=any_start, any_direction=False, laps=False)
+    scoring = graded_as(task, drive(legs(SPIRAL[:2])))
+    whole = next(each for each in scoring.items if "covered" in each.title.en.lower() or each.id == "whole")
+    assert whole.measured == pytest.approx(100.0 * 2.6 / 4.8, abs=1.0)
+    assert scoring.mistakes == ("path_unfinished",)
+    assert f"Only {round(whole.measured, 1):g} %" in scoring.hint.en
+
+
+def test_another_radius_is_not_called_a_path_that_was_only_begun() -> None:
+    scoring = graded("figure_eight", drive(legs([EIGHT[0], ("arc", -360.0, 0.5)])))
+    assert "path_unfinished" not in scoring.mistakes
+    assert scoring.mistakes[0] == "path_radius"

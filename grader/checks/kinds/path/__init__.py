@@ -19,9 +19,6 @@ from grader.contracts.text import Text
 from grader.messages import say
 from grader.messages.quantity import number
 
-COVERED_SHARE = (
-    0.05  # of the size: a part of the wanted path that is further from the driven one was left out
-)
 MEASURES = {
     "distance_m": MeasureKind("m"),
     "off_pct": MeasureKind("%"),
@@ -67,7 +64,7 @@ def _of_the_whole(figure: Figure) -> dict[str, Measure]:
     return {
         "off_pct": Measure(100.0 * away / size, {"away": number(away, "m"), "size": number(size, "m")}),
         "mean_off_pct": Measure(100.0 * mean / size, {"away": number(mean, "m"), "size": number(size, "m")}),
-        "covered_pct": Measure(100.0 * float(np.mean(nearest <= COVERED_SHARE * size))),
+        "covered_pct": Measure(100.0 * figure.covered_share),
         "gap_pct": Measure(
             100.0 * gap / length, {"gap": number(float(gap), "m"), "length": number(length, "m")}
         ),

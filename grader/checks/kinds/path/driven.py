@@ -39,6 +39,11 @@ LOOKED_AT = 400  # points of a whole drive that are looked at for these
 BACK_SHARE = 0.2  # of the drive's size: a car that comes nearer to its start than this is back
 ON_IT_SHARE = 0.08  # of the figure's size: who drives on within this distance of it drives it again
 LONGER_SHARE = 1.1  # of two parts that fit about equally well the longer one was meant
+UNFINISHED_SHARE = 0.8  # of the wanted length: who drove less has left something out
+COVERED_SHARE = (
+    0.05  # of the size: a part of the wanted path that is further from the driven one was left out
+)
+BEGUN_SHARE = 0.02  # of the size: a part that is nowhere further off is the first part of the path
 NEARLY_SHARE = 0.002  # of the size: what fits to within this fits equally well
 LIKELY = 4  # ways of driving that are looked at closely, those that fit best point by point
 THIN = 4  # then each fourth point does
@@ -83,6 +88,7 @@ class Figure:
         pairs: which of these points belong together, in order.
         end_m: how far the car had driven when the figure was complete.
         residual: root mean square distance of the pairs as a share of the size.
+        begun: the share of its first part, if that was driven well and nothing else; otherwise 0.
         repeated: what follows is the same figure again. overrun: something else follows.
     """
 
@@ -94,6 +100,7 @@ class Figure:
     pairs: np.ndarray
     end_m: float
     residual: float
+    begun: float = 0.0
     repeated: bool = False
     overrun: bool = False
 
@@ -106,6 +113,13 @@ class Figure:
     def apart_m(self) -> float:
         """The discrete Frechet distance of the wanted path from the driven one."""
         return frechet(self.wanted, self.driven)
+
+    @property
+    def covered_share(self) -> float:
+        """How much of the wanted path was driven; a part further from the driven path was left out."""
+        if self.begun:
+            return self.begun
+        return float(np.mean(self.distances_m <= COVERED_SHARE * self.size_m))
 
     @property
     def distances_m(self) -> Floats:
@@ -153,10 +167,35 @@ def figure_in(drive: Drive, wanted: WantedPath, start: StartPose) -> Figure | No
     for one in _refined(likely, allowed, THIN):
         if found is None or one.residual < (found.residual - NEARLY_SHARE) / LONGER_SHARE:
             found = one
+    begun = None if wanted.any_scale else _begun(points, along, ways, allowed)
+    if begun is not None:
+        return begun
     if found is None:
         return None
     found = _refined([found], allowed)[0]
     return _with_what_follows(found, points, along, wanted, drive)
+
+
+def _begun(points: Points, along: Floats, ways: tuple[Track, ...], allowed: _Allowed) -> Figure | None:
+    """Return the wanted path if the whole drive lies on its first part: what is left out moves no other piece."""
+    total = float(along[-1])
+    found: Figure | None = None
+    for way in ways:
+        last = math.floor(total / way.length_m * (SAMPLES - 1))
+        if not 2 <= last < UNFINISHED_SHARE * (SAMPLES - 1):
+            continue
+        reached = last / (SAMPLES - 1) * way.length_m
+        given, driven = way.points[: last + 1], resampled(points, along, np.linspace(0.0, reached, last + 1))
+        partners = np.minimum(np.arange(SAMPLES), last) / last * (SAMPLES - 1)
+        pairs = np.stack([np.arange(SAMPLES), np.rint(partners).astype(int)], axis=1)
+        for one in _tried(points, along, total, (way,), allowed):
+            placed = allowed.placed(given, driven, mirrored=one.placed.mirrored)
+            off = float(np.max(np.abs(placed.of(given) - driven))) / size_m(way.points)
+            if off <= BEGUN_SHARE and (found is None or off < found.residual - NEARLY_SHARE):
+                whole = placed.of(way.points)
+                found = replace(one, placed=placed, wanted=whole, pairs=pairs, residual=off)
+                found = replace(found, begun=total / way.length_m)
+    return found
 
 
 def roughly_off(drive: Drive, wanted: WantedPath, start: StartPose) -> float:

@@ -8,6 +8,7 @@ import numpy as np
 
 from grader.checks.drive import Drive
 from grader.checks.kinds.path.driven import (
+    UNFINISHED_SHARE,
     DrivenStretch,
     Figure,
     begun_off,
@@ -28,8 +29,8 @@ from grader.messages.quantity import number
 from grader.messages.script import ScriptText
 
 FULL_CIRCLE_DEG = 350.0  # from here on an arc is called a circle
-UNFINISHED_SHARE = 0.8  # of the wanted length: who drove less has left something out
 BEGUN_SHARE = 0.05  # of the size: who is nearer to the first part has driven that, and no more
+SAME_SHARE = 0.15  # of the wanted length: two shares that differ by more do not tell of the same part
 OVERLONG_SHARE = 1.15  # who drove more has driven something else as well
 FAR_SHARE = 0.06  # of the size: who is nearer has done the same thing, only not well
 _SHAPE = (
@@ -71,8 +72,19 @@ class _Seen:
         if wanted is None:
             return False
         if wanted.any_scale:
-            return _covered(self.figure) >= self.driven_share - BEGUN_SHARE
+            return self.figure.covered_share >= self.driven_share - BEGUN_SHARE
         return begun_off(self.drive, wanted, self.assignment.world.start) < BEGUN_SHARE
+
+    @property
+    def is_too_little(self) -> bool:
+        """Whether much of the wanted length was not driven, and costs points."""
+        short = self.driven_share < UNFINISHED_SHARE
+        return short and self.loses("covered_pct", 100.0 * self.figure.covered_share)
+
+    @property
+    def is_missing_alone(self) -> bool:
+        """Whether as much was driven as was reached of the path: otherwise something else was driven."""
+        return self.drive.cut_short or abs(self.driven_share - self.figure.covered_share) <= SAME_SHARE
 
     def loses(self, measure: str, value: float) -> bool:
         """Whether a value of `measure` costs points."""
@@ -121,7 +133,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     if size <= 0.0:
         return
     off = seen.loses("off_pct", 100.0 * away / size)
-    if off and (code := _other_way(seen, away / size)) is not None:
+    if not seen.figure.begun and off and (code := _other_way(seen, away / size)) is not None:
         yield mistake(code, _SHAPE)
         return
     corners = inner_corners_m(seen.figure, seen.drive)
@@ -130,10 +142,7 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("path_count", _SHAPE, count=count, wanted=wanted)
         return
     of_pieces = list(_pieces(seen))
-    too_little = seen.driven_share < UNFINISHED_SHARE and seen.loses(
-        "covered_pct", 100.0 * _covered(seen.figure)
-    )
-    if too_little and (not of_pieces or seen.is_begun):
+    if seen.is_too_little and (seen.is_begun or (not of_pieces and seen.is_missing_alone)):
         yield from _unfinished(seen)
         return
     yield from of_pieces
@@ -141,10 +150,6 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
         yield mistake("path_too_long", _SHAPE, share=number(100.0 * seen.driven_share, "%"))
     elif off:
         yield mistake("path_apart", _SHAPE, away=number(away, "m"))
-
-
-def _covered(figure: Figure) -> float:
-    return float(np.mean(figure.distances_m <= 0.05 * figure.size_m))
 
 
 def _other_way(seen: _Seen, share: float) -> str | None:
@@ -174,7 +179,7 @@ def _other_way(seen: _Seen, share: float) -> str | None:
 
 
 def _unfinished(seen: _Seen) -> Iterator[Mistake]:
-    share = number(100.0 * seen.driven_share, "%")
+    share = number(100.0 * seen.figure.covered_share, "%")
     code = "path_too_slow" if seen.drive.cut_short else "path_unfinished"
     yield mistake(code, (*_SHAPE, "settled"), share=share)
 

@@ -79,6 +79,14 @@ class Track:
         return any(abs(corner_rad(before, after)) >= MIN_CORNER_RAD for before, after in pairs)
 
     @property
+    def turns_one_way(self) -> bool:
+        """Whether it turns to one side alone, in its arcs and at its corners; not known of a trace."""
+        corners = [corner_rad(before, after) for before, after in itertools.pairwise(self.stretches)]
+        turns = [turn for turn in corners if abs(turn) >= MIN_CORNER_RAD]
+        turns += [math.radians(each.angle_deg) for each in self.stretches if each.kind == "arc"]
+        return bool(turns) and (min(turns) > 0.0 or max(turns) < 0.0)
+
+    @property
     def is_closed(self) -> bool:
         """Whether it ends where it begins."""
         return (
@@ -115,7 +123,10 @@ def tracks(wanted: WantedPath) -> tuple[Track, ...]:
     given = track_of(wanted)
     if given is None:
         return ()
-    ways = [given, reverse(given)] if wanted.any_direction else [given]
+    ways = [given]
+    # a closed path of left turns driven backwards is one of right turns: as wrong as its mirror image
+    if wanted.any_direction and (wanted.mirror or not (given.is_closed and given.turns_one_way)):
+        ways.append(reverse(given))
     if given.is_closed and wanted.any_start and wanted.any_direction:
         ways += [_from(way, first) for way in ways for first in range(1, len(way.stretches))]
     return tuple(ways)
