@@ -83,8 +83,10 @@ class _Seen:
 
     @property
     def is_missing_alone(self) -> bool:
-        """Whether as much was driven as was reached of the path: otherwise something else was driven."""
-        return self.drive.cut_short or abs(self.driven_share - self.figure.covered_share) <= SAME_SHARE
+        """Whether as much was driven as was reached of the path: of a trace no piece tells whether it is right."""
+        if self.drive.cut_short or all(each.kind != "trace" for each in self.figure.track.stretches):
+            return True
+        return abs(self.driven_share - self.figure.covered_share) <= SAME_SHARE
 
     def loses(self, measure: str, value: float) -> bool:
         """Whether a value of `measure` costs points."""
