@@ -132,7 +132,9 @@ def _frames_figure(scene: Scene) -> Figure:
     """Draw the pictures of a PyBullet world, three in a row, with their times."""
     figure = _sheet(scene, _HEIGHT_IN)
     pictures = scene.trajectory.pictures if scene.trajectory is not None else ()
-    for number, picture in enumerate(pictures[: _FRAME_ROWS * _FRAMES_ACROSS]):
+    shown = min(_FRAME_ROWS * _FRAMES_ACROSS, len(pictures))
+    chosen = [pictures[round(i * (len(pictures) - 1) / max(shown - 1, 1))] for i in range(shown)]
+    for number, picture in enumerate(chosen):
         row, column = divmod(number, _FRAMES_ACROSS)
         axes = figure.add_axes((0.03 + 0.32 * column, 0.44 - 0.42 * row, 0.3, 0.37))
         axes.imshow(imread(io.BytesIO(picture.png), format="png"), interpolation="bilinear")

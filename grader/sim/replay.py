@@ -26,8 +26,8 @@ BODY, SAMPLE, PICTURE, APPLIED, ENDED = 0x40, 0x41, 0x42, 0x43, 0x44
 MOST_BODIES: Final = 10_000
 """Of all worlds together, one after the other; at a time there are 64."""
 MOST_SAMPLES: Final = 60_000
-PICTURES: Final = 6
-MOST_PICTURES: Final = 8
+PICTURES: Final = 12
+MOST_PICTURES: Final = 14
 _MOST_SIDE: Final = 480
 _MOST_JOINTS: Final = 64
 _MOST_CONTACTS: Final = 32

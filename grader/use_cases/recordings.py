@@ -95,6 +95,21 @@ async def picture(  # noqa: PLR0913, PLR0917
     return DrawnRun(content=content, tag=f"{report.sha256}-{case_id}-{language}-{form}")
 
 
+def film(services: Services, caller: Caller, submission_id: str, case: str | None) -> DrawnRun:
+    """Return the pictures of one run in a PyBullet world, as one that moves.
+
+    Raises:
+        RefusedError: as `picture`, or the run has none.
+    """
+    from grader.render.film import film as animated
+
+    _, report, recording, case_id = _drawable(services, caller, submission_id, case)
+    pictures = decode_trajectory(recording.content).pictures
+    if not pictures:
+        raise RefusedError("no_trajectory", field="case", allowed=[])
+    return DrawnRun(content=animated(pictures), tag=f"{report.sha256}-{case_id}-film")
+
+
 def bag(services: Services, caller: Caller, submission_id: str, case: str | None) -> BaggedRun:
     """Return one run as a ROS bag, with nothing in it that the caller may not see.
 

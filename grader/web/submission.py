@@ -238,6 +238,17 @@ def read_bag(
     return Response(bag.content, media_type="application/octet-stream", headers=headers)
 
 
+@router.get("/film.png", dependencies=[COSTLY])
+def read_film(
+    services: ServicesDep, visitor: VisitorDep, submission_id: SubmissionId, case: Case = None
+) -> Response:
+    """Return the pictures of a PyBullet world as one that moves."""
+    access.require_sight(services, visitor, submission_id)
+    drawn = recordings.film(services, visitor.caller, submission_id, case)
+    headers = {"ETag": f'"{drawn.tag}"', "Cache-Control": "private, no-cache"}
+    return Response(drawn.content, media_type="image/png", headers=headers)
+
+
 @router.get("/plot.png", dependencies=[DRAWN])
 async def read_plot(
     request: Request,
