@@ -290,6 +290,7 @@ def _print_table(arguments: argparse.Namespace, assignment: Assignment, result: 
             language=language,
             file_name=arguments.file.name,
             title=assignment.title,
+            cases={case.id: case.title for case in assignment.cases},
             show_logs=arguments.logs,
         )
     )

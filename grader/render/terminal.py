@@ -4,8 +4,9 @@ Text from a submission passes `grader.render.escape.visible` and enters rich onl
 content is never read as markup.
 """
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
+from types import MappingProxyType
 from typing import TextIO
 
 from rich import box
@@ -51,13 +52,22 @@ def console(stream: TextIO | None = None, width: int | None = None) -> Console:
     return Console(file=stream, width=width, markup=False, emoji=False, highlight=False)
 
 
-def render_report(
-    report: GradeReport, *, language: Language, file_name: str, title: Sentence, show_logs: bool = False
+def render_report(  # noqa: PLR0913
+    report: GradeReport,
+    *,
+    language: Language,
+    file_name: str,
+    title: Sentence,
+    cases: Mapping[str, Sentence] = MappingProxyType({}),
+    show_logs: bool = False,
 ) -> RenderableType:
-    """Return score, rubric table, next step, the script's error and notes as one renderable."""
+    """Return score, rubric table, next step, the script's error and notes as one renderable.
+
+    `cases`: titles by id, which stand above the items of each where there are several.
+    """
     return Group(
         _header(report, language, file_name, title),
-        _rubric(report, language),
+        _rubric(report, language, cases),
         *_next_steps(report, language),
         *chain.from_iterable(_error(run, report, language) for run in report.runs),
         *_notes(report, language),
@@ -101,14 +111,19 @@ def _score(report: GradeReport, language: Language) -> Text:
     return text
 
 
-def _rubric(report: GradeReport, language: Language) -> Table:
+def _rubric(report: GradeReport, language: Language, cases: Mapping[str, Sentence]) -> Table:
     table = Table(box=box.SIMPLE_HEAD, expand=True, pad_edge=False, show_edge=True)
     table.add_column(word("status", language), no_wrap=True)
     table.add_column(word("item", language), ratio=1, overflow="fold")
     table.add_column(word("points", language), justify="right", no_wrap=True)
     table.add_column(word("measured", language), justify="right", no_wrap=True)
     table.add_column(word("wanted", language), overflow="fold", max_width=_WANTED_COLUMNS)
+    above = ""
     for item in report.items:
+        case = item.id.rpartition("/")[0]
+        if case != above and case in cases:
+            table.add_row("", Text(visible_line(cases[case].get(language)), style="bold"), "", "", "")
+        above = case
         style = _STYLE[item.status]
         mark = Text(f"{ITEM_MARK[item.status]} {item_status_word(item.status, language)}", style=style)
         points = f"{quantity.points(item.earned)}/{quantity.points(item.points)}"

@@ -263,3 +263,8 @@ def test_places_that_do_not_fit_the_rubric_are_refused(changes: dict[str, object
         "there is no places.avoid",
         "lies outside the field (0 to 11.09 m)",
     ]
+
+
+def test_who_never_drove_is_told_to_drive_and_not_where_to() -> None:
+    scoring = graded(task(*goals(POINTS[0])), drive([(5.0, 0.0, 1.0)], start_m=START))
+    assert not [code for code in scoring.mistakes if code.startswith("place_")]

@@ -44,6 +44,17 @@ def test_chinese_report() -> None:
     assert "- 未查" in text
 
 
+def test_items_of_several_cases_stand_below_their_titles() -> None:
+    graded = report(items=tuple(item(id=f"{case}/sides") for case in ("near", "near", "far")))
+    stream = io.StringIO()
+    titles = {"near": t("近", "Near start"), "far": t("远", "Far start")}
+    table = render_report(graded, language="en", file_name="a.py", title=t("题", "Task"), cases=titles)
+    console(stream, 80).print(table)
+    text = stream.getvalue()
+    assert (text.count("Near start"), text.count("Far start")) == (1, 1)
+    assert text.index("Near start") < text.index("Far start")
+
+
 def test_english_report_has_no_chinese() -> None:
     text = shown(square_report(), "en")
     assert "Score 7.25 / 10" in text

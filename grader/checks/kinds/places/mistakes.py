@@ -22,6 +22,7 @@ _GOALS = ("reached", "missed_m", "time_s", "detour_pct")
 _END = ("end_off_m", "heading_error_deg")
 _CAUSES = ("place_no_feedback", "place_away")
 _DRIVES = ("distance_m", *_GOALS, *_END)
+LEAST_M = 0.02  # who drove less has not driven
 AWAY_SHARE = 0.9  # of the distance at the start: who never came nearer drove the wrong way
 CIRCLED_RAD = 2.5 * math.tau  # turned on the way: who turns so much and does not arrive runs round the goal
 NEAR_TIMES = 12.0  # of the goal's size: who circles further off does not circle the goal
@@ -38,6 +39,8 @@ def place_mistakes(
     touched = list(_touched(assignment, run, way))
     if all(visit.done_s is not None for visit in seen):
         found += [*touched, *_ending(assignment, run, drive, way, seen)]
+    elif float(drive.path.along_m[-1]) < LEAST_M:
+        found += touched  # who never drove is told to drive: where to comes after that
     else:
         cause = _missed(assignment, run, drive, seen)  # who drove the wrong way met the wall for that reason
         found += [cause, *touched] if cause.code in _CAUSES else [*touched, cause]
