@@ -172,8 +172,9 @@ def _mistakes(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
     if once and (_off(moves, _STILL_M) or _off(turns, _STILL_DEG)):
         yield from once
         return
-    yield from _wrong_motions(moves, _STILL_M, "move_error", "m")
-    yield from _wrong_motions(turns, _STILL_DEG, "turn_error", "deg")
+    spoken = all(map(_says_number, motions))
+    yield from _wrong_motions(moves, _STILL_M, "move_error", "m", spoken=spoken)
+    yield from _wrong_motions(turns, _STILL_DEG, "turn_error", "deg", spoken=spoken)
     pairs = list(_told(run))
     stood = [math.dist(a[0][:2], b[0][:2]) for a, b in pairwise(pairs)]
     said = [math.dist(a[1][:2], b[1][:2]) for a, b in pairwise(pairs)]
@@ -184,8 +185,19 @@ def _mistakes(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
 def _endless_turns(motions: list[_Motion]) -> Iterator[Mistake]:
     """Yield that degrees were taken for radians: the first turn goes on long after it should have ended."""
     first = next((one for one in motions if one.step.turns_deg), None)
-    if first is not None and abs(first.turned_deg) > _ENDLESS * abs(first.step.turns_deg or 0.0):
+    if (
+        first is not None
+        and _says_number(first)
+        and abs(first.turned_deg) > _ENDLESS * abs(first.step.turns_deg or 0.0)
+    ):
         yield mistake("tool_takes_degrees", ("answered", "turn_error"), tool=first.step.target)
+
+
+def _says_number(motion: _Motion) -> bool:
+    """Return whether the request says how far: a tool without such a field cannot take it wrongly."""
+    return any(
+        isinstance(each, int | float) and not isinstance(each, bool) for each in motion.step.values.values()
+    )
 
 
 def _single_commands(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
@@ -203,9 +215,9 @@ def _single_commands(run: Run, motions: list[_Motion]) -> Iterator[Mistake]:
 
 
 def _wrong_motions(
-    motions: list[tuple[float, float, str]], still: float, measure: str, unit: Any
+    motions: list[tuple[float, float, str]], still: float, measure: str, unit: Any, *, spoken: bool
 ) -> Iterator[Mistake]:
-    """Yield what is wrong about motions of one kind: (wanted, done, by which tool)."""
+    """Yield what is wrong about motions of one kind: (wanted, done, by which tool). `spoken`: by numbers."""
     wrong = _off(motions, still)
     if not wrong:
         return
@@ -214,6 +226,8 @@ def _wrong_motions(
     amounts = [abs(each[1]) for each in motions]
     if all(abs(each[1]) <= still for each in motions):
         yield mistake("tool_moves_nothing", (measure,), **told)
+    elif not spoken:
+        return
     elif all(abs(each[1] + each[0]) <= max(_NEAR * abs(each[0]), still) for each in wrong):
         yield mistake("tool_ignores_sign", (measure,), **told)
     elif len({abs(each[0]) for each in motions}) > 1 and max(amounts) - min(amounts) <= still:

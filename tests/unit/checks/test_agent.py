@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from grader.checks import evaluate, problems
+from grader.contracts.assignment import Assignment
 from grader.contracts.outcome import AgentResult, Endpoint, RunOutcome, RunStatus
 from grader.contracts.scoring import Run, Scoring
 from grader.contracts.trajectory import Trajectory
@@ -33,11 +34,17 @@ def drives(
 
 
 def judged(
-    track: Trajectory, *, told: object = HERE, answered: int = 99, offered: int = 99, **outcome: Any
+    track: Trajectory,
+    *,
+    task: Assignment = TASK,
+    told: object = HERE,
+    answered: int = 99,
+    offered: int = 99,
+    **outcome: Any,
 ) -> Scoring:
     """Score a run of whose steps the first so many were offered and answered."""
     results = []
-    for number, step in enumerate(TASK.agent):
+    for number, step in enumerate(task.agent):
         index = max(int((track.t_ns <= step.at_ns).sum()) - 1, 0)
         here = {"x": float(track.x_m[index]), "y": float(track.y_m[index])}
         values = here if told is HERE else told
@@ -49,7 +56,7 @@ def judged(
                 values=values if step.tells else {},  # type: ignore[arg-type]
             )
         )
-    services = {step.target: step.type for step in TASK.agent[:offered] if step.tool == "call"}
+    services = {step.target: step.type for step in task.agent[:offered] if step.tool == "call"}
     known = tuple(Endpoint(kind="service", node="/n", name=n, type=t, count=0) for n, t in services.items())
     values = {
         "status": RunStatus.INTERRUPTED,
@@ -58,7 +65,7 @@ def judged(
         "endpoints": known,
     }
     run = Run(trajectory=track, outcome=RunOutcome(**{**values, **outcome}), agent=tuple(results))
-    return evaluate(TASK, [run])
+    return evaluate(task, [run])
 
 
 def test_a_script_that_does_what_it_is_asked_earns_everything() -> None:
@@ -82,6 +89,13 @@ def test_what_is_done_otherwise_is_named(
     scoring = judged(drives(moves, turns))
     assert scoring.mistakes == (mistake,)
     assert [one.id for one in scoring.items if one.earned < one.points] == [loses]
+
+
+def test_nothing_is_said_of_numbers_that_were_not_sent() -> None:
+    silent = replace(TASK, agent=tuple(replace(step, values={}) for step in TASK.agent))
+    scoring = judged(drives((1.0, 0.5, 1.5), (90.0, 45.0)), task=silent)
+    assert scoring.mistakes == ()
+    assert [one.id for one in scoring.items if one.earned < one.points] == ["moves", "turns"]
 
 
 @pytest.mark.parametrize(("error", "least", "most"), [(1.04, 25.0, 25.0), (1.3, 10.0, 20.0), (1.9, 0.0, 0.0)])
