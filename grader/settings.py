@@ -85,7 +85,8 @@ class Settings(BaseSettings):
     assignments: str = Field(
         default="",
         description="Folders of assignments of one's own, besides those that come with the grader; several are "
-        "separated by `:`. `robot` is the set of exercises with a robot, which comes with the grader, too. "
+        "separated by `:`. `robot` is the set of exercises with a robot, `pybullet` that of PyBullet "
+        "scripts; both come with the grader. "
         "A file that is wrong disables its own assignment only, and the service page says so.",
     )
     max_upload_bytes: int = Field(

@@ -248,3 +248,11 @@ def test_another_radius_is_not_called_a_path_that_was_only_begun() -> None:
     scoring = graded("figure_eight", drive(legs([EIGHT[0], ("arc", -360.0, 0.5)])))
     assert "path_unfinished" not in scoring.mistakes
     assert scoring.mistakes[0] == "path_radius"
+
+
+def test_a_mirror_image_is_named_whatever_the_rubric_measures() -> None:
+    task = freed("right_triangle", mirror=False, any_direction=False)
+    pieces = replace(task, items=tuple(one for one in task.items if one.measure != "off_pct"))
+    assert len(pieces.items) < len(task.items)
+    for each in (task, pieces):
+        assert graded_as(each, drive(legs(TRIANGLE, sense=-1.0))).mistakes[0] == "path_mirrored"

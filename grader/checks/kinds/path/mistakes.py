@@ -135,7 +135,8 @@ def _shape(seen: _Seen) -> Iterator[Mistake]:
     if size <= 0.0:
         return
     off = seen.loses("off_pct", 100.0 * away / size)
-    if not seen.figure.begun and off and (code := _other_way(seen, away / size)) is not None:
+    asked = off or seen.assignment.item_on("off_pct") is None  # pieces that are all wrong have one cause, too
+    if not seen.figure.begun and asked and (code := _other_way(seen, away / size)) is not None:
         yield mistake(code, _SHAPE)
         return
     corners = inner_corners_m(seen.figure, seen.drive)
