@@ -94,7 +94,7 @@ class Picking:
     """What a platform asks to be chosen: which assignments it makes activities of.
 
     Attributes:
-        back: where the answer goes. data: what is given back with it; empty: nothing.
+        back: where the answer goes. data: JSON of what is given back with it; empty: nothing.
         several: more than one activity may be made. scored: each may bring a column of the gradebook.
     """
 

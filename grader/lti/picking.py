@@ -1,6 +1,6 @@
 """Making activities on a platform: what it asks for, and what it is answered (1EdTech, "Deep Linking 2.0")."""
 
-import re
+import json
 import secrets
 from collections.abc import Iterable
 from typing import Any, Final
@@ -19,7 +19,6 @@ _LIFE_S = 300
 _NONCE_BYTES = 32
 _LONGEST_ADDRESS = 2_000
 _LONGEST_DATA = 8_000
-_NO_TEXT = re.compile("[\0\ud800-\udfff]")  # JSON has it; no database has
 
 
 def read_picking(said: object) -> Picking | None:
@@ -28,14 +27,14 @@ def read_picking(said: object) -> Picking | None:
         return None
     back, data, types = (
         said.get("deep_link_return_url"),
-        said.get("data", ""),
+        _opaque(said.get("data")),
         said.get("accept_types", [_ITEM]),
     )
     if not isinstance(back, str) or len(back) > _LONGEST_ADDRESS or not is_confidential(back):
         return None
     if not isinstance(types, list) or _ITEM not in types:
         return None
-    if not isinstance(data, str) or len(data) > _LONGEST_DATA or _NO_TEXT.search(data):
+    if data is None:
         return None
     return Picking(
         back=back,
@@ -60,7 +59,20 @@ def answer(
         f"{CLAIM}deployment_id": platform.deployment,
         f"{_CLAIM}content_items": list(items),
     }
-    return claims | {f"{_CLAIM}data": picking.data} if picking.data else claims
+    return claims | {f"{_CLAIM}data": json.loads(picking.data)} if picking.data else claims
+
+
+def _opaque(data: object) -> str | None:
+    """Return what is given back unchanged, as JSON in ASCII, which any database has; None: it is too much.
+
+    LTI calls it opaque; most platforms send a text, some an object.
+    """
+    try:
+        json.dumps(data, ensure_ascii=False).encode()  # half of a surrogate pair cannot be signed
+        text = "" if data in (None, "") else json.dumps(data, separators=(",", ":"))
+    except (RecursionError, UnicodeEncodeError):
+        return None
+    return text if len(text) <= _LONGEST_DATA else None
 
 
 def activity(assignment: Assignment, language: Language, address: str, *, scored: bool) -> dict[str, Any]:

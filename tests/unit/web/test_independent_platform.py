@@ -184,7 +184,7 @@ def come(client: httpx.Client, campus: Campus, *, picks: bool = False) -> httpx.
     message.set_nrps(f"{campus.address}/people?of=2")
     if picks:
         campus.get_registration().set_deeplink_launch_url(f"{OURS}/lti/pick")
-        message.set_dl(f"{ISSUER}/back", extra_data="csrf:x")
+        message.set_dl(f"{ISSUER}/back", extra_data={"csrf": "x"})
     said = message.lti_launch()
     assert said["launch_url"] == f"{OURS}/lti/launch"
     fields = {name: said[name] for name in ("state", "id_token")}
@@ -227,6 +227,8 @@ def test_the_choice_of_activities(
     back, fields = form_of(chosen)
     assert back == f"{ISSUER}/back"
     items = campus.validate_deeplinking_resp(fields)
+    said = campus.tool_validate_and_decode(fields["JWT"])
+    assert said["https://purl.imsglobal.org/spec/lti-dl/claim/data"] == {"csrf": "x"}
     assert [one["custom"]["assignment"] for one in items] == ["hello", "square"]
     assert {one["type"] for one in items} == {"ltiResourceLink"}
 

@@ -144,11 +144,20 @@ def test_the_frame_is_the_platforms_alone_and_opens_nothing_else(
     assert client.get("/submissions", follow_redirects=False).status_code in (303, 401)
 
 
-@pytest.mark.parametrize("data", ["\0", "\ud800", 7, "x" * 8_001])
+@pytest.mark.parametrize("data", ["\ud800", "x" * 8_000, [0] * 4_001])
 def test_what_cannot_be_given_back_is_not_asked_for(
     client: httpx.Client, moodle: FakeProvider, ready: Services, platform: Platform, data: object
 ) -> None:
     assert asked(client, moodle, ready, SETTINGS | {"data": data}).status_code == 403
+
+
+@pytest.mark.parametrize("data", ["\0", 7, {"csrf": ["x", None]}, [], False])
+def test_whatever_else_was_sent_along_is_given_back(
+    client: httpx.Client, moodle: FakeProvider, ready: Services, at_desk: httpx.Response, data: object
+) -> None:
+    page = asked(client, moodle, ready, SETTINGS | {"data": data})
+    claims = answered(ready, client.post(page.url.path, data={"assignment": "square"}))
+    assert claims[f"{DEEP}data"] == data
 
 
 def test_who_comes_to_choose_while_the_platform_is_removed_is_refused(
@@ -339,7 +348,6 @@ WRONG: dict[str, Any] = {
     "an address of 3,000 characters": SETTINGS | {"deep_link_return_url": f"{BACK}{'x' * 3_000}"},
     "links alone": SETTINGS | {"accept_types": ["link"]},
     "types a text": SETTINGS | {"accept_types": "ltiResourceLink"},
-    "data a number": SETTINGS | {"data": 7},
     "data of 9,000 characters": SETTINGS | {"data": "x" * 9_000},
 }
 
