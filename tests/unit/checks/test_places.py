@@ -268,3 +268,11 @@ def test_places_that_do_not_fit_the_rubric_are_refused(changes: dict[str, object
 def test_who_never_drove_is_told_to_drive_and_not_where_to() -> None:
     scoring = graded(task(*goals(POINTS[0])), drive([(5.0, 0.0, 1.0)], start_m=START))
     assert not [code for code in scoring.mistakes if code.startswith("place_")]
+
+
+def test_how_near_a_box_was_is_told_from_its_edge() -> None:
+    box = Region(kind="box", x_m=START[0] + 3.0, y_m=START[1], width_m=1.0, height_m=1.0)
+    away = WantedGoal(region=Region(kind="circle", x_m=START[0] + 0.5, y_m=START[1], radius_m=0.2))
+    scoring = graded(task(away, WantedGoal(region=box)), drive([(2.0, 1.0, 0.0)], start_m=START))
+    assert scoring.mistakes[0] == "place_missed"
+    assert "0.5 m from its edge" in scoring.hint.en

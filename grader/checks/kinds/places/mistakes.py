@@ -71,7 +71,7 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, seen: Sequence[Visit
         "reached": sum(visit.done_s is not None for visit in seen),
         "goals": len(seen),
         "goal": first.number,
-        "nearest": number(first.nearest_m, "m"),
+        "nearest": _nearest(first),
         "allowed": _allowed(first),
     }
     spoilt = (*_GOALS, *_END)
@@ -86,6 +86,13 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, seen: Sequence[Visit
     if drive.cut_short:
         return mistake("place_too_slow", (*spoilt, "settled"), **values)
     return mistake("place_missed", spoilt, **values)
+
+
+def _nearest(visit: Visit) -> Text | str:
+    """Return how near the car came: to the middle of a circle, to the edge of a box."""
+    if visit.goal.region.kind == "circle":
+        return number(visit.nearest_m, "m")
+    return say("place.edge", value=number(visit.outside_m, "m"))
 
 
 def _allowed(visit: Visit) -> Text:
