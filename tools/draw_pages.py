@@ -15,6 +15,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
+from grader.contracts.platform import NewPlatform, PlatformLink  # noqa: E402
 from grader.contracts.regrade import Regrade, Wanted  # noqa: E402
 from grader.store.audit import Signature  # noqa: E402
 from tests.e2e.chromium import Browser, chromium  # noqa: E402
@@ -31,7 +32,7 @@ def main() -> None:
     OUT.mkdir(parents=True, exist_ok=True)
     with (
         tempfile.TemporaryDirectory() as folder,
-        school(f"sqlite:///{folder}/grader.db", Path(folder)) as opened,
+        school(f"sqlite:///{folder}/grader.db", Path(folder), signin=_signin(Path(folder))) as opened,
     ):
         pages = {name: (person, address) for name, person, address in _pages(opened)}
         programs = (shutil.which("chromium") or "chromium", shutil.which("chromedriver") or "chromedriver")
@@ -45,6 +46,13 @@ def main() -> None:
                         _draw(browser, address, device, language, f"web-{page}-{device}-{language}.png")
 
 
+def _signin(folder: Path) -> Path:
+    """Say where the service is, as learning platforms must know."""
+    path = folder / "signin.toml"
+    path.write_text('public_url = "https://grader.example.edu"\n', encoding="utf-8")
+    return path
+
+
 def _pages(opened: School) -> Iterator[tuple[str, str, str]]:
     """Yield every page's name, who looks at it, and its address."""
     submissions = opened.services.submissions
@@ -55,7 +63,35 @@ def _pages(opened: School) -> Iterator[tuple[str, str, str]]:
     yield "gradebook", "wang", "/class/gradebook"
     yield "rules", "wang", f"/class/rules/{SQUARE}"
     yield "points", "wang", f"/class/judgements/{answer}?item=timer"
+    _add_platform(opened)
+    yield "platforms", "wang", "/class/platforms"
     yield "regrade", "wang", f"/class/regrades/{_trial(opened).id}"
+
+
+def _add_platform(opened: School) -> None:
+    """Add a platform from which the square was opened."""
+    services, moodle = opened.services, "https://moodle.example.edu"
+    new = NewPlatform(
+        title="Moodle",
+        issuer=moodle,
+        client_id="Yt7gXs0Qa2kRw9E",
+        deployment="1",
+        login_url=f"{moodle}/mod/lti/auth.php",
+        token_url=f"{moodle}/mod/lti/token.php",
+        keys_url=f"{moodle}/mod/lti/certs.php",
+    )
+    added = services.platforms.add(new, Signature(services.clock(), COURSE, "wang"))
+    services.platforms.set_people_url(added.id, f"{moodle}/mod/lti/services.php/people")
+    services.platforms.open_link(
+        PlatformLink(
+            platform=added.id,
+            resource="7",
+            title="走正方形",
+            assignment=SQUARE,
+            line_item=f"{moodle}/mod/lti/services.php/items/7",
+            used_at=services.clock(),
+        )
+    )
 
 
 def _trial(opened: School) -> Regrade:

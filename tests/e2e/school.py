@@ -83,16 +83,23 @@ class School:
 
 @contextmanager
 def school(
-    url: str, folder: Path, work: tuple[tuple[str, str, str], ...] = WORK, *, websockets: bool = False
+    url: str,
+    folder: Path,
+    work: tuple[tuple[str, str, str], ...] = WORK,
+    *,
+    websockets: bool = False,
+    signin: Path | None = None,
 ) -> Iterator[School]:
     """Open a course in the database at `url`, let everybody hand in their `work` and grade it.
 
-    Its assignments are copied to `folder`.
+    Its assignments are copied to `folder`. `signin`: the file of accounts from elsewhere.
     """
     files = folder / "assignments"
     for name in ASSIGNMENTS:
         shutil.copytree(default_root() / name, files / name)
-    settings = Settings(database_url=url, practice_per_minute=600)  # one student's in all tests of a module
+    settings = Settings(
+        database_url=url, practice_per_minute=600, signin=signin
+    )  # one student's in all tests of a module
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("grader.catalog.default_root", lambda: files)
         patch.setattr("grader.catalog.refreshed._FRESH_S", 0.0)  # an edited assignment is seen at once
