@@ -16,6 +16,7 @@ MOST_PAGES: Final = 60
 _PAGE: Final = 100  # people asked for at once; platforms may give others
 _LONGEST: Final = 1_000
 _LEARNER: Final = re.compile(r"(.*[#/])?(Learner|Student)")
+_CJK: Final = re.compile("[\u3400-\u9fff\uf900-\ufaff·]+")
 _NEXT: Final = re.compile(r"<([^<>]*)>[^,<]*;\s*rel=\"?next\"?", re.IGNORECASE)
 
 
@@ -83,14 +84,21 @@ def people_in(content: bytes) -> Iterator[Listed]:
 def _listed(said: Mapping[str, Any]) -> Listed:
     roles = said.get("roles")
     named = (said.get("lis_person_sourcedid"), said.get("ext_user_username"))
-    parts = _text(said.get("given_name")), _text(said.get("family_name"))
     return Listed(
         subject=_text(said.get("user_id")),
         claimed=tuple(dict.fromkeys(text for one in named if (text := _text(one)))),
-        name=_text(said.get("name")) or " ".join(filter(None, parts)),
+        name=_name(said),
         email=_text(said.get("email")),
         learns=_learns(roles) and said.get("status", "Active") == "Active",
     )
+
+
+def _name(said: Mapping[str, Any]) -> str:
+    """Return a person's name, a Chinese one as it is written: the family's first, which platforms turn round."""
+    given, family = (_text(said.get(f"{part}_name")) for part in ("given", "family"))
+    if given and family and _CJK.fullmatch(given + family):
+        return family + given
+    return _text(said.get("name")) or " ".join(filter(None, (given, family)))
 
 
 def _learns(roles: object) -> bool:

@@ -25,7 +25,8 @@ class PeoplePlan:
     Attributes:
         added: students whom the course does not have, in order of id.
         known: how many it has.
-        nameless: students there without an id that can stand in a class list, by their names.
+        nameless: students there without an id that can stand in a class list, or with one that another has, too,
+            by their names.
         others: how many there are no students.
     """
 
@@ -80,7 +81,8 @@ def add(services: Services, caller: Caller, platform_id: str, seen: Seen) -> Peo
 def _planned(services: Services, platform: Platform, listed: Iterable[Listed]) -> PeoplePlan:
     here = {one.id.casefold() for one in services.courses.members(platform.course)}
     bound = services.identities.subjects(platform.provider)
-    added: dict[str, RosterEntry] = {}
+    added: dict[str, tuple[str, RosterEntry]] = {}  # with the platform's name for the person
+    taken: set[str] = set()
     nameless, known, others = [], 0, 0
     for one in listed:
         person = next((claim for claim in one.claimed if is_person_id(claim)), None)
@@ -88,11 +90,14 @@ def _planned(services: Services, platform: Platform, listed: Iterable[Listed]) -
             others += 1
         elif one.subject in bound or any(claim.casefold() in here for claim in one.claimed):
             known += 1
-        elif person is None:
+        elif person is None or (key := person.casefold()) in taken:
             nameless.append(one.name or one.subject)
+        elif added.get(key, (one.subject,))[0] != one.subject:
+            taken.add(key)
+            nameless += [added.pop(key)[1].name or person, one.name or one.subject]
         else:
-            added.setdefault(person.casefold(), _entry(person, one))
-    ordered = tuple(added[key] for key in sorted(added))
+            added.setdefault(key, (one.subject, _entry(person, one)))
+    ordered = tuple(added[key][1] for key in sorted(added))
     return PeoplePlan(
         platform=platform, added=ordered, known=known, nameless=tuple(sorted(nameless)), others=others
     )

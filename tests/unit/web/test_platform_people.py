@@ -101,6 +101,27 @@ def test_texts_that_fit_no_class_list_are_left_out(
     assert planned.nameless == ("N",)
 
 
+def test_two_with_one_id_are_told_and_not_added(
+    course: tuple[Services, Platform], moodle: FakeProvider
+) -> None:
+    services, known = course
+    moodle.people = [
+        [listed("4", "20260001", "A"), listed("5", "20260001", "B"), listed("6", "20260001", "C")]
+    ]
+    planned = platform_people.plan(services, wang(services), known.id)
+    assert (planned.added, planned.nameless) == ((), ("A", "B", "C"))
+
+
+def test_a_chinese_name_is_written_as_it_is_at_home(
+    course: tuple[Services, Platform], moodle: FakeProvider
+) -> None:
+    services, known = course
+    person = listed("4", "20260001", "小明 王", given_name="小明", family_name="王")
+    moodle.people = [[person, listed("5", "20260002", "Ada L", given_name="Ada", family_name="L")]]
+    planned = platform_people.plan(services, wang(services), known.id)
+    assert [one.name for one in planned.added] == ["王小明", "Ada L"]
+
+
 def pages_without_end(moodle: FakeProvider) -> None:
     moodle.people = [[listed(str(i), f"s{i}")] for i in range(roster.MOST_PAGES + 1)]
 
