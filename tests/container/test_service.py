@@ -4,6 +4,8 @@ Once alone, by its own command, and once as compose.yaml starts it: an API proce
 """
 
 import csv
+import json
+import re
 import sqlite3
 import subprocess
 import time
@@ -22,6 +24,7 @@ from tools.image.runtime import Runtime
 SERVICE, WORKERS = "service", ("worker-1", "worker-2")
 SOCKETS = "/run/postgresql"
 DATABASE = "image"
+ABUSE = Path(__file__).parents[1] / "hostile" / "abuse"
 COMPOSE = yaml.safe_load((Path(__file__).parents[2] / "compose.yaml").read_text(encoding="utf-8"))["services"]
 
 
@@ -38,7 +41,7 @@ class Installation:
     runtime: Runtime
     environment: Mapping[str, str]
     shown: Mapping[str, Path]
-    running: dict[str, "subprocess.Popen[str]"] = field(default_factory=dict)
+    running: dict[str, "subprocess.Popen[bytes]"] = field(default_factory=dict)
 
     def start(self, name: str, arguments: list[str], environment: Mapping[str, str]) -> None:
         """Start a container; what all of them have in common comes before `environment`."""
@@ -46,7 +49,7 @@ class Installation:
             name,
             arguments,
             environment={**environment, **self.environment},
-            shown={**SCRIPTS, **self.shown},
+            shown={**SCRIPTS, "/abuse": ABUSE, **self.shown},
         )
 
     def start_all(self, replicas: Mapping[str, tuple[str, ...]]) -> None:
@@ -62,8 +65,7 @@ class Installation:
             name, process = self.running.popitem()
             if process.poll() is None:
                 self.runtime.signal(name, signal)
-            printed, _ = process.communicate(timeout=60.0)
-            ends[name] = (process.returncode, printed)
+            ends[name] = (process.wait(timeout=60.0), self.runtime.printed(name))
         return ends
 
 
@@ -134,6 +136,25 @@ def test_a_backup_is_made_while_it_runs(runtime: Runtime, installation: Installa
     with closing(sqlite3.connect(runtime.folder / "data" / "backup.db")) as backup:
         states = backup.execute("SELECT state, count(*) FROM submission GROUP BY state").fetchall()
     assert states == [("graded", 8)]
+
+
+def test_attacks_count_and_cost_classmates_nothing(runtime: Runtime, installation: Installation) -> None:
+    """With real limits of processes and memory, which `threads_held` and `memory_held` try to use up."""
+    text = good(runtime.execute(SERVICE, "python", "/scripts/hostile_class.py"))
+    print("\n" + text)
+    *ends, cost = [json.loads(line) for line in text.splitlines()]
+    good_ones = [one for one in ends if one["script"] == "good"]
+    assert [(one["score"], one["tries"]) for one in good_ones] == [(100, 1)] * len(good_ones)
+    bad_ones = {one["script"]: one for one in ends if one["script"] != "good"}
+    assert bad_ones.keys() == {path.stem for path in ABUSE.glob("*.py")}
+    for name, one in bad_ones.items():
+        expected = re.search(r"^Expected: (.+)$", (ABUSE / f"{name}.py").read_text(), re.MULTILINE)
+        assert expected is not None
+        assert (one["status"], one["tries"] <= 2) == ("graded", True), one
+        assert one["verdict"] in expected[1].replace("finished", "graded").split(" or "), one
+        # this one drives a square for its points; what it is after is an attempt that does not count
+        assert one["score"] < 50 or name == "square_then_syntax_error", one
+    assert cost == {"attempts": len(bad_ones)}
 
 
 def test_it_stops_in_good_order(installation: Installation) -> None:

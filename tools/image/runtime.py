@@ -83,10 +83,21 @@ class Runtime:
         *,
         environment: Mapping[str, str] | None = None,
         shown: Mapping[str, Path] | None = None,
-    ) -> "subprocess.Popen[str]":
-        """Start a container of that name as ``docker run`` does: the image's entry point with `arguments`."""
+    ) -> "subprocess.Popen[bytes]":
+        """Start a container of that name as ``docker run`` does: the image's entry point with `arguments`.
+
+        `printed` tells what it prints: a file, as Docker keeps one. It would stand still at a pipe that is full.
+        """
         command = self._run(name, [*self.image.config["Entrypoint"], *arguments], environment, shown)
-        return subprocess.Popen(command, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        with self._log(name).open("wb") as log:
+            return subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT)
+
+    def printed(self, name: str) -> str:
+        """Return what the last container of that name that `start` started has printed so far."""
+        return self._log(name).read_text(encoding="utf-8", errors="replace")
+
+    def _log(self, name: str) -> Path:
+        return self.folder / f"{name}.log"
 
     def run(self, *arguments: str, **more: Mapping[str, Any] | None) -> Done:
         """Run one container to its end: the image's entry point with `arguments`."""
