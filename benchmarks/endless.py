@@ -120,8 +120,10 @@ class Test:
     def _judge_class(self, gradings: Sequence[tuple[Sent, dict[str, Any]]]) -> tuple[float, list[str]]:
         """Return the median wait, and what went wrong."""
         waits = [_waited_s(told) for _, told in gradings]
+        turns = [_between_s(told, "received_at", "started_at") for _, told in gradings]
         self._tell(
-            f"class: waited {statistics.median(waits):.1f} s in the median, {max(waits):.1f} s at most"
+            f"class: waited {statistics.median(waits):.1f} s in the median, {max(waits):.1f} s at most, "
+            f"{statistics.median(turns):.1f} and {max(turns):.1f} s of it for a slot"
         )
         return statistics.median(waits), [
             f"{sent.upload.script.name}: {told['status']} {told['score']}"
@@ -165,9 +167,14 @@ def _compute() -> None:
 
 def _waited_s(told: Mapping[str, Any]) -> float:
     """Return how long a submission has waited for its report; for ever, if it has none."""
-    if told["finished_at"] is None:
+    return _between_s(told, "received_at", "finished_at")
+
+
+def _between_s(told: Mapping[str, Any], first: str, then: str) -> float:
+    """Return the time between two events of a submission's life; for ever, if the second has not come."""
+    if told[then] is None:
         return float("inf")
-    ended, begun = (datetime.fromisoformat(told[name]) for name in ("finished_at", "received_at"))
+    begun, ended = (datetime.fromisoformat(told[name]) for name in (first, then))
     return (ended - begun).total_seconds()
 
 
