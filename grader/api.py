@@ -135,7 +135,6 @@ def warm_up(services: Services) -> threading.Thread:
             for course in services.courses.all():
                 if course.archived_at is None:
                     services.dashboard.state(course.id)
-            gc.collect()
             gc.freeze()  # all of this stays: no later look for garbage goes through it in the middle of a page
         except Exception as error:  # then the first visitor waits
             _log.warning("pages were not prepared: %s", error)

@@ -5,8 +5,6 @@ import io
 from collections.abc import Sequence
 from datetime import UTC, datetime
 
-import xlsxwriter
-
 from grader.contracts.text import BYTE_ORDER_MARK
 
 Cell = str | float | None
@@ -48,6 +46,8 @@ def workbook(sheets: Sequence[tuple[str, Sequence[Sequence[Cell]]]], *, header: 
         sheets: name and rows of each. Text is text, whatever it looks like, so that ids keep their zeros.
         header: the first row of each sheet names the columns.
     """
+    import xlsxwriter  # no service that starts has to wait for it
+
     out = io.BytesIO()
     with xlsxwriter.Workbook(out, {"in_memory": True}) as book:
         book.set_properties({"created": _NO_TIME})

@@ -13,7 +13,7 @@ from zoneinfo import ZoneInfo
 from fastapi import Request
 from fastapi.responses import HTMLResponse
 from fastapi.templating import Jinja2Templates
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup
 
 from grader.contracts.text import LANGUAGES, Language
@@ -22,6 +22,7 @@ from grader.render.escape import visible_html
 from grader.render.labels import status_word
 from grader.web import forms
 from grader.web.access import visitor_of
+from grader.web.compiled import CompiledTemplates
 
 FOLDER = Path(__file__).parent
 LANGUAGE_COOKIE = "grader_language"
@@ -79,7 +80,7 @@ def _context(request: Request, language: Language, token: str) -> dict[str, Any]
 
 def compile_all() -> None:
     """Compile every template, so that nobody's first page waits for that."""
-    for name in _TEMPLATES.env.list_templates():
+    for name in _TEMPLATES.env.list_templates(extensions=["html"]):
         _TEMPLATES.env.get_template(name)
 
 
@@ -112,7 +113,7 @@ def _megabytes(number: int) -> str:
 
 def _environment() -> Environment:
     environment = Environment(
-        loader=FileSystemLoader(FOLDER / "templates"),
+        loader=CompiledTemplates(FOLDER / "templates", Path(__file__)),
         autoescape=True,
         finalize=_shown,
         undefined=StrictUndefined,

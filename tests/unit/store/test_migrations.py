@@ -5,6 +5,7 @@ import threading
 from pathlib import Path
 
 import pytest
+from alembic.script import ScriptDirectory
 
 from grader.store import schema
 from grader.store.database import Database
@@ -36,6 +37,11 @@ def outdated(blank_url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(schema, "_MIGRATIONS", migrations)
     assert expected_version() == "next"
     return database
+
+
+def test_the_migrations_come_in_the_order_of_their_names() -> None:
+    written = ScriptDirectory(str(schema._MIGRATIONS)).walk_revisions()
+    assert schema._versions(schema._MIGRATIONS) == tuple(one.revision for one in written)
 
 
 def test_tables_are_brought_up_to_date_with_their_rows(outdated: Database) -> None:
