@@ -8,6 +8,8 @@ import sys
 import tempfile
 from collections import defaultdict
 from collections.abc import Callable, Generator, Iterator
+from contextlib import suppress
+from importlib.util import find_spec, module_from_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -33,6 +35,7 @@ settings.register_profile(
 settings.load_profile("project")
 
 gc.disable()  # until all is imported: other conftest.py of a run's folders may be next
+_ROOT = Path(__file__).parents[1]
 _ALIVE = pytest.StashKey[int]()
 _GARBAGE = (5_000, 20, 50)
 """How much is allocated between looks for garbage: with Python's usual numbers they take 5 % of a run's time."""
@@ -51,7 +54,7 @@ def pytest_configure(config: pytest.Config) -> None:
     _forget_settings()
     if not hasattr(config, "workerinput"):
         config.stash[_ALIVE] = postgres.begin_run()
-        _compile()
+        _compile(config)
 
 
 @pytest.hookimpl(wrapper=True)
@@ -76,11 +79,45 @@ def _forget_settings() -> None:
             del os.environ[name]
 
 
-def _compile() -> None:
-    """Compile the grader once: the tests start hundreds of interpreters, which would each do it anew."""
+def _compile(config: pytest.Config) -> None:
+    """Compile the grader once: the tests start hundreds of interpreters, which would each do it anew.
+
+    So are the tests when several processes run them: pytest takes a second for a hundred modules' assertions.
+    """
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     sys.dont_write_bytecode = False
-    compileall.compile_dir(Path(__file__).parents[1] / "grader", quiet=2)
+    tests = _modules(config.args) if getattr(config.option, "numprocesses", None) else []
+    grader = sorted((_ROOT / "grader").rglob("*.py"))
+    shares, children = len(os.sched_getaffinity(0)), []
+    for share in range(shares):
+        if child := os.fork():
+            children.append(child)
+            continue
+        try:
+            for path in grader[share::shares]:
+                compileall.compile_file(path, quiet=2)
+            for path in tests[share::shares]:
+                _rewrite(path)
+        finally:  # whoever imports a module that cannot be compiled tells why
+            os._exit(0)
+    for child in children:
+        os.waitpid(child, 0)
+
+
+def _modules(arguments: list[str]) -> list[Path]:
+    named = [Path(argument.partition("::")[0]).resolve() for argument in arguments]
+    found = [path for one in named for path in (one.rglob("*.py") if one.is_dir() else [one])]
+    return sorted(path for path in found if path.is_relative_to(_ROOT) and path.parent.name != "scripts")
+
+
+def _rewrite(path: Path) -> None:
+    """Have pytest leave the module's compiled code for later, and run none of it: it gets as far as an import."""
+    spec = find_spec(".".join(path.relative_to(_ROOT).with_suffix("").parts))
+    if spec and spec.loader:
+        module = module_from_spec(spec)
+        module.__dict__["__builtins__"] = {}
+        with suppress(ImportError):
+            spec.loader.exec_module(module)
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
