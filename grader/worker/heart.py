@@ -12,11 +12,12 @@ the second beat in a row that finds it lost, because at the first the slot may j
 import logging
 import math
 import threading
+import time
 from collections.abc import Sequence, Set
 from datetime import datetime
 
 from grader.contracts.submission import Claim, WorkerState
-from grader.worker.slots import GradingSlot, SandboxHealth, WorkerParts
+from grader.worker.slots import TURN, GradingSlot, SandboxHealth, WorkerParts
 
 _log = logging.getLogger(__name__)
 _AT_MOST = 4  # times a lease: afterwards leases are judged even while the database keeps failing
@@ -82,6 +83,9 @@ class Heart:
         if not self._stopped.is_set():  # else this beat took so long that the worker has left meanwhile
             self._parts.workers.report(self._state(busy))
         self._mend()
+        self._give_way()
+
+    def _give_way(self) -> None:
         for slot in self._slots:
             slot.give_way()
 
@@ -120,13 +124,19 @@ class Heart:
         )
 
     def _beat_on(self) -> None:
+        next_beat_s = time.monotonic()
         while True:
             try:
-                self.beat()
+                if time.monotonic() >= next_beat_s:
+                    next_beat_s = time.monotonic() + self._heartbeat_s
+                    self.beat()
+                else:  # a turn is shorter than the pause between two beats
+                    self._give_way()
             except Exception as error:  # a heart that stopped would give away every grading of this worker
                 if not self._stopped.is_set():  # then nobody waits for it any more
                     _log.warning("heartbeat failed: %s", error)
-            if self._stopped.wait(self._heartbeat_s):
+            left_s = max(next_beat_s - time.monotonic(), 0.0)
+            if self._stopped.wait(min(left_s, TURN.total_seconds() / 4)):
                 return
 
 

@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from datetime import timedelta
 from itertools import repeat
 
 from grader.contracts.assignment import Assignment
@@ -22,7 +23,6 @@ from grader.contracts.grading import (
 )
 from grader.contracts.submission import Claim, SubmissionState
 from grader.contracts.telemetry import GradingObserver, Unobserved
-from grader.store.claiming import LONG
 from grader.store.clock import Clock
 from grader.store.queue import Queue
 from grader.store.work import Doorbell, WorkSource
@@ -34,6 +34,8 @@ _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
 """Before each next try to store a result: often at first, then for ten minutes."""
 _STEP_S = 60.0
+TURN = timedelta(seconds=2)
+"""What a kept slot gives to a grading, though others wait, before it lets one of those go first."""
 _ROOM_PAUSE_S = 1.0
 """Who holds every process id is ended within milliseconds; what the kernel frees takes longer."""
 
@@ -168,7 +170,7 @@ class GradingSlot:
     def give_way(self) -> None:
         """In a slot that is kept, end a first try that takes long while others' turn has come.
 
-        Long is what takes over five seconds, and twice as long as an ordinary grading took lately: those that
+        Long is what takes over two seconds, and twice as long as an ordinary grading took lately: those that
         take minutes must not decide what is ordinary. The submission is tried once more behind them, by another
         slot as soon as one is idle, to its end.
         """
@@ -176,7 +178,7 @@ class GradingSlot:
         if claim is None or not self._in_turn or claim.tries > 1:
             return
         held = self._parts.clock() - self._since
-        if held <= LONG or held.total_seconds() <= 2 * (queue.median_duration_s() or 0.0):
+        if held <= TURN or held.total_seconds() <= 2 * (queue.median_duration_s() or 0.0):
             return
         if queue.waits_in_turn():
             self.abandon(claim, gives_way=True)
