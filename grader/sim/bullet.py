@@ -64,6 +64,9 @@ _MAX_JOINT_RADPS: Final = 4_000.0  # PyBullet's own bound of 100 would hold the 
 _HALF_S: Final = STEP_S / 2.0
 _TOUCH_M: Final = 1e-6  # a wall pushed by less is not being pushed: the car slides along it
 _WIDE_TURN_RAD: Final = 0.5  # Bullet loses a body that turns by more than a quarter turn in one engine step
+_BEHIND_UPDATES: Final = 8  # taken along at each update, the body costs a grading a quarter of its time
+_QUICK_RADPS: Final = _WIDE_TURN_RAD / (_BEHIND_UPDATES * UPDATE_S)
+_QUICK_MPS: Final = 5.0  # wheels that are faster tilt the body, the more the longer an engine step is
 _ASTRAY: Final = (
     0.05  # m and rad: the body stays within 1e-8; at 100 rad/s its wheels, as gyroscopes, tilt it by 5e-3
 )
@@ -88,18 +91,19 @@ class BulletCar:
     One object serves any number of episodes, one after the other: `reset` builds the world anew, so nothing
     of an earlier episode is left and the same commands give the same bits. The physics client stays.
 
-    The nominal car moves by turtlesim's law to the last bit. Its body is given, at each update, the velocity that
-    takes it along, and must be found where the law says. The rough car is where physics takes its body. Tyres and
-    casters are frictionless, so that they carry the car and never steer it, and the wheels' motors turn along.
-    Walls are turtlesim's: the position is held within the window, component by component, and the heading is not
-    affected.
+    The nominal car moves by turtlesim's law to the last bit. Its body is given the velocity that takes it along
+    at each eighth update, at each one of a quick car, and when it comes to rest, and must be found where the law
+    says. The rough car is where physics takes its body. Tyres and casters are frictionless, so that they carry the
+    car and never steer it, and the wheels' motors turn along. Walls are turtlesim's: the position is held within
+    the window, component by component, and the heading is not affected.
 
     Attributes:
         now_ns: instant of the update the state stands at.
         pose: the car's at that instant.
         velocity: (v, w) at which the wheels turned in that update, whether or not a wall was in the way.
         resting: stopped, told to stay so, and seen at rest: updates would change nothing.
-        body_pose: where PyBullet has the body, at the last whole step before that instant.
+        body_pose: where PyBullet has the body, at the last whole step before that instant; that of the nominal car
+            may be seven updates behind while it drives.
         steps_run: steps of 1/240 s simulated since `reset`; those of a resting car are not.
         commanded: the twist that acts from the next update on.
     """
@@ -115,7 +119,7 @@ class BulletCar:
         self._measured = (0.0, 0.0)
         self.pose = self.body_pose
         self.velocity = self.commanded = (0.0, 0.0)
-        self.now_ns = self.steps_run = 0
+        self.now_ns = self.steps_run = self._body_step = 0
         self.resting = True
 
     def close(self) -> None:
@@ -150,6 +154,7 @@ class BulletCar:
         if self.resting:
             self.observe()  # the end of the rest: before it, the car stood still
             self.resting = False
+            self._body_step = last_step_at(self.now_ns)
         self.commanded = (v_mps, w_radps)
         if self._rough is not None:
             self._rough.aim(v_mps, w_radps)
@@ -209,15 +214,15 @@ class BulletCar:
         last = last_step_at(self.now_ns)
         self.steps_run += last - first
         if self._rough is None:
-            self._follow_the_law(first, last)
+            self._follow_the_law(last)
         else:
             self._drive(self._rough, first, last)
         if not isfinite(sum(self.pose) + sum(self._measured)):
             raise InfrastructureError("the simulated car left the realm of numbers")
         self.observe()
 
-    def _follow_the_law(self, first: int, last: int) -> None:
-        """Move by turtlesim's law and let the body follow from step `first` to step `last`."""
+    def _follow_the_law(self, last: int) -> None:
+        """Move by turtlesim's law; let the body follow, up to step `last`, unless it may stay behind for now."""
         before, (v, w) = self.pose, self.commanded
         x, y, heading = turtlesim_update(before, v, w)
         if self._walls and not (0.0 <= x <= WINDOW_M and 0.0 <= y <= WINDOW_M):
@@ -231,14 +236,18 @@ class BulletCar:
         self.pose = (x, y, heading)
         self.velocity = (v, w)
         self.resting = (v, w) == (0.0, 0.0)
-        self._take_along(before, (last - first), step_time_ns(last))
+        quick = abs(v) > _QUICK_MPS or abs(w) > _QUICK_RADPS
+        if quick or self.resting or self.now_ns % (_BEHIND_UPDATES * UPDATE_NS) == 0:
+            self._take_along(before, last)
 
-    def _take_along(self, before: PlanarPose, steps: int, until_ns: int) -> None:
-        """Bring the body to where the law has the car at `until_ns`, on the line from the update `before`.
+    def _take_along(self, before: PlanarPose, last: int) -> None:
+        """Bring the body to where the law has the car at step `last`, on the line from the update `before`.
 
-        The velocity is constant meanwhile and no force acts along the floor, so that one engine step over all of
+        Its velocity is constant meanwhile and no force acts along the floor, so that one engine step over all of
         the time does what its single steps would do.
         """
+        steps, until_ns = last - self._body_step, step_time_ns(last)
+        self._body_step = last
         body, client = self._body, self._client
         share = 1.0 - (self.now_ns - until_ns) / UPDATE_NS
         x = before[0] + (self.pose[0] - before[0]) * share
@@ -295,6 +304,7 @@ class BulletCar:
         if self._walls:
             x, y = _within(x), _within(y)
         self.pose = self.body_pose = (x, y, heading)
+        self._body_step = last_step_at(self.now_ns)
         orientation = (0.0, 0.0, sin(heading / 2.0), cos(heading / 2.0))
         _bullet.resetBasePositionAndOrientation(
             self._body, (x, y, RIDE_HEIGHT_M), orientation, physicsClientId=self._client
