@@ -23,14 +23,17 @@ if TYPE_CHECKING:
 FLUSH_BYTES = 16_384
 RECEIVE_BYTES = 65_536
 MAX_ENTITIES = 512
-FLUSH_EVERY_NS = 100_000_000
-"""Virtual time after which what is buffered is sent with the next frame."""
-
-PROMPT_FLUSHES = 2_000
+PROMPT_FLUSHES = 200
 """How many frames with news (an entity, a command unlike the one before, a log record) are sent at once.
 
-What a script did is then known although it is killed: beyond 16 KiB only repetitions wait in the buffer. The
-bound keeps floods cheap. All of this depends on nothing but the script, so it is the same in each run."""
+What a script did is then known although it is killed: only repetitions wait in the buffer. The bound keeps
+floods cheap, and whoever steers by each pose. All of this depends on nothing but the script, so it is the same in
+each run."""
+
+NEWS_WAIT_NS = 250_000_000
+REPETITIONS_WAIT_NS = 1_000_000_000
+"""Virtual time since the last flush after which the next frame is sent with what is buffered. Each flush costs
+both processes some 15 us."""
 
 COUNT_EVERY = 100
 """A topic nobody in the world listens to: every how many messages one empty PUBLISH is sent."""
@@ -96,7 +99,7 @@ class Link:
         self._channel: Descriptor | None = None
         self._buffer = bytearray()
         self._received = b""
-        self._flush_ns = 0
+        self._flushed_ns = -REPETITIONS_WAIT_NS
         self._prompt = PROMPT_FLUSHES
         self._last: dict[int, bytes] = {}
         self._reckoning: Reckoning | None = None
@@ -297,6 +300,22 @@ class Link:
     def _advance_alone(self, target_ns: int, together_ns: int) -> int:
         """Do what ADVANCE asks of the episode, while nothing but poses can become due."""
         limit_ns = min(target_ns, self._kernel.horizon_ns)
+        reckoned, reckoning = self._reckoned, self._reckoning
+        if reckoning is not None and not reckoned and together_ns < reckoning.next_ns <= limit_ns:
+            target_ns = reckoning.next_ns  # what follows comes to the same: one pose at a time
+            due = [(target_ns, reckoning.update())]
+            self.quiet_ns = reckoning.next_ns
+        else:
+            due, target_ns = self._due(target_ns, together_ns, limit_ns)
+        for t_ns, cdr in due:
+            for ident in self._listeners:
+                deliver = self._deliver.get(ident)
+                if deliver is not None:
+                    deliver(0, t_ns, cdr)
+        return target_ns
+
+    def _due(self, target_ns: int, together_ns: int, limit_ns: int) -> tuple[list[tuple[int, bytes]], int]:
+        """Return the poses that come next, and the instant reached."""
         together_ns = min(together_ns, limit_ns)
         reckoned, reckoning = self._reckoned, self._reckoning
         if reckoning is not None:
@@ -310,12 +329,7 @@ class Link:
         del reckoned[: len(due)]
         next_ns = 0 if reckoning is None else reckoning.next_ns
         self.quiet_ns = reckoned[0][0] if reckoned else next_ns
-        for t_ns, cdr in due:
-            for ident in self._listeners:
-                deliver = self._deliver.get(ident)
-                if deliver is not None:
-                    deliver(0, t_ns, cdr)
-        return target_ns
+        return due, target_ns
 
     def _reckon(self, until_ns: int) -> None:
         """Run the car's updates up to `until_ns`."""
@@ -343,7 +357,7 @@ class Link:
         if self._channel is not None and self._buffer:
             data = bytes(self._buffer)
             self._buffer.clear()
-            self._flush_ns = self._kernel.now_ns + FLUSH_EVERY_NS
+            self._flushed_ns = self._kernel.now_ns
             self._channel.sendall(data)
 
     def send_frame(self, body: bytes) -> None:
@@ -373,17 +387,17 @@ class Link:
             self._kernel.replan()
 
     def _tell(self, frame: bytes) -> None:
-        """Send news at once, together with what is buffered."""
-        self._send(frame)
-        if self._prompt and self._buffer:
+        """Send news together with what is buffered: at once, or soon where there is much."""
+        prompt = self._prompt > 0
+        self._send(frame, 0 if prompt else NEWS_WAIT_NS)
+        if prompt:
             self._prompt -= 1
-            self.flush()
 
-    def _send(self, frame: bytes) -> None:
+    def _send(self, frame: bytes, wait_ns: int = REPETITIONS_WAIT_NS) -> None:
         if self._channel is None:
             return
         self._buffer += frame
-        if len(self._buffer) >= FLUSH_BYTES or self._kernel.now_ns >= self._flush_ns:
+        if len(self._buffer) >= FLUSH_BYTES or self._kernel.now_ns - self._flushed_ns >= wait_ns:
             self.flush()
 
     def _receive(self) -> bytes:

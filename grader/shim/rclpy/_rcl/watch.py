@@ -65,6 +65,11 @@ class Watch:
         self._others: list[tuple[Any, Place]] = []
         self._guards: list[tuple[Any, Place]] = []
         self._waitables: list[tuple[Any, WaitSet | None, Node]] = []
+        self._events: list[
+            Any
+        ] = []  # backlogs of waitables, if these are ready only when they hold something
+        self._timed = False  # whether a waitable may become ready without one
+        self._calm = False  # whether none of those was ready at the last look
         self._ready: list[Place] = []
         self._ready_waitables: list[tuple[Any, Node]] = []
         for number, node in enumerate(nodes):
@@ -109,8 +114,9 @@ class Watch:
             if not waitable._doomed():
                 self._backlogs.extend(backlogs)
                 self._waitables.append((waitable, None, node))
-                self.open = self.open or hasattr(waitable, "_timer")
+                self._events.extend(backlogs)
                 if hasattr(waitable, "_timer"):
+                    self.open = self._timed = True
                     self._add_timer(waitable._timer(), None)
             return
         from rclpy.exceptions import InvalidHandle
@@ -124,6 +130,7 @@ class Watch:
         waitable.__exit__(None, None, None)
         waitable.get_num_entities()
         waitable.add_to_wait_set(waits)
+        self._timed = True
         self._backlogs.extend(waits.backlogs())
         for handle in waits.timers():
             self._add_timer(handle, None)
@@ -197,10 +204,13 @@ class Watch:
             ready.sort(key=_order)
         self._ready = ready
         self._settled = changes.count
-        self._ready_waitables = ready_waitables = []
-        for waitable, waits, node in self._waitables:
-            if waitable._poll() if waits is None else _is_ready(waitable, waits):
-                ready_waitables.append((waitable, node))
+        if not self._calm or any(self._events):
+            self._ready_waitables = [
+                (waitable, node)
+                for waitable, waits, node in self._waitables
+                if (waitable._poll() if waits is None else _is_ready(waitable, waits))
+            ]
+            self._calm = not self._ready_waitables and not self._timed
 
     def _due_timers(self) -> list[Place]:
         now_ns = kernel.now_ns
