@@ -1,7 +1,7 @@
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from pathlib import Path
 from subprocess import CompletedProcess
 
@@ -11,6 +11,7 @@ from grader.commands import check, cli
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.grading.slot import Slot
 from tests.e2e.chromium import DESKTOP, Browser, chromium
+from tests.fakes.prepared import Prepared
 
 
 def _found(*names: str) -> str:
@@ -50,6 +51,13 @@ def at_terminal(
         return CompletedProcess(arguments, code, said.out, said.err)
 
     return run
+
+
+@pytest.fixture(scope="session")
+def prepared() -> Iterator[Prepared]:
+    """Starts processes of the service for the tests of several."""
+    with closing(Prepared()) as made:
+        yield made
 
 
 @pytest.fixture(scope="session")

@@ -12,6 +12,7 @@ from grader.store.courses import Courses
 from grader.store.database import Database
 from grader.store.tokens import Tokens
 from tests.e2e.test_scale_out import PATIENCE_S, process, serving
+from tests.fakes.prepared import Prepared
 from tests.fakes.waiting import wait_until
 
 HELLO = (Path(__file__).resolve().parents[2] / "lesson" / "hello_node.py").read_bytes()
@@ -30,10 +31,10 @@ def send(client: httpx.Client, path: str) -> httpx.Response:
 
 
 def test_practice_runs_in_the_process_that_serves_and_after_what_others_grade(
-    database_url: str, tmp_path: Path
+    database_url: str, tmp_path: Path, prepared: Prepared
 ) -> None:
     token = token_of_a_student(database_url)
-    with serving(tmp_path, database_url) as client:
+    with serving(prepared, tmp_path, database_url) as client:
         client.headers["Authorization"] = f"Bearer {token}"
         seen = send(client, "/api/v1/practice")
         assert seen.status_code == 200, seen.text
@@ -44,7 +45,7 @@ def test_practice_runs_in_the_process_that_serves_and_after_what_others_grade(
         refused = send(client, "/api/v1/practice")  # nobody grades yet, so the submission waits
         assert (refused.status_code, refused.json()["code"]) == (503, "practice_waits")
 
-        with process(tmp_path / "worker.log", database_url, "worker", "--slots", "1"):
+        with process(prepared, tmp_path / "worker.log", database_url, "worker", "--slots", "1"):
             url = handed_in.headers["Location"]
             wait_until(lambda: client.get(url).json()["status"] == "graded", PATIENCE_S, pause_s=0.05)
             assert send(client, "/api/v1/practice").status_code == 200

@@ -1,10 +1,7 @@
 """One API process and two workers on PostgreSQL, as an operator starts them; one is killed while it grades."""
 
-import os
 import re
 import signal
-import subprocess
-import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +11,7 @@ from sqlalchemy import text
 from sqlmodel import Session
 
 from grader.store.database import Database
+from tests.fakes.prepared import Forked, Prepared
 from tests.fakes.waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -26,26 +24,23 @@ _END_STORING = (
 
 
 @contextmanager
-def process(log_file: Path, url: str, *arguments: str) -> Iterator[subprocess.Popen[bytes]]:
+def process(prepared: Prepared, log_file: Path, url: str, *arguments: str) -> Iterator[Forked]:
+    settings = {**QUICK, "GRADER_DATABASE_URL": url}
     with log_file.open("ab") as log:
-        started = subprocess.Popen(
-            [sys.executable, "-m", "grader", *arguments],
-            cwd=ROOT,
-            env={**os.environ, **QUICK, "GRADER_DATABASE_URL": url},
-            stderr=log,
-        )
-    try:
-        yield started
-    finally:
-        started.send_signal(signal.SIGTERM)
-        assert started.wait() in (0, -signal.SIGKILL)
+        started = prepared.start("grader", *arguments, log=log.fileno(), **settings)
+    with started:
+        try:
+            yield started
+        finally:
+            started.send_signal(signal.SIGTERM)
+            assert started.wait() in (0, -signal.SIGKILL)
 
 
 @contextmanager
-def serving(folder: Path, url: str) -> Iterator[httpx.Client]:
+def serving(prepared: Prepared, folder: Path, url: str) -> Iterator[httpx.Client]:
     log = folder / "serve.log"
     log.touch()
-    with process(log, url, "serve", "--port", "0", "--slots", "0"):
+    with process(prepared, log, url, "serve", "--port", "0", "--slots", "0"):
         wait_until(lambda: re.search(r"http://127\.0\.0\.1:\d+", log.read_text()), PATIENCE_S)
         address = re.search(r"http://127\.0\.0\.1:\d+", log.read_text())
         assert address is not None
@@ -72,14 +67,16 @@ def grading_pid(session: Session) -> int | None:
     return int(worker.split(":")[1]) if worker else None
 
 
-def test_a_worker_killed_while_it_grades_costs_nobody_a_grading(postgres_url: str, tmp_path: Path) -> None:
+def test_a_worker_killed_while_it_grades_costs_nobody_a_grading(
+    postgres_url: str, tmp_path: Path, prepared: Prepared
+) -> None:
     hello = (ROOT / "lesson" / "hello_node.py").read_bytes()
     database = Database(postgres_url)
-    with serving(tmp_path, postgres_url) as client:
+    with serving(prepared, tmp_path, postgres_url) as client:
         urls = [upload(client, "first", hello)]
         logs = [tmp_path / "one.log", tmp_path / "other.log"]
         worker = (postgres_url, "worker", "--slots", "1")
-        with process(logs[0], *worker) as one, process(logs[1], *worker) as other:
+        with process(prepared, logs[0], *worker) as one, process(prepared, logs[1], *worker) as other:
             with database.writing() as session:
                 session.execute(text("LOCK grading IN SHARE MODE"))  # no result is stored before the kill
                 wait_until(lambda: grading_pid(session), PATIENCE_S, pause_s=0.05)

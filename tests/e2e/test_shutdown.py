@@ -1,13 +1,8 @@
 """Stopping `grader serve` while it grades and is watched: a real process, the real sandbox."""
 
 import json
-import os
 import signal
-import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
-from pathlib import Path
 
 import httpx
 import pytest
@@ -17,15 +12,15 @@ from grader.store.clock import utc_now
 from grader.store.database import Database
 from grader.store.occupancy import alone
 from grader.store.submissions import Submissions
+from tests.fakes.prepared import Forked, Prepared
 
-ROOT = Path(__file__).resolve().parents[2]
 TOKEN = "3q9fKx72LmVb0pTzQQ"
 PATIENCE_S = 120.0  # only ever waited for in full when the test fails
 BUSY = "number = 0\nwhile True:\n    number += 1  # {}\n"
 
 
 @pytest.fixture
-def process(database_url: str) -> Iterator[subprocess.Popen[str]]:
+def process(database_url: str, prepared: Prepared) -> Iterator[Forked]:
     settings = {
         "GRADER_DATABASE_URL": database_url,
         "GRADER_INSTRUCTOR_TOKEN": TOKEN,
@@ -33,26 +28,13 @@ def process(database_url: str) -> Iterator[subprocess.Popen[str]]:
         "GRADER_DRAIN_S": "0.1",
         "GRADER_POLL_S": "0.1",
     }
-    with _started(["serve", "--port", "0", "--slots", "1"], **settings) as started:
+    with prepared.start("grader", "serve", "--port", "0", "--slots", "1", **settings) as started:
         yield started
 
 
-@contextmanager
-def _started(arguments: list[str], **settings: str) -> Iterator[subprocess.Popen[str]]:
-    command = [sys.executable, "-m", "grader", *arguments]
-    with subprocess.Popen(
-        command, cwd=ROOT, env={**os.environ, **settings}, stderr=subprocess.PIPE, text=True
-    ) as started:
-        try:
-            yield started
-        finally:
-            started.kill()
-
-
 def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
-    process: subprocess.Popen[str], database_url: str
+    process: Forked, database_url: str
 ) -> None:
-    assert process.stderr is not None
     said = (json.loads(line)["message"] for line in process.stderr)
     address = next(one for one in said if one.startswith("listening on ")).removeprefix("listening on ")
     with httpx.Client(base_url=address, timeout=PATIENCE_S, trust_env=False) as client:
@@ -86,10 +68,12 @@ def test_told_to_stop_it_ends_streams_returns_gradings_and_loses_nothing(
     indirect=["database_url"],
     ids=["serve on sqlite", "worker on postgresql"],
 )
-def test_told_to_stop_while_it_waits_for_the_database_it_stops(command: list[str], database_url: str) -> None:
+def test_told_to_stop_while_it_waits_for_the_database_it_stops(
+    command: list[str], database_url: str, prepared: Prepared
+) -> None:
     database = Database(database_url)
-    with alone(database), _started([*command, "--slots", "1"], GRADER_DATABASE_URL=database_url) as waiting:
-        assert waiting.stderr is not None
+    told = ["grader", *command, "--slots", "1"]
+    with alone(database), prepared.start(*told, GRADER_DATABASE_URL=database_url) as waiting:
         while "waiting until that has ended" not in (line := waiting.stderr.readline()):
             assert line
         waiting.send_signal(signal.SIGTERM)
@@ -116,33 +100,28 @@ def _all_wait(url: str, ids: list[str]) -> None:
     assert [(one.state, one.tries) for one in found] == [(SubmissionState.QUEUED, 0)] * len(ids)
 
 
-def test_another_server_of_the_application_ends_streams_first_as_well(sqlite_url: str) -> None:
+def test_another_server_of_the_application_ends_streams_first_as_well(
+    sqlite_url: str, prepared: Prepared
+) -> None:
     settings = {
         "GRADER_DATABASE_URL": sqlite_url,
         "GRADER_INSTRUCTOR_TOKEN": TOKEN,
         "GRADER_SLOTS": "0",
     }
-    command = [sys.executable, "-m", "uvicorn", "grader.api:app", "--port", "0"]
-    with subprocess.Popen(
-        command, cwd=ROOT, env={**os.environ, **settings}, stderr=subprocess.PIPE, text=True
-    ) as started:
-        try:
-            assert started.stderr is not None
-            while " running on " not in (line := started.stderr.readline()):
-                assert line
-            address = line.split(" running on ")[1].split()[0]
-            with (
-                httpx.Client(base_url=address, timeout=PATIENCE_S, trust_env=False) as client,
-                client.stream(
-                    "GET", "/api/v1/dashboard/events", headers={"Authorization": f"Bearer {TOKEN}"}
-                ) as stream,
-            ):
-                lines = stream.iter_lines()
-                next(lines)
-                started.send_signal(signal.SIGTERM)
-                rest = list(lines)  # it ends as answers do: a broken one would raise
-                assert not [line for line in rest if line.startswith(":")]  # one that lives on says so
-            assert "Waiting for application shutdown" in started.stderr.read()
-            started.wait(PATIENCE_S)
-        finally:
-            started.kill()
+    with prepared.start("uvicorn", "grader.api:app", "--port", "0", **settings) as started:
+        while " running on " not in (line := started.stderr.readline()):
+            assert line
+        address = line.split(" running on ")[1].split()[0]
+        with (
+            httpx.Client(base_url=address, timeout=PATIENCE_S, trust_env=False) as client,
+            client.stream(
+                "GET", "/api/v1/dashboard/events", headers={"Authorization": f"Bearer {TOKEN}"}
+            ) as stream,
+        ):
+            lines = stream.iter_lines()
+            next(lines)
+            started.send_signal(signal.SIGTERM)
+            rest = list(lines)  # it ends as answers do: a broken one would raise
+            assert not [line for line in rest if line.startswith(":")]  # one that lives on says so
+        assert "Waiting for application shutdown" in started.stderr.read()
+        started.wait(PATIENCE_S)
