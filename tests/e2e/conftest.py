@@ -8,6 +8,7 @@ from subprocess import CompletedProcess
 import pytest
 
 from grader.commands import check, cli
+from grader.commands import run as run_command
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.grading.slot import Slot
 from tests.e2e.chromium import DESKTOP, Browser, chromium
@@ -30,7 +31,7 @@ class _Lent:
     def __init__(self, slot: Slot) -> None:
         self._slot = slot
 
-    def grade(self, job: GradingJob, meanwhile: Callable[[], None]) -> GradingResult:
+    def grade(self, job: GradingJob, meanwhile: Callable[[], None] = lambda: None) -> GradingResult:
         return self._slot.grade(job, meanwhile)
 
     def abort(self) -> None:
@@ -42,7 +43,8 @@ def at_terminal(
     slot: Slot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., CompletedProcess[str]]:
     """`grader` with its arguments, in `tmp_path`: in this process, and with one slot for all tests."""
-    monkeypatch.setattr(check, "Slot", lambda config: nullcontext(_Lent(slot)))
+    for command in (check, run_command):
+        monkeypatch.setattr(command, "Slot", lambda config: nullcontext(_Lent(slot)))
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str | Path) -> CompletedProcess[str]:

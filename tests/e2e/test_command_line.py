@@ -11,6 +11,7 @@ import pytest
 
 from grader.commands import cli
 from tests.e2e.grading_slot import LESSON, catalog
+from tests.fakes.prepared import Prepared
 
 Terminal = Callable[..., subprocess.CompletedProcess[str]]
 
@@ -126,18 +127,20 @@ def test_bad_input_is_one_readable_message_and_2(
     assert not said.out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["check", "missing_square.py"], "missing_square.py：没有这个文件"),
-        (["serve", "--host", "0.0.0.0", "--port", "0"], "GRADER_ALLOW_ANONYMOUS_NETWORK"),
-    ],
-)
-def test_bad_input_ends_the_process_with_2(tmp_path: Path, arguments: list[str], words: str) -> None:
-    done = grader(*arguments, cwd=tmp_path)
+def test_bad_input_ends_the_process_with_2(tmp_path: Path) -> None:
+    done = grader("check", "missing_square.py", cwd=tmp_path)
     assert (done.returncode, done.stdout) == (2, "")
-    assert words in done.stderr
+    assert "missing_square.py：没有这个文件" in done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_a_service_that_anybody_could_reach_does_not_start(prepared: Prepared, tmp_path: Path) -> None:
+    command = ["grader", "serve", "--host", "0.0.0.0", "--port", "0", "--data", str(tmp_path)]
+    with prepared.start(*command) as refused:
+        said = refused.stderr.read()  # all that it prints
+        assert refused.wait() == 2
+    assert "GRADER_ALLOW_ANONYMOUS_NETWORK" in said
+    assert "Traceback" not in said
 
 
 @pytest.mark.parametrize(
@@ -150,18 +153,20 @@ def test_no_name_of_a_topic_is_refused(capsys: pytest.CaptureFixture[str], topic
     assert "不是话题名" in capsys.readouterr().err
 
 
-def test_run_shows_logs_timeline_and_end_pose_without_grading(tmp_path: Path) -> None:
-    done = grader("run", LESSON / "square_mover.py", "--lang", "en", cwd=tmp_path)
+def test_run_shows_logs_timeline_and_end_pose_without_grading(at_terminal: Terminal) -> None:
+    done = at_terminal("run", LESSON / "square_mover.py", "--lang", "en")
     assert done.returncode == 0, done.stderr
     assert "[INFO] [1700000001.625000000] [square_mover]: 🏁 开始走正方形!" in done.stderr
     assert "t = 16.123 s" in done.stdout
 
 
-def test_run_tells_what_to_do_about_a_crash_and_draws_what_was_driven(tmp_path: Path) -> None:
+def test_run_tells_what_to_do_about_a_crash_and_draws_what_was_driven(
+    tmp_path: Path, at_terminal: Terminal
+) -> None:
     source = (LESSON / "square_mover.py").read_text(encoding="utf-8")
     asks = source.replace("    node.destroy_node()\n", "    input('? ')\n")
     (tmp_path / "asks.py").write_text(asks, encoding="utf-8")
-    done = grader("run", "asks.py", "--watch", "--plot", "drive.svg", cwd=tmp_path)
+    done = at_terminal("run", "asks.py", "--watch", "--plot", "drive.svg")
     assert (done.returncode, "\x1b" in done.stdout) == (1, False)
     assert "t = 16.12 s" in done.stdout  # the last picture, as a pipe gets it
     assert "grader run asks.py --input" in " ".join(done.stdout.split())

@@ -2,7 +2,6 @@
 
 import json
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -14,6 +13,7 @@ from grader.commands.demo import DemoUpload, await_grades, hand_in, serving
 from grader.contracts.record import from_json
 from grader.contracts.report import GradeReport
 from tests.e2e.grading_slot import LESSON, catalog
+from tests.fakes.prepared import Prepared
 
 Terminal = Callable[..., subprocess.CompletedProcess[str]]
 SCRIPTS = {"hello": "hello_node.py", "straight": "straight_mover.py", "square": "square_mover.py"}
@@ -137,10 +137,12 @@ def test_the_dashboard_needs_the_operators_token(client: httpx.Client, lesson: d
     assert token not in json.dumps(document)
 
 
-def test_a_second_server_on_the_same_port_says_so(client: httpx.Client, tmp_path: Path) -> None:
+def test_a_second_server_on_the_same_port_says_so(
+    client: httpx.Client, tmp_path: Path, prepared: Prepared
+) -> None:
     port = str(client.base_url.port)
-    command = [sys.executable, "-m", "grader", "serve", "--port", port, "--data", str(tmp_path)]
-    failed = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert failed.returncode == 2
-    assert failed.stderr.startswith(f"grader: 无法监听 127.0.0.1 的 {port} 端口：已被别的程序占用")
-    assert "Traceback" not in failed.stderr
+    with prepared.start("grader", "serve", "--port", port, "--data", str(tmp_path)) as failed:
+        said = failed.stderr.read()
+        assert failed.wait() == 2
+    assert said.startswith(f"grader: 无法监听 127.0.0.1 的 {port} 端口：已被别的程序占用")
+    assert "Traceback" not in said

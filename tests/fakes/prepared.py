@@ -38,7 +38,7 @@ class Forked:
 
     Attributes:
         pid: of the process.
-        stderr: what it prints there is read here, unless it goes to a file.
+        stderr: what it prints, there or to its standard output, is read here, unless it goes to a file.
     """
 
     def __init__(self, told: int, stderr: TextIOWrapper) -> None:
@@ -93,7 +93,7 @@ class Prepared:
 
         Args:
             command: a module, which is run as `python -m` does, and its arguments.
-            log: the file that takes what it prints to its standard error.
+            log: the file that takes what it prints.
             environment: what it has beside this process's variables.
         """
         told, says = os.pipe()
@@ -138,6 +138,7 @@ def _watch(says: int, log: int) -> None:
     """Return in a process that this one starts, tells the number of, and waits for, to tell how it ended."""
     pid = os.fork()
     if pid == 0:
+        os.dup2(log, 1)
         os.dup2(log, 2)
     os.close(log)
     if pid == 0:

@@ -200,13 +200,13 @@ def test_a_child_that_hangs_is_ended(
     children: list[str], program: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(slot, "_SPARE_S", 0.3)
+    monkeypatch.setattr(slot.bounds, "longest_run_s", lambda wall_s: 0.0)
     children.append(program)
-    job = GradingJob(file_name="a.py", source=JOB.source, assignment=_hurried())
     with Slot(SlotConfig()) as one:
         process = process_of(one)
         assert process is not None
         with pytest.raises(InfrastructureError, match="no answer in time"):
-            one.grade(job)
+            one.grade(JOB)
         assert process.exit_code() == -signal.SIGKILL
 
 
@@ -363,20 +363,6 @@ def test_a_child_holds_no_pipe_of_another(children: list[str], tmp_path: Path) -
             second.grade(JOB)
     assert len(of_the_first) == 2
     assert not of_the_first & set(json.loads(note.read_text()))
-
-
-def _hurried() -> Assignment:
-    return Assignment(
-        id="demo",
-        version=1,
-        order=1,
-        title=EMPTY,
-        brief=EMPTY,
-        check="node",
-        items=(),
-        horizon_s=1.0,
-        limits=Limits(wall_s=0.1 if slot._SPARE_S < 1 else 30.0),
-    )
 
 
 def _has_ended(pid: int) -> bool:
