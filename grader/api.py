@@ -117,7 +117,8 @@ def create_app(open_services: ServicesOpener | None = None) -> FastAPI:
     events.install(app)
     live.install(app)
     for router in _ROUTERS:
-        app.include_router(router)
+        # as `include_router` does, but for building each route once more, which the first request waits for
+        app.router.routes.extend(router.routes)
     pages.install(app)
     documentation.install(app)
     return app
