@@ -78,10 +78,13 @@ class Board:
         half = np.array([size.width / 2 + padding, size.height / 2 + padding])
         places = _candidates(label.away, half, scale)
         page = self.axes.bbox.extents
-        box, _ = min(
-            ((_box(anchor + offset, half), price) for offset, price in places),
-            key=lambda place: self._cost(place[0], page) + place[1],
-        )
+        box, least = page, float("inf")
+        for offset, price in places:
+            if price < least:  # to cover something only makes a place dearer
+                tried = _box(anchor + offset, half)
+                cost = self._cost(tried, page) + price
+                if cost < least:
+                    box, least = tried, cost
         left, bottom, right, top = box
         centre = np.array([left + right, bottom + top]) / 2
         text.set_position(tuple((centre - anchor) / scale))
