@@ -10,7 +10,6 @@ import pytest
 from fastapi import FastAPI
 
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.settings import Settings
 from grader.use_cases.services import Services
 from tests.fakes import server
 from tests.fakes.clock import FakeClock
@@ -40,7 +39,7 @@ def sqlite_url(request: pytest.FixtureRequest, tmp_path: Path, migrated_file: Pa
 
 @pytest.fixture
 def services(sqlite_url: str, clock: FakeClock, plotter: FakePlotter) -> Iterator[Services]:
-    settings = Settings(database_url=sqlite_url, max_upload_bytes=2048, max_open_submissions=3)
+    settings = server.settings(database_url=sqlite_url, max_upload_bytes=2048, max_open_submissions=3)
     with server.services(settings, clock, plotter) as made:
         yield made
 

@@ -13,7 +13,6 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.grading import GradingJob, GradingResult
 from grader.contracts.identity import Caller, Role, RosterEntry
 from grader.contracts.submission import NewSubmission
-from grader.settings import Settings
 from grader.use_cases.comparing import Similar
 from grader.use_cases.services import Services
 from grader.use_cases.similar import side_by_side, similar
@@ -30,7 +29,7 @@ SIDES = [[i * 16_000_000, float(i % 2), float(1 - i % 2)] for i in range(8)]
 
 @pytest.fixture
 def services(sqlite_url: str) -> Iterator[Services]:
-    with server.services(Settings(database_url=sqlite_url), FakeClock()) as made:
+    with server.services(server.settings(database_url=sqlite_url), FakeClock()) as made:
         people = [RosterEntry(id=f"s{i}", name="", role=Role.STUDENT) for i in range(8)]
         made.courses.create("ros", "ros", "UTC", "test")
         made.courses.import_roster(

@@ -8,7 +8,6 @@ from grader.contracts.errors import RefusedError
 from grader.contracts.identity import Caller, Role, RosterEntry
 from grader.contracts.rules import Rules
 from grader.contracts.submission import Submission, SubmissionState
-from grader.settings import Settings
 from grader.store.audit import Signature
 from grader.use_cases import recordings, submissions
 from grader.use_cases.assignments import terms_of
@@ -32,7 +31,7 @@ def clock() -> FakeClock:
 
 @pytest.fixture
 def services(sqlite_url: str, clock: FakeClock) -> Iterator[Services]:
-    with server.services(Settings(database_url=sqlite_url, uploads_per_minute=4), clock) as made:
+    with server.services(server.settings(database_url=sqlite_url, uploads_per_minute=4), clock) as made:
         people = [RosterEntry(id=one, name=one, role=Role.STUDENT) for one in ("li", "han")]
         for course in ("ros", "other"):
             made.courses.create(course, course, "UTC", "test")

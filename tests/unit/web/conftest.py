@@ -13,7 +13,6 @@ from grader.catalog import Catalog
 from grader.contracts.errors import UnknownAssignmentError
 from grader.contracts.grading import AssignmentSource, GradingJob, GradingResult
 from grader.contracts.submission import NewSubmission
-from grader.settings import Settings
 from grader.use_cases.services import Services
 from grader.web.forms import COOKIE, FIELD
 from tests.fakes import server
@@ -97,7 +96,7 @@ def sqlite_url(request: pytest.FixtureRequest, tmp_path: Path, migrated_file: Pa
 
 @pytest.fixture
 def services(sqlite_url: str, shipped: AssignmentSource) -> Iterator[Services]:
-    settings = Settings(database_url=sqlite_url, max_upload_bytes=4096)
+    settings = server.settings(database_url=sqlite_url, max_upload_bytes=4096)
     with server.services(settings, FakeClock()) as made:
         yield replace(made, assignments=shipped)
 
