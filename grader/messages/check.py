@@ -78,8 +78,13 @@ def uses() -> Iterator[str]:
         if key not in known:
             yield f"{place}: no message {key}"
     for key in sorted(known):
-        if not source.names(key):
+        if not _used(key):
             yield f"{key} is not used"
+
+
+@cache
+def _used(key: str) -> bool:
+    return _source().names(key)
 
 
 @cache
@@ -152,7 +157,8 @@ class _Source:
 def pairs() -> Iterator[str]:
     """Compare the languages of the sentences that stand in the source, because they are built from its values."""
     for path in sorted(_ROOT.rglob("*.py")):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        text = path.read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(text)) if "Text(" in text else ():
             if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "Text":
                 said = [_values(one.value) for one in node.keywords if isinstance(one.value, _WRITTEN)]
                 if len(said) == len(LANGUAGES) and said[0] != said[1]:

@@ -53,7 +53,7 @@ def _plain() -> Settings:
 
 
 def settings(**chosen: Any) -> Settings:
-    """Return settings of which `chosen` are not as usual: reading the environment anew takes longer than all else."""
+    """Return settings of which `chosen` are not as usual; to read the environment each time takes long."""
     return _plain().model_copy(update=chosen)
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import pytest
 from alembic import command
+from alembic.config import Config
 
 from grader.contracts.errors import RegradeError
 from grader.contracts.grading import GradingJob
@@ -158,7 +159,8 @@ def test_an_older_database_learns_the_state(blank_url: str) -> None:
     """The table is made anew on SQLite, while other rows refer to its rows."""
     database = Database(blank_url)
     with database.writing() as session:
-        config = schema._config()
+        config = Config()
+        config.set_main_option("script_location", str(schema._MIGRATIONS))
         config.attributes["connection"] = session.connection()
         command.upgrade(config, "0008")
         for statement in (
