@@ -1,7 +1,7 @@
 import os
 import shutil
 from collections.abc import Callable, Iterator
-from contextlib import closing, nullcontext
+from contextlib import closing
 from pathlib import Path
 from subprocess import CompletedProcess
 
@@ -9,9 +9,9 @@ import pytest
 
 from grader.commands import check, cli
 from grader.commands import run as run_command
-from grader.contracts.grading import GradingJob, GradingResult
 from grader.grading.slot import Slot
 from tests.e2e.chromium import DESKTOP, Browser, chromium
+from tests.fakes.grading import Lent
 from tests.fakes.prepared import Prepared
 
 
@@ -25,26 +25,13 @@ def _found(*names: str) -> str:
     pytest.skip(missing)
 
 
-class _Lent:
-    """A slot that outlives the command that uses it."""
-
-    def __init__(self, slot: Slot) -> None:
-        self._slot = slot
-
-    def grade(self, job: GradingJob, meanwhile: Callable[[], None] = lambda: None) -> GradingResult:
-        return self._slot.grade(job, meanwhile)
-
-    def abort(self) -> None:
-        """Grade the next one, too."""
-
-
 @pytest.fixture
 def at_terminal(
     slot: Slot, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> Callable[..., CompletedProcess[str]]:
     """`grader` with its arguments, in `tmp_path`: in this process, and with one slot for all tests."""
     for command in (check, run_command):
-        monkeypatch.setattr(command, "Slot", lambda config: nullcontext(_Lent(slot)))
+        monkeypatch.setattr(command, "Slot", lambda config: Lent(slot))
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str | Path) -> CompletedProcess[str]:

@@ -1,54 +1,31 @@
 """The whole service over HTTP with a grader that needs no physics: upload, grade, restart, look again."""
 
 import hashlib
-import os
 import signal
-import socket
-import subprocess
-import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
-from pathlib import Path
+from contextlib import contextmanager
 
 import httpx
-import pytest
 
-from grader.api import create_app
-from grader.contracts.grading import SandboxState
 from grader.settings import Settings
 from grader.store.clock import utc_now
-from grader.store.workers import presence
 from grader.use_cases.services import Services
-from grader.worker import Worker, WorkerConfig, WorkerParts
+from grader.worker import WorkerConfig
 from tests.fakes import server
-from tests.fakes.grading import FakeGrader
+from tests.fakes.mortal import HEARTBEAT_S, worker_of
+from tests.fakes.prepared import Prepared
 from tests.fakes.waiting import wait_until
 
-ROOT = Path(__file__).resolve().parents[2]
 INSTRUCTOR = {"Authorization": f"Bearer {server.TOKEN}"}
 PATIENCE_S = 60.0  # only ever waited for in full when a test fails
 SCRIPTS = {f"s{number}": f"good {'good' * (number % 2)} # {number}\n".encode() for number in range(12)}
-
-
-def _worker(services: Services, config: WorkerConfig) -> Worker:
-    parts = WorkerParts(
-        queue=services.queue,
-        workers=services.workers,
-        assignments=services.assignments,
-        make_grader=FakeGrader,
-        probe=lambda: SandboxState(ready=True, isolation="fake"),
-        doorbell=services.doorbell,
-        clock=services.clock,
-    )
-    return Worker(parts, config)
 
 
 @contextmanager
 def opened(url: str, slots: int = 2) -> Iterator[tuple[Services, httpx.Client]]:
     """Run everything but physics: store, workers in threads, HTTP."""
     with server.services(Settings(database_url=url), utc_now) as services:
-        worker = _worker(services, WorkerConfig(slots=slots))
+        worker = worker_of(services, WorkerConfig(slots=slots))
         worker.start()
         try:
             with server.serving(server.application(services)) as client:
@@ -98,86 +75,31 @@ def test_what_waits_at_a_restart_is_graded_after_it(sqlite_url: str) -> None:
         wait_until(lambda: all(client.get(url).json()["status"] == "graded" for url in urls), PATIENCE_S)
 
 
-SERVERS = """
-import os, socket, sys
-import uvicorn
-from tests.e2e.test_service import application_in
-listener = socket.socket(fileno=int(sys.argv[1]))
-for url in sys.stdin:
-    if (child := os.fork()) == 0:
-        uvicorn.Server(uvicorn.Config(application_in(url.strip()), log_config=None)).run(sockets=[listener])
-        os._exit(0)
-    print(child, flush=True)
-    os.waitpid(child, 0)
-    print("gone", flush=True)
-"""
-LEASE_S, HEARTBEAT_S = 1.5, 0.3  # of gradings without physics
+@contextmanager
+def mortal(prepared: Prepared, url: str) -> Iterator[httpx.Client]:
+    """Yield a client of a server that is killed when the context ends, its workers with it."""
+    with (
+        prepared.start("tests.fakes.mortal", url) as served,
+        httpx.Client(
+            base_url=served.stderr.readline().strip(), timeout=PATIENCE_S, trust_env=False
+        ) as client,
+    ):
+        yield client
+        served.kill()
+        assert served.wait() == -signal.SIGKILL
 
 
-def application_in(url: str):
-    """Return an application whose workers live in this very process, to be killed with it."""
-
-    @contextmanager
-    def services() -> Iterator[Services]:
-        with (
-            server.services(Settings(database_url=url), utc_now, lease_s=LEASE_S) as made,
-            presence(url, lambda: made.queue.reconcile(all_running=True)),
-        ):
-            worker = _worker(made, WorkerConfig(slots=2, heartbeat_s=HEARTBEAT_S))
-            worker.start()
-            yield made
-            worker.stop()
-
-    return create_app(services)
-
-
-@dataclass(frozen=True)
-class Servers:
-    """Starts servers, each a fork of one prepared process. The socket they listen to outlives them."""
-
-    origin: subprocess.Popen[str]
-    address: str
-
-    @contextmanager
-    def client(self, url: str) -> Iterator[httpx.Client]:
-        """Yield a client of a server that is killed when the context ends."""
-        self.origin.stdin.write(url + "\n")
-        self.origin.stdin.flush()
-        pid = int(self.origin.stdout.readline())
-        try:
-            # what is sent before the server answers waits in the socket
-            with httpx.Client(base_url=self.address, timeout=PATIENCE_S, trust_env=False) as client:
-                yield client
-        finally:
-            with suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-            assert self.origin.stdout.readline() == "gone\n"
-
-
-@pytest.fixture(scope="module")
-def servers() -> Iterator[Servers]:
-    with socket.create_server(("127.0.0.1", 0), backlog=64) as listener:
-        command = [sys.executable, "-c", SERVERS, str(listener.fileno())]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-        with subprocess.Popen(
-            command, pass_fds=(listener.fileno(),), env=environment, text=True, **pipes
-        ) as origin:
-            yield Servers(origin, f"http://127.0.0.1:{listener.getsockname()[1]}")
-            origin.stdin.close()
-
-
-def test_killing_the_server_at_any_moment_loses_nothing(servers: Servers, sqlite_url: str) -> None:
+def test_killing_the_server_at_any_moment_loses_nothing(prepared: Prepared, sqlite_url: str) -> None:
     accepted: dict[str, tuple[str, bytes]] = {}
     students = iter(range(1000))
     for round_number in range(2):
-        with servers.client(sqlite_url) as client:
+        with mortal(prepared, sqlite_url) as client:
             for _ in range(4 + 4 * round_number):
                 student = f"s{next(students)}"
                 source = f"good # {student}\n".encode()
                 accepted[student] = (upload(client, student, source), source)
         # some are graded, some under way, some wait
-    with servers.client(sqlite_url) as client:
+    with mortal(prepared, sqlite_url) as client:
         wait_until(
             lambda: all(client.get(url).json()["status"] == "graded" for url, _ in accepted.values()),
             PATIENCE_S,

@@ -9,6 +9,7 @@ from grader.contracts.assignment import Assignment, Case, ItemSpec
 from grader.contracts.errors import InfrastructureError, UnknownAssignmentError
 from grader.contracts.grading import (
     AssignmentSource,
+    Grader,
     GradingJob,
     GradingResult,
     RunProgress,
@@ -26,6 +27,27 @@ MEASUREMENTS = Measurements(
     wall_s=0.2, jail_cpu_s=0.1, jail_peak_bytes=1 << 20, sim_steps=3840, isolation="strict"
 )
 POINTS = 5.0
+
+
+class Lent:
+    """A grader that outlives the command or worker that uses it, for its `Slot`."""
+
+    def __init__(self, grader: Grader) -> None:
+        self._grader = grader
+
+    def __enter__(self) -> "Lent":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
+
+    def grade(self, job: GradingJob, on_run: Callable[[], None] = lambda: None) -> GradingResult:
+        return self._grader.grade(job, on_run)
+
+    def start(self) -> None:
+        """It has started."""
+
+    close = abort = start
 
 
 def assignment(assignment_id: str = "square", order: int = 5) -> Assignment:

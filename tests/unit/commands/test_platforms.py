@@ -11,10 +11,12 @@ from typing import Any
 
 import pytest
 
-from grader.commands import cli, gradescope, prairielearn, regrade_folder
+from grader.commands import check, cli, gradescope, prairielearn, regrade_folder
 from grader.commands.handed_in import graded, read_file
 from grader.contracts.errors import InfrastructureError
+from grader.grading.slot import Slot
 from grader.use_cases import pictures
+from tests.fakes.grading import Lent
 from tests.unit.commands.test_check import FailingSlot
 
 LOCK = Path(__file__).parents[3] / "requirements.lock"
@@ -30,6 +32,13 @@ def no_grader(monkeypatch: pytest.MonkeyPatch) -> None:
     FailingSlot.error = InfrastructureError("the grading process ended unexpectedly")
     for module in (gradescope, prairielearn, regrade_folder):
         monkeypatch.setattr(module, "Slot", FailingSlot)
+
+
+@pytest.fixture
+def lent(slot: Slot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let commands grade in the one process of all tests, instead of starting their own."""
+    for module in (check, gradescope, prairielearn, regrade_folder):
+        monkeypatch.setattr(module, "Slot", lambda config: Lent(slot))
 
 
 def _container(root: Path, **files: bytes) -> Path:
@@ -70,6 +79,7 @@ def test_gradescope_is_told_what_was_wrong_with_the_files(
     assert told in document["output"]
 
 
+@pytest.mark.usefixtures("lent")
 def test_of_several_files_the_one_is_graded_whose_name_tells_the_assignment(tmp_path: Path) -> None:
     document = _run_gradescope(_container(tmp_path, hello_node=HELLO, notes=b"x = 1\n"))
     assert document["score"] > 0
@@ -155,6 +165,7 @@ def test_a_pack_has_all_that_a_container_needs(tmp_path: Path) -> None:
     assert of_assignments == {"assignments/square/assignment.yaml", "assignments/square/solution.py"}
 
 
+@pytest.mark.usefixtures("lent")
 def test_prairielearn_gets_points_and_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(pictures, "draw", lambda *drawn, case: b"PNG of " + case.encode())
     (tmp_path / "student").mkdir()
@@ -176,6 +187,7 @@ def test_prairielearn_must_say_which_assignment(tmp_path: Path, capsys: pytest.C
     assert "params.assignment" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("lent")
 def test_a_whole_export_of_gradescope_is_graded_offline(tmp_path: Path) -> None:
     """The zip's metadata names people; a class list goes out, and formulas in names are text."""
     about = "  - :name: =cmd()\n    :sid: '007'\n    :email: a@x\n"
@@ -218,6 +230,7 @@ def test_an_export_writes_nowhere_else(name: str, tmp_path: Path, capsys: pytest
     assert "has a file called" in capsys.readouterr().err
 
 
+@pytest.mark.usefixtures("lent")
 def test_classroom_50_is_told_what_its_runner_said(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -235,6 +248,7 @@ def test_classroom_50_is_told_what_its_runner_said(
     assert document["score"] == sum(test["score"] for test in document["tests"]) < document["max-score"]
 
 
+@pytest.mark.usefixtures("lent")
 def test_autolab_reads_the_last_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "hello.py"
     path.write_bytes(HELLO)

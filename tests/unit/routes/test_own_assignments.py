@@ -24,7 +24,7 @@ from grader.use_cases.services import Services
 from grader.worker.examiner import Examiner, Uploads
 from tests.fakes.clock import FakeClock
 from tests.fakes.essays import grade_essay
-from tests.fakes.grading import FakeAssignments, grade_next
+from tests.fakes.grading import FakeAssignments, Lent, grade_next
 from tests.fakes.packages import NAME, zipped
 
 OWN = "/api/v1/course/assignments"
@@ -162,18 +162,6 @@ def test_from_a_zip_to_a_student(desk: Desk, upload: Callable[..., httpx.Respons
     assert report["score"] == 100.0
 
 
-class _Lent:
-    """The session's grading process, which outlives the examiner that uses it."""
-
-    def __init__(self, slot: Slot) -> None:
-        self.grade = slot.grade
-
-    def abort(self) -> None:
-        pass
-
-    close = start = abort
-
-
 def test_a_package_is_asked_for_examined_and_graded(
     desk: Desk, slot: Slot, grader: TextGrader, upload: Callable[..., httpx.Response]
 ) -> None:
@@ -187,7 +175,7 @@ def test_a_package_is_asked_for_examined_and_graded(
     bad = {name[14:]: text for name, text in files.items() if name.startswith("wrong/no_init/")}
     kept["wrong/no_init.zip"] = zipped({f"build/{NAME}/x.py": "1", **bad})
     assert desk.upload(packed("walk", {**kept, "assignment.yaml": spec})).status_code == 202
-    lent = _Lent(slot)
+    lent = Lent(slot)
     grader.grade = lent.grade  # type: ignore[method-assign]
     assert desk.examiner.step()
     (ready,) = desk.listed()
