@@ -5,6 +5,7 @@ nothing, speak to no network, and has little memory and time. Where the kernel h
 memory, time and files remain.
 """
 
+import gc
 import json
 import resource
 import sys
@@ -26,8 +27,11 @@ MAX_MEMORY_BYTES = 1536 * 1024 * 1024
 MAX_CPU_S = 20
 
 
-def main(folder: Path) -> int:
-    """Read; return 0, or `TOO_MUCH`."""
+def main(path: str) -> int:
+    """Read the folder at `path`; return 0, or `TOO_MUCH`."""
+    gc.freeze()
+    gc.enable()  # the one that starts this process turns it off
+    folder = Path(path)
     _confine(folder)
     try:
         reading = _read(folder)
@@ -66,7 +70,3 @@ def _confine(folder: Path) -> None:
         readable = {sys.prefix, sys.base_prefix, str(package), str(folder.parent), *filter(None, sys.path)}
         libc.prctl(libc.PR_SET_NO_NEW_PRIVS, 1)
         landlock.restrict_self(landlock.create_ruleset(sorted(readable), ()))
-
-
-if __name__ == "__main__":
-    sys.exit(main(Path(sys.argv[1])))
