@@ -15,6 +15,7 @@ from tests.e2e.test_scale_out import PATIENCE_S, process, serving
 from tests.fakes.prepared import Prepared
 from tests.fakes.waiting import wait_until
 
+IMPATIENT = "tests.fakes.impatient"
 HELLO = (Path(__file__).resolve().parents[2] / "lesson" / "hello_node.py").read_bytes()
 
 
@@ -34,7 +35,7 @@ def test_practice_runs_in_the_process_that_serves_and_after_what_others_grade(
     database_url: str, tmp_path: Path, prepared: Prepared
 ) -> None:
     token = token_of_a_student(database_url)
-    with serving(prepared, tmp_path, database_url) as client:
+    with serving(prepared, tmp_path, database_url, IMPATIENT) as client:
         client.headers["Authorization"] = f"Bearer {token}"
         seen = send(client, "/api/v1/practice")
         assert seen.status_code == 200, seen.text

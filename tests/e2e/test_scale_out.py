@@ -24,10 +24,12 @@ _END_STORING = (
 
 
 @contextmanager
-def process(prepared: Prepared, log_file: Path, url: str, *arguments: str) -> Iterator[Forked]:
+def process(
+    prepared: Prepared, log_file: Path, url: str, *arguments: str, module: str = "grader"
+) -> Iterator[Forked]:
     settings = {**QUICK, "GRADER_DATABASE_URL": url}
     with log_file.open("ab") as log:
-        started = prepared.start("grader", *arguments, log=log.fileno(), **settings)
+        started = prepared.start(module, *arguments, log=log.fileno(), **settings)
     with started:
         try:
             yield started
@@ -37,10 +39,10 @@ def process(prepared: Prepared, log_file: Path, url: str, *arguments: str) -> It
 
 
 @contextmanager
-def serving(prepared: Prepared, folder: Path, url: str) -> Iterator[httpx.Client]:
+def serving(prepared: Prepared, folder: Path, url: str, module: str = "grader") -> Iterator[httpx.Client]:
     log = folder / "serve.log"
     log.touch()
-    with process(prepared, log, url, "serve", "--port", "0", "--slots", "0"):
+    with process(prepared, log, url, "serve", "--port", "0", "--slots", "0", module=module):
         wait_until(lambda: re.search(r"http://127\.0\.0\.1:\d+", log.read_text()), PATIENCE_S)
         address = re.search(r"http://127\.0\.0\.1:\d+", log.read_text())
         assert address is not None

@@ -2,6 +2,7 @@
 
 import threading
 from collections.abc import Iterator, Sequence
+from datetime import timedelta
 from typing import NoReturn
 
 import pytest
@@ -187,7 +188,8 @@ def test_a_first_try_may_take_two_seconds_in_the_slot_that_is_kept(bench: Bench)
     grading.join()
 
 
-def test_a_slot_is_asked_to_give_way_between_two_beats(bench: Bench) -> None:
+def test_a_slot_is_asked_to_give_way_between_two_beats(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("grader.worker.heart.TURN", timedelta(milliseconds=40))
     asked = threading.Semaphore(0)
 
     class Asked(GradingSlot):
