@@ -10,6 +10,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from grader.checks import evaluate, problems, sketch
+from grader.checks.kinds.path.mistakes import named_corner
+from grader.checks.measure import mistake
 from grader.contracts.assignment import Assignment, PathPiece, WantedPath
 from grader.contracts.outcome import RunStatus
 from grader.contracts.scoring import Scoring
@@ -161,6 +163,21 @@ def test_what_is_said(name: str, pieces: list[tuple[object, ...]], code: str, wo
     assert scoring.mistakes[0] == code
     assert words in scoring.hint.en
     assert score(scoring) <= 85
+
+
+@pytest.mark.parametrize(
+    ("driven_deg", "wanted_deg", "said"),
+    [
+        (80.0, 90.0, "80°"),
+        (-80.0, -90.0, "80°"),
+        (269.8, 90.0, "90.2° to the other side"),
+        (-20.0, 135.0, "20° to the other side"),
+        (0.0, 90.0, "0°"),
+    ],
+)
+def test_a_corner_is_told_as_it_was_turned(driven_deg: float, wanted_deg: float, said: str) -> None:
+    told = mistake("path_corner", number=1, **named_corner(driven_deg, wanted_deg)).text.en
+    assert f"Corner 1 is {said} instead of {abs(wanted_deg):.0f}°." in told
 
 
 def test_a_wall_comes_first_and_standing_still_is_no_path() -> None:

@@ -7,8 +7,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from grader.checks.drive import Drive, drive_of
-from grader.checks.kinds.path.driven import DrivenStretch, Figure, corners_deg, driven_stretches, figure_in
-from grader.checks.kinds.path.mistakes import name_of, path_mistakes
+from grader.checks.kinds.path.driven import (
+    DrivenStretch,
+    Figure,
+    as_turned_deg,
+    corners_deg,
+    driven_stretches,
+    figure_in,
+)
+from grader.checks.kinds.path.mistakes import name_of, named_corner, path_mistakes
 from grader.checks.kinds.path.wanted import track_of
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind
 from grader.checks.scoring import fits
@@ -91,9 +98,7 @@ def _corners(figure: Figure, stretches: list[DrivenStretch]) -> Measure:
     if not corners:
         return UNMEASURED
     driven, wanted = max(corners, key=lambda pair: abs(pair[0] - pair[1]))
-    sign = -1.0 if wanted < 0.0 else 1.0
-    details = {"driven": number(sign * driven, "deg"), "wanted": number(abs(wanted), "deg")}
-    return Measure(abs(driven - wanted), details)
+    return Measure(abs(driven - wanted), named_corner(driven, wanted))
 
 
 _Pair = Callable[[DrivenStretch], tuple[float, float]]
@@ -157,7 +162,7 @@ def _sketched_corners(
     for before, after in itertools.pairwise(stretches):
         for driven, wanted in corners_deg([before, after], mirrored=figure.placed.mirrored):
             ok = fits(assignment, "corner_error_deg", abs(driven - wanted))
-            found.append(SketchCorner(at_m=_point(before.end), angle_deg=driven, ok=ok))
+            found.append(SketchCorner(at_m=_point(before.end), angle_deg=as_turned_deg(driven), ok=ok))
     return tuple(found)
 
 

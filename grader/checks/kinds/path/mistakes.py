@@ -11,6 +11,7 @@ from grader.checks.kinds.path.driven import (
     UNFINISHED_SHARE,
     DrivenStretch,
     Figure,
+    as_turned_deg,
     begun_off,
     corners_deg,
     figure_in,
@@ -91,6 +92,16 @@ class _Seen:
     def loses(self, measure: str, value: float) -> bool:
         """Whether a value of `measure` costs points."""
         return fits(self.assignment, measure, value) is False
+
+
+def named_corner(driven_deg: float, wanted_deg: float) -> dict[str, str | Text]:
+    """Return how far a corner was turned and was to be turned, for a sentence about it."""
+    turned_deg = as_turned_deg(driven_deg)
+    driven = number(abs(turned_deg), "deg")
+    return {
+        "driven": driven if turned_deg * wanted_deg >= 0.0 else say("corner.other_way", angle=driven),
+        "wanted": number(abs(wanted_deg), "deg"),
+    }
 
 
 def name_of(stretch: Stretch) -> Text:
@@ -198,13 +209,11 @@ def _pieces(seen: _Seen) -> Iterator[Mistake]:
     if worst is not None:
         driven, wanted = corners[worst]
         if seen.loses("corner_error_deg", abs(driven - wanted)):
-            sign = -1.0 if wanted < 0.0 else 1.0
             yield mistake(
                 "path_corner",
                 ("corner_error_deg", "off_pct", "mean_off_pct", "covered_pct", "gap_pct"),
                 number=worst + 1,
-                driven=number(sign * driven, "deg"),
-                wanted=number(abs(wanted), "deg"),
+                **named_corner(driven, wanted),
             )
     for each in _by_error(seen.stretches, "line", scale):
         error = abs(each.length_m - scale * each.wanted.length_m) / (scale * each.wanted.length_m)
