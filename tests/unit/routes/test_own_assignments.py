@@ -1,8 +1,10 @@
 """Assignments that instructors upload to their course, over HTTP and with a worker's examiner."""
 
-from collections.abc import Callable, Iterator, Mapping
+import json
+from collections.abc import Callable, Iterator
 from contextlib import closing
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -12,7 +14,9 @@ from grader.catalog import default_root
 from grader.checks import evaluate_text
 from grader.contracts.errors import InfrastructureError
 from grader.contracts.grading import GradingJob, GradingResult
-from grader.examination.reading import Reading, read_folder
+from grader.contracts.record import from_json, to_plain
+from grader.examination.confined import _read
+from grader.examination.reading import Reading
 from grader.examination.zipped import packed
 from grader.grading.slot import Slot
 from grader.packages.bundle import bundled
@@ -96,20 +100,20 @@ def grader() -> TextGrader:
     return TextGrader()
 
 
-_READ: dict[tuple[tuple[str, bytes], ...], Reading] = {}
+@pytest.fixture
+def confined() -> None:
+    """For a test whose folders are read by a process of their own, as in service."""
 
 
 @pytest.fixture(autouse=True)
-def each_folder_read_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Many tests upload the same folder, and each look at it starts a process."""
+def read_here(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read the folders of all other tests in this process: starting one takes longer than the rest of a test."""
 
-    def read(files: Mapping[str, bytes]) -> Reading:
-        content = tuple(sorted(files.items()))
-        if content not in _READ:
-            _READ[content] = read_folder(files)
-        return _READ[content]
+    def answer(folder: Path) -> Reading:
+        return from_json(Reading, json.dumps(_read(folder), default=to_plain))
 
-    monkeypatch.setattr("grader.use_cases.own_assignments.read_folder", read)
+    if "confined" not in request.fixturenames:
+        monkeypatch.setattr("grader.examination.reading._answer", answer)
 
 
 @pytest.fixture
@@ -139,6 +143,7 @@ def served(running: Any, desk: Desk) -> None:
     running[0].state.services = desk.services
 
 
+@pytest.mark.usefixtures("confined")
 def test_from_a_zip_to_a_student(desk: Desk, upload: Callable[..., httpx.Response]) -> None:
     answer = desk.upload(folder())
     assert (answer.status_code, answer.json()["state"]) == (202, "waiting")
@@ -162,6 +167,7 @@ def test_from_a_zip_to_a_student(desk: Desk, upload: Callable[..., httpx.Respons
     assert report["score"] == 100.0
 
 
+@pytest.mark.usefixtures("confined")
 def test_a_package_is_asked_for_examined_and_graded(
     desk: Desk, slot: Slot, grader: TextGrader, upload: Callable[..., httpx.Response]
 ) -> None:
@@ -195,6 +201,7 @@ def test_a_package_is_asked_for_examined_and_graded(
     assert bundled(handed_in) in desk.services.assignments.of("ros").given_code()
 
 
+@pytest.mark.usefixtures("confined")
 def test_what_is_wrong_is_told_by_file_line_and_field(desk: Desk) -> None:
     spec = SPEC.replace(b"points: 80", b"points: many")
     answer = desk.upload(folder(spec))
