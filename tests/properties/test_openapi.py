@@ -31,6 +31,7 @@ from tests.fakes.grading import grade
 from tests.fakes.postgres import PostgresServer
 
 if TYPE_CHECKING:  # imported where it is used: every process of a run imports this module, and one runs it
+    import requests
     import schemathesis
     from schemathesis import Case, GenerationMode
 
@@ -62,6 +63,7 @@ class Asked:
 
     schema: schemathesis.BaseSchema
     app: FastAPI
+    client: requests.Session
     kept: dict[str, tuple[Kept, ...]]
     checks: list[Callable[..., object]]
     numbers: Iterator[int]
@@ -81,7 +83,8 @@ class Asked:
                     case.path_parameters[name] = kept.known[name][number % len(kept.known[name])]
                 if isinstance(case.body, dict) and "assignment" in case.body:
                     case.body["assignment"] = "square"
-            case.call_and_validate(headers=kept.headers, checks=self.checks)
+            case.call_and_validate(session=self.client, headers=kept.headers, checks=self.checks)
+            self.client.cookies.clear()
 
 
 @pytest.fixture(scope="module")
@@ -90,6 +93,7 @@ def asked(
 ) -> Iterator[Asked]:
     import schemathesis
     from schemathesis.checks import not_a_server_error
+    from schemathesis.python.asgi import get_client
     from schemathesis.specs.openapi import checks
 
     wanted = [
@@ -116,7 +120,9 @@ def asked(
         schema = schemathesis.openapi.from_dict(server.openapi_document())
         schema.app = app
         kept = {role: tuple(_kept(app, services, role) for services in both[role]) for role in ROLES}
-        yield Asked(schema, app, kept, wanted, count())
+        client = opened.enter_context(get_client(app))
+        client.trust_env = False  # which would look for a proxy with each request
+        yield Asked(schema, app, client, kept, wanted, count())
     for name in names.values():
         postgres_server.drop(name)
 
