@@ -123,6 +123,8 @@ def _manner(dice: random.Random, styles: Sequence[str] = STYLES) -> Manner:
 
 def _fits(attempt: Attempt) -> bool:
     """Whether the motion ends in time and stays away from the walls."""
+    if attempt.duration_s * 1.05 >= HORIZON_S - 4.0:
+        return False
     x = y = heading = farthest = 0.0
     for duration, v, w in attempt.legs:
         for _ in range(8):
@@ -130,7 +132,7 @@ def _fits(attempt: Attempt) -> bool:
             x, y = x + v * duration / 8 * math.cos(heading), y + v * duration / 8 * math.sin(heading)
             heading += w * duration / 16
         farthest = max(farthest, math.hypot(x, y))
-    return farthest < REACH_M and attempt.duration_s * 1.05 < HORIZON_S - 4.0
+    return farthest < REACH_M
 
 
 def _drawn(dice: random.Random, assignment: str, styles: Sequence[str] = STYLES) -> tuple[Manner, float]:

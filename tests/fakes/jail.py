@@ -9,7 +9,7 @@ from collections.abc import Generator, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
-from grader.sim.cdr import decode, encode
+from grader.sim.cdr import decode
 
 TWIST = "geometry_msgs/msg/Twist"
 SECOND = 1_000_000_000
@@ -80,7 +80,7 @@ def ended(
 
 
 def twist(v: float = 0.0, w: float = 0.0, y: float = 0.0) -> bytes:
-    return encode(TWIST, {"linear": {"x": v, "y": y}, "angular": {"z": w}})
+    return struct.pack("<4s6d", b"\0\1\0\0", v, y, 0.0, 0.0, 0.0, w)
 
 
 def node(identity: int = 1, t_ns: int = 0) -> bytes:
