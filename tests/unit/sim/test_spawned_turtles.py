@@ -6,6 +6,7 @@ import math
 import pytest
 
 from grader.sim.bullet import BulletCar
+from grader.sim.cdr import encode
 from tests.fakes import jail, turtlesim
 from tests.fakes.jail import SECOND, Script
 from tests.unit.sim.playing import play
@@ -26,7 +27,7 @@ def test_the_script_is_told_of_the_graph_before_the_answer(car: BulletCar) -> No
     def script() -> Script:
         yield jail.node()
         yield jail.entity(5, 5, name="/spawn", type="turtlesim/srv/Spawn")
-        yield jail.request(5, 1, 0, jail.encode("turtlesim/srv/Spawn_Request", {"x": 1.0, "y": 2.0}))
+        yield jail.request(5, 1, 0, encode("turtlesim/srv/Spawn_Request", {"x": 1.0, "y": 2.0}))
         answer = yield jail.advance(SECOND)
         assert answer is not None
         assert answer.now_ns == 16 * MS

@@ -6,11 +6,13 @@ themselves changes nothing that is not theirs. At last the one to whom it all be
 change something: else its row would say nothing.
 """
 
+import shutil
 import sqlite3
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import closing
-from dataclasses import dataclass, field
-from datetime import timedelta
+from dataclasses import dataclass, field, replace
+from datetime import datetime, timedelta
+from pathlib import Path
 from typing import Any
 
 import httpx
@@ -18,6 +20,7 @@ import pytest
 from fastapi import FastAPI
 from fastapi.routing import APIRoute
 
+from grader.contracts.grading import AssignmentSource
 from grader.contracts.identity import Caller, Role, RosterEntry
 from grader.contracts.notice import NewWebhook, Outlet, Vendor
 from grader.contracts.platform import NewPlatform
@@ -31,7 +34,10 @@ from grader.use_cases import judging, people
 from grader.use_cases.services import Services
 from grader.web.access import SESSION_COOKIE
 from grader.web.forms import COOKIE, FIELD
-from tests.unit.web.conftest import PAGE
+from tests.fakes import server
+from tests.fakes.clock import FakeClock
+from tests.fakes.courses import PreparedCourses
+from tests.unit.web.conftest import PAGE, grade_all, put_in
 
 FORM_TOKEN = "t" * 32
 CALLERS = ("nobody", "bound", "classmate", "outsider", "stranger")
@@ -266,15 +272,29 @@ def _filled(fields: dict[str, Any], ids: dict[str, str]) -> dict[str, Any]:
     }
 
 
+@pytest.fixture(scope="module")
+def prepared(
+    courses: PreparedCourses, shipped: AssignmentSource, tmp_path_factory: pytest.TempPathFactory
+) -> tuple[Things, datetime]:
+    """Everything that an address or a form may name, of ``li`` and of the first course; and when that was made."""
+    file = shutil.copy(courses.file, tmp_path_factory.mktemp("things") / "grader.db")
+    with server.services(server.settings(database_url=f"sqlite:///{file}"), FakeClock()) as made:
+        services = replace(made, assignments=shipped)
+        return Things(*_stored(services), str(file)), services.clock()
+
+
 @pytest.fixture
-def things(
-    services: Services,
-    sqlite_url: str,
-    tokens: dict[str, str],
-    put: Callable[..., str],
-    grade_waiting: Callable[..., None],
-) -> Things:
-    """Everything that an address or a form may name, of ``li`` and of the first course."""
+def sqlite_url(tmp_path: Path, prepared: tuple[Things, datetime]) -> str:
+    return f"sqlite:///{shutil.copy(prepared[0].file, tmp_path / 'grader.db')}"
+
+
+@pytest.fixture
+def things(services: Services, sqlite_url: str, prepared: tuple[Things, datetime]) -> Things:
+    made, services.clock.now = prepared
+    return replace(made, file=sqlite_url.removeprefix("sqlite:///"))
+
+
+def _stored(services: Services) -> tuple[dict[str, str], dict[str, dict[str, str]]]:
     members = [
         RosterEntry(id="li", name="", sections=("1",)),
         RosterEntry(id="bound", name="", role=Role.ASSISTANT, sections=("2",)),
@@ -286,7 +306,7 @@ def things(
         for one, role in (("outsider", Role.STUDENT), ("stranger", Role.INSTRUCTOR))
     ]
     services.courses.import_roster("other", others, "test")
-    ids = _made(services, put, grade_waiting)
+    ids = _made(services)
     services.clock.advance(2 * 24 * 3_600)  # old enough to be erased
     headers = {"nobody": {"Cookie": f"{COOKIE}={FORM_TOKEN}"}}
     for person, course in {**HOME, "li": "ros", "wang": "ros"}.items():
@@ -295,18 +315,18 @@ def things(
         session = services.callers.open_session(token)
         cookies = f"{SESSION_COOKIE}={session}; {COOKIE}={FORM_TOKEN}"
         headers[person] = {"Authorization": f"Bearer {token}", "Cookie": cookies}
-    return Things(ids, headers, sqlite_url.removeprefix("sqlite:///"))
+    return ids, headers
 
 
-def _made(services: Services, put: Callable[..., str], grade_waiting: Callable[..., None]) -> dict[str, str]:
+def _made(services: Services) -> dict[str, str]:
     wang, li = (Signature(services.clock(), "ros", who) for who in ("wang", "li"))
     services.rules.set("square", Rules(appeals_until=services.clock() + timedelta(days=9)), wang)
     services.rules.extend("square", "li", Extension(extra_attempts=3), wang)
-    put(student="li", course="ros", assignment="straight", name="straight.py")
-    submission = put(student="li", course="ros", source=b"bad").rpartition("/")[2]
+    put_in(services, student="li", course="ros", assignment="straight", name="straight.py")
+    submission = put_in(services, student="li", course="ros", source=b"bad").rpartition("/")[2]
     services.appeals.ask(submission, Asked(item="closed", reason="x", attempt=1, earned=0.0, points=5.0), li)
     regrade = services.regrades.open(Wanted(assignment="square"), wang).id
-    grade_waiting()
+    grade_all(services)
     uploaded = NewOwnAssignment(assignment="walk", version=1, content=b"zip", reading=b"{}")
     services.own_assignments.add(uploaded, wang)
     assert services.identities.bind("campus", "1", "ros", "li", by_token=True)
