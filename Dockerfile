@@ -58,8 +58,8 @@ RUN /opt/build/bin/pip wheel --no-cache-dir --no-deps --no-build-isolation --whe
  && cd /opt/grader/bin \
  && find . -type f ! -name grader -delete \
  && ./python -m grader.jail.models \
- && ./python -c 'from grader.web.pages import compile_all; compile_all()' \
- && ./python -m compileall -q -x '/(assignments|lesson)/' --invalidation-mode unchecked-hash /opt/grader/lib
+ && ./python -m compileall -q -x '/(assignments|lesson)/' --invalidation-mode unchecked-hash /opt/grader/lib \
+ && ./python -c 'from grader.web.pages import compile_all; compile_all()'
 
 FROM scratch
 LABEL org.opencontainers.image.title="grader" \
