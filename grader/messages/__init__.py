@@ -24,6 +24,25 @@ _ENTRY: Final = re.compile(r'^msgid "(.+)"\nmsgstr "(.*)"$', re.MULTILINE)
 _LIST_SEPARATOR: Final = Text(zh="、", en=", ")
 
 
+class _Counting(Formatter):
+    """Fills sentences in that say ``{count} {count:side|sides}``: one side, or several."""
+
+    def format_field(self, value: object, format_spec: str) -> str:
+        """Return the value, or which of two words goes with it."""
+        one, bar, many = format_spec.partition("|")
+        if bar:
+            return one if str(value) == "1" else many
+        return str(super().format_field(value, format_spec))
+
+
+_COUNTING: Final = _Counting()
+
+
+def _many(format_spec: str | None) -> str:
+    """Return the word for several that a field chooses, nothing if it is an ordinary one."""
+    return (format_spec or "").partition("|")[2]
+
+
 class MissingMessageError(LookupError):
     """A message id has no sentence in one of the languages: a defect of the grader."""
 
@@ -55,7 +74,8 @@ def sentence(language: Language, message_id: str, /, **values: object) -> str:
     text = template(language, message_id)
     if text is None:
         raise MissingMessageError(f"{language}: no message {message_id!r}")
-    return text.format(**{name: _in(language, value) for name, value in values.items()})
+    said = {name: _in(language, value) for name, value in values.items()}
+    return _COUNTING.vformat(text, (), said) if "|" in text else text.format(**said)
 
 
 def outline(language: Language, message_id: str) -> str | None:
@@ -63,7 +83,8 @@ def outline(language: Language, message_id: str) -> str | None:
     text = template(language, message_id)
     if text is None:
         return None
-    return "".join(before + ("" if field is None else "…") for before, field, _, _ in Formatter().parse(text))
+    parts = Formatter().parse(text)
+    return "".join(before + ("" if field is None else _many(spec) or "…") for before, field, spec, _ in parts)
 
 
 def say(message_id: str, /, **values: object) -> Text:

@@ -111,7 +111,7 @@ def _workbook(content: bytes) -> list[_Sheet]:
     """Return all sheets of a workbook, read by a process of its own."""
     if content.startswith(_ZIP):
         _check_zip(content)
-    command = [sys.executable, "-m", "grader.sheets.workbook"]
+    command = [sys.executable, "-P", "-m", "grader.sheets.workbook"]
     try:
         code, answer = readers.answer_of(command, content, most_bytes=_MAX_ANSWER_BYTES)
     except readers.TooMuchError:
