@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
-from sqlalchemy import Connection, Select, bindparam, or_, select, update
+from sqlalchemy import Connection, Select, and_, bindparam, or_, select, update
 
 from grader.contracts.submission import Claim, SubmissionState
 from grader.store.intake import LATELY
@@ -41,10 +41,11 @@ _LATELY_OF = select(_row.started_at, _row.finished_at).where(
     _row.student == bindparam("student"),
     or_(
         _row.state == SubmissionState.RUNNING.value,
+        and_(_row.state == SubmissionState.QUEUED.value, _row.tries > 0),
         _row.finished_at >= bindparam("since", type_=UtcDateTime()),
     ),
 )
-"""When the gradings of a student began and ended: those under way, and those that ended lately."""
+"""When a student's gradings began and ended: those under way or to be tried again, and those that ended lately."""
 
 _CLAIMED = (
     _row.id,
@@ -111,7 +112,8 @@ def take(connection: Connection, worker: str, now: datetime, lease_s: float, in_
 def due_early(connection: Connection, now: datetime) -> str | None:
     """Return what would be due first if everybody's turn had come; None if it may take long.
 
-    That is known of what was tried before, and while gradings of its student take long.
+    That is known of what was tried before, and of a student whose other gradings are under way, are to be tried
+    again, or took long.
     """
     first = connection.execute(_DUE_EARLY, instants(now, in_turn=False)).first()
     if first is None or first.tries:

@@ -136,7 +136,7 @@ class Heart:
                 if not self._stopped.is_set():  # then nobody waits for it any more
                     _log.warning("heartbeat failed: %s", error)
             left_s = max(next_beat_s - time.monotonic(), 0.0)
-            if self._stopped.wait(min(left_s, TURN.total_seconds() / 4)):
+            if self._stopped.wait(min(left_s, TURN.total_seconds() / 8)):
                 return
 
 

@@ -34,8 +34,10 @@ _log = logging.getLogger(__name__)
 _STORE_PAUSES_S = (0.05, 0.2, 0.5, 1.0, 2.0, *repeat(4.0, 150))
 """Before each next try to store a result: often at first, then for ten minutes."""
 _STEP_S = 60.0
-TURN = timedelta(seconds=2)
+TURN = timedelta(seconds=4)
 """What a kept slot gives to a grading, though others wait, before it lets one of those go first."""
+_TIMES_ORDINARY = 4.0
+"""Longer than so many times an ordinary grading is long."""
 _ROOM_PAUSE_S = 1.0
 """Who holds every process id is ended within milliseconds; what the kernel frees takes longer."""
 
@@ -170,15 +172,16 @@ class GradingSlot:
     def give_way(self) -> None:
         """In a slot that is kept, end a first try that takes long while others' turn has come.
 
-        Long is what takes over two seconds, and twice as long as an ordinary grading took lately: those that
-        take minutes must not decide what is ordinary. The submission is tried once more behind them, by another
-        slot as soon as one is idle, to its end.
+        Long is what takes over `TURN`, and several times as long as an ordinary grading took lately. (Those that
+        take minutes must not decide what is ordinary.) The submission is tried once more behind them, by another
+        slot as soon as one is idle, to its end. That may be long after: a right script must not get there because
+        the host is busy.
         """
         claim, queue = self.claim, self._parts.queue
         if claim is None or not self._in_turn or claim.tries > 1:
             return
         held = self._parts.clock() - self._since
-        if held <= TURN or held.total_seconds() <= 2 * (queue.median_duration_s() or 0.0):
+        if held <= TURN or held.total_seconds() <= _TIMES_ORDINARY * (queue.median_duration_s() or 0.0):
             return
         if queue.waits_in_turn():
             self.abandon(claim, gives_way=True)

@@ -112,6 +112,20 @@ def test_a_slot_is_kept_from_whose_gradings_take_long(bench: Bench) -> None:
     assert kept() is not None  # its turn has come
 
 
+def test_a_slot_is_kept_from_whose_other_upload_gave_way(bench: Bench) -> None:
+    for number in range(2):
+        bench.upload(b"good" * (1 + number), "straight", student="s1")
+    kept = partial(bench.queue.claim, "w/0", in_turn=True)
+    first = kept()
+    assert first is not None
+    assert bench.queue.put_behind(first, "it took long")
+    assert kept() is None  # what the same student handed in beside it may take as long
+    bench.upload(b"good", student="s2")
+    other = kept()
+    assert other is not None
+    assert bench.row(other.submission_id).student == "s2"
+
+
 def test_what_cannot_be_started_for_lack_of_room_waits_and_uses_no_try(
     bench: Bench, monkeypatch: pytest.MonkeyPatch
 ) -> None:
