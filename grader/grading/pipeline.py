@@ -28,7 +28,7 @@ from grader.grading.outcome import ended_by_the_clock, is_repeatable, masked_str
 from grader.sandbox import JailReport, Sandbox, pybullet_sandbox
 from grader.sim.bullet import SIMULATOR, BulletCar
 from grader.sim.episode import Episode, EpisodeResult, EpisodeSpec
-from grader.sim.frames import INTERRUPTED_NOTE, Link
+from grader.sim.frames import INTERRUPTED_NOTE, THREADS_NOTE, Link
 from grader.sim.robot_body import ROBOT_SIMULATOR, RobotBody
 
 REPLAY_MODEL: Final = 1  # raised whenever the same calls may give another account
@@ -207,6 +207,8 @@ class Pipeline:
             def on_note(code: str) -> None:
                 if code == INTERRUPTED_NOTE:  # a script that got Ctrl+C has only its grace left
                     jail.limit_cpu(limits.grace_cpu_s)
+                elif code == THREADS_NOTE:
+                    jail.gather_threads()
 
             link: Link = jail
             if on_progress is not None:

@@ -1,6 +1,6 @@
-"""Keep this process and a confined one on one core while they take turns. A matter of speed only.
+"""Keep on one core what takes turns: this process and a confined one, or the threads of that. For speed only.
 
-Whoever wakes a process on another core waits until that core has left its sleep: on a virtual machine a question
+Whoever wakes a thread on another core waits until that core has left its sleep: on a virtual machine a question
 and its answer take half a millisecond, and some 15 us on one core. The kernel's scheduler does not see that the
 two never run at the same time, and spreads them. Where it does not let us say so, nothing happens here.
 """
@@ -19,40 +19,68 @@ the container), whoever started it."""
 
 
 class SharedCore:
-    """A core for two: this thread and every thread of the process `pid`."""
+    """A core for every thread of the process `pid`, and at times for this thread too."""
 
     def __init__(self, pid: int) -> None:
         self._pid = pid
         self._claim: _socket.socket | None = None
+        self._core: int | None = None
         self._before: set[int] = set()
+        self._is_shared = self._has_threads = False
 
     def share(self) -> None:
         """Bring both onto one core that no other pair shares; harmless when they are there."""
-        if self._claim is not None or not hasattr(os, "sched_setaffinity"):
+        if self._is_shared or (core := self._take_core(beside_us=False)) is None:
             return
         try:
-            self._before = os.sched_getaffinity(0)
-            core = self._claim_one()
-            if core is not None:
-                self._move(self._pid, {core})  # whose refusal leaves this process where it is
-                os.sched_setaffinity(0, {core})
+            os.sched_setaffinity(0, {core})
+            self._is_shared = True
         except OSError:
-            self.part()
+            self.leave()
 
     def part(self) -> None:
+        """Let this process go where the kernel likes, and the other one unless its threads take turns."""
+        if not self._has_threads:
+            self.leave()
+        elif self._is_shared:
+            self._is_shared = False
+            with suppress(OSError):
+                os.sched_setaffinity(0, self._before)
+
+    def gather(self) -> None:
+        """Bring the threads of the other process, of which one runs at a time, onto one core until they leave."""
+        self._has_threads = True
+        self._take_core(beside_us=True)
+
+    def leave(self) -> None:
         """Let both go where the kernel likes; harmless when they may."""
         if self._claim is None:
             return
         self._claim.close()
-        self._claim = None
+        self._claim = self._core = None
         with suppress(OSError):
-            os.sched_setaffinity(0, self._before)
+            if self._is_shared:
+                self._is_shared = False
+                os.sched_setaffinity(0, self._before)
             self._move(self._pid, self._before)
 
-    def _claim_one(self) -> int | None:
-        """Claim a core, the present one if it is free; None when every one is taken."""
+    def _take_core(self, *, beside_us: bool) -> int | None:
+        """Bring the other process onto a core of its own; return which, or None."""
+        if self._claim is not None or not hasattr(os, "sched_setaffinity"):
+            return self._core
+        try:
+            self._before = os.sched_getaffinity(0)
+            self._core = self._claim_one(beside_us=beside_us)
+            if self._core is not None:
+                self._move(self._pid, {self._core})
+        except OSError:
+            self.leave()
+        return self._core
+
+    def _claim_one(self, *, beside_us: bool) -> int | None:
+        """Claim a core, the present one or, `beside_us`, another, if it is free; None when every one is taken."""
         here = libc.present_core()
-        for core in sorted(self._before, key=lambda core: (core != here, core)):
+        for core in sorted(self._before, key=lambda core: ((core == here) is beside_us, core)):
             claim = _socket.socket(_socket.AF_UNIX, _socket.SOCK_DGRAM)
             try:
                 claim.bind(_CLAIM.format(core))

@@ -245,6 +245,10 @@ class Jail:
         else:
             self._core.part()
 
+    def gather_threads(self) -> None:
+        """Say that the script's threads take turns, from now on. It decides on speed only."""
+        self._core.gather()
+
     def limit_cpu(self, extra_s: float) -> None:
         """Leave the script at most `extra_s` more CPU seconds from now, and never more than it had."""
         self._clocks.limit_cpu(extra_s)
@@ -390,7 +394,7 @@ class Jail:
             if self._is_closed:  # descriptors and process id may have been reused by now
                 raise SandboxError("the sandbox's process could not account for the run")
             self._is_closed = True
-            self._core.part()
+            self._core.leave()
             try:
                 self._report = self._account()
             finally:

@@ -25,6 +25,7 @@ from grader.sim.frames import (
     STARTED_NOTE,
     SUBSCRIPTION,
     SYNTAX_ERROR,
+    THREADS_NOTE,
     UNHEARD_NOTE,
     Advance,
     CallsFrame,
@@ -243,14 +244,7 @@ class Episode:
         if isinstance(frame, Publish):
             self._publish(frame)
         elif isinstance(frame, NoteFrame):
-            if frame.code == STARTED_NOTE:  # only says that a frame came before the script could send one
-                return
-            self._on_note(frame.code)
-            better = Note(
-                code="sensor_qos", text=frame.text
-            )  # the script cannot tell a sensor from other topics
-            if frame.code != "incompatible_qos" or better not in self._journal.notes:
-                self._journal.note(frame.code, frame.text)
+            self._note(frame)
         elif isinstance(frame, Advance):
             self._check_time(frame.t_ns)
             self._advance(frame, link)
@@ -265,6 +259,16 @@ class Episode:
                 self._exit = frame
             elif frame.t_ns <= self._spec.horizon_ns:
                 self._graph_change(frame)
+
+    def _note(self, frame: NoteFrame) -> None:
+        if frame.code == STARTED_NOTE:  # only says that a frame came before the script could send one
+            return
+        self._on_note(frame.code)
+        if frame.code == THREADS_NOTE:  # says nothing of how the script drives
+            return
+        better = Note(code="sensor_qos", text=frame.text)  # the script cannot tell a sensor from other topics
+        if frame.code != "incompatible_qos" or better not in self._journal.notes:
+            self._journal.note(frame.code, frame.text)
 
     def _take_calls(self, frame: CallsFrame) -> None:
         self._pass_time(frame.t_ns)

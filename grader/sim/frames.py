@@ -21,6 +21,9 @@ UNHEARD_NOTE = "unheard"
 STARTED_NOTE = "started"
 """Sent by the shim when the script has been compiled, before any of its code runs."""
 
+THREADS_NOTE = "threads"
+"""Sent by the shim when the script starts its first thread: from then on its threads take turns."""
+
 
 class Link(Protocol):
     """The channel to the jailed process, in whole frame bodies."""

@@ -77,8 +77,12 @@ class Run:
 
     @property
     def notes(self) -> list[tuple[str, str]]:
-        """Return the notes as (code, text), but for the first frame of every script that compiles."""
-        return [(frame["code"], frame["text"]) for frame in self.of("NOTE") if frame["code"] != "started"]
+        """Return the notes as (code, text), but for those that no report shows."""
+        return [
+            (frame["code"], frame["text"])
+            for frame in self.of("NOTE")
+            if frame["code"] not in ("started", "threads")
+        ]
 
     @property
     def entities(self) -> dict[int, dict[str, Any]]:

@@ -155,6 +155,14 @@ def test_a_non_daemon_thread_keeps_the_process_alive_and_a_daemon_does_not(run_b
     assert (run.exit["reason"], run.exit["t_ns"] // 10**6) == (0, 2000)
 
 
+def test_the_episode_is_told_of_the_first_thread_once(run_bare: RunScript) -> None:
+    run = run_bare(
+        "import threading, time\n"
+        "for _ in range(3):\n    threading.Thread(target=time.sleep, args=(1,)).start()\n    time.sleep(2)\n"
+    )
+    assert [frame["code"] for frame in run.of("NOTE")] == ["started", "threads"]
+
+
 def test_an_exception_in_a_thread_is_printed_and_noted_and_main_goes_on(run_bare: RunScript) -> None:
     run = run_bare(
         "import threading\ndef work():\n    1 / 0\nt = threading.Thread(target=work)\nt.start()\nt.join()\n"

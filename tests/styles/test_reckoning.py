@@ -12,6 +12,7 @@ from grader.contracts.grading import GradingJob
 from grader.contracts.outcome import RunStatus
 from grader.contracts.text import EMPTY
 from grader.grading.pipeline import Pipeline
+from grader.jail.cores import SharedCore
 from grader.sandbox import script_sandbox
 from grader.sim.turtle_world import TurtleWorld
 
@@ -144,6 +145,21 @@ def job(steps: list[Any], world: World) -> GradingJob:
             cases=(Case(),),
         ),
     )
+
+
+def test_the_threads_of_a_script_are_gathered_on_one_core(
+    pipeline: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gathered: list[SharedCore] = []
+
+    def gather(self: SharedCore) -> None:
+        gathered.append(self)
+
+    monkeypatch.setattr(SharedCore, "gather", gather)
+    pipeline.grade(job([("sleep", 0.1)], World()))
+    assert gathered == []
+    pipeline.grade(job([("threads", 0.1)], World()))
+    assert len(gathered) == 1
 
 
 @given(steps=STEPS, walls=st.booleans(), heading_deg=st.sampled_from([0.0, 84.0, 200.0, -180.0]))

@@ -266,11 +266,17 @@ class Link:
         """Tell the episode something worth telling the student."""
         self._tell(_wire.note(code, text))
 
-    def note_once(self, code: str) -> None:
-        """Tell the episode of a habit, however often the script has it: a loop must not fill the channel."""
-        if code not in self._noted:
-            self._noted.add(code)
-            self.note(code)
+    def note_once(self, code: str) -> bool:
+        """Tell the episode of a habit, however often the script has it: a loop must not fill the channel.
+
+        Returns:
+            Whether it was told now.
+        """
+        if code in self._noted:
+            return False
+        self._noted.add(code)
+        self.note(code)
+        return True
 
     def advance(self, target_ns: int, together_ns: int) -> int:
         """Let the world run to the first event up to `target_ns`; deliver it; return the instant reached.

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from grader.jail import cores
+from grader.jail import cores, libc
 from grader.jail.cores import SharedCore
 
 ALL = os.sched_getaffinity(0)
@@ -56,6 +56,45 @@ def test_every_thread_shares_the_core_until_they_part(other: int) -> None:
         assert os.sched_getaffinity(0) == ours
     assert os.sched_getaffinity(0) == ALL
     assert cores_of(other) == [ALL, ALL]
+
+
+@several
+def test_threads_that_take_turns_are_gathered_on_a_core_of_their_own(other: int) -> None:
+    here = libc.present_core()
+    core = SharedCore(other)
+    core.gather()
+    (taken,) = cores_of(other)[0]
+    assert cores_of(other) == [{taken}, {taken}]
+    assert (os.sched_getaffinity(0), taken) == (ALL, next(one for one in sorted(ALL) if one != here))
+    core.leave()
+    assert cores_of(other) == [ALL, ALL]
+
+
+def test_gathered_threads_stay_together_when_their_process_and_this_one_part(other: int) -> None:
+    core = SharedCore(other)
+    core.gather()
+    taken = cores_of(other)[0]
+    for _ in range(2):
+        core.share()
+        assert os.sched_getaffinity(0) == taken
+        core.part()
+        assert os.sched_getaffinity(0) == ALL
+        assert cores_of(other) == [taken, taken]
+    core.share()
+    core.leave()
+    assert os.sched_getaffinity(0) == ALL
+    assert cores_of(other) == [ALL, ALL]
+
+
+def test_threads_are_gathered_where_both_are_already(other: int) -> None:
+    with sharing(other) as core:
+        taken = os.sched_getaffinity(0)
+        core.gather()
+        core.part()
+        assert os.sched_getaffinity(0) == ALL
+        assert cores_of(other) == [taken, taken]
+        core.leave()
+        assert cores_of(other) == [ALL, ALL]
 
 
 @several

@@ -170,6 +170,14 @@ def test_that_a_script_started_is_no_note_for_the_report(car: BulletCar) -> None
     assert (result.violation, result.notes) == (None, ())
 
 
+def test_that_a_script_has_threads_is_told_and_no_note_for_the_report(car: BulletCar) -> None:
+    told: list[str] = []
+    spec = EpisodeSpec(world=World(), horizon_ns=SECOND, source=b"", file_name="a.py")
+    frames = [jail.note("started"), jail.note("threads"), jail.ended(0)]
+    result = Episode(spec, car).run(FakeLink(frames), on_note=told.append)
+    assert (result.notes, told) == ((), ["threads"])
+
+
 def test_a_violation_keeps_what_was_driven(car: BulletCar) -> None:
     frames = jail.holding([(1.0, 1.0, 0.0)])[:-1]
     result = play(car, [*frames, b"\x00"])

@@ -100,6 +100,10 @@ def start(
     thread: Thread, function: Callable[..., object], args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> None:
     """Let `thread` call the function when its turn comes."""
+    from rclpy._link import link
+
+    if link.note_once("threads"):
+        link.flush()  # the sooner it is known, the longer they are kept on one core
     work = (thread, [(function, args, kwargs)])
     for _ in range(_TRIES):
         try:
