@@ -9,10 +9,11 @@ told. Where the script does not show the cause for certain the mistake stays as 
 import itertools
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final, NamedTuple
 
+from grader.checks.drive import FAST_TURN_RADPS
 from grader.checks.measure import Findings, Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.contracts.assignment import Assignment
@@ -149,11 +150,25 @@ _TOLERANCE: Final = 0.03  # of 15 degrees
 
 def _radians_twice(seen: Searched) -> Mistake | None:
     """Find ``math.radians`` of what is in radians already."""
-    for line in seen.script.lines_with(r"\bradians\("):
-        for found in re.finditer(rf"\b(?:math\.)?radians\({_INNER}\)", seen.script.lines[line - 1]):
-            if _in_radians(found[1], seen.script.lines[line - 1], seen.script):
-                return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
+    for line, found in _calls_of("radians", seen.script):
+        if _in_radians(found[1], seen.script.lines[line - 1], seen.script):
+            return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
     return None
+
+
+def _radians_of_pose(seen: Searched) -> Mistake | None:
+    """Find ``math.radians`` of a pose's theta, or of ``math.atan2``."""
+    for line, found in _calls_of("radians", seen.script):
+        if _angle_of_pose(found[1], seen.script) or re.fullmatch(r"(?:math\.)?atan2\(.*\)", found[1].strip()):
+            return mistake("radians_twice", line=line, written=found[0], inner=found[1].strip())
+    return None
+
+
+def _calls_of(function: str, script: ScriptText) -> Iterator[tuple[int, re.Match[str]]]:
+    """Yield the line of each call of a conversion, and the call with what it is given as its group."""
+    for line in script.lines_with(rf"\b{function}\("):
+        for found in re.finditer(rf"\b(?:math\.)?{function}\({_INNER}\)", script.lines[line - 1]):
+            yield line, found
 
 
 def _in_radians(written: str, line: str, script: ScriptText) -> bool:
@@ -166,17 +181,44 @@ def _in_radians(written: str, line: str, script: ScriptText) -> bool:
     return 0.0 < abs(value) < _RADIANS and (of_circle or re.search(_RATE, line) is not None)
 
 
+def _angle_of_pose(written: str, script: ScriptText) -> bool:
+    """Whether an expression is a pose's theta, which the script nowhere makes degrees of."""
+    converted = r"theta\w* *=.*(?:\b180|degrees\()"
+    return re.fullmatch(r"[\w.]+\.theta", written.strip()) is not None and not script.lines_with(converted)
+
+
 _RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
 
 
 def _degrees_for_radians(seen: Searched) -> Mistake | None:
     """Find ``math.degrees`` of what is in degrees already."""
-    for line in seen.script.lines_with(r"\bdegrees\("):
-        for found in re.finditer(rf"\b(?:math\.)?degrees\({_INNER}\)", seen.script.lines[line - 1]):
-            value = value_of(found[1], seen.script)
-            if value is not None and abs(value) > 2 * _RADIANS:
-                return mistake("degrees_for_radians", line=line, written=found[0], inner=found[1].strip())
+    for line, found in _calls_of("degrees", seen.script):
+        value = value_of(found[1], seen.script)
+        if value is not None and abs(value) > 2 * _RADIANS:
+            return mistake("degrees_for_radians", line=line, written=found[0], inner=found[1].strip())
     return None
+
+
+def _degrees_of_radians(seen: Searched) -> Mistake | None:
+    """Find ``math.degrees`` from which theta is taken off, or of what becomes a turn rate that nobody means."""
+    script = seen.script
+    fastest = max((abs(command.w_radps) for command in seen.run.trajectory.commands), default=0.0)
+    for line, found in _calls_of("degrees", script):
+        before, after = found.string[: found.start()], found.string[found.end() :]
+        beside = re.match(r" *- *([\w.]+)(?![\w.(]| *[*/])", after)
+        mixed = beside is not None and _angle_of_pose(beside[1], script)
+        if mixed or (fastest >= FAST_TURN_RADPS and _becomes_rate(before, after, script)):
+            return mistake("degrees_of_radians", line=line, written=found[0])
+    return None
+
+
+def _becomes_rate(before: str, after: str, script: ScriptText) -> bool:
+    """Whether what stands between these two parts of a line is a variable's value that the turn rate follows."""
+    assigned = re.fullmatch(r"\s*([\w.]+) *= *", before)
+    if assigned is None or re.fullmatch(r"\s*(?:#.*)?", after) is None:
+        return False
+    name = re.escape(assigned[1])
+    return bool(script.lines_with(rf"angular\.z *=[^#(]*(?<![\w.]){name}(?![\w.(])"))
 
 
 # ---------------------------------------------------------------------------------------- clocks and times
@@ -624,6 +666,18 @@ _SHORT: Final = _SHORT_TURN | {"too_short", "turns_too_short", "one_radian"}
 _COUNT: Final = frozenset(("sides_missing", "path_count", "path_unfinished"))
 _LENGTHS: Final = frozenset(("wrong_lengths", "unequal_sides"))
 _CORNERS: Final = frozenset(("turns_too_short", "turns_too_far", "one_corner_off", "one_radian"))
+_LOST: Final = frozenset(
+    (
+        "place_away",
+        "place_lost",
+        "place_circled",
+        "place_missed",
+        "place_too_slow",
+        "place_never_stops",
+        "endless_turn_by_pose",
+        "never_finished",
+    )
+)
 _NOT_ON: Final = frozenset(("lost_at_home", "not_spinning", "never_spun"))
 
 _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]], ...]] = (
@@ -634,10 +688,12 @@ _CAUSES: Final[tuple[tuple[frozenset[str], Callable[[Searched], Mistake | None]]
     (_NO_MOTION | _COUNT, _start_once),
     (_NO_MOTION, _empty_function),
     (_SHORT | _CORNERS, _radians_twice),
+    (_SHORT | _CORNERS | _LOST, _radians_of_pose),
     (
         frozenset(("endless_turn", "turns_too_far", "degrees_as_radians", "turned_instead")),
         _degrees_for_radians,
     ),
+    (_CORNERS | _LOST | {"degrees_as_radians"}, _degrees_of_radians),
     (_CORNERS - {"one_radian"}, _wrong_time),
     (frozenset(("turns_too_short", "one_corner_off", "turn_too_short", "too_short")), _ticks_cut),
     (_SHORT, _counts_ticks),

@@ -58,6 +58,15 @@ GROWS = "for i in range(4):\n    {line}\n"
         ("turns_too_short", "tolerance = math.radians(5)", "turns_too_short"),
         ("turns_too_short", "a = math.radians(math.pi / 2 * 180 / math.pi)", "turns_too_short"),
         ("turns_too_short", "a = math.radians(x * 180 / math.pi)", "turns_too_short"),
+        ("place_away", "e = bearing - math.radians(self.pose.theta)", "radians_twice"),
+        ("place_lost", "e = math.radians(math.atan2(dy, dx)) - pose.theta", "radians_twice"),
+        ("place_lost", "pose.theta = msg.theta * 180\na = math.radians(pose.theta)", "place_lost"),
+        ("place_lost", "tolerance, a = math.radians(5), math.radians(theta_deg)", "place_lost"),
+        ("place_away", "e = math.degrees(math.atan2(dy, dx)) - self.pose.theta", "degrees_of_radians"),
+        ("place_away", "e = math.degrees(math.atan2(dy, dx)) - pose.theta * 57.3", "place_away"),
+        ("place_away", "e = math.degrees(math.atan2(dy, dx)) - math.degrees(pose.theta)", "place_away"),
+        ("place_away", "log(math.degrees(pose.theta))\ne = math.atan2(dy, dx) - pose.theta", "place_away"),
+        ("place_away", "e = math.degrees(a)\nmsg.angular.z = 0.05 * e", "place_away"),  # a gain per degree
         ("turn_too_short", TICKS.format(period=0.1, count=6), "counts_ticks"),
         ("turn_too_short", TICKS.format(period=0.1, count=55), "turn_too_short"),
         ("turns_too_short", "turn_time = 1.57\nturn(move_time)", "wrong_time"),
@@ -118,6 +127,23 @@ def test_a_counter_is_told_that_one_more_would_bring_to_its_end(
     source = f"while {condition}:\n    go()\n"
     run = _run(source, "default", RunStatus.INTERRUPTED)
     assert unchanged_counter(run, ScriptText(source)) == found
+
+
+@pytest.mark.parametrize(
+    ("source", "wanted"),
+    [
+        ("e = math.degrees(a)\nmsg.angular.z = 4.0 * e\n", "degrees_of_radians"),
+        ("e = degrees(a)  # deg\nmsg.angular.z = e\n", "degrees_of_radians"),
+        ("e = math.degrees(a)\nmsg.angular.z = math.radians(e)\n", "place_missed"),
+        ("e = math.degrees(a)\nprint(e)\nmsg.angular.z = 4.0 * a\n", "place_missed"),
+        ("e = math.degrees(a) / 90\nmsg.angular.z = 4.0 * e\n", "place_missed"),
+    ],
+)
+def test_degrees_that_became_a_turn_rate_are_told(source: str, wanted: str) -> None:
+    fast = drive([(0.1, 0.0, 80.0)])
+    findings = Findings(measures={}, mistakes=(Mistake("place_missed", EMPTY, ()),))
+    run = replace(run_of(fast, RunStatus.INTERRUPTED), source=source)
+    assert with_causes(assignment("go_to_goal"), run, findings).mistakes[0].code == wanted
 
 
 def test_a_script_of_long_lines_is_not_searched() -> None:

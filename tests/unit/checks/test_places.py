@@ -143,9 +143,15 @@ def _is_rising(chosen: Sequence[int], mask: int) -> bool:
         (goals(POINTS[0]), through((1.0, 3.0)), "place_away", "at the start (5 m)"),
         (
             goals(POINTS[0]),
-            drive([(30.0, 1.0, 1.0)], start_m=START, idle_s=0.0),
+            drive([(4.0, 0.1, 0.0)], start_m=START, idle_s=0.0),
             "place_too_slow",
             "Time was up",
+        ),
+        (
+            goals((9.0, 5.0)),
+            drive([(1.0, 1.0, 0.0), (math.pi, 0.0, 1.0), (4.0, 1.0, 0.0)], start_m=START, idle_s=0.0),
+            "place_lost",
+            "further away again when time was up",
         ),
         (
             goals((4.3, 4.8)),
@@ -158,7 +164,7 @@ def _is_rising(chosen: Sequence[int], mask: int) -> bool:
 def test_what_is_said_of_a_goal_that_was_missed(
     asked: list[WantedGoal], trajectory: Trajectory, code: str, words: str
 ) -> None:
-    scoring = graded(task(*asked), trajectory, ended="interrupted" if "Time" in words else "finished")
+    scoring = graded(task(*asked), trajectory, ended="interrupted" if "time" in words.lower() else "finished")
     assert scoring.mistakes[0] == code
     assert words in scoring.hint.en
 

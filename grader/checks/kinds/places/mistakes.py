@@ -20,11 +20,12 @@ from grader.messages.script import ScriptText
 
 _GOALS = ("reached", "missed_m", "time_s", "detour_pct")
 _END = ("end_off_m", "heading_error_deg")
-_CAUSES = ("place_no_feedback", "place_away")
+_CAUSES = ("place_no_feedback", "place_away", "place_lost")
 _DRIVES = ("distance_m", *_GOALS, *_END)
 LEAST_M = 0.02  # who drove less has not driven
 AWAY_SHARE = 0.9  # of the distance at the start: who never came nearer drove the wrong way
 CIRCLED_RAD = 2.5 * math.tau  # turned on the way: who turns so much and does not arrive runs round the goal
+LOST_TIMES, LOST_M = 1.25, 0.5  # who was nearer than that and drove on does not arrive by driving faster
 NEAR_TIMES = 12.0  # of the goal's size: who circles further off does not circle the goal
 
 
@@ -42,7 +43,9 @@ def place_mistakes(
     elif float(drive.path.along_m[-1]) < LEAST_M:
         found += touched  # who never drove is told to drive: where to comes after that
     else:
-        cause = _missed(assignment, run, drive, seen)  # who drove the wrong way met the wall for that reason
+        cause = _missed(
+            assignment, run, drive, way, seen
+        )  # who drove the wrong way met the wall for that reason
         found += [cause, *touched] if cause.code in _CAUSES else [*touched, cause]
     found += lost_at_home(run)
     return tuple(found)
@@ -64,7 +67,7 @@ def _touched(assignment: Assignment, run: Run, way: Way) -> Iterator[Mistake]:
         yield mistake("place_entered", ("entered", "clearance_m"), at=at)
 
 
-def _missed(assignment: Assignment, run: Run, drive: Drive, seen: Sequence[Visit]) -> Mistake:
+def _missed(assignment: Assignment, run: Run, drive: Drive, way: Way, seen: Sequence[Visit]) -> Mistake:
     """Say why the first goal that was not reached was not."""
     first = next(visit for visit in seen if visit.done_s is None)
     values = {
@@ -81,8 +84,11 @@ def _missed(assignment: Assignment, run: Run, drive: Drive, seen: Sequence[Visit
         return mistake("place_no_feedback", spoilt, topic=_telling(assignment), **values)
     if drive.moving_at_end and _circles(drive, first):
         return mistake("place_circled", (*spoilt, "settled"), **values)
-    if first.nearest_m > AWAY_SHARE * first.first_m and values["reached"] == 0:
+    last_m = _off_m(way, first)
+    if first.nearest_m > AWAY_SHARE * first.first_m and values["reached"] == 0 and not _nears(first, last_m):
         return mistake("place_away", spoilt, first=number(first.first_m, "m"), **values)
+    if drive.cut_short and last_m > LOST_TIMES * first.nearest_m + LOST_M:
+        return mistake("place_lost", spoilt, **values)
     if drive.cut_short:
         return mistake("place_too_slow", (*spoilt, "settled"), **values)
     return mistake("place_missed", spoilt, **values)
@@ -141,6 +147,17 @@ def _circles(drive: Drive, goal: Visit) -> bool:
     return turned > CIRCLED_RAD and goal.nearest_m < NEAR_TIMES * wide_m
 
 
+def _off_m(way: Way, visit: Visit) -> float:
+    """Return how far the car is from the middle of a goal in the end."""
+    region = visit.goal.region
+    return math.hypot(float(way.x_m[-1]) - region.x_m, float(way.y_m[-1]) - region.y_m)
+
+
+def _nears(visit: Visit, last_m: float) -> bool:
+    """Whether the car came nearer to a goal up to its end, however little."""
+    return last_m <= visit.nearest_m + LEAST_M and visit.nearest_m < visit.first_m - LEAST_M
+
+
 def _ending(
     assignment: Assignment, run: Run, drive: Drive, way: Way, seen: Sequence[Visit]
 ) -> Iterator[Mistake]:
@@ -149,8 +166,7 @@ def _ending(
         publisher = ScriptText(run.source).publisher or "publisher"
         yield mistake("place_never_stops", ("settled", *_END), publisher=publisher)
         return
-    last = seen[-1].goal.region
-    off_m = math.hypot(float(way.x_m[-1]) - last.x_m, float(way.y_m[-1]) - last.y_m)
+    off_m = _off_m(way, seen[-1])
     if fits(assignment, "end_off_m", off_m) is False:
         yield mistake("place_left", ("end_off_m",), away=number(off_m, "m"))
     wanted_deg = None if assignment.places is None else assignment.places.end_heading_deg
