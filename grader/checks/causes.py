@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Final, NamedTuple
 
-from grader.checks.drive import FAST_TURN_RADPS
+from grader.checks.drive import FAST_TURN_RADPS, fastest_radps
 from grader.checks.measure import Findings, Mistake, mistake
 from grader.checks.mistakes import not_called
 from grader.contracts.assignment import Assignment
@@ -165,7 +165,7 @@ def _radians_of_pose(seen: Searched) -> Mistake | None:
 
 
 def _calls_of(function: str, script: ScriptText) -> Iterator[tuple[int, re.Match[str]]]:
-    """Yield the line of each call of a conversion, and the call with what it is given as its group."""
+    """Yield the line number and the match of each call of a conversion; the match's group is the argument."""
     for line in script.lines_with(rf"\b{function}\("):
         for found in re.finditer(rf"\b(?:math\.)?{function}\({_INNER}\)", script.lines[line - 1]):
             yield line, found
@@ -181,13 +181,13 @@ def _in_radians(written: str, line: str, script: ScriptText) -> bool:
     return 0.0 < abs(value) < _RADIANS and (of_circle or re.search(_RATE, line) is not None)
 
 
+_RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
+
+
 def _angle_of_pose(written: str, script: ScriptText) -> bool:
-    """Whether an expression is a pose's theta, which the script nowhere makes degrees of."""
+    """Whether an expression is a pose's theta, in a script that nowhere sets a theta in degrees."""
     converted = r"theta\w* *=.*(?:\b180|degrees\()"
     return re.fullmatch(r"[\w.]+\.theta", written.strip()) is not None and not script.lines_with(converted)
-
-
-_RATE: Final = r"(?i)angular\.z ?=|\w*(speed|omega|rate|vel)\w* ?="
 
 
 def _degrees_for_radians(seen: Searched) -> Mistake | None:
@@ -200,20 +200,20 @@ def _degrees_for_radians(seen: Searched) -> Mistake | None:
 
 
 def _degrees_of_radians(seen: Searched) -> Mistake | None:
-    """Find ``math.degrees`` from which theta is taken off, or of what becomes a turn rate that nobody means."""
+    """Find an angle in degrees from which theta is subtracted, or that sets a turn rate nobody would choose."""
     script = seen.script
-    fastest = max((abs(command.w_radps) for command in seen.run.trajectory.commands), default=0.0)
+    is_too_fast = fastest_radps(seen.run) >= FAST_TURN_RADPS
     for line, found in _calls_of("degrees", script):
         before, after = found.string[: found.start()], found.string[found.end() :]
         beside = re.match(r" *- *([\w.]+)(?![\w.(]| *[*/])", after)
         mixed = beside is not None and _angle_of_pose(beside[1], script)
-        if mixed or (fastest >= FAST_TURN_RADPS and _becomes_rate(before, after, script)):
+        if mixed or (is_too_fast and _becomes_rate(before, after, script)):
             return mistake("degrees_of_radians", line=line, written=found[0])
     return None
 
 
 def _becomes_rate(before: str, after: str, script: ScriptText) -> bool:
-    """Whether what stands between these two parts of a line is a variable's value that the turn rate follows."""
+    """Whether a line assigns what stands between these parts to a variable of which ``angular.z`` is computed."""
     assigned = re.fullmatch(r"\s*([\w.]+) *= *", before)
     if assigned is None or re.fullmatch(r"\s*(?:#.*)?", after) is None:
         return False

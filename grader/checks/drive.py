@@ -37,6 +37,11 @@ class Drive:
     cut_short: bool
 
 
+def fastest_radps(run: Run) -> float:
+    """Return the highest turn rate, to either side, that was commanded; 0 without commands."""
+    return max((abs(command.w_radps) for command in run.trajectory.commands), default=0.0)
+
+
 def drive_of(run: Run, *, until_contact: bool = False) -> Drive | None:
     """Return the motion of `run`, or None when the trajectory is empty or not finite.
 

@@ -22,7 +22,7 @@ STARTED_NOTE = "started"
 """Sent by the shim when the script has been compiled, before any of its code runs."""
 
 THREADS_NOTE = "threads"
-"""Sent by the shim when the script starts its first thread: from then on its threads take turns."""
+"""Sent by the shim when the script starts its first thread. Only one of its threads runs at a time."""
 
 
 class Link(Protocol):

@@ -17,9 +17,10 @@ from collections.abc import Sequence, Set
 from datetime import datetime
 
 from grader.contracts.submission import Claim, WorkerState
-from grader.worker.slots import TURN, GradingSlot, SandboxHealth, WorkerParts
+from grader.worker.slots import GradingSlot, SandboxHealth, WorkerParts
 
 _log = logging.getLogger(__name__)
+_LOOK_S = 0.5  # between looks whether a kept slot should give way
 _AT_MOST = 4  # times a lease: afterwards leases are judged even while the database keeps failing
 
 
@@ -130,13 +131,13 @@ class Heart:
                 if time.monotonic() >= next_beat_s:
                     next_beat_s = time.monotonic() + self._heartbeat_s
                     self.beat()
-                else:  # a turn is shorter than the pause between two beats
+                else:  # whoever waits for a kept slot does not wait for a beat as well
                     self._give_way()
             except Exception as error:  # a heart that stopped would give away every grading of this worker
                 if not self._stopped.is_set():  # then nobody waits for it any more
                     _log.warning("heartbeat failed: %s", error)
             left_s = max(next_beat_s - time.monotonic(), 0.0)
-            if self._stopped.wait(min(left_s, TURN.total_seconds() / 8)):
+            if self._stopped.wait(min(left_s, _LOOK_S)):
                 return
 
 

@@ -174,8 +174,8 @@ class GradingSlot:
 
         Long is what takes over `TURN`, and several times as long as an ordinary grading took lately. (Those that
         take minutes must not decide what is ordinary.) The submission is tried once more behind them, by another
-        slot as soon as one is idle, to its end. That may be long after: a right script must not get there because
-        the host is busy.
+        slot as soon as one is idle, to its end. That may be long after, so a right script on a busy host must not
+        count as long.
         """
         claim, queue = self.claim, self._parts.queue
         if claim is None or not self._in_turn or claim.tries > 1:

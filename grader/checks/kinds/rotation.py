@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of
+from grader.checks.drive import FAST_TURN_RADPS, Drive, commanded_at_end, drive_of, fastest_radps
 from grader.checks.measure import UNMEASURED, Check, Findings, Measure, MeasureKind, Mistake, mistake
 from grader.checks.mistakes import asleep, command_mistakes, lost_at_home, script_mistakes, unheard
 from grader.checks.scoring import fits
@@ -34,7 +34,7 @@ def examine(assignment: Assignment, run: Run) -> Findings:
     measures = {"commands": Measure(float(run.outcome.command_count + _goals(run)))}
     if drive is not None:
         measures |= _rotation(drive.path)
-        measures["rate_radps"] = Measure(_fastest_radps(run))
+        measures["rate_radps"] = Measure(fastest_radps(run))
     mistakes = rotation_mistakes(assignment, run, drive, measures)
     return Findings(measures | unheard(run, "turned_deg"), mistakes)
 
@@ -42,10 +42,6 @@ def examine(assignment: Assignment, run: Run) -> Findings:
 def _goals(run: Run) -> int:
     """Return how many goals turtlesim's own action for turning was given."""
     return sum(each.count for each in run.outcome.endpoints if (each.kind, each.name) == ("client", ROTATE))
-
-
-def _fastest_radps(run: Run) -> float:
-    return max((abs(command.w_radps) for command in run.trajectory.commands), default=0.0)
 
 
 def _rotation(path: Path) -> dict[str, Measure]:
@@ -116,7 +112,7 @@ def rotation_mistakes(
     turned = math.degrees(float(np.max(np.abs(path.heading_rad - path.heading_rad[0]))))  # on whatever way
     short = fits(assignment, "turned_deg", turned) is False
     drift = measures.get("drift_m", UNMEASURED).value
-    fastest = _fastest_radps(run)
+    fastest = fastest_radps(run)
     if fastest > FAST_TURN_RADPS:
         found.append(
             mistake("degrees_as_radians", rate=number(fastest, "1"), ideal=number(FULL_TURN_DEG, "deg"))

@@ -2,7 +2,6 @@
 
 import threading
 from collections.abc import Iterator, Sequence
-from datetime import timedelta
 from typing import NoReturn
 
 import pytest
@@ -189,7 +188,7 @@ def test_a_first_try_may_take_four_seconds_in_the_slot_that_is_kept(bench: Bench
 
 
 def test_a_slot_is_asked_to_give_way_between_two_beats(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("grader.worker.heart.TURN", timedelta(milliseconds=80))
+    monkeypatch.setattr("grader.worker.heart._LOOK_S", 0.01)
     asked = threading.Semaphore(0)
 
     class Asked(GradingSlot):

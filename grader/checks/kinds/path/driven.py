@@ -442,8 +442,4 @@ def corners_deg(stretches: list[DrivenStretch], *, mirrored: bool) -> list[tuple
 
 def as_turned_deg(driven_deg: float) -> float:
     """Return a change of direction as one would say it: what comes to 270 degrees is 90 the other way."""
-    return (
-        math.degrees(math.remainder(math.radians(driven_deg), math.tau))
-        if abs(driven_deg) > 180.0
-        else driven_deg
-    )
+    return math.remainder(driven_deg, 360.0)

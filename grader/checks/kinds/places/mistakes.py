@@ -25,7 +25,7 @@ _DRIVES = ("distance_m", *_GOALS, *_END)
 LEAST_M = 0.02  # who drove less has not driven
 AWAY_SHARE = 0.9  # of the distance at the start: who never came nearer drove the wrong way
 CIRCLED_RAD = 2.5 * math.tau  # turned on the way: who turns so much and does not arrive runs round the goal
-LOST_TIMES, LOST_M = 1.25, 0.5  # who was nearer than that and drove on does not arrive by driving faster
+LOST_TIMES, LOST_M = 1.25, 0.5  # who ends so much further from a goal than at best was not too slow
 NEAR_TIMES = 12.0  # of the goal's size: who circles further off does not circle the goal
 
 
@@ -43,9 +43,8 @@ def place_mistakes(
     elif float(drive.path.along_m[-1]) < LEAST_M:
         found += touched  # who never drove is told to drive: where to comes after that
     else:
-        cause = _missed(
-            assignment, run, drive, way, seen
-        )  # who drove the wrong way met the wall for that reason
+        cause = _missed(assignment, run, drive, way, seen)
+        # who drove the wrong way met the wall for that reason
         found += [cause, *touched] if cause.code in _CAUSES else [*touched, cause]
     found += lost_at_home(run)
     return tuple(found)
@@ -154,7 +153,7 @@ def _off_m(way: Way, visit: Visit) -> float:
 
 
 def _nears(visit: Visit, last_m: float) -> bool:
-    """Whether the car came nearer to a goal up to its end, however little."""
+    """Whether the car was still coming nearer to a goal when its motion ended, however slowly."""
     return last_m <= visit.nearest_m + LEAST_M and visit.nearest_m < visit.first_m - LEAST_M
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, is_motion
+from grader.checks.drive import FAST_TURN_RADPS, MOVING_MPS, MOVING_RADPS, fastest_radps, is_motion
 from grader.checks.kinds.polygon.figures import FULL_TURN_DEG, SAME_DEG, DrivenPolygon, WantedPolygon
 from grader.checks.measure import Mistake, mistake
 from grader.checks.mistakes import (
@@ -224,7 +224,7 @@ def _wall(seen: _Seen) -> Iterator[Mistake]:
 
 def _degrees(seen: _Seen) -> Iterator[Mistake]:
     """Tell of degrees where radians belong: a turn rate that nobody means, or a turn that does not end."""
-    fastest = max((abs(command.w_radps) for command in seen.run.trajectory.commands), default=0.0)
+    fastest = fastest_radps(seen.run)
     widest = max(
         (abs(turn.angle_rad) for turn in seen.driven.segments.turns if turn is not None), default=0.0
     )
