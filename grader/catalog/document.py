@@ -15,6 +15,7 @@ from grader.catalog.misfits import (
     refusals,
     telling,
     unknown_field,
+    unknown_list,
     unknown_service,
     unknown_type,
     unparsable,
@@ -182,6 +183,10 @@ class Document:
             elif missing := sorted(call.values.keys() - request.keys()):
                 told = unknown_field(missing[0], request)
                 found.append((self.place(f"calls.{i}.values.{missing[0]}"), told))
+            field = str(assignment.options.get("list_field", ""))
+            answered = known.get(f"{call.type}_Response", {})
+            if field and request is not None and field not in answered:
+                found.append((self.place("options.list_field"), unknown_list(field, answered)))
         if found:
             raise refusals(found)
 
@@ -205,5 +210,5 @@ class Document:
         return f"{self.path}:{self.line_of(steps)}: {field}"
 
     def _problem(self, error: Any) -> tuple[str, Text]:
-        field, told = misfit(error)
+        field, told = misfit(error, AssignmentModel)
         return self.place(".".join(map(str, field)) or "assignment"), told

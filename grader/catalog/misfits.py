@@ -1,10 +1,12 @@
 """What does not fit in an ``assignment.yaml``, in words: the schema's own rules and pydantic's."""
 
+import difflib
 import re
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, Final
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any, Final, get_args
 
 import yaml
+from pydantic import BaseModel
 
 from grader.contracts.assignment import BY_PERSON
 from grader.contracts.errors import AssignmentError
@@ -16,16 +18,23 @@ INTERFACE_PATTERN: Final = r"^[a-z][a-z0-9_]*/srv/[A-Z][A-Za-z0-9]*$"
 ANY_TYPE_PATTERN: Final = r"^[a-z][a-z0-9_]*/(msg|srv|action)/[A-Z][A-Za-z0-9]*$"
 WRONG_FILE_PATTERN: Final = r"^[a-z][a-z0-9_]*\.(py|txt|md|zip)$"
 
+_NUMBER: Final = Text(zh="要写一个数，不带单位和引号", en="write a number, without a unit or quotes")
+_WHOLE: Final = Text(zh="要写一个整数，不带单位和引号", en="write a whole number, without a unit or quotes")
+_LIST: Final = Text(zh="要写成列表：[…, …]", en="write a list: […, …]")
 _FIXES: Mapping[str, Text] = {
-    "extra_forbidden": Text(
-        zh="没有这个字段：检查拼写，或者删掉", en="unknown field; check its spelling or remove it"
-    ),
     "missing": Text(zh="缺少这个字段：请加上", en="this field is required; add it"),
-    "model_type": Text(
-        zh="这里要写字段，例如 {zh: 标题, en: Title}", en="write fields here, such as {zh: 标题, en: Title}"
-    ),
     "too_short": Text(zh="至少要有一项", en="give at least one entry"),
+    "float_parsing": _NUMBER,
+    "float_type": _NUMBER,
+    "int_parsing": _WHOLE,
+    "int_type": _WHOLE,
+    "int_from_float": _WHOLE,
+    "list_type": _LIST,
+    "tuple_type": _LIST,
+    "dict_type": Text(zh="这里要写字段，例如 {side: 2.0}", en="write fields here, such as {side: 2.0}"),
+    "string_type": Text(zh="要写文字：给数字加上引号", en="write a text: put quotes around a number"),
 }
+_TOO_FEW: Final = Text(zh="列表太短：这里还要一个值", en="the list is too short; add a value here")
 _FORMS: Mapping[str, Text] = {
     ID_PATTERN: Text(
         zh="用小写英文字母、数字和 _，以字母开头，最多 40 个字符",
@@ -50,9 +59,9 @@ _OTHER_FORM: Final = Text(
 )
 _NOT_YAML: Final = Text(
     zh="YAML 格式不对（{problem}）。检查这一行和上一行：缩进只用空格、同一层对齐；符号用英文的，冒号后空一格；"
-    "文字里有冒号时，整段加引号",
+    "文字里有冒号、或以 * & ! @ % 开头时，整段加引号",
     en="not valid YAML: {problem}. Look at this line and the one before: indent by spaces, alike on one level; "
-    "a space behind each colon; quotes around a text that has a colon",
+    "a space behind each colon; quotes around a text that has a colon or begins with * & ! @ %",
 )
 
 NO_BAND = Text(
@@ -60,7 +69,8 @@ NO_BAND = Text(
     en=f"a person judges {BY_PERSON!r}: remove low, high, ramp and limit",
 )
 BAND_MISSING = Text(
-    zh="写上 low、high 或两个都写：满分的范围", en="give low, high or both: the band of full credit"
+    zh=f"写上 low、high 或两个都写：满分的范围（由人评分的写 measure: {BY_PERSON}）",
+    en=f"give low, high or both: the band of full credit (what a person judges has measure: {BY_PERSON})",
 )
 CENTS = Text(
     zh="最多两位小数：分数按 0.01 分计", en="use at most two decimals: points are counted in hundredths"
@@ -77,6 +87,10 @@ NO_REFERENCE = Text(
 ONE_PIECE = Text(
     zh="一段路写成 {line: 2.0}、{arc: 360, radius: 1.0}、{turn: 90}、{goto: [1.0, 2.0]} 之一，不能是 0",
     en="write a piece as one of {line: 2.0}, {arc: 360, radius: 1.0}, {turn: 90}, {goto: [1.0, 2.0]}; not zero",
+)
+ARC = Text(
+    zh="arc 和 radius 要一起写：{arc: 360, radius: 1.0}",
+    en="arc and radius belong together; write {arc: 360, radius: 1.0}",
 )
 
 
@@ -135,6 +149,14 @@ NO_FREE_ROOM = Text(
     zh="200 次里没有一次能让它离出发点、目标和其他东西足够远：移走它，或放宽范围",
     en="in 200 draws it was never far enough from the start, the goals and the rest; move it or widen its range",
 )
+START_OUTSIDE = Text(
+    zh="机器人的出发点（world.start，不写就是 0, 0）不在房间里，或碰到墙：放大房间，或改出发点",
+    en="the robot's start (world.start; 0, 0 if left out) is outside of the room or touches its wall; "
+    "make the room larger or move the start",
+)
+NOT_READ = Text(
+    zh="只读 Python 的启动文件：写 .launch.py", en="only launch files in Python are read; write .launch.py"
+)
 RANGE = Text(
     zh="写成一个数，或 [最小, 最大]，最小 <= 最大", en="write one number, or [least, most] with least <= most"
 )
@@ -160,11 +182,27 @@ def unknown_topic(name: str, known: Iterable[str]) -> Text:
     )
 
 
-def unknown_item(name: str) -> Text:
-    """Say that no earlier rubric item has this id."""
+def too_late(name: str, horizon_s: float) -> Text:
+    """Say that the run has ended by then."""
     return Text(
-        zh=f"前面没有 id 是 {name!r} 的评分项：检查拼写",
-        en=f"{name!r} is the id of no earlier item; check its spelling",
+        zh=f"运行到 horizon_s（{horizon_s:g} s）就结束了：把 {name} 写早一些，或者加大 horizon_s",
+        en=f"the run ends at horizon_s ({horizon_s:g} s); write an earlier {name} or a larger horizon_s",
+    )
+
+
+def not_before(name: str) -> Text:
+    """Say that a rubric item needs itself or a later one."""
+    return Text(
+        zh=f"评分项 {name!r} 不在这一项前面：把它移到前面",
+        en=f"the item {name!r} does not stand before this one; move it up",
+    )
+
+
+def unknown_item(name: str, known: Iterable[str]) -> Text:
+    """Say that no rubric item has this id."""
+    names = ", ".join(known)
+    return Text(
+        zh=f"没有 id 是 {name!r} 的评分项；有：{names}", en=f"no item has the id {name!r}; there are: {names}"
     )
 
 
@@ -198,6 +236,14 @@ def unknown_field(name: str, known: Iterable[str]) -> Text:
     names = ", ".join(known) or "—"
     return Text(
         zh=f"请求没有字段 {name!r}；有：{names}", en=f"the request has no field {name!r}; it has: {names}"
+    )
+
+
+def unknown_list(name: str, known: Iterable[str]) -> Text:
+    """Say that a response has no such field."""
+    names = ", ".join(known) or "—"
+    return Text(
+        zh=f"回应没有字段 {name!r}；有：{names}", en=f"the response has no field {name!r}; it has: {names}"
     )
 
 
@@ -243,8 +289,53 @@ def telling(errors: Sequence[Mapping[str, Any]]) -> list[Mapping[str, Any]]:
     return [error for error in errors if not follows(error)]
 
 
-def misfit(error: Mapping[str, Any]) -> tuple[tuple[int | str, ...], Text]:
-    """Return the field that one of pydantic's `errors()` is about, and what is wrong with it."""
+def _models(annotation: object) -> Iterator[type[BaseModel]]:
+    """Yield the models within an annotation such as ``tuple[ItemModel, ...]``."""
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        yield annotation
+    for part in get_args(annotation):
+        yield from _models(part)
+
+
+def _fields_at(model: type[BaseModel], place: Sequence[int | str]) -> tuple[str, ...]:
+    """Return the fields that the part of the file at `place` may have; none where it is no model's."""
+    found: type[BaseModel] | None = model
+    for step in place:
+        if isinstance(step, str):  # a number leads to an entry of a list, which is of the list's model
+            fields = {} if found is None else found.model_fields
+            named = next((one for name, one in fields.items() if step in (name, one.alias)), None)
+            found = None if named is None else next(_models(named.annotation), None)
+    return () if found is None else tuple(one.alias or name for name, one in found.model_fields.items())
+
+
+def _no_such_field(name: str, known: Sequence[str]) -> Text:
+    likely = [one for one in known if one.startswith(name)] or difflib.get_close_matches(name, known, 1)
+    if likely:
+        return Text(zh=f"没有这个字段：是不是 {likely[0]}？", en=f"unknown field; did you mean {likely[0]}?")
+    names = ", ".join(known) or "—"
+    return Text(
+        zh=f"没有这个字段：检查拼写，或者删掉；这里可以写 {names}",
+        en=f"unknown field; check its spelling or remove it; there are {names}",
+    )
+
+
+def _no_fields(known: Sequence[str]) -> Text:
+    if known == ("zh", "en"):
+        return Text(
+            zh="这里要写字段，例如 {zh: 标题, en: Title}",
+            en="write fields here, such as {zh: 标题, en: Title}",
+        )
+    names = ", ".join(known)
+    return Text(zh=f"这里要写字段（{names}）", en=f"write fields here ({names})")
+
+
+def misfit(error: Mapping[str, Any], model: type[BaseModel]) -> tuple[tuple[int | str, ...], Text]:
+    """Return the field that one of pydantic's `errors()` is about, and what is wrong with it.
+
+    Args:
+        error: the error.
+        model: of the whole file.
+    """
     kind, context = error["type"], error.get("ctx", {})
     place = tuple(step for step in error["loc"] if not _BRANCH.fullmatch(str(step)))
     broken = context.get("error")
@@ -254,6 +345,12 @@ def misfit(error: Mapping[str, Any]) -> tuple[tuple[int | str, ...], Text]:
         return place, _FORMS.get(context["pattern"], _OTHER_FORM)
     if kind == "extra_forbidden" and not re.fullmatch(r"\w+", str(place[-1])):
         return place, _QUOTES  # what stands behind a comma of a text
+    if kind == "extra_forbidden":
+        return place, _no_such_field(str(place[-1]), _fields_at(model, place[:-1]))
+    if kind == "model_type":
+        return place, _no_fields(_fields_at(model, place))
+    if kind == "missing" and isinstance(place[-1], int):
+        return place, _TOO_FEW
     if kind in _FIXES:
         return place, _FIXES[kind]
     zh, en = (said(error, language).rstrip("。.") for language in LANGUAGES)

@@ -8,7 +8,7 @@ from typing import Annotated, Final, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from grader.catalog.misfits import BOUNDS, NO_FREE_ROOM, SAME_ENDS, MisfitError
+from grader.catalog.misfits import BOUNDS, NO_FREE_ROOM, SAME_ENDS, START_OUTSIDE, MisfitError
 from grader.catalog.spec import (
     Metres,
     Size,
@@ -174,11 +174,14 @@ class RoomModel(SpecModel):
         """Return the room of one seed. What is drawn stands clear of start, goals and what is there already.
 
         Raises:
-            NoPlaceError: a solid finds no place.
+            NoPlaceError: a solid finds no place, or the robot starts outside.
         """
         source = Random(f"room {seed}")  # noqa: S311 - the same room each time, not a secret
         left, bottom, right, top = bounds = tuple(drawn(each, source, 2) for each in self.bounds)
         solids = list(_edges(bounds, self.height_m))
+        inside = left <= start.x_m <= right and bottom <= start.y_m <= top
+        if not inside or not all(_clear_of_start(edge, start, 0.0) for edge in solids):
+            raise NoPlaceError(START_OUTSIDE, "bounds")
         for name in ("walls", "boxes", "cylinders", "ramps"):
             for i, model in enumerate(getattr(self, name)):
                 for _ in range(_TRIES if model.is_drawn else 1):

@@ -19,6 +19,7 @@ from pydantic import (
 
 from grader.catalog.misfits import (
     ANY_TYPE_PATTERN,
+    ARC,
     BAND_MISSING,
     CENTS,
     ID_PATTERN,
@@ -32,6 +33,7 @@ from grader.catalog.misfits import (
     NO_WATCH,
     NOT_ACROSS,
     NOT_OF_ROBOTS,
+    NOT_READ,
     ONE_PATH,
     ONE_PIECE,
     ONE_REGION,
@@ -42,7 +44,9 @@ from grader.catalog.misfits import (
     WRONG_FILE_PATTERN,
     MisfitError,
     no_other_measure,
+    not_before,
     swapped,
+    too_late,
     twice,
     unknown_item,
     unknown_topic,
@@ -382,7 +386,9 @@ class PieceModel(SpecModel):
     @model_validator(mode="after")
     def _is_one(self) -> Self:
         given = [each for each in (self.line, self.arc, self.turn, self.goto) if each is not None]
-        if len(given) != 1 or (self.arc is None) != (self.radius is None) or given[0] == 0.0:
+        if len(given) == 1 and (self.arc is None) != (self.radius is None):
+            raise MisfitError(ARC)
+        if len(given) != 1 or given[0] == 0.0:
             raise MisfitError(ONE_PIECE)
         return self
 
@@ -433,6 +439,12 @@ class PackageModel(SpecModel):
     name: Annotated[str, Field(pattern=r"^([a-z][a-z0-9_]{0,59})?$")] = ""
     executable: Annotated[str, Field(max_length=100)] = ""
     launch: Annotated[str, Field(max_length=100)] = ""
+
+    @model_validator(mode="after")
+    def _is_python(self) -> Self:
+        if self.launch and not self.launch.endswith(".py"):
+            raise MisfitError(NOT_READ, "launch")
+        return self
 
     def to_contract(self) -> WantedPackage:
         """Return the contract."""
@@ -552,11 +564,13 @@ class AssignmentModel(SpecModel):
     @model_validator(mode="after")
     def _items_fit(self) -> Self:
         seen: set[str] = set()
+        ids = [item.id for item in self.items]
         for i, item in enumerate(self.items):
             if item.id in seen:
                 raise MisfitError(twice(item.id), "items", i, "id")
             if missing := sorted(set(item.needs) - seen):
-                raise MisfitError(unknown_item(missing[0]), "items", i, "needs")
+                told = not_before(missing[0]) if missing[0] in ids else unknown_item(missing[0], ids)
+                raise MisfitError(told, "items", i, "needs")
             seen.add(item.id)
         measured = {item.id for item in self.items if item.measure != BY_PERSON}
         for i, item in enumerate(self.items):
@@ -587,6 +601,18 @@ class AssignmentModel(SpecModel):
         return self
 
     @model_validator(mode="after")
+    def _comes_before_the_end(self) -> Self:
+        asked = [("calls", i, call.at_s) for i, call in enumerate(self.calls)]
+        asked += [("agent", i, step.at_s) for i, step in enumerate(self.agent)]
+        for name, i, at_s in asked:
+            if at_s >= self.horizon_s:
+                raise MisfitError(too_late("at_s", self.horizon_s), name, i, "at_s")
+        for i, goal in enumerate(self.places.visit if self.places else ()):
+            if goal.by_s is not None and goal.by_s > self.horizon_s:
+                raise MisfitError(too_late("by_s", self.horizon_s), "places", "visit", i, "by_s")
+        return self
+
+    @model_validator(mode="after")
     def _reference_is_a_script(self) -> Self:
         if self.path is not None and self.path.reference is not None and self.input != "script":
             raise MisfitError(NO_REFERENCE, "path", "reference")
@@ -594,13 +620,13 @@ class AssignmentModel(SpecModel):
 
     @model_validator(mode="after")
     def _names_fit(self) -> Self:
-        names = {item.id for item in self.items}
+        names = [item.id for item in self.items]
         for i, case in enumerate(self.cases):
             if case.id in {earlier.id for earlier in self.cases[:i]}:
                 raise MisfitError(twice(case.id), "cases", i, "id")
         for i, wrong in enumerate(self.wrong):
             if wrong.fails not in names:
-                raise MisfitError(unknown_item(wrong.fails), "wrong", i, "fails")
+                raise MisfitError(unknown_item(wrong.fails, names), "wrong", i, "fails")
             if not wrong.file.endswith(endings := SUFFIXES[self.input]):
                 raise MisfitError(wrong_ending(self.input, endings), "wrong", i, "file")
         return self

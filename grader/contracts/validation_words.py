@@ -61,6 +61,7 @@ def said(problem: Mapping[str, Any], language: Language) -> str:
     if sentence is None:
         return str(problem["msg"])
     limits = problem.get("ctx", {}).items()
-    return sentence.get(language).format(
-        **{name: written(value) if isinstance(value, float) else value for name, value in limits}
-    )
+    shown = {name: written(value) if isinstance(value, float) else value for name, value in limits}
+    if language == "zh" and "expected" in shown:  # pydantic joins the values in English
+        shown["expected"] = str(shown["expected"]).replace(" or ", "、").replace(", ", "、")
+    return sentence.get(language).format(**shown)

@@ -156,9 +156,12 @@ _NO_BAND = Text(
     en="options.band_low_m and band_high_m are missing; add them",
 )
 
+_SWAPPED = Text(
+    zh="要小于 band_high_m：对调或改小", en="must be less than band_high_m; swap them or make it smaller"
+)
 _NO_LINE = Text(
     zh="缺少 options.line_within_m 或 world.room.lines：补上",
-    en="options.line_within_m or world.room.lines are missing; add them",
+    en="options.line_within_m or world.room.lines is missing; add it",
 )
 
 
@@ -178,6 +181,9 @@ def _without_line(assignment: Assignment) -> Iterator[tuple[str, Text]]:
 
 def _without_band(assignment: Assignment) -> Iterator[tuple[str, Text]]:
     has_band = {"band_low_m", "band_high_m"} <= assignment.options.keys()
+    low, high = (assignment.options.get(name) for name in ("band_low_m", "band_high_m"))
+    if isinstance(low, int | float) and isinstance(high, int | float) and low >= high:
+        yield "options.band_low_m", _SWAPPED
     for i, item in enumerate(assignment.items):
         if item.measure in ("band_pct", "band_m") and not has_band:
             yield f"items.{i}.measure", _NO_BAND
