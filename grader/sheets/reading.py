@@ -165,14 +165,18 @@ def _of_csv(content: bytes) -> Iterator[ListedTable]:
 def _csv_rows(text: str, separator: str) -> tuple[ListedRow, ...]:
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=separator, strict=True)
     rows = []
+    line = 1
     try:
         for cells in reader:
             row = ListedRow(number=reader.line_num, cells=tuple(map(_csv_text, cells)))
             if any(row.cells):
                 rows.append(row)
-    except csv.Error as error:
-        line = reader.line_num
-        raise CourseError(f"line {line}: {error}", f"第 {line} 行：{error}") from None
+            line = reader.line_num + 1
+    except csv.Error:  # a quotation mark that is not closed is noticed at the end of the file
+        raise CourseError(
+            f"line {line}: its quotation marks do not match: remove them, or save the table as CSV once more",
+            f"第 {line} 行：引号不成对：删掉多余的引号，或者用 Excel、WPS 重新另存为 CSV",
+        ) from None
     return tuple(rows)
 
 

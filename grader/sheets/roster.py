@@ -30,7 +30,10 @@ _COLUMNS = {
     "first": ("first name", "名"),
     "last": ("last name", "姓"),
     "email": ("邮箱", "电子邮箱", "电子邮件", "email", "e-mail", "email address"),
-    "sections": ("教学班", "班级", "行政班", "班号", "用户组", "section", "sections"),
+    "sections": (
+        "教学班", "教学班级", "教学班名称", "班级", "班级名称", "所在班级", "行政班", "行政班级", "班号", "用户组",
+        "section", "sections",
+    ),
     "role": ("角色", "role"),
 }  # fmt: skip
 _ROLES = {
@@ -40,6 +43,7 @@ _ROLES = {
     "老师": Role.INSTRUCTOR.value,
 }
 _SHORTENED = re.compile(r"[0-9][.,]?[0-9]*e[+]?[0-9]+", re.IGNORECASE)
+_WIDENING = re.compile(r"(?<=[^\x00-\x7f]) (?=[^\x00-\x7f])")
 _SECTION_SEPARATOR = re.compile("[,;，；、]")
 
 
@@ -157,8 +161,12 @@ def id_column(cells: Sequence[str]) -> int | None:
 
 
 def label(cell: str) -> str:
-    """Return a column's name without what is only decoration: case, width, colons, the star of a needed column."""
-    return " ".join(unicodedata.normalize("NFKC", cell).casefold().strip(" *:").split())
+    """Return a column's name without what is only decoration.
+
+    That is case, width, colons, the star of a needed column, and the spaces that widen a short name: 姓　名.
+    """
+    words = " ".join(unicodedata.normalize("NFKC", cell).casefold().strip(" *:").split())
+    return words if words.isascii() else _WIDENING.sub("", words)
 
 
 def _check_once(row: ListedRow, columns: dict[str, int]) -> None:

@@ -21,6 +21,7 @@ from grader.contracts.identity import (
     unknown_course,
     unknown_members,
 )
+from grader.contracts.text import Text
 from grader.store.audit import Signature, record
 from grader.store.clock import Clock
 from grader.store.database import Database, one_at_a_time
@@ -32,6 +33,8 @@ from grader.store.tables import (
     SubmissionRow,
     as_contract,
 )
+
+_LONG_ID = 5  # digits behind the zeros, from which on one number is one person
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -154,7 +157,7 @@ class Courses:
         """Add and change members as `entries` say, all of them or none. Nobody is removed.
 
         Raises:
-            CourseError: there is no such course; an id differs from a member's only in upper and lower case; or no
+            CourseError: there is no such course; an id is likely a member's, written otherwise; or no
                 instructor would be left.
         """
         signed = Signature(self._clock(), course_id, actor)
@@ -292,7 +295,7 @@ def _roster_change(session: Session, course: str, entries: Sequence[RosterEntry]
     if session.get(CourseRow, course) is None:
         raise unknown_course(course)
     known = _members(session, course)
-    _check_case(entries, known)
+    _check_alike(entries, known)
     after = [_put_into(known.get(one.id), course, one) for one in entries]
     listed = {one.id for one in entries}
     return RosterChange(
@@ -319,20 +322,35 @@ def _put_into(known: Member | None, course: str, entry: RosterEntry) -> Member:
     )
 
 
-def _check_case(entries: Sequence[RosterEntry], known: Mapping[str, Member]) -> None:
-    """Refuse ids that are likely a member's, written in another case."""
-    folded = {one.casefold(): one for one in known}
+def _check_alike(entries: Sequence[RosterEntry], known: Mapping[str, Member]) -> None:
+    """Refuse ids that are likely a member's: in another case, or without the zeros that spreadsheets drop."""
+    folded = {_folded(one): one for one in known}
     clashes = [
-        (one.id, folded[one.id.casefold()])
+        (one.id, folded[_folded(one.id)])
         for one in entries
-        if one.id not in known and one.id.casefold() in folded
+        if one.id not in known and _folded(one.id) in folded
     ]
     if clashes:
         en = "\n".join(
-            f"{new} differs from the member {old} only in upper and lower case" for new, old in clashes
+            f"{new} differs from the member {old} only in {_differ(new, old).en}" for new, old in clashes
         )
-        zh = "\n".join(f"{new} 和已有的成员 {old} 只有大小写不同" for new, old in clashes)
+        zh = "\n".join(f"{new} 和已有的成员 {old} {_differ(new, old).zh}" for new, old in clashes)
         raise CourseError(f"nothing was imported:\n{en}", f"没有导入任何人：\n{zh}")
+
+
+def _folded(person: str) -> str:
+    """Return what ids of one person have in common. Short numbers, such as 1 and 01, may be two people's."""
+    number = person.lstrip("0")
+    return number if number.isdecimal() and len(number) >= _LONG_ID else person.casefold()
+
+
+def _differ(one: str, other: str) -> Text:
+    if one.casefold() == other.casefold():
+        return Text(zh="只有大小写不同", en="upper and lower case")
+    return Text(
+        zh="只差开头的 0：把学号这一列设为“文本”，重新填写学号",
+        en="zeros at its beginning: format the column of ids as text and fill it in again",
+    )
 
 
 def _check_instructor(session: Session, course: str) -> None:

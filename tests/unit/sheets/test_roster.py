@@ -131,6 +131,13 @@ def test_addresses_and_sections_are_kept() -> None:
     assert (second.email, second.sections) == (None, None)
 
 
+def test_names_of_columns_may_be_widened_by_spaces() -> None:
+    content = csv([("学 号", "姓\u3000 名", "行政班级", "角 色"), (*LI, "A班", "学生")])
+    assert read_roster(content).checked()[0].sections == ("A班",)
+    with pytest.raises(CourseError, match="no column"):
+        read_roster(csv([("i d", "na me"), LI]))
+
+
 def test_the_first_visible_sheet_with_both_columns_counts() -> None:
     other = [("学号", "姓名"), ("9", "x")]
     content = workbook(other, [("学号", "成绩"), ("8", "1")], PLAIN, other, hidden=0)
@@ -208,7 +215,8 @@ def test_what_is_wrong_with_a_roster_is_told_in_its_own_words() -> None:
         (b"id,name,id\n1,a,2\n", "two columns"),
         (b"id,name\n", "nobody"),
         (b"id,name\n1,\xff\xff\n", "line 2: neither UTF-8"),
-        (b'id,name\n1,"a\n', "line"),
+        (b'id,name\n1,"a\n2,b\n3,c\n', "line 2: its quotation marks do not match"),
+        (b'id,name\n1,a\n2,"b"c\n', "line 3: its quotation marks do not match"),
         (b"PK\x03\x04 no zip", "damaged"),
         (b"\xd0\xcf\x11\xe0" + bytes(600), "damaged"),
         (workbook([]), "no column"),

@@ -118,6 +118,15 @@ def test_an_id_in_another_case_is_nobody_new(courses: Courses) -> None:
     assert ids(courses.members("ros")) == ["S001"]
 
 
+def test_an_id_that_lost_its_zeros_is_nobody_new(courses: Courses) -> None:
+    courses.import_roster("ros", [entry("0020260101"), entry("01")], "wang")
+    for new in ("20260101", "00020260101"):
+        with pytest.raises(CourseError, match=f"{new} differs from the member 0020260101 only in zeros"):
+            courses.import_roster("ros", [entry(new)], "wang")
+    courses.import_roster("ros", [entry("1"), entry("0020260101")], "wang")
+    assert ids(courses.members("ros")) == ["0020260101", "01", "1"]
+
+
 def test_somebody_removed_is_out_at_once(tokens: Tokens, courses: Courses, database: Database) -> None:
     courses.import_roster("ros", [RosterEntry(id="li", name="李", sections=("a",))], "me")
     StoredRules(database).extend(
