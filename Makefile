@@ -3,7 +3,7 @@
 PYTHON ?= python3
 RUN = $(PYTHON) tools/bootstrap.py
 
-.PHONY: help demo test image-test check bench load capacity setup messages interfaces clean
+.PHONY: help demo test quick image-test check bench load capacity setup messages interfaces clean
 
 help:     ## this list
 	@sed -n 's/^\([a-z-]*\): *## /\1\t/p' $(firstword $(MAKEFILE_LIST)) | expand -t 12
@@ -11,6 +11,8 @@ demo:     ## grade a small class over HTTP and show the dashboard
 	@$(RUN) demo $(ARGS)
 test:     ## the whole test suite
 	@$(RUN) test $(ARGS)
+quick:    ## the suite without the tests of whole programs, browsers and attacks: half the time
+	@$(RUN) quick $(ARGS)
 image-test: ## build the container image without a daemon and try it as an ordinary container
 	@$(RUN) image-test $(ARGS)
 check:    ## formatting, lint, types, layers
