@@ -1,6 +1,6 @@
 """Check assignments by their own files: solutions get full marks, wrong scripts the scores they must get."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 
 from rich import text as styled
@@ -21,6 +21,7 @@ from grader.examination import examine as examine_scripts
 from grader.examination.reference import traced, wants_reference
 from grader.examination.sensitivity import Sensitivity
 from grader.grading.slot import Slot, SlotConfig
+from grader.messages.quantity import NOTHING, number
 from grader.render.progress import followed
 from grader.render.terminal import console
 
@@ -33,8 +34,10 @@ _SOLUTION = Text(zh="答案", en="solution")
 _MARGIN = Text(zh="余量", en="margin")
 _INSIDE = Text(zh="：答案离满分范围的边还有多远", en=": how far the solution lies inside each band")
 _ERROR_IN = Text(zh="哪里有误差", en="error in")
-_COSTS = Text(zh="开始扣分", en="costs from")
-_NOTHING_LEFT = Text(zh="扣完", en="nothing left at")
+_LESS_COSTS = Text(zh="小多少开始扣", en="too small: costs from")
+_LESS_LEAVES_NOTHING = Text(zh="小多少扣完", en="nothing left at")
+_MORE_COSTS = Text(zh="大多少开始扣", en="too large: costs from")
+_MORE_LEAVES_NOTHING = Text(zh="大多少扣完", en="nothing left at")
 _WHICH_COSTS = Text(zh="：答案的动作差多少就扣多少", en=": which error in the solution's motion costs what")
 
 
@@ -178,18 +181,36 @@ def _table(language: Language, *headings: Text) -> Table:
 def _print_details(assignment_id: str, examination: Examination, language: Language) -> None:
     table = _table(language, _ITEM, _SOLUTION, _MARGIN)
     for each in examination.margins:
-        table.add_row(each.item, f"{each.measured:g} {each.unit}", f"{each.margin:.3g} {each.unit}")
+        table.add_row(each.item, *(number(value, each.unit, 3) for value in (each.measured, each.margin)))
     console().print(f"\n{assignment_id}{_INSIDE.get(language)}", table)
-    for case, found_ones in examination.sensitivity.items():
-        table = _table(language, _ERROR_IN, _ITEM, _COSTS, _NOTHING_LEFT)
-        for found in found_ones:
-            name = found.perturbation.name.get(language)
-            table.add_row(name, found.item, _size(found, found.starts), _size(found, found.zero))
-        where = f" ({case})" if len(examination.sensitivity) > 1 else ""
-        console().print(f"\n{assignment_id}{where}{_WHICH_COSTS.get(language)}", table)
+    for case, found in examination.sensitivity.items():
+        if found:
+            where = f" ({case})" if len(examination.sensitivity) > 1 else ""
+            console().print(f"\n{assignment_id}{where}{_WHICH_COSTS.get(language)}", _costs(found, language))
 
 
-def _size(found: Sensitivity, error: float | None) -> str:
-    if error is None:
-        return "—"
-    return f"{error * found.perturbation.full:+.0f} {found.perturbation.unit}"
+def _costs(found: Sequence[Sensitivity], language: Language) -> Table:
+    """Return a row for each error and item; the error is named in its first row only."""
+    headings = (_LESS_COSTS, _LESS_LEAVES_NOTHING, _MORE_COSTS, _MORE_LEAVES_NOTHING)
+    table = _table(language, _ERROR_IN, _ITEM, *headings)
+    sizes: dict[tuple[str, str], dict[bool, Sensitivity]] = {}
+    for each in found:
+        sizes.setdefault((each.perturbation.name.get(language), each.item), {})[each.starts > 0.0] = each
+    named = ""
+    for (name, item), by_sign in sizes.items():
+        cells = [cell for more in (False, True) for cell in _sizes(by_sign.get(more))]
+        table.add_row("" if name == named else name, item, *cells)
+        named = name
+    return table
+
+
+def _sizes(found: Sensitivity | None) -> tuple[str, str]:
+    """Return from which error on points are lost, and from which on all are."""
+    if found is None:
+        return NOTHING, NOTHING
+    full, unit = found.perturbation.full, found.perturbation.unit
+    starts, zero = (
+        NOTHING if error is None else number(abs(error) * full, unit, 0)
+        for error in (found.starts, found.zero)
+    )
+    return starts, zero

@@ -12,7 +12,7 @@ from grader.contracts.assignment import Assignment, ItemSpec, WrongAttempt
 from grader.contracts.grading import Grader, GradingJob, GradingResult
 from grader.contracts.notation import written
 from grader.contracts.report import GradeReport, GradeStatus
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem, Unit
 from grader.contracts.scoring import Run
 from grader.contracts.text import EMPTY, Text
 from grader.contracts.trajectory import decode_trajectory
@@ -64,7 +64,7 @@ class Margin:
     item: str
     measured: float
     margin: float
-    unit: str
+    unit: Unit
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

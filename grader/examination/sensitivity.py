@@ -12,10 +12,11 @@ import numpy as np
 
 from grader.checks import evaluate
 from grader.contracts.assignment import Assignment
-from grader.contracts.rubric import ItemStatus, RubricItem
+from grader.contracts.rubric import ItemStatus, RubricItem, Unit
 from grader.contracts.scoring import Run
 from grader.contracts.text import Text
 from grader.contracts.trajectory import COMMAND_LIFE_NS, Command, Floats, Trajectory
+from grader.messages.quantity import number
 
 Commands = Sequence[Command]
 Spoil = Callable[[Commands, float], list[Command]]
@@ -42,7 +43,7 @@ class Perturbation:
     name: Text
     spoil: Spoil
     full: float
-    unit: str
+    unit: Unit
     must_cost_from: float | None
     applies: Callable[[list[str]], bool]
 
@@ -85,7 +86,7 @@ def lax(assignment: Assignment, run: Run) -> list[Text]:
             continue
         both = [_scored(assignment, run, perturbation, sign * error) for sign in (1.0, -1.0)]
         if all(map(_full, both)) and not any(_moves(limits, right, items) for items in both):
-            size = f"{error * perturbation.full:g} {perturbation.unit}"
+            size = number(error * perturbation.full, perturbation.unit)
             name = perturbation.name
             zh = f"太宽松：{name.zh}差 {size} 也不扣分；把某个范围收窄，或在评分项上用 limit 写明原因"
             en = f"lax: {name.en} off by {size} costs nothing; narrow a band, or say why with limit"
@@ -180,12 +181,21 @@ def _full(items: tuple[RubricItem, ...]) -> bool:
 
 
 def _stretches(commands: Commands) -> list[tuple[str, list[Command]]]:
-    """Group commands of one kind of motion that follow each other."""
-    return [(kind, list(group)) for kind, group in groupby(commands, key=motion_of)]
+    """Group commands of one kind of motion that follow each other; arcs of different circles apart."""
+
+    def motion(command: Command) -> tuple[str, float]:
+        kind = motion_of(command)
+        return kind, round(command.w_radps / command.v_mps, 3) if kind == "arc" else 0.0
+
+    return [(kind, list(group)) for (kind, _), group in groupby(commands, key=motion)]
 
 
-def _scaled(kind: str, *, only_first: bool) -> Spoil:
-    """Return what makes the turns or runs faster: all of them, or the first only."""
+def _scaled(kind: str, *, only_first: bool = False, turning: bool = True) -> Spoil:
+    """Return what makes stretches of one kind faster: all of them, or the first only.
+
+    What lasts as long gets longer or turns further so; with `turning` false it turns as far as before, on a
+    circle of another radius.
+    """
 
     def spoil(commands: Commands, error: float) -> list[Command]:
         spoilt: list[Command] = []
@@ -194,7 +204,11 @@ def _scaled(kind: str, *, only_first: bool) -> Spoil:
             factor = 1.0 + error if found == kind and left else 1.0
             left = left and not (only_first and found == kind)
             spoilt += [
-                Command(t_ns=one.t_ns, v_mps=one.v_mps * factor, w_radps=one.w_radps * factor)
+                Command(
+                    t_ns=one.t_ns,
+                    v_mps=one.v_mps * factor,
+                    w_radps=one.w_radps * (factor if turning else 1.0),
+                )
                 for one in stretch
             ]
         return spoilt
@@ -237,15 +251,15 @@ def _longer_rests(commands: Commands, error: float) -> list[Command]:
 
 PERTURBATIONS = (
     Perturbation(
-        Text(zh="每段直行", en="every run"),
-        _scaled("run", only_first=False),
+        Text(zh="每段直行的长度", en="length of every straight"),
+        _scaled("run"),
         100.0,
         "%",
         None,
         lambda kinds: "run" in kinds,
     ),
     Perturbation(
-        Text(zh="其中一段直行", en="one run"),
+        Text(zh="第一段直行的长度", en="length of the first straight"),
         _scaled("run", only_first=True),
         100.0,
         "%",
@@ -253,15 +267,15 @@ PERTURBATIONS = (
         lambda kinds: kinds.count("run") > 1,
     ),
     Perturbation(
-        Text(zh="每次转弯", en="every turn"),
-        _scaled("turn", only_first=False),
+        Text(zh="每次转弯的角度", en="angle of every turn"),
+        _scaled("turn"),
         100.0,
         "%",
         0.25,
         lambda kinds: "turn" in kinds,
     ),
     Perturbation(
-        Text(zh="其中一次转弯", en="one turn"),
+        Text(zh="第一次转弯的角度", en="angle of the first turn"),
         _scaled("turn", only_first=True),
         100.0,
         "%",
@@ -269,7 +283,7 @@ PERTURBATIONS = (
         lambda kinds: kinds.count("turn") > 1,
     ),
     Perturbation(
-        Text(zh="直行的方向", en="heading of runs"),
+        Text(zh="每段直行末尾的朝向", en="heading at the end of every straight"),
         _veering,
         90.0,
         "deg",
@@ -277,7 +291,36 @@ PERTURBATIONS = (
         lambda kinds: "run" in kinds,
     ),
     Perturbation(
-        Text(zh="停顿", en="rests"), _longer_rests, 100.0, "%", None, lambda kinds: "rest" in kinds[:-1]
+        Text(zh="每段弧线的半径", en="radius of every arc"),
+        _scaled("arc", turning=False),
+        100.0,
+        "%",
+        None,
+        lambda kinds: "arc" in kinds,
+    ),
+    Perturbation(
+        Text(zh="第一段弧线的半径", en="radius of the first arc"),
+        _scaled("arc", only_first=True, turning=False),
+        100.0,
+        "%",
+        0.25,
+        lambda kinds: kinds.count("arc") > 1,
+    ),
+    Perturbation(
+        Text(zh="每段弧线的角度", en="angle of every arc"),
+        _scaled("arc"),
+        100.0,
+        "%",
+        0.25,
+        lambda kinds: "arc" in kinds,
+    ),
+    Perturbation(
+        Text(zh="每次停顿的时间", en="time of every rest"),
+        _longer_rests,
+        100.0,
+        "%",
+        None,
+        lambda kinds: "rest" in kinds[:-1],
     ),
 )
 

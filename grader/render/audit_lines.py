@@ -116,7 +116,7 @@ class Teller:
 
     def value(self, name: str, value: Any) -> str:
         """Return the value of the field `name` in words, as it stands when it is not what such fields hold."""
-        if value is None:
+        if _empty(value):
             return _text(value)
         try:
             return self._told(name, _KINDS.get(name), value)

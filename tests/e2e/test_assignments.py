@@ -191,7 +191,7 @@ def test_a_new_assignment_validates_and_mistakes_in_it_are_found(
     text = spec.read_text(encoding="utf-8")
     spec.write_text(text.replace("high: 4\n    ramp: 16", "high: 90\n    ramp: 5"), encoding="utf-8")
     problems = {found.script: found.problem.en for found in examine(authored, "heptagon", grader).findings}
-    assert "lax: one run off by 25 %" in problems["solution.py"]
+    assert "lax: length of the first straight off by 25 %" in problems["solution.py"]
     assert "false pass" in problems["wrong/side_too_short.py"]
 
     spec.write_text(text.replace("low: 87\n    high: 93", "low: 117\n    high: 123"), encoding="utf-8")

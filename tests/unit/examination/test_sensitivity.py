@@ -1,5 +1,6 @@
 """The solution's motion driven again, and made worse."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -43,12 +44,30 @@ def test_credit_falls_from_the_tolerances_on() -> None:
         (each.perturbation.name.en, each.item, each.starts > 0): each
         for each in sensitivities(SQUARE, square_run())
     }
-    corner = found["one turn", "angles", True]
+    corner = found["angle of the first turn", "angles", True]
     assert 3.0 / 90.0 <= corner.starts <= 4.5 / 90.0
     assert corner.zero is not None
     assert 0.15 <= corner.zero <= 0.18
-    assert found["one run", "lengths", False].starts == pytest.approx(-0.065, abs=0.011)
-    assert not [each for each in found.values() if each.perturbation.name.en == "rests"]
+    assert found["length of the first straight", "lengths", False].starts == pytest.approx(-0.065, abs=0.011)
+    assert not [each for each in found.values() if each.perturbation.name.en == "time of every rest"]
+
+
+def test_arcs_are_spoilt_one_by_one() -> None:
+    two_circles = assignment("two_circles")
+    run = run_of(drive([(2.0 * math.pi * radius, 1.0, 1.0 / radius) for radius in (0.8, 1.6)]))
+    assert replayable(two_circles, run)
+    found = {
+        (each.perturbation.name.en, each.item, each.starts > 0): each
+        for each in sensitivities(two_circles, run)
+    }
+    for error in ("radius of every arc", "radius of the first arc"):
+        assert 0.04 <= found[error, "radius", True].starts <= 0.08
+    assert found["angle of every arc", "whole", False].starts <= -0.04
+    assert lax(two_circles, run) == []
+    task = widened(two_circles, "covered_pct", low=1.0)
+    for measure in ("radius_error_pct", "off_pct", "gap_pct", "round_pct"):
+        task = widened(task, measure, high=300.0)
+    assert any("radius of the first arc" in problem.en for problem in lax(task, run))
 
 
 def test_the_shipped_square_is_not_lax() -> None:
@@ -59,8 +78,8 @@ def test_the_shipped_square_is_not_lax() -> None:
 @pytest.mark.parametrize(
     ("measures", "band", "name"),
     [
-        (("side_spread_pct", "gap_pct"), {"high": 90.0}, "one run"),
-        (("corner_deg", "gap_pct"), {"low": 10.0, "high": 170.0}, "one turn"),
+        (("side_spread_pct", "gap_pct"), {"high": 90.0}, "length of the first straight"),
+        (("corner_deg", "gap_pct"), {"low": 10.0, "high": 170.0}, "angle of the first turn"),
     ],
 )
 def test_a_lax_tolerance_is_caught(measures: tuple[str, ...], band: dict[str, float], name: str) -> None:
@@ -81,11 +100,14 @@ def test_a_motion_that_needs_its_script_is_left_alone() -> None:
 
 def test_a_limit_with_a_reason_may_be_wide() -> None:
     task = widened(widened(SQUARE, "side_spread_pct", high=90.0), "gap_pct", high=90.0)
-    assert any("one run" in problem.en for problem in lax(task, square_run()))
+    assert any("length of the first straight" in problem.en for problem in lax(task, square_run()))
     allowed = tuple(
         replace(item, limit="any quadrangle with right corners will do")
         if item.measure == "side_spread_pct"
         else item
         for item in task.items
     )
-    assert not any("one run" in problem.en for problem in lax(replace(task, items=allowed), square_run()))
+    assert not any(
+        "length of the first straight" in problem.en
+        for problem in lax(replace(task, items=allowed), square_run())
+    )

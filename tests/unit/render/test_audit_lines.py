@@ -45,6 +45,7 @@ def test_every_action_of_the_store_has_words() -> None:
         ("role", "assistant", "助教", "assistant"),
         ("hidden_items", ["a", "b"], "a, b", "a, b"),
         ("hidden_items", [], "—", "—"),
+        ("by_section", [], "—", "—"),
         ("score", 12.0, "12", "12"),
     ],
 )
